@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# Installs what vog is built and tested with on Debian 12, if anything of it is missing.
+# Runs as root or with sudo.
+set -euo pipefail
+
+packages=(
+    # build
+    g++ cmake ninja-build pkg-config ccache
+    # volumes, threads, text, images
+    libopenvdb-dev libnanovdb-dev libtbb-dev libhwy-dev libboost-iostreams-dev libblosc-dev zlib1g-dev
+    libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libopenexr-dev libimath-dev
+    # tests, benches, format check
+    libgtest-dev libbenchmark-dev clang-format
+)
+
+missing=()
+for package in "${packages[@]}"; do
+    status=$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null || true)
+    [[ $status == "install ok installed" ]] || missing+=("$package")
+done
+[[ ${#missing[@]} -eq 0 ]] && exit 0
+
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+    command -v sudo >/dev/null || { echo "install-deps: needs root or sudo to install: ${missing[*]}" >&2; exit 1; }
+    as_root=(sudo)
+fi
+echo "install-deps: installing ${missing[*]}"
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+    "${missing[@]}" >/dev/null
