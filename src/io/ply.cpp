@@ -1,0 +1,345 @@
+// ply.cpp: models as binary little-endian PLY. The header says every convention (docs/formats.md);
+// the reader takes its layouts by property name and refuses what it does not understand.
+#include "vog/ply.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <cstring>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <sstream>
+
+#include "io/atomic_file.h"
+#include "vog/error.h"
+
+static_assert(std::endian::native == std::endian::little,
+              "PLY bodies are written as memory has them");
+
+namespace vog {
+
+namespace {
+
+/// What the header says; properties in file order, all float32.
+struct Header {
+    std::uint64_t vertices = 0;
+    std::vector<std::string> properties;
+    std::vector<std::string> comments;
+    std::uint64_t body_offset = 0;
+};
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& what) {
+    throw Error(fmt::format("{}: {}", file.string(), what));
+}
+
+Header read_header(const std::filesystem::path& file, std::istream& in) {
+    constexpr std::size_t kMaxHeaderLines = 4096;
+    Header header;
+    std::string line;
+    bool format_seen = false, vertex_seen = false;
+    const auto next_line = [&] {
+        if (!std::getline(in, line) || in.eof())
+            fail(file, "truncated: the PLY header has no end_header");
+        if (!line.empty() && line.back() == '\r') line.pop_back();
+    };
+
+    char magic[4] = {};
+    in.read(magic, 4);
+    if (in.gcount() < 4 || std::string_view(magic, 3) != "ply" ||
+        (magic[3] != '\n' && magic[3] != '\r'))
+        fail(file, "not a PLY file (it does not begin with 'ply')");
+    if (magic[3] == '\r' && in.peek() == '\n') in.get();
+    for (std::size_t n = 0;; ++n) {
+        next_line();
+        if (n > kMaxHeaderLines) fail(file, "more than 4096 header lines");
+        std::istringstream words(line);
+        std::string word, type, name;
+        words >> word;
+        if (word == "end_header") break;
+        if (word == "comment") {
+            header.comments.push_back(line.size() > 8 ? line.substr(8) : "");
+        } else if (word == "obj_info") {
+            continue;
+        } else if (word == "format") {
+            words >> type;
+            if (type != "binary_little_endian")
+                fail(file, fmt::format("format '{}', expected binary_little_endian", type));
+            format_seen = true;
+        } else if (word == "element") {
+            words >> name;
+            if (name != "vertex" || vertex_seen)
+                fail(file, fmt::format("element '{}', expected the one element 'vertex'", name));
+            if (!(words >> header.vertices))
+                fail(file, fmt::format("'{}': expected a count", line));
+            vertex_seen = true;
+        } else if (word == "property") {
+            words >> type >> name;
+            if (type != "float" && type != "float32")
+                fail(file, fmt::format("property '{}', expected float32", line.substr(9)));
+            if (std::find(header.properties.begin(), header.properties.end(), name) !=
+                header.properties.end())
+                fail(file, fmt::format("property '{}' twice", name));
+            header.properties.push_back(name);
+        } else {
+            fail(file, fmt::format("header line '{}' is not PLY", line.substr(0, 60)));
+        }
+    }
+    if (!format_seen) fail(file, "the header has no format line");
+    if (!vertex_seen) fail(file, "the header has no element vertex");
+    header.body_offset = static_cast<std::uint64_t>(in.tellg());
+    return header;
+}
+
+/// Rest of the first comment that starts with `key` and a blank; nothing if there is none.
+const std::string* comment(const Header& header, const std::string& key, std::string& rest) {
+    for (const std::string& text : header.comments)
+        if (text.starts_with(key + " ")) return rest = text.substr(key.size() + 1), &rest;
+    return nullptr;
+}
+
+/// Numbers of a comment value; throws where it holds anything else or another count.
+std::vector<double> numbers(const std::filesystem::path& file, const std::string& key,
+                            const std::string& text, std::size_t expected) {
+    std::vector<double> values;
+    const char *at = text.data(), *end = at + text.size();
+    while (at != end) {
+        if (*at == ' ') {
+            ++at;
+            continue;
+        }
+        double value;
+        const auto [stop, code] = std::from_chars(at, end, value);
+        if (code != std::errc{})
+            fail(file, fmt::format("comment '{} {}': not a number", key, text));
+        values.push_back(value);
+        at = stop;
+    }
+    if (values.size() != expected)
+        fail(file, fmt::format("comment '{} {}': {} numbers, expected {}", key, text, values.size(),
+                               expected));
+    return values;
+}
+
+enum class Layout { vog, splatting, volprim };
+
+/// Tells the layout by its property names; anything it cannot place is refused.
+Layout layout_of(const std::filesystem::path& file, const Header& header) {
+    const auto has = [&](std::string_view name) {
+        return std::find(header.properties.begin(), header.properties.end(), name) !=
+               header.properties.end();
+    };
+    std::string all;
+    for (const std::string& name : header.properties) all += (all.empty() ? "" : " ") + name;
+    for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
+        if (!has(name)) fail(file, fmt::format("no property '{}' (it has: {})", name, all));
+    const int rotations = has("rot_0") + has("rot_1") + has("rot_2") + has("rot_3");
+    if (rotations != 0 && rotations != 4)
+        fail(file,
+             fmt::format("{} of the properties rot_0 to rot_3, expected none or all", rotations));
+
+    // One weight property tells whose layout it is.
+    const bool sigmat = has("sigmat") || has("sigmat_0");
+    if (has("density") + has("opacity") + sigmat != 1)
+        fail(file,
+             fmt::format("properties '{}' are none of the layouts vog (density), 3DGS (opacity) "
+                         "or volprim (sigmat)",
+                         all));
+    const Layout layout = has("density")   ? Layout::vog
+                          : has("opacity") ? Layout::splatting
+                                           : Layout::volprim;
+    if (layout != Layout::vog && rotations == 0)
+        fail(file, "no properties rot_0 to rot_3, expected them beside opacity or sigmat");
+    // Colour is not density: the neighbours' appearance coefficients are known and not used.
+    const auto known = [&](const std::string& name) {
+        static const std::vector<std::string> common = {
+            "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
+        if (std::find(common.begin(), common.end(), name) != common.end()) return true;
+        if (layout == Layout::vog) return name == "density";
+        const bool appearance = name.starts_with("f_dc_") || name.starts_with("f_rest_") ||
+                                name == "nx" || name == "ny" || name == "nz";
+        if (layout == Layout::splatting) return appearance || name == "opacity";
+        return appearance || name.starts_with("sigmat") || name.starts_with("albedo") ||
+               name.starts_with("emission") || name.starts_with("sh_coeffs");
+    };
+    for (const std::string& name : header.properties)
+        if (!known(name)) fail(file, fmt::format("unknown property '{}'", name));
+    return layout;
+}
+
+/// The metadata of our own header lines.
+void read_comments(const std::filesystem::path& file, const Header& header, Gaussians& model) {
+    std::string value;
+    if (!comment(header, "cutoff", value)) fail(file, "no header line 'comment cutoff'");
+    model.cutoff = static_cast<float>(numbers(file, "cutoff", value, 1)[0]);
+    if (comment(header, "box", value)) {
+        const auto b = numbers(file, "box", value, 6);
+        model.box = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+    }
+    if (comment(header, "source_voxels", value))
+        model.source_voxels =
+            static_cast<std::uint64_t>(numbers(file, "source_voxels", value, 1)[0]);
+    if (comment(header, "source", value)) model.source = value;
+    if (comment(header, "method", value)) model.method = value;
+    if (comment(header, "options", value)) model.options = value;
+}
+
+/// Turns the neighbours' conventions into ours, in place.
+void adopt_conventions(Layout layout, Gaussians& model) {
+    if (layout == Layout::vog) return;
+    constexpr float kThreeSigma = 3.0f;  // where both neighbours cut their kernel
+    model.cutoff = kThreeSigma;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        Vec3f& s = model.scale[i];
+        s = {std::exp(s.x), std::exp(s.y), std::exp(s.z)};  // both store logarithms
+        if (layout == Layout::splatting) {
+            // Opacity is a logit of the largest alpha. The peak at which a ray through the centre,
+            // along the mean direction, has T = -ln(1 - alpha): a = T / (sqrt(2 pi) s), s the
+            // geometric mean scale.
+            const double alpha = 1 / (1 + std::exp(-double{model.density[i]}));
+            const double spread = std::cbrt(double{s.x} * s.y * s.z);
+            constexpr double kMaxAlpha = 0.9999;
+            model.density[i] = static_cast<float>(-std::log1p(-std::min(alpha, kMaxAlpha)) /
+                                                  (std::sqrt(2 * std::numbers::pi) * spread));
+        } else {
+            // volprim's weight multiplies a unit-mass pdf: peak = weight / ((2 pi)^(3/2) s1 s2 s3).
+            model.density[i] = static_cast<float>(
+                model.density[i] / (std::pow(2 * std::numbers::pi, 1.5) * s.x * s.y * s.z));
+        }
+    }
+    model.method = layout == Layout::splatting ? "3DGS" : "volprim";
+}
+
+std::string header_text(const Gaussians& model) {
+    // Comments are lines: a newline inside a name must not start a header line of its own.
+    const auto one_line = [](std::string text) {
+        std::replace_if(
+            text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+        return text;
+    };
+    std::string text = "ply\nformat binary_little_endian 1.0\n";
+    text += "comment vog 1\n";
+    text +=
+        "comment kernel density * exp(-0.5 |W (x - mean)|^2), W = diag(1/scale) * transpose(R)\n";
+    text += fmt::format("comment cutoff {}\n", model.cutoff);
+    text +=
+        "comment units scale: standard deviations in world units, density: peak per world unit, "
+        "rot: quaternion w x y z\n";
+    if (!model.box.empty())
+        text +=
+            fmt::format("comment box {} {} {} {} {} {}\n", model.box.lower.x, model.box.lower.y,
+                        model.box.lower.z, model.box.upper.x, model.box.upper.y, model.box.upper.z);
+    if (model.source_voxels) text += fmt::format("comment source_voxels {}\n", model.source_voxels);
+    if (!model.source.empty()) text += "comment source " + one_line(model.source) + "\n";
+    if (!model.method.empty()) text += "comment method " + one_line(model.method) + "\n";
+    if (!model.options.empty()) text += "comment options " + one_line(model.options) + "\n";
+    text += fmt::format("element vertex {}\n", model.size());
+    for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
+        text += fmt::format("property float {}\n", name);
+    if (!model.axis_aligned())
+        for (int n = 0; n < 4; ++n) text += fmt::format("property float rot_{}\n", n);
+    return text + "property float density\nend_header\n";
+}
+
+std::size_t floats_per_gaussian(const Gaussians& model) { return model.axis_aligned() ? 7 : 11; }
+
+}  // namespace
+
+Gaussians read_ply(const std::filesystem::path& file) {
+    require_readable(file);
+    std::ifstream in(file, std::ios::binary);
+    const Header header = read_header(file, in);
+    const Layout layout = layout_of(file, header);
+
+    // The body's length is known: a short or long one is refused before anything is allocated.
+    const std::uint64_t stride = header.properties.size();
+    const std::uint64_t body = std::filesystem::file_size(file) - header.body_offset;
+    const bool countable =
+        header.vertices <= std::numeric_limits<std::uint64_t>::max() / (stride * sizeof(float));
+    const std::uint64_t expected = header.vertices * stride * sizeof(float);
+    if (!countable || body != expected)
+        fail(file, fmt::format("{} bytes of data, expected {} Gaussians of {} bytes: {}", body,
+                               header.vertices, stride * sizeof(float),
+                               !countable || body < expected ? "truncated" : "too long"));
+
+    std::map<std::string, std::size_t> column;
+    for (std::size_t n = 0; n < header.properties.size(); ++n) column[header.properties[n]] = n;
+    const bool rotated = column.contains("rot_0");
+    const char* weight = layout == Layout::splatting ? "opacity"
+                         : layout == Layout::vog     ? "density"
+                         : column.contains("sigmat") ? "sigmat"
+                                                     : "sigmat_0";
+    const std::size_t n = header.vertices;
+    Gaussians model;
+    model.mean.resize(n), model.scale.resize(n), model.density.resize(n);
+    if (rotated) model.rotation.resize(n);
+
+    // Read and scatter block by block: the whole body is never held twice.
+    constexpr std::size_t kBlock = 1 << 16;
+    std::vector<float> rows(std::min(n, kBlock) * stride);
+    const std::size_t cx = column["x"], cy = column["y"], cz = column["z"], c0 = column["scale_0"],
+                      c1 = column["scale_1"], c2 = column["scale_2"], cd = column[weight];
+    const std::size_t q0 = rotated ? column["rot_0"] : 0, q1 = rotated ? column["rot_1"] : 0,
+                      q2 = rotated ? column["rot_2"] : 0, q3 = rotated ? column["rot_3"] : 0;
+    for (std::size_t first = 0; first < n; first += kBlock) {
+        const std::size_t count = std::min(kBlock, n - first);
+        const auto bytes = static_cast<std::streamsize>(count * stride * sizeof(float));
+        if (!in.read(reinterpret_cast<char*>(rows.data()), bytes))
+            fail(file, "cannot be read to its end");
+        for (std::size_t i = 0; i < count; ++i) {
+            const float* row = rows.data() + i * stride;
+            model.mean[first + i] = {row[cx], row[cy], row[cz]};
+            model.scale[first + i] = {row[c0], row[c1], row[c2]};
+            if (rotated) model.rotation[first + i] = {row[q0], row[q1], row[q2], row[q3]};
+            model.density[first + i] = row[cd];
+        }
+    }
+    if (layout == Layout::vog) read_comments(file, header, model);
+    adopt_conventions(layout, model);
+
+    const std::string source = model.source;
+    model.source = file.string();
+    validate(model);
+    model.source = source;
+    return model;
+}
+
+void write_ply(const std::filesystem::path& file, const Gaussians& gaussians) {
+    validate(gaussians);
+    const std::string header = header_text(gaussians);
+    const std::size_t stride = floats_per_gaussian(gaussians);
+    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
+        std::ofstream out(beside, std::ios::binary);
+        out << header;
+        constexpr std::size_t kBlock = 1 << 16;
+        std::vector<float> rows;
+        for (std::size_t first = 0; first < gaussians.size(); first += kBlock) {
+            const std::size_t count = std::min(kBlock, gaussians.size() - first);
+            rows.resize(count * stride);
+            float* row = rows.data();
+            for (std::size_t i = first; i < first + count; ++i) {
+                const auto put = [&row](auto... values) { ((*row++ = values), ...); };
+                put(gaussians.mean[i].x, gaussians.mean[i].y, gaussians.mean[i].z);
+                put(gaussians.scale[i].x, gaussians.scale[i].y, gaussians.scale[i].z);
+                if (!gaussians.axis_aligned()) {
+                    const Quat q = gaussians.rotation[i];
+                    put(q.w, q.x, q.y, q.z);
+                }
+                put(gaussians.density[i]);
+            }
+            out.write(reinterpret_cast<const char*>(rows.data()),
+                      static_cast<std::streamsize>(rows.size() * sizeof(float)));
+        }
+        if (!out.flush()) fail(file, "cannot write: the disk may be full");
+    });
+}
+
+std::size_t ply_bytes(const Gaussians& gaussians) {
+    return header_text(gaussians).size() +
+           gaussians.size() * floats_per_gaussian(gaussians) * sizeof(float);
+}
+
+}  // namespace vog

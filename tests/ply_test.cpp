@@ -1,0 +1,220 @@
+// ply_test.cpp: models come back bit for bit; neighbours' layouts by name; nothing else.
+#include "vog/ply.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include "support/data.h"
+#include "support/scenes.h"
+#include "vog/error.h"
+
+namespace vog::test {
+
+namespace {
+
+std::string read_bytes(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream bytes;
+    bytes << in.rdbuf();
+    return bytes.str();
+}
+
+void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
+    std::ofstream(file, std::ios::binary) << bytes;
+}
+
+std::string error_of(const std::filesystem::path& file) {
+    try {
+        read_ply(file);
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return "no error";
+}
+
+Gaussians labelled(Gaussians model) {
+    model.box = {{-1.1, -1, -1}, {1, 1, 1.0 / 3}};
+    model.source = "smoke.vdb density";
+    model.source_voxels = 1049275;
+    model.method = "paper";
+    model.options = "--strategy smart --dense-block 2";
+    return model;
+}
+
+/// A PLY of the given float32 properties with one row.
+std::string one_row(const std::vector<std::pair<std::string, float>>& properties,
+                    const std::string& comments = "") {
+    std::string text = "ply\nformat binary_little_endian 1.0\n" + comments + "element vertex 1\n";
+    for (const auto& [name, value] : properties) text += "property float " + name + "\n";
+    text += "end_header\n";
+    for (const auto& [name, value] : properties) {
+        char bytes[4];
+        std::memcpy(bytes, &value, 4);
+        text.append(bytes, 4);
+    }
+    return text;
+}
+
+}  // namespace
+
+TEST(ply, models_come_back_bit_for_bit) {
+    const TempDir dir;
+    Gaussians plain = random_gaussians(1000, 1e-6, 1, 1);
+    plain.rotation.clear();
+    for (const Gaussians& model : {labelled(random_gaussians(70000, 1e-6, 1, 2, 3.0349f)),
+                                   labelled(plain), labelled(Gaussians{})}) {
+        write_ply(dir / "m.ply", model);
+        const Gaussians back = read_ply(dir / "m.ply");
+        EXPECT_EQ(back.mean, model.mean);
+        EXPECT_EQ(back.scale, model.scale);
+        EXPECT_EQ(back.rotation, model.rotation);
+        EXPECT_EQ(back.density, model.density);
+        EXPECT_EQ(back.cutoff, model.cutoff);
+        EXPECT_EQ(back.box, model.box);
+        EXPECT_EQ(back.source, model.source);
+        EXPECT_EQ(back.source_voxels, model.source_voxels);
+        EXPECT_EQ(back.method, model.method);
+        EXPECT_EQ(back.options, model.options);
+        EXPECT_EQ(std::filesystem::file_size(dir / "m.ply"), ply_bytes(model));
+    }
+}
+
+TEST(ply, header_says_every_convention) {
+    const TempDir dir;
+    write_ply(dir / "m.ply", labelled(random_gaussians(3, 0.1, 1, 3)));
+    const std::string text = read_bytes(dir / "m.ply");
+    for (const char* line : {"comment kernel ", "comment cutoff 2.25\n", "comment units ",
+                             "comment source smoke.vdb density\n", "comment method paper\n",
+                             "comment options --strategy smart --dense-block 2\n",
+                             "property float rot_0\n", "property float density\n"})
+        EXPECT_NE(text.find(line), std::string::npos) << line;
+}
+
+TEST(ply, every_truncation_length_throws) {
+    const TempDir dir;
+    write_ply(dir / "whole.ply", labelled(random_gaussians(3, 0.1, 1, 4)));
+    const std::string bytes = read_bytes(dir / "whole.ply");
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+        write_bytes(dir / "cut.ply", bytes.substr(0, length));
+        ASSERT_NE(error_of(dir / "cut.ply").find("cut.ply: "), std::string::npos) << length;
+    }
+    write_bytes(dir / "cut.ply", bytes + "x");
+    EXPECT_NE(error_of(dir / "cut.ply").find("too long"), std::string::npos);
+}
+
+TEST(ply, a_count_beyond_the_file_is_refused_before_it_is_allocated) {
+    const TempDir dir;
+    std::string bytes = one_row({{"x", 0},
+                                 {"y", 0},
+                                 {"z", 0},
+                                 {"scale_0", 1},
+                                 {"scale_1", 1},
+                                 {"scale_2", 1},
+                                 {"density", 1}},
+                                "comment cutoff 2.25\n");
+    bytes.replace(bytes.find("vertex 1"), 8, "vertex 4611686018427387904");
+    write_bytes(dir / "huge.ply", bytes);
+    EXPECT_NE(error_of(dir / "huge.ply").find("truncated"), std::string::npos);
+}
+
+TEST(ply, 3dgs_files_are_taken_by_name) {
+    const TempDir dir;
+    const float alpha = 0.75f, logit = std::log(alpha / (1 - alpha)), s = 0.2f;
+    write_bytes(dir / "3dgs.ply", one_row({{"x", 1},
+                                           {"y", 2},
+                                           {"z", 3},
+                                           {"nx", 0},
+                                           {"ny", 0},
+                                           {"nz", 0},
+                                           {"f_dc_0", 9},
+                                           {"f_dc_1", 9},
+                                           {"f_dc_2", 9},
+                                           {"f_rest_0", 9},
+                                           {"opacity", logit},
+                                           {"scale_0", std::log(s)},
+                                           {"scale_1", std::log(s)},
+                                           {"scale_2", std::log(s)},
+                                           {"rot_0", 1},
+                                           {"rot_1", 0},
+                                           {"rot_2", 0},
+                                           {"rot_3", 0}}));
+    const Gaussians model = read_ply(dir / "3dgs.ply");
+    ASSERT_EQ(model.size(), 1u);
+    EXPECT_EQ(model.mean[0], (Vec3f{1, 2, 3}));
+    EXPECT_NEAR(model.scale[0].x, s, 1e-6);
+    EXPECT_EQ(model.cutoff, 3.0f);
+    // A ray through the mean must see alpha again, up to the kernel's own cut (0.3 % of T).
+    const double tau = optical_depth(model, 0, {1, 2, -5}, {0, 0, 1});
+    EXPECT_NEAR(1 - std::exp(-tau), alpha, 2e-3);
+}
+
+TEST(ply, volprim_files_are_taken_by_name) {
+    const TempDir dir;
+    write_bytes(dir / "v.ply", one_row({{"x", 1},
+                                        {"y", 2},
+                                        {"z", 3},
+                                        {"nx", 0},
+                                        {"ny", 0},
+                                        {"nz", 0},
+                                        {"sigmat", 5},
+                                        {"albedo_0", 1},
+                                        {"scale_0", std::log(0.2f)},
+                                        {"scale_1", std::log(0.3f)},
+                                        {"scale_2", std::log(0.4f)},
+                                        {"rot_0", 1},
+                                        {"rot_1", 0},
+                                        {"rot_2", 0},
+                                        {"rot_3", 0}}));
+    const Gaussians model = read_ply(dir / "v.ply");
+    // sigmat weighs a unit-mass pdf: the mass is sigmat, less what the cut at 3 takes.
+    EXPECT_NEAR(mass(model), 5 * mass_within(3), 1e-5);
+}
+
+TEST(ply, what_it_does_not_understand_is_refused_by_name) {
+    const TempDir dir;
+    const std::vector<std::pair<std::string, float>> base = {
+        {"x", 0}, {"y", 0}, {"z", 0}, {"scale_0", 1}, {"scale_1", 1}, {"scale_2", 1}};
+    const auto with = [&](std::vector<std::pair<std::string, float>> more,
+                          const std::string& comments = "comment cutoff 2.25\n") {
+        auto all = base;
+        all.insert(all.end(), more.begin(), more.end());
+        write_bytes(dir / "p.ply", one_row(all, comments));
+        return error_of(dir / "p.ply");
+    };
+    EXPECT_EQ(with({{"density", 1}}), "no error");
+    EXPECT_NE(with({{"density", 1}}, "").find("comment cutoff"), std::string::npos);
+    EXPECT_NE(with({{"density", 1}}, "comment cutoff wide\n").find("not a number"),
+              std::string::npos);
+    EXPECT_NE(with({}).find("none of the layouts"), std::string::npos);
+    EXPECT_NE(with({{"density", 1}, {"opacity", 1}}).find("none of the layouts"),
+              std::string::npos);
+    EXPECT_NE(with({{"density", 1}, {"colour", 1}}).find("unknown property 'colour'"),
+              std::string::npos);
+    EXPECT_NE(with({{"density", 1}, {"rot_0", 1}}).find("expected none or all"), std::string::npos);
+    EXPECT_NE(with({{"density", NAN}}).find("density"), std::string::npos);
+    EXPECT_NE(with({{"density", -1}}).find("density"), std::string::npos);
+    write_bytes(dir / "p.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n");
+    EXPECT_NE(error_of(dir / "p.ply").find("format 'ascii'"), std::string::npos);
+    write_bytes(dir / "p.ply", "PNG");
+    EXPECT_NE(error_of(dir / "p.ply").find("not a PLY file"), std::string::npos);
+    EXPECT_NE(error_of(dir / "absent.ply").find("no such file"), std::string::npos);
+}
+
+TEST(ply, a_failed_write_leaves_the_old_file) {
+    const TempDir dir;
+    const Gaussians model = random_gaussians(3, 0.1, 1, 5);
+    write_ply(dir / "m.ply", model);
+    const std::string before = read_bytes(dir / "m.ply");
+    Gaussians spoiled = model;
+    spoiled.density[1] = NAN;
+    EXPECT_THROW(write_ply(dir / "m.ply", spoiled), Error);
+    EXPECT_EQ(read_bytes(dir / "m.ply"), before);
+    EXPECT_THROW(write_ply(dir / "no" / "m.ply", model), Error);
+}
+
+}  // namespace vog::test
