@@ -1,0 +1,306 @@
+// transfer_function_json.cpp: transfer functions from JSON: ParaView's colour maps and our own
+// (docs/transfer_functions.md), and ours written.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "io/atomic_file.h"
+#include "shade/color_spaces.h"
+#include "shade/transfer_function.h"
+#include "vog/error.h"
+
+namespace vog {
+namespace {
+
+using nlohmann::json;
+
+double number(const json& value, const std::string& where) {
+    if (!value.is_number())
+        throw Error(fmt::format("{}: {}, expected a number", where, value.type_name()));
+    return value.get<double>();
+}
+
+/// A flag as JSON has it or as ParaView writes it, 0 or 1; absent: false.
+bool flag(const json& object, const char* key, const std::string& where) {
+    const auto found = object.find(key);
+    if (found == object.end()) return false;
+    if (found->is_boolean()) return found->get<bool>();
+    return number(*found, where + key) != 0;
+}
+
+/// Rows of `columns` numbers, the first of which does not decrease.
+using Rows = std::vector<std::vector<double>>;
+
+void require_sorted(const Rows& rows, const std::string& where) {
+    if (rows.empty()) throw Error(fmt::format("{}: no points, expected at least one", where));
+    for (std::size_t i = 1; i < rows.size(); ++i)
+        if (rows[i][0] < rows[i - 1][0])
+            throw Error(fmt::format("{}: point {} at {} after {}, expected sorted points", where, i,
+                                    rows[i][0], rows[i - 1][0]));
+}
+
+/// ParaView's flat lists: [x, r, g, b, x, r, g, b, ...].
+Rows flat_rows(const json& list, std::size_t columns, const std::string& where) {
+    if (!list.is_array())
+        throw Error(fmt::format("{}: {}, expected an array", where, list.type_name()));
+    if (list.size() % columns != 0)
+        throw Error(
+            fmt::format("{}: {} numbers, expected a multiple of {}", where, list.size(), columns));
+    Rows rows(list.size() / columns);
+    for (std::size_t i = 0; i < list.size(); ++i)
+        rows[i / columns].push_back(number(list[i], fmt::format("{}[{}]", where, i)));
+    require_sorted(rows, where);
+    return rows;
+}
+
+/// Our lists: [[v, r, g, b], [v, r, g, b], ...].
+Rows nested_rows(const json& list, std::size_t columns, const std::string& where) {
+    if (!list.is_array())
+        throw Error(fmt::format("{}: {}, expected an array", where, list.type_name()));
+    Rows rows;
+    for (const json& entry : list) {
+        const std::string place = fmt::format("{}[{}]", where, rows.size());
+        if (!entry.is_array() || entry.size() != columns)
+            throw Error(fmt::format("{}: expected an array of {} numbers", place, columns));
+        std::vector<double>& row = rows.emplace_back();
+        for (const json& value : entry) row.push_back(number(value, place));
+    }
+    require_sorted(rows, where);
+    return rows;
+}
+
+ColorPoint color_point(double v, const std::vector<double>& row) {
+    return {static_cast<float>(v), static_cast<float>(row[1]), static_cast<float>(row[2]),
+            static_cast<float>(row[3])};
+}
+
+struct ColorMapSpace {
+    ColorSpace space = ColorSpace::kRgb;
+    bool step = false;  ///< each interval has the colour of its right end
+};
+
+ColorMapSpace color_map_space(const json& preset, const std::string& where) {
+    const auto key = preset.find("ColorSpace");
+    if (key == preset.end()) return {};
+    const std::string name = key->is_string() ? key->get<std::string>() : key->dump();
+    if (name == "RGB") return {};
+    if (name == "Step") return {ColorSpace::kRgb, true};
+    if (name == "Lab" || name == "CIELAB") return {ColorSpace::kLab, false};
+    if (name == "Diverging") return {ColorSpace::kDiverging, false};
+    if (name == "HSV")
+        return {flag(preset, "HSVWrap", where) ? ColorSpace::kHsvWrapped : ColorSpace::kHsv, false};
+    throw Error(fmt::format("{}ColorSpace: '{}', expected RGB, Lab, CIELAB, Diverging, HSV or Step",
+                            where, name));
+}
+
+std::vector<ColorPoint> with_steps(const std::vector<ColorPoint>& control) {
+    std::vector<ColorPoint> points;
+    for (std::size_t i = 1; i < control.size(); ++i) {
+        ColorPoint left = control[i];
+        left.v = control[i - 1].v;
+        points.push_back(left);
+        points.push_back(control[i]);
+    }
+    return points;
+}
+
+/// VTK's piecewise function: from y0 to y1 over s in [0, 1], through their mean at `midpoint`,
+/// straight at sharpness 0, the steeper there the larger it is.
+double sharpened(double y0, double y1, double midpoint, double sharpness, double s) {
+    midpoint = std::clamp(midpoint, 1e-5, 1 - 1e-5);
+    s = s < midpoint ? 0.5 * s / midpoint : 0.5 + 0.5 * (s - midpoint) / (1 - midpoint);
+    if (sharpness < 0.01) return (1 - s) * y0 + s * y1;
+    // Pull s to the ends, then a Hermite curve with one slope for both.
+    const double power = 1 + 10 * sharpness;
+    s = s < 0.5 ? 0.5 * std::pow(2 * s, power) : 1 - 0.5 * std::pow(2 * (1 - s), power);
+    const double rise = s * s * (3 - 2 * s), lean = s * (1 - s) * (1 - 2 * s);
+    const double slope = (1 - sharpness) * (y1 - y0);
+    return std::clamp(y0 + rise * (y1 - y0) + lean * slope, std::min(y0, y1), std::max(y0, y1));
+}
+
+/// Cuts points that lie outside V in [0, 1], with a point where the line crosses an end.
+std::vector<OpacityPoint> clipped(const std::vector<OpacityPoint>& points) {
+    std::vector<OpacityPoint> inside;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        if (i > 0) {
+            const auto [v0, y0] = points[i - 1];
+            const auto [v1, y1] = points[i];
+            for (const float end : {0.0f, 1.0f})
+                if (v0 < end && end < v1)
+                    inside.push_back({end, y0 + (y1 - y0) * ((end - v0) / (v1 - v0))});
+        }
+        if (points[i].v >= 0 && points[i].v <= 1) inside.push_back(points[i]);
+    }
+    if (inside.empty()) {  // all on one side of the range: a constant
+        const OpacityPoint nearest = points.front().v > 1 ? points.front() : points.back();
+        inside.push_back({0, nearest.opacity});
+    }
+    return inside;
+}
+
+/// ParaView's opacity: [x, opacity, midpoint, sharpness, ...], on the scalars of the colours.
+std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, double range,
+                                           const std::string& where) {
+    const Rows rows = flat_rows(list, 4, where);
+    for (const auto& row : rows)
+        for (std::size_t c = 1; c < 4; ++c)
+            if (!(row[c] >= 0 && row[c] <= 1))
+                throw Error(
+                    fmt::format("{}: point at {} has {}, expected opacity, midpoint and "
+                                "sharpness in [0, 1]",
+                                where, row[0], row[c]));
+    constexpr double kFar = 1e30;  // so that differences are finite floats
+    std::vector<OpacityPoint> points;
+    const auto add = [&](double x, double opacity) {
+        const double v = std::clamp((x - lowest) / range, -kFar, kFar);
+        points.push_back({static_cast<float>(v), static_cast<float>(opacity)});
+    };
+    add(rows[0][0], rows[0][1]);
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        const std::vector<double>&a = rows[i - 1], &b = rows[i];
+        const double width = b[0] - a[0];
+        const auto x_at = [&](double s) { return std::min(a[0] + s * width, b[0]); };
+        if (a[3] > 0.99) {  // VTK's step at the midpoint, exactly where it is
+            add(x_at(a[2]), a[1]);
+            add(x_at(a[2]), b[1]);
+        } else if (width > 0) {
+            const auto curve = [&](double s) -> Color {
+                return {sharpened(a[1], b[1], a[2], a[3], s), 0, 0};
+            };
+            for (const auto& [s, value] : sample_curve(curve)) add(x_at(s), value[0]);
+        }
+        add(b[0], b[1]);
+    }
+    return clipped(points);
+}
+
+TransferFunction from_paraview(const json& preset, const std::string& where) {
+    TransferFunction tf;
+    if (const auto name = preset.find("Name"); name != preset.end() && name->is_string())
+        tf.name = name->get<std::string>();
+    const auto list = preset.find("RGBPoints");
+    if (list == preset.end())
+        throw Error(fmt::format(
+            "{}no RGBPoints{}", where,
+            preset.contains("IndexedColors") ? " (a map of categories has no range)" : ""));
+    if (flag(preset, "UseLogScale", where))
+        throw Error(fmt::format("{}UseLogScale: expected a linear map", where));
+
+    // The scalar range becomes V in [0, 1].
+    const Rows rows = flat_rows(*list, 4, where + "RGBPoints");
+    const double lowest = rows.front()[0], range = rows.back()[0] - lowest;
+    if (!(range > 0 && std::isfinite(range)))
+        throw Error(
+            fmt::format("{}RGBPoints: scalars from {} to {}, expected a finite range above "
+                        "0",
+                        where, lowest, rows.back()[0]));
+    for (const auto& row : rows) tf.color.push_back(color_point((row[0] - lowest) / range, row));
+    require_valid(where + "RGBPoints", tf);
+    const ColorMapSpace space = color_map_space(preset, where);
+    tf.color = space.step ? with_steps(tf.color) : sample_colors(space.space, tf.color);
+
+    if (const auto points = preset.find("Points"); points != preset.end() && !points->is_null())
+        tf.opacity = paraview_opacity(*points, lowest, range, where + "Points");
+    return tf;
+}
+
+TransferFunction from_own(const json& object, const std::string& where) {
+    for (const auto& [key, value] : object.items())
+        if (key != "name" && key != "colors" && key != "opacity")
+            throw Error(
+                fmt::format("{}unknown key '{}', expected name, colors and opacity", where, key));
+    TransferFunction tf;
+    const json& colors = object.at("colors");
+    if (colors.is_string()) {
+        const std::string name = colors.get<std::string>();
+        if (!is_transfer_function_name(name))
+            throw Error(fmt::format("{}colors: '{}', expected points or one of {}", where, name,
+                                    transfer_function_name_list()));
+        tf = named_transfer_function(name);
+    } else {
+        for (const auto& row : nested_rows(colors, 4, where + "colors"))
+            tf.color.push_back(color_point(row[0], row));
+    }
+    if (const auto opacity = object.find("opacity"); opacity != object.end())
+        for (const auto& row : nested_rows(*opacity, 2, where + "opacity"))
+            tf.opacity.push_back({static_cast<float>(row[0]), static_cast<float>(row[1])});
+    if (const auto name = object.find("name"); name != object.end()) {
+        if (!name->is_string())
+            throw Error(fmt::format("{}name: {}, expected a string", where, name->type_name()));
+        tf.name = name->get<std::string>();
+    }
+    return tf;
+}
+
+TransferFunction from_json(const json& root, const std::string& where) {
+    if (root.is_array()) {
+        if (root.empty() || !root.front().is_object())
+            throw Error(fmt::format("{}an array without a preset, expected ParaView's", where));
+        return from_paraview(root.front(), where);
+    }
+    if (root.is_object() && root.contains("RGBPoints")) return from_paraview(root, where);
+    if (root.is_object() && root.contains("colors")) return from_own(root, where);
+    throw Error(
+        fmt::format("{}no transfer function, expected an array of ParaView presets "
+                    "(RGBPoints) or an object with colors",
+                    where));
+}
+
+}  // namespace
+
+TransferFunction read_transfer_function(const std::filesystem::path& file) {
+    require_readable(file);
+    const std::string where = file.string() + ": ";
+    TransferFunction tf;
+    try {
+        std::ifstream stream(file, std::ios::binary);
+        tf = from_json(json::parse(stream), where);
+    } catch (const json::parse_error& error) {
+        throw Error(fmt::format("{}not JSON: error at byte {}", where, error.byte));
+    } catch (const json::exception& error) {
+        throw Error(fmt::format("{}{}", where, error.what()));
+    }
+    if (tf.name.empty()) tf.name = file.stem().string();
+    require_valid(file.string(), tf);
+    return tf;
+}
+
+void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf) {
+    require_valid("transfer function " + tf.name, tf);
+    // By hand rather than dumped: one point a line, and floats in their shortest form.
+    std::string text =
+        fmt::format("{{\n  \"name\": {},\n  \"colors\": [",
+                    json(tf.name).dump(-1, ' ', true, json::error_handler_t::replace));
+    const char* separator = "\n";
+    for (const auto& [v, r, g, b] : tf.color) {
+        text += fmt::format("{}    [{}, {}, {}, {}]", separator, v, r, g, b);
+        separator = ",\n";
+    }
+    text += "\n  ]";
+    separator = ",\n  \"opacity\": [\n";
+    for (const auto& [v, opacity] : tf.opacity) {
+        text += fmt::format("{}    [{}, {}]", separator, v, opacity);
+        separator = ",\n";
+    }
+    text += tf.opacity.empty() ? "\n}\n" : "\n  ]\n}\n";
+
+    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
+        std::ofstream stream(beside, std::ios::binary);
+        stream << text;
+        stream.close();
+        if (!stream) throw Error(fmt::format("{}: cannot write", file.string()));
+    });
+}
+
+TransferFunction load_transfer_function(const std::string& name_or_file) {
+    if (is_transfer_function_name(name_or_file)) return named_transfer_function(name_or_file);
+    std::error_code code;
+    if (std::filesystem::exists(name_or_file, code)) return read_transfer_function(name_or_file);
+    throw Error(fmt::format("{}: neither a file nor a transfer function's name (those are: {})",
+                            name_or_file, transfer_function_name_list()));
+}
+
+}  // namespace vog
