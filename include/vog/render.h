@@ -1,0 +1,43 @@
+// vog/render.h: Gaussians and a camera in, optical depth out. T is a plain sum over Gaussians, so
+// no order, no hit limit, no seams: the T of a union is the sum of the Ts.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/image.h"
+#include "vog/progress.h"
+
+namespace vog {
+
+/// Optical depth of Gaussian i along o + t r, t >= 0, in double precision by the closed form
+///   tau = a exp(-m^2/2) sqrt(pi/(2C)) [erf((t1-t*) sqrt(C/2)) - erf((t0-t*) sqrt(C/2))]
+/// of the truncated kernel (docs/method.md, "One Gaussian along a ray"). What every renderer is
+/// tested against. direction need not have unit length; tau is per world unit of length all the
+/// same.
+double optical_depth(const Gaussians& gaussians, std::size_t i, Vec3d origin, Vec3d direction);
+
+struct SplatOptions {
+    std::string simd_target;  ///< one of splat_targets(); empty: the best
+    Progress progress{};
+    /// The paper's bounding boxes: a ray counts a Gaussian only if it meets the box of this many
+    /// times the paper's radii (scale sqrt(2)) around its mean, within the model's box. 0: no
+    /// boxes.
+    double aabb_sigma = 0;
+};
+
+/// SIMD targets of the splat renderer that this machine can run, best first: "AVX2", ..., "scalar".
+std::vector<std::string> splat_targets();
+
+/// Object order and exact: each Gaussian's line integral at every pixel centre its projected
+/// support covers, perspective included; the camera may be near, inside or behind Gaussians.
+/// returns  T per pixel at extinction 1; the same bytes for any number of threads
+/// throws   vog::Error for an unusable camera or size, an unknown SIMD target, a
+///          negative aabb_sigma
+/// cost     O(Gaussians + covered pixels), bounded extra memory
+[[nodiscard]] DepthImage render_splat(const Gaussians& gaussians, const Camera& camera, int width,
+                                      int height, const SplatOptions& options = {});
+
+}  // namespace vog

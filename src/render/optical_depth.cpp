@@ -1,0 +1,17 @@
+// optical_depth.cpp: one Gaussian along one ray, in double precision: the closed form every
+// renderer is tested against (design: docs/method.md, "One Gaussian along a ray").
+#include <numbers>
+
+#include "render/ray_gaussian.h"
+#include "vog/render.h"
+
+namespace vog {
+
+double optical_depth(const Gaussians& gaussians, std::size_t i, Vec3d origin, Vec3d direction) {
+    const Mat3 w = whitening(gaussians, i);
+    const Vec3d e = w * (vec_cast<double>(gaussians.mean[i]) - origin);
+    const Vec3d d = w * normalized(direction);
+    return gaussians.density[i] * segment_integral(e, d, double{gaussians.cutoff});
+}
+
+}  // namespace vog

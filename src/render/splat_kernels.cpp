@@ -1,0 +1,81 @@
+// splat_kernels.cpp: compiles splat_kernels-inl.h for every SIMD target and chooses among them.
+// foreach_target.h includes this file once per target: what stands outside HWY_NAMESPACE is
+// guarded.
+#include "render/splat_kernels.h"
+
+#include <fmt/format.h>
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "vog/error.h"
+#include "vog/render.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/splat_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace vog {
+namespace HWY_NAMESPACE {
+namespace {
+
+namespace hn = hwy::HWY_NAMESPACE;
+#include "render/splat_kernels-inl.h"
+
+}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace vog
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace vog {
+
+namespace {
+
+HWY_EXPORT(wide_kernels);
+HWY_EXPORT(one_lane_kernels);
+
+/// The kernels of every target this machine can run, best first, and the one-lane ones last.
+std::vector<const SplatKernels*> runnable_kernels() {
+    std::vector<const SplatKernels*> all;
+    const std::int64_t supported = hwy::SupportedTargets();
+    for (const auto entry : HWY_DISPATCH_TABLE(wide_kernels)) {
+        if (entry == nullptr || entry == HWY_DISPATCH_TABLE(wide_kernels)[0]) continue;
+        const SplatKernels* kernels = &entry();
+        if ((kernels->target & supported) &&
+            std::find(all.begin(), all.end(), kernels) == all.end())
+            all.push_back(kernels);
+    }
+    all.push_back(&HWY_STATIC_DISPATCH(one_lane_kernels)());
+    return all;
+}
+
+std::string name_of(const SplatKernels& kernels) {
+    return kernels.target == 0 ? "scalar" : hwy::TargetName(kernels.target);
+}
+
+}  // namespace
+
+const SplatKernels& best_splat_kernels() {
+    static const SplatKernels& best = *runnable_kernels().front();
+    return best;
+}
+
+std::vector<std::string> splat_targets() {
+    std::vector<std::string> names;
+    for (const SplatKernels* kernels : runnable_kernels()) names.push_back(name_of(*kernels));
+    return names;
+}
+
+const SplatKernels& splat_kernels(const std::string& target_name) {
+    for (const SplatKernels* kernels : runnable_kernels())
+        if (name_of(*kernels) == target_name) return *kernels;
+    throw Error(fmt::format("no SIMD target '{}' on this machine (it has: {})", target_name,
+                            fmt::join(splat_targets(), ", ")));
+}
+
+}  // namespace vog
+#endif  // HWY_ONCE
