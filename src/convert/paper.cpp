@@ -1,0 +1,253 @@
+// paper.cpp: the paper's conversion from volume to model: options, the loop over leaves, tiles.
+// Source: Sharma & Schmalstieg, section 3.
+#include <fmt/core.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "convert/paper_groups.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+constexpr std::array<std::pair<Strategy, const char*>, 6> kStrategyNames = {
+    {{Strategy::smart_grouping, "smart"},
+     {Strategy::strict_blocks, "strict"},
+     {Strategy::single_per_leaf, "single"},
+     {Strategy::variance_clusters, "variance"},
+     {Strategy::leaf_clusters, "neighbours"},
+     {Strategy::tree_mirror, "tree"}}};
+
+void check(const PaperOptions& options) {
+    const auto expect = [](bool holds, const char* name, auto got, const char* expected) {
+        if (!holds) throw Error(fmt::format("convert: {} {}, expected {}", name, got, expected));
+    };
+    const int block = options.dense_block;
+    expect(block == 2 || block == 4 || block == 8, "dense block", block, "2, 4 or 8");
+    expect(options.opacity_threshold >= 0 && std::isfinite(options.opacity_threshold),
+           "opacity threshold", options.opacity_threshold, "a density of 0 or more");
+    expect(options.minimum_radius_voxels >= 0 && options.minimum_radius_voxels <= 1e6f,
+           "minimum radius", options.minimum_radius_voxels, "0 to 1e6 voxels");
+    // The cutoff k = sqrt(-2 ln kappa) is to lie within (0, 8].
+    expect(options.kappa >= 1.3e-14f && options.kappa < 1, "kappa", options.kappa,
+           "1.3e-14 to less than 1");
+    expect(options.variance_threshold >= 0 && std::isfinite(options.variance_threshold),
+           "variance threshold", options.variance_threshold, "0 or more");
+    expect(options.similarity >= 0 && options.similarity <= 1, "similarity", options.similarity,
+           "0 to 1");
+    expect(options.tree_depth >= 1 && options.tree_depth <= 3, "tree depth", options.tree_depth,
+           "1, 2 or 3");
+}
+
+/// One pass in parallel over the values; the message, if one is due, comes from validate().
+void check(const Volume& volume) {
+    const std::string source = volume.source.empty() ? "volume" : volume.source;
+    if (volume.empty())
+        throw Error(
+            fmt::format("{}: the volume is empty, expected leaves or tiles to convert", source));
+    const Vec3d shift = volume.world_from_index.translation;
+    if (!std::isfinite(dot(shift, shift)))
+        throw Error(fmt::format("{}: the translation [{}, {}, {}] is not finite", source, shift.x,
+                                shift.y, shift.z));
+    const bool usable = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, volume.leaves.size()), true,
+        [&](const tbb::blocked_range<std::size_t>& range, bool sound) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                int offences = 0;
+                for (const float value : volume.leaves[i].value)
+                    offences |= !(value >= 0 && value <= std::numeric_limits<float>::max());
+                sound = sound && offences == 0;
+            }
+            return sound;
+        },
+        std::logical_and<>{});
+    const double det = determinant(volume.world_from_index.linear);
+    const bool tiles_usable =
+        std::all_of(volume.tiles.begin(), volume.tiles.end(), [](const Tile& tile) {
+            return tile.value >= 0 && tile.value <= std::numeric_limits<float>::max();
+        });
+    if (!usable || !tiles_usable || !std::isfinite(det) || det == 0) validate(volume);
+}
+
+/// The flags of `vog convert` that make the same model.
+std::string flags(const PaperOptions& options) {
+    std::string text = fmt::format("--strategy {}", strategy_name(options.strategy));
+    switch (options.strategy) {
+        case Strategy::variance_clusters:
+            text += fmt::format(" --variance-threshold {}", options.variance_threshold);
+            break;
+        case Strategy::leaf_clusters:
+            text += fmt::format(" --similarity {}", options.similarity);
+            break;
+        case Strategy::tree_mirror:
+            text += fmt::format(" --tree-depth {}", options.tree_depth);
+            break;
+        default:
+            text += fmt::format(" --dense-block {}", options.dense_block);
+    }
+    text += fmt::format(" --amplitude {} --kappa {} --opacity-threshold {} --minimum-radius {}",
+                        options.amplitude == Amplitude::mean ? "mean" : "mass", options.kappa,
+                        options.opacity_threshold, options.minimum_radius_voxels);
+    return text;
+}
+
+/// Makes room for `count` Gaussians more. returns the place of the first
+std::size_t extend(Gaussians& model, std::size_t count, const GroupFit& fit) {
+    const std::size_t first = model.size();
+    model.mean.resize(first + count);
+    model.scale.resize(first + count);
+    model.density.resize(first + count);
+    if (fit.frame.kind != WorldFrame::Kind::aligned) model.rotation.resize(first + count);
+    return first;
+}
+
+void store(std::span<const FittedGaussian> fitted, std::size_t place, Gaussians& model) {
+    for (const FittedGaussian& gaussian : fitted) {
+        model.mean[place] = gaussian.mean;
+        model.scale[place] = gaussian.scale;
+        model.density[place] = gaussian.density;
+        if (!model.rotation.empty()) model.rotation[place] = gaussian.rotation;
+        ++place;
+    }
+}
+
+/// Calls add_leaf(leaf, buffer) for every leaf, one leaf a task, and appends what it adds to the
+/// model in leaf order. The paper's threads write under a mutex, in any order; here each leaf's
+/// place follows from the counts of those before it.
+template <class AddLeaf>
+void append_leaves(const std::vector<Leaf>& leaves, const GroupFit& fit, const Progress& progress,
+                   const AddLeaf& add_leaf, Gaussians& model) {
+    struct Run {
+        const std::vector<FittedGaussian>* buffer = nullptr;
+        std::size_t first = 0, count = 0, place = 0;
+    };
+    // Batches bound the buffers: 8192 leaves are at most 4 M Gaussians.
+    constexpr std::size_t kBatch = 8192;
+    tbb::enumerable_thread_specific<std::vector<FittedGaussian>> buffers;
+    std::vector<Run> runs;
+    for (std::size_t begin = 0; begin < leaves.size(); begin += kBatch) {
+        runs.assign(std::min(kBatch, leaves.size() - begin), {});
+        for (auto& buffer : buffers) buffer.clear();
+        tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+            auto& buffer = buffers.local();
+            const std::size_t first = buffer.size();
+            add_leaf(leaves[begin + i], buffer);
+            runs[i] = {&buffer, first, buffer.size() - first};
+        });
+        std::size_t count = 0;
+        for (Run& run : runs) run.place = std::exchange(count, count + run.count);
+        const std::size_t first = extend(model, count, fit);
+        tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+            const Run& run = runs[i];
+            store(std::span(*run.buffer).subspan(run.first, run.count), first + run.place, model);
+        });
+        if (progress)
+            progress(static_cast<double>(begin + runs.size()) /
+                     static_cast<double>(leaves.size() + 1));
+    }
+}
+
+void append_groups(const GroupFit& fit, const std::vector<Group>& groups, Gaussians& model) {
+    std::vector<FittedGaussian> fitted;
+    for (const Group& group : groups) add_group(fit, group, fitted);
+    store(fitted, extend(model, fitted.size(), fit), model);
+}
+
+}  // namespace
+
+Strategy strategy_from_name(const std::string& name) {
+    std::string names;
+    for (const auto& [strategy, known] : kStrategyNames) {
+        if (name == known) return strategy;
+        names += fmt::format("{}{}", names.empty() ? "" : ", ", known);
+    }
+    throw Error(fmt::format("no strategy named '{}' (there are: {})", name, names));
+}
+
+std::string strategy_name(Strategy strategy) {
+    for (const auto& [known, name] : kStrategyNames)
+        if (known == strategy) return name;
+    throw Error(fmt::format("strategy {}, expected 0 to {}", static_cast<int>(strategy),
+                            kStrategyNames.size() - 1));
+}
+
+PaperOptions paper_lod(int lod) {
+    if (lod < 1 || lod > 5)
+        throw Error(fmt::format("level of detail {}, expected 1 (finest) to 5", lod));
+    PaperOptions options;
+    options.dense_block = lod == 1 ? 2 : lod == 2 ? 4 : 8;
+    if (lod == 4) options.strategy = Strategy::strict_blocks;
+    if (lod == 5) options.strategy = Strategy::single_per_leaf;
+    return options;
+}
+
+Gaussians convert_paper(const Volume& volume, const PaperOptions& options) {
+    check(options);
+    check(volume);
+
+    Gaussians model;
+    model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(static_cast<double>(options.kappa))));
+    model.box = world_box(volume);
+    model.source_voxels = active_voxels(volume);
+    model.source = std::filesystem::path(volume.source).filename().string();
+    if (!volume.name.empty()) model.source += (model.source.empty() ? "" : " ") + volume.name;
+    model.method = "paper";
+    model.options = flags(options);
+
+    const GroupFit fit = make_group_fit(volume, options, model.cutoff);
+    const auto each_leaf = [&](const auto& add_leaf) {
+        append_leaves(volume.leaves, fit, options.progress, add_leaf, model);
+    };
+    // A dense leaf is divided into blocks whichever way the sparse ones are.
+    const auto each_sparse_leaf = [&](const auto& add_leaf) {
+        each_leaf([&](const Leaf& leaf, std::vector<FittedGaussian>& out) {
+            if (leaf.dense())
+                add_dense_blocks(fit, leaf, options.dense_block, out);
+            else
+                add_leaf(fit, leaf, out);
+        });
+    };
+    switch (options.strategy) {
+        case Strategy::smart_grouping:
+            each_sparse_leaf(add_smart_groups);
+            break;
+        case Strategy::strict_blocks:
+            each_sparse_leaf(add_strict_blocks);
+            break;
+        case Strategy::single_per_leaf:
+            each_sparse_leaf(add_single);
+            break;
+        case Strategy::variance_clusters:
+            each_leaf([&, variance = options.variance_threshold * leaf_value_variance(volume)](
+                          const Leaf& leaf, std::vector<FittedGaussian>& out) {
+                add_variance_clusters(fit, leaf, variance, out);
+            });
+            break;
+        case Strategy::leaf_clusters:
+            append_groups(fit, join_neighbours(volume, leaf_groups(volume), options.similarity),
+                          model);
+            break;
+        case Strategy::tree_mirror:
+            append_groups(fit, mirror_tree(volume, leaf_groups(volume), options.tree_depth), model);
+            break;
+    }
+    // Tiles, of any level, are boxes of one value; the mirrored tree has its own use for them.
+    if (options.strategy != Strategy::tree_mirror) append_groups(fit, tile_groups(volume), model);
+    if (options.progress) options.progress(1);
+    return model;
+}
+
+}  // namespace vog
