@@ -20,7 +20,7 @@ namespace vog {
 double optical_depth(const Gaussians& gaussians, std::size_t i, Vec3d origin, Vec3d direction);
 
 struct SplatOptions {
-    std::string simd_target;  ///< one of splat_targets(); empty: the best
+    std::string simd_target{};  ///< one of splat_targets(); empty: the best
     Progress progress{};
     /// The paper's bounding boxes: a ray counts a Gaussian only if it meets the box of this many
     /// times the paper's radii (scale sqrt(2)) around its mean, within the model's box. 0: no

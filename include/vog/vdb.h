@@ -1,0 +1,55 @@
+// vog/vdb.h: OpenVDB files, read and written, and what is inside them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "vog/volume.h"
+
+namespace vog {
+
+struct VdbOptions {
+    std::string grid{};             ///< name; empty: the only scalar grid, else "density"
+    bool level_set_to_fog = false;  ///< take a level set's inside as fog; refused otherwise
+};
+
+/// What reading changed; the command line says it.
+struct VdbNotes {
+    std::uint64_t clamped_negative = 0;  ///< active values below zero, set to zero
+};
+
+/// Reads one grid as density. Float, double, half-stored and integer grids; vector grids by
+/// magnitude when asked by name. Tiles stay tiles.
+/// throws vog::Error for a missing, foreign or truncated file; no, several or unknown grids
+/// (listing the names); a level set, a frustum or singular transform; an empty grid; non-finite
+/// values (their count and the first index)
+Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {},
+                VdbNotes* notes = nullptr);
+
+/// Writes `volume` as a FloatGrid of class fog volume: blosc-compressed where the library has it,
+/// values as half floats if `half`. Written beside the file and renamed.
+void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half = false);
+
+/// One grid of a file, as `vog info` tells it.
+struct GridInfo {
+    std::string name, type, grid_class;  ///< "density", "float", "fog volume"
+    bool half_stored = false;
+    std::uint64_t active_voxels = 0;              ///< tiles included
+    std::array<std::uint64_t, 3> active_tiles{};  ///< of 8^3, 128^3 and 4096^3 voxels
+    std::uint64_t leaves = 0, dense_leaves = 0;
+    std::uint64_t points = 0;  ///< of a PointDataGrid
+    Vec3i lower, upper;        ///< active bounding box, inclusive indices
+    Box world;                 ///< of the active bounding box, voxel faces included
+    Affine world_from_index;
+    bool affine = true;              ///< false: a frustum, world_from_index is unset
+    double min = 0, max = 0;         ///< over active values; magnitudes for vectors
+    std::uint64_t memory_bytes = 0;  ///< of the tree in memory
+};
+
+/// Every grid of the file, in file order. throws vog::Error as read_vdb does
+std::vector<GridInfo> inspect_vdb(const std::filesystem::path& file);
+
+}  // namespace vog

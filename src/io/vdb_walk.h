@@ -1,0 +1,51 @@
+// vdb_walk.h: checks the bytes of one grid's tree before OpenVDB reads them.
+// OpenVDB 10.0.1 writes past its buffers when the size of a compressed block is wrong, hands blosc
+// blocks without their size, ignores short reads, and destroys half-read nodes by stray pointers.
+// The walk follows the tree as openvdb/tree/*::readTopology and readBuffers do, without decoding a
+// value; what passes it can be read by OpenVDB safely, and leaf by leaf in parallel.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "io/vdb_stream.h"
+#include "vog/linear.h"
+
+namespace vog {
+
+/// How a leaf's voxels follow its mask.
+enum class LeafData {
+    values,  ///< one number or vector each
+    bits,    ///< origin and one bit each (bool)
+    none,    ///< origin alone: the mask says it all
+    points,  ///< attributes, in several passes
+};
+
+struct TreeLayout {
+    std::uint64_t value_bytes = 4;
+    std::uint64_t half_bytes = 0;  ///< of a value stored as half floats; 0: never is
+    LeafData leaf = LeafData::values;
+};
+
+/// How a file stores its trees.
+struct TreeStorage {
+    TreeLayout layout;
+    std::uint32_t compression = 0;
+    bool half_stored = false;
+};
+
+struct WalkedTree {
+    struct LeafSpot {
+        Vec3i origin;
+        std::size_t mask = 0;    ///< offset of its mask in the topology
+        std::size_t buffer = 0;  ///< offset of its voxels
+    };
+    std::vector<LeafSpot> leaves;
+    std::uint64_t points = 0, attribute_bytes = 0;  ///< of a tree of points
+};
+
+/// Walks the tree that `in` stands at, to the end of `in`.
+/// throws vog::Error naming the first byte that cannot be
+WalkedTree walk_tree(MemoryBytes& in, const TreeStorage& storage);
+
+}  // namespace vog

@@ -1,0 +1,97 @@
+// vdb_write.cpp: a volume as a .vdb file.
+// The frame of the file is written here, the tree by OpenVDB. Its own openvdb::io::File does not
+// notice a full disk, compresses every leaf twice, puts a random number into the header, so that
+// equal grids make different files, and refuses voxels below 1.4e-5.
+#include <openvdb/io/Archive.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "io/atomic_file.h"
+#include "io/vdb_volume.h"
+#include "vog/openvdb.h"
+#include "vog/vdb.h"
+
+namespace vog {
+
+namespace {
+
+constexpr float kLargestHalf = 65504;
+
+template <class T>
+void put(std::ostream& out, const T& value) {
+    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void require_half_range(const Volume& volume, const std::string& where) {
+    float largest = 0;
+    for (const Leaf& leaf : volume.leaves)
+        for (float value : leaf.value) largest = std::max(largest, value);
+    for (const Tile& tile : volume.tiles) largest = std::max(largest, tile.value);
+    if (largest > kLargestHalf)
+        throw Error(fmt::format("{}: density {} as half floats, expected at most {}", where,
+                                largest, kLargestHalf));
+}
+
+void write_header(std::ostream& out) {
+    put(out, std::int64_t{openvdb::OPENVDB_MAGIC});
+    put(out, openvdb::OPENVDB_FILE_VERSION);
+    put(out, openvdb::OPENVDB_LIBRARY_MAJOR_VERSION);
+    put(out, openvdb::OPENVDB_LIBRARY_MINOR_VERSION);
+    put(out, char{1});                              // with the positions of the grids
+    out << "00000000-0000-0000-0000-000000000000";  // no identifier
+    put(out, std::uint32_t{0});                     // metadata
+    put(out, std::int32_t{1});                      // grids
+}
+
+void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
+    const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
+    openvdb::io::setDataCompression(out, compression);
+    openvdb::writeString(out, grid.getName());
+    openvdb::writeString(out, grid.type() + (grid.saveFloatAsHalf() ? "_HalfFloat" : ""));
+    openvdb::writeString(out, "");  // its tree is its own
+    const auto positions = out.tellp();
+    for (int i = 0; i < 3; ++i) put(out, std::int64_t{0});
+
+    const std::int64_t begin = out.tellp();
+    put(out, compression);
+    grid.writeMeta(out);
+    grid.writeTransform(out);
+    grid.writeTopology(out);
+    const std::int64_t voxels = out.tellp();
+    grid.writeBuffers(out);
+    const std::int64_t end = out.tellp();
+    out.seekp(positions);
+    for (const std::int64_t position : {begin, voxels, end}) put(out, position);
+}
+
+}  // namespace
+
+void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
+    const std::string where = file.string();
+    validate(volume);
+    if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
+    if (half) require_half_range(volume, where);
+    const openvdb::FloatGrid::Ptr grid = grid_from_volume(volume);
+    grid->setSaveFloatAsHalf(half);
+    grid->setCreator("vog");
+    grid->addStatsMetadata();
+    with_vdb_errors(where, [&] {
+        write_beside_and_rename(file, [&](const std::filesystem::path& path) {
+            errno = 0;
+            try {
+                std::ofstream out(path, std::ios::binary);
+                out.exceptions(std::ios::failbit | std::ios::badbit);
+                write_header(out);
+                write_grid(out, *grid);
+                out.close();
+            } catch (const std::ios_base::failure&) {
+                throw Error(fmt::format("{}: cannot write: {}", where,
+                                        std::generic_category().message(errno ? errno : EIO)));
+            }
+        });
+    });
+}
+
+}  // namespace vog

@@ -1,0 +1,172 @@
+// vdb_choice_test.cpp: which grid of a file is read, which transforms it may have, and what every
+// refusal says.
+#include <gtest/gtest.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/io/Stream.h>
+
+#include <fstream>
+
+#include "support/data.h"
+#include "support/refused_files.h"
+#include "support/vdb_grids.h"
+#include "vog/vdb.h"
+
+namespace vog {
+namespace {
+
+using test::make_grid;
+using test::set_voxel;
+using test::TempDir;
+using test::write_grids;
+
+template <class GridT = openvdb::FloatGrid>
+openvdb::GridBase::Ptr grid_with(const std::string& name, float value = 1) {
+    const auto grid = make_grid<GridT>(name);
+    set_voxel(*grid, {0, 0, 0}, typename GridT::ValueType(value));
+    return grid;
+}
+
+float first_value(const Volume& volume) { return volume.leaves.at(0).value[0]; }
+
+/// Reading must fail with exactly this message behind the file's name.
+void expect_message(const openvdb::GridPtrVec& grids, const std::string& message,
+                    const VdbOptions& options = {}) {
+    const TempDir dir;
+    const auto file = dir / "grids.vdb";
+    write_grids(file, grids);
+    EXPECT_EQ(test::error_of([&] { read_vdb(file, options); }), file.string() + message);
+}
+
+TEST(vdb_choice, the_only_scalar_grid_is_read) {
+    const TempDir dir;
+    write_grids(dir / "a.vdb", {grid_with<openvdb::Vec3SGrid>("v"), grid_with("smoke", 3),
+                                grid_with<openvdb::BoolGrid>("mask")});
+    const Volume volume = read_vdb(dir / "a.vdb");
+    EXPECT_EQ(volume.name, "smoke");
+    EXPECT_EQ(first_value(volume), 3);
+}
+
+TEST(vdb_choice, among_several_scalar_grids_density_is_read) {
+    const TempDir dir;
+    write_grids(dir / "a.vdb", {grid_with("temperature", 1), grid_with("density", 2)});
+    EXPECT_EQ(read_vdb(dir / "a.vdb").name, "density");
+    EXPECT_EQ(first_value(read_vdb(dir / "a.vdb", {.grid = "temperature"})), 1);
+}
+
+TEST(vdb_choice, without_a_choice_the_names_are_listed) {
+    expect_message({grid_with("temperature"), grid_with("flame")},
+                   ": 2 scalar grids, expected one, or one named 'density', or a name "
+                   "(it has: temperature, flame)");
+    expect_message({grid_with("temperature"), grid_with("flame")},
+                   ": no grid named 'density' (it has: temperature, flame)", {.grid = "density"});
+    expect_message({grid_with<openvdb::Vec3SGrid>("v")},
+                   ": no scalar grid (it has: v); vectors are read when named");
+    expect_message({}, ": no grids");
+}
+
+TEST(vdb_choice, grids_of_one_name_are_told_apart_by_number) {
+    const TempDir dir;
+    const openvdb::GridPtrVec grids{grid_with("density", 1), grid_with("density", 2)};
+    write_grids(dir / "a.vdb", grids);
+    EXPECT_EQ(first_value(read_vdb(dir / "a.vdb", {.grid = "density[1]"})), 2);
+    EXPECT_EQ(read_vdb(dir / "a.vdb", {.grid = "density[0]"}).name, "density");
+    expect_message(grids, ": several grids named 'density' (it has: density[0], density[1])",
+                   {.grid = "density"});
+}
+
+TEST(vdb_choice, grids_that_share_a_tree_keep_their_own_transforms) {
+    const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(grid_with("density", 4));
+    const auto other = openvdb::gridPtrCast<openvdb::FloatGrid>(grid->copyGrid());
+    other->setName("other");
+    other->setTransform(openvdb::math::Transform::createLinearTransform(0.25));
+    const TempDir dir;
+    write_grids(dir / "a.vdb", {grid, other});
+    const Volume volume = read_vdb(dir / "a.vdb", {.grid = "other"});
+    EXPECT_EQ(first_value(volume), 4);
+    EXPECT_EQ(volume.world_from_index.linear(1, 1), 0.25);
+    EXPECT_EQ(read_vdb(dir / "a.vdb").world_from_index.linear(1, 1), 1);
+}
+
+TEST(vdb_choice, what_is_no_density_is_refused) {
+    expect_message({grid_with<openvdb::BoolGrid>("inside")},
+                   ": grid 'inside': holds bool, expected numbers or vectors", {.grid = "inside"});
+    expect_message({grid_with<openvdb::MaskGrid>("inside")},
+                   ": grid 'inside': holds mask, expected numbers or vectors", {.grid = "inside"});
+    expect_message({make_grid("density")}, ": grid 'density': no active voxels");
+    const auto inactive = make_grid("density");
+    inactive->tree().setValueOff({1, 2, 3}, 4);
+    expect_message({inactive}, ": grid 'density': no active voxels");
+}
+
+TEST(vdb_choice, any_affine_transform_is_kept) {
+    using openvdb::math::Transform;
+    const auto read_back = [](const Transform::Ptr& transform) {
+        const TempDir dir;
+        const auto grid = grid_with("density");
+        grid->setTransform(transform);
+        write_grids(dir / "a.vdb", {grid});
+        return read_vdb(dir / "a.vdb").world_from_index;
+    };
+    const auto expect_maps_alike = [&](const Transform::Ptr& transform) {
+        const Affine map = read_back(transform);
+        for (const Vec3d p : {Vec3d{0, 0, 0}, Vec3d{1, 2, 3}, Vec3d{-7, 5, 0.5}}) {
+            const openvdb::Vec3d expected = transform->indexToWorld(openvdb::Vec3d(p.x, p.y, p.z));
+            // Both maps are products and sums of the same doubles, of magnitude below 100.
+            for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(map(p)[axis], expected[axis], 1e-13);
+        }
+    };
+    expect_maps_alike(Transform::createLinearTransform(0.1));
+    auto transform = Transform::createLinearTransform(1.0);
+    transform->postTranslate({3, -4, 5});
+    expect_maps_alike(transform);  // a translation alone
+    transform->preScale(openvdb::Vec3d(0.5, 2, -3));
+    expect_maps_alike(transform);  // scales and a mirror
+    transform->postRotate(0.7, openvdb::math::Y_AXIS);
+    transform->postShear(0.3, openvdb::math::X_AXIS, openvdb::math::Z_AXIS);
+    expect_maps_alike(transform);
+    transform = Transform::createLinearTransform(1.0);
+    transform->postRotate(0.4, openvdb::math::Z_AXIS);
+    expect_maps_alike(transform);
+}
+
+TEST(vdb_choice, a_frustum_is_refused) {
+    const auto grid = grid_with("density");
+    grid->setTransform(openvdb::math::Transform::createFrustumTransform(
+        openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 10, 1));
+    expect_message({grid}, ": grid 'density': its transform is a frustum, expected an affine one");
+}
+
+TEST(vdb_choice, what_is_no_vdb_file_is_refused) {
+    const TempDir dir;
+    const auto message = [&](const char* name) {
+        return test::error_of([&] { read_vdb(dir / name); });
+    };
+    EXPECT_EQ(message("absent.vdb"), (dir / "absent.vdb").string() + ": no such file");
+    EXPECT_NE(test::error_of([&] { read_vdb(dir / ""); }).find("is a folder"), std::string::npos);
+    std::ofstream(dir / "empty.vdb");
+    EXPECT_EQ(message("empty.vdb"), (dir / "empty.vdb").string() + ": not a VDB file");
+    std::ofstream(dir / "text.vdb") << "x y z\n1 2 3\n";
+    EXPECT_EQ(message("text.vdb"), (dir / "text.vdb").string() + ": not a VDB file");
+    EXPECT_THROW(inspect_vdb(dir / "text.vdb"), Error);
+}
+
+TEST(vdb_choice, a_file_written_as_a_stream_or_too_old_is_refused) {
+    const TempDir dir;
+    const auto file = dir / "stream.vdb";
+    {
+        std::ofstream out(file, std::ios::binary);
+        openvdb::io::Stream(out).write(openvdb::GridPtrVec{grid_with("density")});
+    }
+    EXPECT_NE(test::error_of([&] { read_vdb(file); }).find("written as a stream"),
+              std::string::npos);
+    write_grids(file, {grid_with("density")});
+    std::fstream patch(file, std::ios::in | std::ios::out | std::ios::binary);
+    patch.seekp(8);  // behind the magic number
+    patch.put(static_cast<char>(213));
+    patch.close();
+    EXPECT_EQ(test::error_of([&] { read_vdb(file); }),
+              file.string() + ": VDB file version 213, expected 222 to 225");
+}
+
+}  // namespace
+}  // namespace vog
