@@ -1,0 +1,25 @@
+// vog/sample.h: volumes from nothing: deterministic procedural inputs for demos, tests and benches.
+#pragma once
+
+#include <cstdint>
+
+#include "vog/progress.h"
+#include "vog/volume.h"
+
+namespace vog {
+
+struct SampleOptions {
+    int size = 128;  ///< voxels across the longest axis, 64 to 1024
+    std::uint32_t seed = 1;
+    Progress progress{};
+};
+
+/// A cumulus: soft irregular boundary, many partly filled leaves, constant core as active tiles.
+/// World extent about 1 unit, whatever the size. The same bytes for any number of threads.
+/// throws vog::Error if size is out of range
+[[nodiscard]] Volume sample_cloud(const SampleOptions& options = {});
+
+/// An expanding fireball with a turbulent shell, hollow towards the centre.
+[[nodiscard]] Volume sample_explosion(const SampleOptions& options = {});
+
+}  // namespace vog
