@@ -1,0 +1,29 @@
+// nano_buffer.h: memory aligned as NanoVDB wants its grids.
+#pragma once
+
+#include <nanovdb/NanoVDB.h>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace vog {
+
+/// Zeroed bytes whose first lies at a multiple of 32.
+class NanoBuffer {
+  public:
+    NanoBuffer() = default;
+    explicit NanoBuffer(std::size_t bytes)
+        : bytes_(bytes), blocks_((bytes + sizeof(Block) - 1) / sizeof(Block)) {}
+
+    std::byte* data() { return reinterpret_cast<std::byte*>(blocks_.data()); }
+    const std::byte* data() const { return reinterpret_cast<const std::byte*>(blocks_.data()); }
+    std::size_t size() const { return bytes_; }
+
+  private:
+    struct alignas(NANOVDB_DATA_ALIGNMENT) Block : std::array<std::byte, NANOVDB_DATA_ALIGNMENT> {};
+    std::size_t bytes_ = 0;
+    std::vector<Block> blocks_;
+};
+
+}  // namespace vog

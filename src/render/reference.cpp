@@ -1,0 +1,108 @@
+// reference.cpp: optical depth of volumes by traversal of their voxels.
+#include "vog/reference.h"
+
+#include <fmt/core.h>
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <mutex>
+
+#include "render/reference_grid.h"
+#include "render/reference_linear.h"
+#include "render/reference_march.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+/// Sums value times length over voxels of constant value.
+struct ConstantSum {
+    const GridRay& ray;
+    double sum = 0;
+
+    void leaf(const NanoLeaf& leaf, Vec3d lower, Segment segment) {
+        const float* values = leaf.data()->mValues;
+        for_each_cell<3>(ray, lower, 1, segment, [&](std::uint32_t offset, Segment part) {
+            sum += values[offset] * (part.last - part.first);
+        });
+    }
+    void tile(Vec3d, int, float value, Segment segment) {
+        sum += value * (segment.last - segment.first);
+    }
+};
+
+bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
+    // Both spaces share t, so a length in world units is t times the length of `direction`.
+    const Vec3d from = grid.local_from_world * (origin - grid.world_corner);
+    const Vec3d along = grid.local_from_world * direction;
+    double sum = 0;
+    if (grid.options.interpolation == Interpolation::constant) {
+        const GridRay ray(from + Vec3d{0.5, 0.5, 0.5}, along);  // voxel i to [i, i + 1)
+        ConstantSum constant{ray};
+        march(grid.tree.root(), grid.corner, ray, constant);
+        sum = constant.sum;
+    } else {
+        const GridRay ray(from, along);
+        sum = linear_sum(grid, ray);
+    }
+    return sum * length(direction);
+}
+
+}  // namespace
+
+std::size_t VoxelGrid::memory_bytes() const { return data_->tree.buffer.size(); }
+
+VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
+    if (!(options.step_voxels >= 0 && std::isfinite(options.step_voxels)))
+        throw Error(
+            fmt::format("step of {} voxels, expected 0 (exact) or more", options.step_voxels));
+    validate(volume);
+    auto data = std::make_shared<VoxelGrid::Data>();
+    data->options = options;
+    data->tree = nano_tree(volume, options.interpolation == Interpolation::linear);
+    const auto& box = data->tree.root().bbox();
+    if (!box.empty())
+        data->corner = {double(box.min()[0]), double(box.min()[1]), double(box.min()[2])};
+    data->world_corner = volume.world_from_index(data->corner);
+    data->local_from_world = inverse(volume.world_from_index.linear);
+    return VoxelGrid(std::move(data));
+}
+
+double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction) {
+    if (!finite(origin) || !finite(direction) || length(direction) == 0)
+        throw Error("ray: origin or direction is not finite, or the direction is zero");
+    return depth_along(grid.data(), origin, direction);
+}
+
+DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera, int width,
+                            int height, const ReferenceOptions& options) {
+    const CameraFrame frame = frame_of(camera, width, height);
+    DepthImage image(width, height);
+    // Square tiles: neighbouring rays meet the same leaves.
+    constexpr int kTileEdge = 16;
+    const int columns = (width + kTileEdge - 1) / kTileEdge;
+    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
+    std::mutex report;
+    int done = 0;
+    tbb::parallel_for(0, tiles, [&](int tile) {
+        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
+        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
+            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
+                const Vec3d direction = frame.direction(column, row);
+                double sum = 0;
+                for (const VoxelGrid& grid : grids)
+                    sum += depth_along(grid.data(), frame.eye, direction);
+                image.at(column, row) = static_cast<float>(sum);
+            }
+        if (options.progress) {
+            const std::lock_guard lock(report);
+            options.progress(static_cast<double>(++done) / tiles);
+        }
+    });
+    return image;
+}
+
+}  // namespace vog
