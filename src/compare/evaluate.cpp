@@ -1,0 +1,302 @@
+// evaluate.cpp: the evaluation itself: reference views, then row by row convert, render, compare.
+#include "vog/evaluate.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <fstream>
+#include <limits>
+
+#include "compare/evaluation_json.h"
+#include "compare/evaluation_report.h"
+#include "vog/compare.h"
+#include "vog/error.h"
+#include "vog/ply.h"
+#include "vog/reference.h"
+#include "vog/render.h"
+
+namespace vog {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+Timing timing_of(std::vector<double> ms) {
+    std::sort(ms.begin(), ms.end());
+    const std::size_t middle = ms.size() / 2;
+    const double median = ms.size() % 2 ? ms[middle] : 0.5 * (ms[middle - 1] + ms[middle]);
+    return {ms.front(), median, ms.back(), static_cast<int>(ms.size())};
+}
+
+template <class Work>
+double milliseconds(const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
+}
+
+/// Runs `work` once without counting it, then `repeats` times.
+template <class Work>
+Timing time_repeated(int repeats, const Work& work) {
+    work();
+    std::vector<double> ms;
+    for (int n = 0; n < repeats; ++n) ms.push_back(milliseconds(work));
+    return timing_of(std::move(ms));
+}
+
+/// Linux tells the processor's name; elsewhere it stays unknown.
+std::string processor_name() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+    return "unknown processor";
+}
+
+/// Voxels of the box around the active voxels: what the paper counts against.
+std::uint64_t box_voxels(const Volume& volume) {
+    std::array<std::int64_t, 3> lower, upper;
+    lower.fill(std::numeric_limits<std::int64_t>::max());
+    upper.fill(std::numeric_limits<std::int64_t>::min());
+    const auto include = [&](Vec3i origin, int x, int y, int z, int edge) {
+        const std::array<std::int64_t, 3> first = {
+            std::int64_t{origin.x} + x, std::int64_t{origin.y} + y, std::int64_t{origin.z} + z};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            lower[axis] = std::min(lower[axis], first[axis]);
+            upper[axis] = std::max(upper[axis], first[axis] + edge);
+        }
+    };
+    for (const Leaf& leaf : volume.leaves)
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.active(n)) include(leaf.origin, n >> 6, n >> 3 & 7, n & 7, 1);
+    for (const Tile& tile : volume.tiles) include(tile.origin, 0, 0, 0, tile.edge);
+    std::uint64_t voxels = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        voxels *= static_cast<std::uint64_t>(upper[axis] - lower[axis]);
+    return voxels;
+}
+
+/// What the evaluation is of and how it is made: all but its views and rows.
+Evaluation begin(std::span<const Volume> volumes, const EvaluateOptions& options) {
+    Evaluation evaluation;
+    for (const Volume& volume : volumes) {
+        validate(volume);
+        if (volume.empty())
+            throw Error(fmt::format("{}: nothing active, expected a volume", volume.source));
+        evaluation.title += evaluation.title.empty() ? "" : ", ";
+        evaluation.title += fs::path(volume.source).filename().string() + " " + volume.name;
+        evaluation.active_voxels += active_voxels(volume);
+        evaluation.bounding_voxels += box_voxels(volume);
+        evaluation.leaves += volume.leaves.size();
+        for (const Leaf& leaf : volume.leaves) evaluation.dense_leaves += leaf.dense();
+        evaluation.tiles += volume.tiles.size();
+        evaluation.mass += mass(volume);
+    }
+    evaluation.width = options.width;
+    evaluation.height = options.height;
+    evaluation.tf = options.tf;
+    evaluation.extinction = options.extinction > 0 ? fmt::format("{}", options.extinction) : "auto";
+    evaluation.machine = processor_name();
+    evaluation.threads = thread_count();
+    return evaluation;
+}
+
+/// Rows of an earlier run of the same evaluation.
+std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now,
+                                     const EvaluateOptions& options) {
+    if (!options.resume || !fs::exists(file)) return {};
+    Evaluation earlier = read_results(file);
+    const auto settings = [](const Evaluation& e) {
+        return fmt::format("{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}",
+                           e.title, e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction);
+    };
+    if (settings(earlier) != settings(now))
+        throw Error(
+            fmt::format("{}: results of {}, expected {}; without resuming they are replaced",
+                        file.string(), settings(earlier), settings(now)));
+    return std::move(earlier.rows);
+}
+
+/// What every row is compared with.
+struct References {
+    std::vector<DepthImage> depth;  ///< one a view
+    std::vector<Image> shaded;
+};
+
+class Run {
+  public:
+    Run(std::span<const Volume> volumes, fs::path folder, const EvaluateOptions& options)
+        : volumes_(volumes),
+          folder_(std::move(folder)),
+          options_(options),
+          tf_(load_transfer_function(options.tf)),
+          evaluation_(begin(volumes, options)) {
+        for (const Volume& volume : volumes) box_.include(world_box(volume));
+        evaluation_.views = evaluation_views(box_);
+        steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
+    }
+
+    Evaluation all() {
+        const std::vector<EvaluationRow> kept =
+            kept_rows(folder_ / "results.json", evaluation_, options_);
+        fs::create_directories(folder_ / "pictures");
+        render_references();
+        for (const Conversion& conversion : options_.conversions) {
+            const auto same = [&](const EvaluationRow& row) {
+                return row.series == conversion.series && row.step == conversion.step;
+            };
+            const auto found = std::find_if(kept.begin(), kept.end(), same);
+            if (found == kept.end()) {
+                evaluation_.rows.push_back(make_row(conversion));
+            } else {
+                evaluation_.rows.push_back(*found);
+                advance(evaluation_.views.size());
+            }
+            write_results(folder_ / "results.json", evaluation_);
+        }
+        write_markdown(folder_ / "results.md", evaluation_);
+        write_html(folder_ / "index.html", evaluation_, folder_ / "pictures");
+        return evaluation_;
+    }
+
+  private:
+    void advance(std::size_t steps) {
+        done_ += static_cast<double>(steps);
+        if (options_.progress) options_.progress(done_ / steps_);
+    }
+
+    void render_references() {
+        std::vector<VoxelGrid> grids;
+        for (const Volume& volume : volumes_) grids.push_back(voxel_grid(volume));
+        for (const VoxelGrid& grid : grids) evaluation_.reference_bytes += grid.memory_bytes();
+        for (EvaluationView& view : evaluation_.views) {
+            DepthImage depth;
+            view.reference = time_repeated(options_.repeats, [&] {
+                depth = render_reference(grids, view.camera, options_.width, options_.height);
+            });
+            view.extinction =
+                options_.extinction > 0 ? options_.extinction : auto_extinction(depth);
+            const auto covered = std::count_if(depth.depth.begin(), depth.depth.end(),
+                                               [](float t) { return t > 0; });
+            view.covered = static_cast<double>(covered) / static_cast<double>(depth.depth.size());
+            set_extinction(depth, view.extinction);
+            references_.shaded.push_back(shade(depth, tf_));
+            references_.depth.push_back(std::move(depth));
+            if (keeps_picture(view.name))
+                write_png(folder_ / "pictures" / picture_name(nullptr, view.name, false),
+                          references_.shaded.back());
+            advance(1);
+        }
+    }
+
+    static bool keeps_picture(const std::string& view) {
+        return std::find(std::begin(kPictureViews), std::end(kPictureViews), view) !=
+               std::end(kPictureViews);
+    }
+
+    /// All volumes converted into one model. Repeated while it is quick, so that its time is a
+    /// median too.
+    Gaussians convert(const Conversion& conversion, Timing& timing) const {
+        constexpr double kQuickMs = 1000;
+        constexpr std::size_t kMostRuns = 3;
+        Gaussians model;
+        std::vector<double> ms;
+        do {
+            ms.push_back(milliseconds([&] {
+                model = {};
+                for (const Volume& volume : volumes_) {
+                    Gaussians part = conversion.convert(volume);
+                    if (model.size() == 0)
+                        model = std::move(part);
+                    else
+                        append(model, part);
+                }
+            }));
+        } while (ms.size() < kMostRuns && ms.back() < kQuickMs);
+        timing = timing_of(std::move(ms));
+        model.box = box_;
+        return model;
+    }
+
+    EvaluationRow make_row(const Conversion& conversion) {
+        EvaluationRow row;
+        row.series = conversion.series;
+        row.step = conversion.step;
+        row.label = conversion.label;
+        row.aabb_sigma = conversion.aabb_sigma;
+        const Gaussians model = convert(conversion, row.convert);
+        row.options = fmt::format("--method {} {}", model.method, model.options);
+        row.gaussians = model.size();
+        row.bytes = ply_bytes(model);
+        row.mass_ratio = evaluation_.mass > 0 ? mass(model) / evaluation_.mass : 1;
+
+        SplatOptions splat;
+        splat.aabb_sigma = conversion.aabb_sigma;
+        for (std::size_t n = 0; n < evaluation_.views.size(); ++n) {
+            DepthImage depth;
+            const Timing timing = time_repeated(options_.repeats, [&] {
+                depth = render_splat(model, evaluation_.views[n].camera, options_.width,
+                                     options_.height, splat);
+            });
+            row.views.push_back(compare_view(row, n, depth));
+            row.views.back().render = timing;
+            advance(1);
+        }
+        return row;
+    }
+
+    /// Figures of one picture of one row; keeps the picture of some views.
+    ViewResult compare_view(const EvaluationRow& row, std::size_t n, DepthImage& depth) const {
+        const EvaluationView& view = evaluation_.views[n];
+        set_extinction(depth, view.extinction);
+        const Image shaded = shade(depth, tf_);
+        const DepthDifference difference = compare(references_.depth[n], depth);
+        if (keeps_picture(view.name)) {
+            const fs::path pictures = folder_ / "pictures";
+            write_png(pictures / picture_name(&row, view.name, false), shaded);
+            write_png(pictures / picture_name(&row, view.name, true),
+                      difference_map(references_.depth[n], depth, {kMapLimit, false}));
+        }
+        ViewResult result;
+        result.view = view.name;
+        result.psnr_v_db = difference.grey.psnr_db;
+        result.psnr_rgb_db = compare(references_.shaded[n], shaded).psnr_db;
+        result.ssim = difference.grey.ssim;
+        result.relative_l2 = difference.relative_l2;
+        result.bias = difference.bias;
+        result.largest_dt = difference.largest_dt;
+        result.off_by_1 = difference.grey.share_off_1;
+        result.off_by_4 = difference.grey.share_off_4;
+        return result;
+    }
+
+    std::span<const Volume> volumes_;
+    fs::path folder_;
+    const EvaluateOptions& options_;
+    TransferFunction tf_;
+    Evaluation evaluation_;
+    Box box_;
+    References references_;
+    double done_ = 0, steps_ = 1;
+};
+
+void check(std::span<const Volume> volumes, const EvaluateOptions& options) {
+    if (volumes.empty()) throw Error("evaluate: no volume, expected at least one");
+    if (options.repeats < 1)
+        throw Error(fmt::format("evaluate: {} repeats, expected at least 1", options.repeats));
+    if (!(options.extinction >= 0))
+        throw Error(fmt::format("evaluate: extinction {}, expected a number above 0, or 0: auto",
+                                options.extinction));
+}
+
+}  // namespace
+
+Evaluation evaluate(std::span<const Volume> volumes, const fs::path& folder,
+                    const EvaluateOptions& options) {
+    check(volumes, options);
+    return Run(volumes, folder, options).all();
+}
+
+}  // namespace vog

@@ -1,0 +1,113 @@
+// evaluation_report.cpp: the words and number formats that the Markdown and the HTML page share.
+#include "compare/evaluation_report.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vog {
+
+namespace {
+
+template <class Member>
+std::vector<std::string> distinct(const Evaluation& evaluation, Member member) {
+    std::vector<std::string> names;
+    for (const EvaluationRow& row : evaluation.rows)
+        if (std::find(names.begin(), names.end(), row.*member) == names.end())
+            names.push_back(row.*member);
+    return names;
+}
+
+}  // namespace
+
+std::string picture_name(const EvaluationRow* row, const std::string& view, bool difference) {
+    const std::string whose = row ? row->series + "-" + row->step : "reference";
+    return fmt::format("{}-{}{}.png", whose, view, difference ? "-difference" : "");
+}
+
+bool is_paper_series(const std::string& series) { return series == "mean" || series == "mass"; }
+
+std::vector<std::string> series_of(const Evaluation& evaluation) {
+    return distinct(evaluation, &EvaluationRow::series);
+}
+std::vector<std::string> steps_of(const Evaluation& evaluation) {
+    return distinct(evaluation, &EvaluationRow::step);
+}
+
+std::string series_title(const std::string& series) {
+    if (series == "mean") return "paper's amplitude";
+    if (series == "mass") return "mass conserved";
+    return series;
+}
+
+std::string step_title(const std::string& step) {
+    if (step.starts_with("lod")) return "LOD " + step.substr(3);
+    if (step.starts_with("sigma")) return "σ = " + step.substr(5);
+    return step;
+}
+
+const EvaluationRow* find_row(const Evaluation& evaluation, const std::string& series,
+                              const std::string& step) {
+    for (const EvaluationRow& row : evaluation.rows)
+        if (row.series == series && row.step == step) return &row;
+    return nullptr;
+}
+
+const ViewResult* find_view(const EvaluationRow& row, const std::string& view) {
+    for (const ViewResult& result : row.views)
+        if (result.view == view) return &result;
+    return nullptr;
+}
+
+std::string decibel_text(double decibels) {
+    return std::isinf(decibels) ? "∞" : fmt::format("{:.2f}", decibels);
+}
+
+std::string count_text(std::uint64_t count) {
+    const std::string digits = std::to_string(count);
+    std::string text;
+    for (std::size_t n = 0; n < digits.size(); ++n) {
+        if (n > 0 && (digits.size() - n) % 3 == 0) text += ',';
+        text += digits[n];
+    }
+    return text;
+}
+
+std::string size_text(std::uint64_t bytes) {
+    const double kilobytes = static_cast<double>(bytes) / 1000;
+    return kilobytes < 1000 ? fmt::format("{:.1f} kB", kilobytes)
+                            : fmt::format("{:.1f} MB", kilobytes / 1000);
+}
+
+double frames_per_second(const Timing& timing) {
+    return timing.median_ms > 0 ? 1000 / timing.median_ms : 0;
+}
+
+std::vector<std::string> report_facts(const Evaluation& evaluation) {
+    const double sparse =
+        100 * static_cast<double>(evaluation.active_voxels) /
+        static_cast<double>(std::max<std::uint64_t>(evaluation.bounding_voxels, 1));
+    return {
+        fmt::format(
+            "{}: {} active voxels ({:.1f} % of the {} in the bounding box), {} leaves, {} of "
+            "them dense, {} tiles.",
+            evaluation.title, count_text(evaluation.active_voxels), sparse,
+            count_text(evaluation.bounding_voxels), count_text(evaluation.leaves),
+            count_text(evaluation.dense_leaves), count_text(evaluation.tiles)),
+        fmt::format("{}×{} pixels, {} threads of {}. Frames a second: the median time to make T on "
+                    "the processor, without loading and shading, from the view named.",
+                    evaluation.width, evaluation.height, evaluation.threads, evaluation.machine),
+        fmt::format(
+            "Reference: the voxels themselves, traversed exactly in a NanoVDB tree of {}. "
+            "Extinction: {}, the same for both pictures of a view. RGB figures and pictures: "
+            "{} on V = 1 - exp(-T).",
+            size_text(evaluation.reference_bytes),
+            evaluation.extinction == "auto"
+                ? "for each view so that the 99th percentile of the reference's non-zero T is 4"
+                : evaluation.extinction,
+            evaluation.tf),
+    };
+}
+
+}  // namespace vog

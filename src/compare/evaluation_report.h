@@ -1,0 +1,59 @@
+// evaluation_report.h: the pages an evaluation writes, and what they share.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "vog/evaluate.h"
+
+namespace vog {
+
+/// Difference maps of the report end at this many of 255, in every row: rows can be compared.
+inline constexpr double kMapLimit = 20;
+
+/// The views whose pictures are kept.
+inline constexpr const char* kPictureViews[] = {"paper", "inside"};
+/// Name of a picture in the folder `pictures`. row: null for the reference's.
+std::string picture_name(const EvaluationRow* row, const std::string& view, bool difference);
+
+/// The paper's amplitude, and the same Gaussians with the amplitude that conserves mass.
+bool is_paper_series(const std::string& series);
+/// Series of the evaluation, and steps of all its series, in order of their first row.
+std::vector<std::string> series_of(const Evaluation& evaluation);
+std::vector<std::string> steps_of(const Evaluation& evaluation);
+/// "paper's amplitude", "mass conserved", or the series itself.
+std::string series_title(const std::string& series);
+/// "LOD 1", "σ = 2", or the step itself.
+std::string step_title(const std::string& step);
+/// Null if there is no such row.
+const EvaluationRow* find_row(const Evaluation& evaluation, const std::string& series,
+                              const std::string& step);
+/// Null if the row was not rendered from that view.
+const ViewResult* find_view(const EvaluationRow& row, const std::string& view);
+
+/// Figures as text: "44.21", "∞"; "5,318"; "4.4 MB".
+std::string decibel_text(double decibels);
+std::string count_text(std::uint64_t count);
+std::string size_text(std::uint64_t bytes);
+double frames_per_second(const Timing& timing);
+
+/// A table of the report. In a row with one cell, the cell is a heading over the rows that follow.
+struct ReportTable {
+    std::string title, about;
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows;
+    std::size_t paper_columns = 0;  ///< the last so many columns are the paper's own figures
+};
+/// The paper's tables 1 to 4, one of every other series, and one of the views.
+std::vector<ReportTable> report_tables(const Evaluation& evaluation);
+/// One sentence each: the data, the machine and settings, the protocol.
+std::vector<std::string> report_facts(const Evaluation& evaluation);
+
+void write_markdown(const std::filesystem::path& file, const Evaluation& evaluation);
+/// One page that needs no other file. pictures: the folder it takes them from; absent ones are left
+/// out.
+void write_html(const std::filesystem::path& file, const Evaluation& evaluation,
+                const std::filesystem::path& pictures);
+
+}  // namespace vog

@@ -1,0 +1,91 @@
+// evaluation_rows.cpp: what an evaluation consists of: its conversions and its views.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "vog/convert.h"
+#include "vog/evaluate.h"
+
+namespace vog {
+
+namespace {
+
+/// From the centre of the box, where a ray of this direction leaves it: distance to the face.
+double distance_to_face(const Box& box, Vec3d direction) {
+    double distance = std::numeric_limits<double>::infinity();
+    const Vec3d half = 0.5 * (box.upper - box.lower);
+    for (int axis = 0; axis < 3; ++axis)
+        if (direction[axis] != 0)
+            distance = std::min(distance, half[axis] / std::abs(direction[axis]));
+    return distance;
+}
+
+}  // namespace
+
+std::vector<Conversion> paper_conversions() {
+    const char* labels[] = {"dense 2³, smart grouping", "dense 4³, smart grouping",
+                            "dense 8³, smart grouping", "dense 8³, strict blocks",
+                            "dense 8³, one per leaf"};
+    std::vector<Conversion> conversions;
+    for (const Amplitude amplitude : {Amplitude::mean, Amplitude::mass}) {
+        const std::string series = amplitude == Amplitude::mean ? "mean" : "mass";
+        const auto with_lod = [amplitude](int lod) {
+            return [amplitude, lod](const Volume& volume) {
+                PaperOptions options = paper_lod(lod);
+                options.amplitude = amplitude;
+                return convert_paper(volume, options);
+            };
+        };
+        for (int lod = 1; lod <= 5; ++lod)
+            conversions.push_back(
+                {series, fmt::format("lod{}", lod), labels[lod - 1], 0, with_lod(lod)});
+        for (int sigma = 1; sigma <= 3; ++sigma)
+            conversions.push_back(
+                {series, fmt::format("sigma{}", sigma), labels[2], double(sigma), with_lod(3)});
+    }
+    return conversions;
+}
+
+std::vector<EvaluationView> evaluation_views(const Box& box) {
+    std::vector<EvaluationView> views;
+    views.push_back({"paper", paper_view(box), 1, 0, {}});
+    // Sixths of a turn from the paper's azimuth on; from below, level, above and steeply above.
+    const double elevations[] = {0, 0.7, -0.35, 1.2, -0.7};
+    for (int n = 0; n < 5; ++n) {
+        const double azimuth = kPaperAzimuthRad + (n + 1) * std::numbers::pi / 3;
+        views.push_back(
+            {fmt::format("around {}", n + 1),
+             orbit_view(box, azimuth, elevations[n], kPaperDistanceRadii, kPaperFovDegrees),
+             1,
+             0,
+             {}});
+    }
+    // Half way from the centre to the face of the box, on the paper's line of sight; wide, so that
+    // what is beside the eye is seen too.
+    constexpr double kInsideFovDegrees = 60;
+    const Vec3d sight = normalized(views[0].camera.eye - box.center());
+    const double radii = 0.5 * distance_to_face(box, sight) / box.radius();
+    views.push_back(
+        {"inside",
+         orbit_view(box, kPaperAzimuthRad, kPaperElevationRad, radii, kInsideFovDegrees),
+         1,
+         0,
+         {}});
+    return views;
+}
+
+Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is_better) {
+    if (row.views.empty()) return {};
+    Spread result{0, row.views.front().*figure};
+    for (const ViewResult& view : row.views) {
+        result.mean += view.*figure / static_cast<double>(row.views.size());
+        result.worst = more_is_better ? std::min(result.worst, view.*figure)
+                                      : std::max(result.worst, view.*figure);
+    }
+    return result;
+}
+
+}  // namespace vog

@@ -1,0 +1,249 @@
+// evaluate_test.cpp: the evaluation's rows and views, its files, and going on after a break.
+#include "vog/evaluate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "compare/evaluation_json.h"
+#include "compare/evaluation_report.h"
+#include "compare/paper_figures.h"
+#include "compare/svg_plot.h"
+#include "support/data.h"
+#include "support/scenes.h"
+#include "vog/convert.h"
+#include "vog/error.h"
+#include "vog/vdb.h"
+
+namespace vog::test {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A ball of 16 voxels in three sizes of leaf: some dense, most partly filled.
+Volume ball() {
+    Volume volume;
+    volume.name = "density";
+    volume.source = "ball.vdb";
+    for (int z = -16; z < 16; z += 8)
+        for (int y = -16; y < 16; y += 8)
+            for (int x = -16; x < 16; x += 8) {
+                Leaf leaf;
+                leaf.origin = {x, y, z};
+                for (int n = 0; n < kLeafVoxels; ++n) {
+                    const double dx = x + (n >> 6) + 0.5, dy = y + (n >> 3 & 7) + 0.5,
+                                 dz = z + (n & 7) + 0.5;
+                    const double r = std::sqrt(dx * dx + dy * dy + dz * dz);
+                    if (r < 14) leaf.set(n, static_cast<float>(0.1 + (14 - r) / 14));
+                }
+                if (leaf.active_count()) volume.leaves.push_back(leaf);
+            }
+    sort_nodes(volume);
+    return volume;
+}
+
+EvaluateOptions quick() {
+    EvaluateOptions options;
+    options.width = options.height = 48;
+    options.repeats = 1;
+    return options;
+}
+
+std::string read_text(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+}
+
+int count_of(const std::string& text, const std::string& part) {
+    int count = 0;
+    for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; at += part.size())
+        ++count;
+    return count;
+}
+
+}  // namespace
+
+TEST(evaluate, views_stand_around_the_box_and_one_inside_it) {
+    const Box box{{-1, -2, -1}, {1, 2, 1}};
+    const std::vector<EvaluationView> views = evaluation_views(box);
+    ASSERT_EQ(views.size(), 7u);
+    const auto inside = [&](Vec3d p) {
+        return std::abs(p.x) < 1 && std::abs(p.y) < 2 && std::abs(p.z) < 1;
+    };
+    const Camera paper = paper_view(box);
+    EXPECT_EQ(views[0].camera.eye, paper.eye);
+    for (std::size_t n = 0; n < 6; ++n) {
+        EXPECT_NEAR(length(views[n].camera.eye), 3 * box.radius(), 1e-9) << views[n].name;
+        EXPECT_FALSE(inside(views[n].camera.eye)) << views[n].name;
+    }
+    EXPECT_TRUE(inside(views[6].camera.eye));
+}
+
+TEST(evaluate, paper_rows_are_five_levels_and_three_extents_of_two_amplitudes) {
+    const std::vector<Conversion> conversions = paper_conversions();
+    ASSERT_EQ(conversions.size(), 16u);
+    const Volume volume = ball();
+    // Levels 3 to 5 coarsen the sparse leaves, 1 to 3 the dense ones; amplitudes change no count.
+    std::vector<std::size_t> count;
+    for (const Conversion& conversion : conversions)
+        count.push_back(conversion.convert(volume).size());
+    for (std::size_t n = 0; n < 8; ++n) EXPECT_EQ(count[n], count[n + 8]) << conversions[n].step;
+    EXPECT_GT(count[0], count[1]);
+    EXPECT_GT(count[1], count[2]);
+    EXPECT_GT(count[2], count[4]);
+    for (std::size_t n = 5; n < 8; ++n) {
+        EXPECT_EQ(count[n], count[2]);
+        EXPECT_EQ(conversions[n].aabb_sigma, static_cast<double>(n - 4));
+    }
+}
+
+TEST(evaluate, results_hold_every_row_and_view_and_the_pages_stand_alone) {
+    const TempDir dir;
+    const std::vector<Volume> volumes = {ball()};
+    const Evaluation evaluation = evaluate(volumes, dir / "out", quick());
+    ASSERT_EQ(evaluation.rows.size(), 16u);
+    for (const EvaluationRow& row : evaluation.rows) {
+        ASSERT_EQ(row.views.size(), 7u) << row.step;
+        for (const ViewResult& view : row.views) {
+            EXPECT_GT(view.psnr_v_db, 10) << row.series << row.step << view.view;
+            EXPECT_GT(view.render.median_ms, 0);
+        }
+    }
+    // Mass is conserved where it is asked for, and the paper's amplitude loses some.
+    EXPECT_NEAR(find_row(evaluation, "mass", "lod1")->mass_ratio, 1, 1e-4);
+    EXPECT_LT(find_row(evaluation, "mean", "lod1")->mass_ratio, 0.8);
+    EXPECT_NEAR(find_view(*find_row(evaluation, "mass", "lod1"), "paper")->bias, 1, 0.02);
+
+    const auto json = nlohmann::json::parse(read_text(dir / "out/results.json"));
+    EXPECT_EQ(json.at("rows").size(), 16u);
+    EXPECT_EQ(json.at("views").size(), 7u);
+    EXPECT_EQ(json.at("data").at("active_voxels").get<std::uint64_t>(), active_voxels(volumes[0]));
+
+    const std::string page = read_text(dir / "out/index.html");
+    EXPECT_EQ(count_of(page, "<svg"), 4);
+    EXPECT_GT(count_of(page, "data:image/png;base64,"), 40);
+    EXPECT_EQ(count_of(page, "http"), 0);
+    EXPECT_EQ(count_of(page, "<script"), 0);
+    EXPECT_EQ(count_of(page, "RTX 4090"), 0) << "the paper's figures beside other data";
+    EXPECT_GT(count_of(read_text(dir / "out/results.md"), "| LOD "), 10);
+}
+
+TEST(evaluate, results_survive_the_file) {
+    const TempDir dir;
+    const std::vector<Volume> volumes = {ball()};
+    EvaluateOptions options = quick();
+    options.conversions.resize(2);
+    Evaluation evaluation = evaluate(volumes, dir / "out", options);
+    evaluation.rows[0].views[0].psnr_v_db = HUGE_VAL;  // infinite figures are null in the file
+    write_results(dir / "one.json", evaluation);
+    const Evaluation read = read_results(dir / "one.json");
+    EXPECT_TRUE(std::isinf(read.rows[0].views[0].psnr_v_db));
+    write_results(dir / "two.json", read);
+    EXPECT_EQ(read_text(dir / "one.json"), read_text(dir / "two.json"));
+}
+
+TEST(evaluate, finished_rows_are_kept_when_interrupted_and_not_made_again) {
+    const TempDir dir;
+    const std::vector<Volume> volumes = {ball()};
+    EvaluateOptions options = quick();
+    options.conversions.resize(3);
+    // The third conversion fails, as a user would interrupt it.
+    const auto third = options.conversions[2].convert;
+    options.conversions[2].convert = [](const Volume&) -> Gaussians { throw Error("stop"); };
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+    EXPECT_EQ(read_results(dir / "out/results.json").rows.size(), 2u);
+
+    int made = 0;
+    options.conversions[0].convert = options.conversions[1].convert =
+        [](const Volume&) -> Gaussians { throw Error("made again"); };
+    options.conversions[2].convert = [&](const Volume& volume) {
+        ++made;
+        return third(volume);
+    };
+    options.resume = true;
+    std::vector<double> progress;
+    options.progress = [&](double share) { progress.push_back(share); };
+    EXPECT_EQ(evaluate(volumes, dir / "out", options).rows.size(), 3u);
+    EXPECT_GT(made, 0);
+    EXPECT_TRUE(std::is_sorted(progress.begin(), progress.end()));
+    EXPECT_NEAR(progress.back(), 1, 1e-12);
+}
+
+TEST(evaluate, resuming_other_data_or_settings_throws) {
+    const TempDir dir;
+    std::vector<Volume> volumes = {ball()};
+    EvaluateOptions options = quick();
+    options.conversions.resize(1);
+    (void)evaluate(volumes, dir / "out", options);
+    options.resume = true;
+    options.width = 40;
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+    options = quick();
+    options.conversions.resize(1);
+    options.resume = true;
+    volumes[0].leaves.pop_back();
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+    std::ofstream(dir / "out/results.json") << "{\"format\": \"other\"}";
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+    std::ofstream(dir / "out/results.json") << "{\"format\": ";
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+}
+
+TEST(evaluate, nothing_to_evaluate_throws) {
+    const TempDir dir;
+    const std::vector<Volume> none, empty = {Volume{}};
+    EXPECT_THROW((void)evaluate(none, dir / "out", quick()), Error);
+    EXPECT_THROW((void)evaluate(empty, dir / "out", quick()), Error);
+    EvaluateOptions options = quick();
+    options.repeats = 0;
+    const std::vector<Volume> volumes = {ball()};
+    EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+}
+
+TEST(evaluate, the_papers_figures_stand_beside_its_own_data_only) {
+    Evaluation smoke;
+    smoke.active_voxels = 1049275;
+    smoke.leaves = 3117;
+    ASSERT_NE(paper_figures(smoke, "lod3"), nullptr);
+    EXPECT_EQ(paper_figures(smoke, "lod3")->psnr_db, 25.70);
+    EXPECT_EQ(paper_figures(smoke, "lod6"), nullptr);
+    smoke.leaves = 3118;
+    EXPECT_EQ(paper_figures(smoke, "lod3"), nullptr);
+}
+
+TEST(evaluate, smoke_gives_the_figures_of_the_design) {
+    // Prototype figures at 512²: mean amplitude LOD 1 30.1 dB, bias 0.68; mass 44.2 dB, bias 1.00.
+    VOG_NEEDS_DATA("smoke.vdb");
+    const TempDir dir;
+    const std::vector<Volume> volumes = {read_vdb(data_dir() / "smoke.vdb")};
+    EvaluateOptions options;
+    options.width = options.height = 256;
+    options.repeats = 1;
+    std::erase_if(options.conversions, [](const Conversion& c) { return c.step != "lod1"; });
+    const Evaluation evaluation = evaluate(volumes, dir / "out", options);
+    const ViewResult* mean = find_view(*find_row(evaluation, "mean", "lod1"), "paper");
+    const ViewResult* mass = find_view(*find_row(evaluation, "mass", "lod1"), "paper");
+    EXPECT_NEAR(mean->psnr_v_db, 30.1, 1);
+    EXPECT_NEAR(mean->bias, 0.68, 0.02);
+    EXPECT_NEAR(mass->psnr_v_db, 44.2, 1);
+    EXPECT_NEAR(mass->bias, 1, 0.01);
+    EXPECT_GT(count_of(read_text(dir / "out/index.html"), "RTX 4090"), 0);
+}
+
+TEST(svg_plot, leaves_out_what_is_not_finite_and_escapes_names) {
+    Plot plot{"a < b & c", "x", "y", {}, true, false, {}, true};
+    plot.series.push_back({"s", {{1, 2, ""}, {10, HUGE_VAL, ""}, {0, 1, ""}, {100, 3, ""}}, false});
+    const std::string text = svg(plot);
+    EXPECT_EQ(count_of(text, "<circle"), 2);
+    EXPECT_EQ(count_of(text, "a &lt; b &amp; c"), 2);
+    EXPECT_EQ(count_of(text, "nan"), 0);
+    EXPECT_EQ(count_of(text, "inf"), 0);
+    EXPECT_EQ(count_of(svg(Plot{"empty", "", "", {}, false, false, {}, true}), "nan"), 0);
+}
+
+}  // namespace vog::test
