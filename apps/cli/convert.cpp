@@ -1,0 +1,286 @@
+// convert.cpp: vog convert: load -> convert -> save.
+#include "vog/convert.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "inputs.h"
+#include "terminal.h"
+#include "vog/error.h"
+#include "vog/moments.h"
+#include "vog/ply.h"
+
+namespace vog::cli {
+
+namespace {
+
+constexpr const char* kMomentGroup = "Conversion by moments (--method moments)";
+constexpr const char* kPaperGroup = "The paper's conversion (--method paper)";
+
+struct ConvertArguments {
+    std::vector<std::string> inputs;
+    std::string output, method = "moments";
+    VolumeInputOptions volume;
+    int lod = 0;
+    std::string strategy, amplitude = "mean";
+    PaperOptions paper;
+    MomentOptions moments;
+    int threads = 0;
+    bool json = false, verbose = false;
+};
+
+PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command) {
+    PaperOptions options = arguments.paper;
+    if (arguments.lod) {
+        for (const char* option : {"--strategy", "--dense-block"})
+            if (command.count(option))
+                throw CLI::ValidationError(fmt::format("--lod and {} exclude each other", option));
+        const PaperOptions lod = paper_lod(arguments.lod);
+        options.strategy = lod.strategy;
+        options.dense_block = lod.dense_block;
+    } else if (!arguments.strategy.empty()) {
+        options.strategy = strategy_from_name(arguments.strategy);
+    }
+    options.amplitude = arguments.amplitude == "mass" ? Amplitude::mass : Amplitude::mean;
+    return options;
+}
+
+MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command) {
+    MomentOptions options = arguments.moments;
+    std::string cut;
+    for (const char* option : {"--block", "--budget", "--error", "--lod"}) {
+        if (!command.count(option)) continue;
+        if (!cut.empty())
+            throw CLI::ValidationError(fmt::format("{} and {} exclude each other", cut, option));
+        cut = option;
+    }
+    if (options.budget && arguments.inputs.size() > 1)
+        throw CLI::ValidationError("--budget takes one input: it is the size of one model");
+    if (arguments.lod) options.block_voxels = moment_lod(arguments.lod).block_voxels;
+    return options;
+}
+
+/// An option of the other method would be ignored: refused.
+void check_method(const ConvertArguments& arguments, const CLI::App& command) {
+    const std::string other = arguments.method == "paper" ? kMomentGroup : kPaperGroup;
+    for (const CLI::Option* option : command.get_options())
+        if (option->get_group() == other && option->count())
+            throw CLI::ValidationError(fmt::format("{} does not go with --method {}",
+                                                   option->get_name(), arguments.method));
+}
+
+/// What is told of several volumes' conversion by moments.
+struct MomentTotals {
+    double cells_mass = 0, dropped_mass = 0, worst_error = -1;
+    std::size_t dropped_cells = 0;
+    std::map<std::string, double> stage_ms;
+
+    void add(const MomentReport& one, double volume_mass) {
+        cells_mass += one.mass_ratio * volume_mass;
+        dropped_mass += one.dropped_mass_share * volume_mass;
+        dropped_cells += one.dropped_cells;
+        worst_error = std::max(worst_error, one.measured_error);
+        for (const auto& [name, ms] : one.stage_ms) stage_ms[name] += ms;
+    }
+};
+
+void report(const ConvertArguments& arguments, const Gaussians& model, double volume_mass,
+            const MomentTotals& moments, const Stages& stages) {
+    const double mass_ratio = volume_mass > 0 ? mass(model) / volume_mass : 1;
+    const bool by_moments = arguments.method == "moments";
+    const double share = model.source_voxels ? static_cast<double>(model.size()) /
+                                                   static_cast<double>(model.source_voxels)
+                                             : 0;
+    if (!arguments.json) {
+        fmt::print("{}: {} Gaussians, {:.3g} % of {} active voxels, {}, mass ratio {:.5f}\n",
+                   arguments.output, grouped(model.size()), 100 * share,
+                   grouped(model.source_voxels), bytes_text(ply_bytes(model)), mass_ratio);
+        if (moments.dropped_cells)
+            fmt::print("{} cells with {:.2g} of the mass dropped\n", grouped(moments.dropped_cells),
+                       moments.dropped_mass / volume_mass);
+        if (moments.worst_error >= 0)
+            fmt::print("measured error {:.4g} (relative L2 of T, 8 views of 256x256)\n",
+                       moments.worst_error);
+        return;
+    }
+    nlohmann::ordered_json json = {{"output", arguments.output},
+                                   {"method", model.method},
+                                   {"options", model.options},
+                                   {"gaussians", model.size()},
+                                   {"active_voxels", model.source_voxels},
+                                   {"share", share},
+                                   {"bytes", ply_bytes(model)},
+                                   {"mass_ratio", mass_ratio}};
+    if (by_moments) {
+        json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
+        json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
+        json["dropped_cells"] = moments.dropped_cells;
+        if (moments.worst_error >= 0) json["measured_error"] = moments.worst_error;
+        json["convert_ms"] = moments.stage_ms;
+    }
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    fmt::print("{}\n", json.dump(2));
+}
+
+void convert(const ConvertArguments& arguments, const CLI::App& command) {
+    check_output(arguments.output, arguments.inputs, {".ply"});
+    if (common_kind(arguments.inputs) != FileKind::volume)
+        throw Error(
+            fmt::format("{}: is a model already, expected volumes", arguments.inputs.front()));
+    check_method(arguments, command);
+    const bool by_moments = arguments.method == "moments";
+    MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
+    PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    moments.progress = paper.progress = stages.progress();
+
+    // One volume at a time: the memory of the largest, not of all.
+    Gaussians model;
+    double volume_mass = 0;
+    MomentTotals totals;
+    for (const std::string& input : arguments.inputs) {
+        const Volume volume =
+            stages.run("load", [&] { return load_volume(input, arguments.volume); });
+        MomentReport one;
+        append(model, stages.run("convert", [&] {
+            return by_moments ? convert_moments(volume, moments, &one)
+                              : convert_paper(volume, paper);
+        }));
+        volume_mass += mass(volume);
+        totals.add(one, mass(volume));
+        if (by_moments && one.measured_error > moments.error && !moments.block_voxels &&
+            !moments.budget)
+            note(fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}", input,
+                             one.measured_error, moments.error));
+    }
+    stages.run("save", [&] { write_ply(arguments.output, model); });
+    report(arguments, model, volume_mass, totals, stages);
+}
+
+void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
+    const auto group = kPaperGroup;
+    PaperOptions& paper = arguments.paper;
+    command
+        .add_option(
+            "--strategy", arguments.strategy,
+            "Sparse leaves: smart (2^3 blocks, pairs, singles; the default), strict (2^3 blocks, "
+            "singles), single (one Gaussian a leaf). All leaves: variance (split until even), "
+            "neighbours (similar leaves joined), tree (one Gaussian a node)")
+        ->group(group);
+    command.add_option("--dense-block", paper.dense_block, "Block edge in dense leaves, voxels")
+        ->check(CLI::IsMember({2, 4, 8}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option(
+            "--amplitude", arguments.amplitude,
+            "Peak of a Gaussian: the group's mean density (the paper's, loses a third of the "
+            "mass), or the peak that conserves mass")
+        ->check(CLI::IsMember({"mean", "mass"}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option(
+            "--kappa", paper.kappa,
+            "Cut the kernel exp(-d^T S^-1 d) where it falls to this: cutoff sqrt(-2 ln kappa)")
+        ->check(CLI::Range(1e-12, 0.999))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--opacity-threshold", paper.opacity_threshold,
+                    "Drop groups with a mean density at or below this; 0 drops empty ones only")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--variance-threshold", paper.variance_threshold,
+                    "variance: split while a part's variance exceeds this share of the volume's")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--similarity", paper.similarity,
+                    "neighbours: join leaves whose means differ by no more than this share")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--tree-depth", paper.tree_depth,
+                    "tree: one Gaussian per node of 4096^3 (1), 128^3 (2) or 8^3 voxels (3)")
+        ->check(CLI::Range(1, 3))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--minimum-radius", paper.minimum_radius_voxels,
+                    "Least radius, voxels; a single voxel has 0.5")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str()
+        ->group(group);
+}
+
+void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
+    MomentOptions& moments = arguments.moments;
+    const auto add = [&](const std::string& name, auto& value, const std::string& text) {
+        return command.add_option(name, value, text)->group(kMomentGroup);
+    };
+    add("--error", moments.error,
+        "The smallest model whose measured error (relative L2 of T, 8 views) is at most this; the "
+        "default way")
+        ->capture_default_str();
+    add("--budget", moments.budget, "The best model of at most this many Gaussians")
+        ->check(CLI::PositiveNumber);
+    add("--block", moments.block_voxels, "Uniform cells of 1 to 128 voxels, a power of two")
+        ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64, 128}));
+    add("--soft-steps", moments.soft_steps,
+        fmt::format("Steps from hard cells to soft ones; default: none for uniform cells, else {}",
+                    kSoftSteps))
+        ->check(CLI::Range(0, 1000));
+    add("--spread", moments.spread, "Widen every standard deviation at constant mass")
+        ->check(CLI::Range(0.5, 2.0))
+        ->capture_default_str();
+    add("--mass-threshold", moments.mass_threshold,
+        "Drop the lightest cells, up to this share of the mass")
+        ->check(CLI::Range(0.0, 0.999))
+        ->capture_default_str();
+    command
+        .add_flag("--axis-aligned", moments.axis_aligned,
+                  "No rotations: 28 bytes a Gaussian, not 44")
+        ->group(kMomentGroup);
+    command.add_flag("--measure", moments.measure, "Measure the error of any cut")
+        ->group(kMomentGroup);
+}
+
+}  // namespace
+
+void add_convert(CLI::App& app) {
+    auto arguments = std::make_shared<ConvertArguments>();
+    CLI::App* command = app.add_subcommand("convert", "Turn volumes into a model of 3D Gaussians");
+    command->add_option("inputs", arguments->inputs, "OpenVDB files; several become one model")
+        ->required();
+    command->add_option("-o,--output", arguments->output, "PLY model to write")->required();
+    add_volume_options(*command, arguments->volume);
+    command->add_option("--method", arguments->method, "How voxels become Gaussians")
+        ->check(CLI::IsMember({"moments", "paper"}))
+        ->capture_default_str();
+    command
+        ->add_option("--lod", arguments->lod,
+                     "Level of detail, 1 finest to 5 coarsest. Moments: uniform cells of 2, 4, 8, "
+                     "16, 32 voxels. Paper: dense blocks of 2, 4, 8, 8, 8 voxels; smart grouping "
+                     "(1-3), strict (4), single (5)")
+        ->check(CLI::Range(1, 5));
+    add_moment_options(*command, *arguments);
+    add_paper_options(*command, *arguments);
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->callback([arguments, command] { convert(*arguments, *command); });
+}
+
+}  // namespace vog::cli

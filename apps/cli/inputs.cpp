@@ -1,0 +1,154 @@
+// inputs.cpp: files, sizes and colours from words.
+#include "inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "terminal.h"
+#include "vog/error.h"
+#include "vog/nvdb.h"
+#include "vog/ply.h"
+#include "vog/vdb.h"
+
+namespace vog::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string extension_of(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+/// Numbers separated by commas; empty where the text holds anything else.
+std::vector<double> numbers(const std::string& text) {
+    std::vector<double> values;
+    const char *at = text.data(), *end = at + text.size();
+    while (true) {
+        double value;
+        const auto [stop, code] = std::from_chars(at, end, value);
+        if (code != std::errc{} || !std::isfinite(value)) return {};
+        values.push_back(value);
+        if (stop == end) return values;
+        if (*stop != ',') return {};
+        at = stop + 1;
+    }
+}
+
+}  // namespace
+
+FileKind kind_of(const fs::path& file) {
+    const std::string extension = extension_of(file);
+    if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
+    if (extension == ".ply") return FileKind::model;
+    throw Error(
+        fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume) or .ply (model)",
+                    file.string(), extension));
+}
+
+FileKind common_kind(const std::vector<std::string>& inputs) {
+    const FileKind kind = kind_of(inputs.front());
+    for (const std::string& input : inputs)
+        if (kind_of(input) != kind)
+            throw Error(
+                fmt::format("{}: volumes and models together, expected one kind of input", input));
+    return kind;
+}
+
+void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
+    command.add_option("--grid", options.grid,
+                       "Grid to take; default: the only scalar grid, else 'density'");
+    command.add_flag("--level-set-to-fog", options.level_set_to_fog,
+                     "Take the inside of a level set as fog");
+}
+
+Volume load_volume(const std::string& file, const VolumeInputOptions& options) {
+    VdbNotes notes;
+    const VdbOptions vdb{options.grid, options.level_set_to_fog};
+    Volume volume =
+        extension_of(file) == ".nvdb" ? read_nvdb(file, vdb, &notes) : read_vdb(file, vdb, &notes);
+    if (notes.clamped_negative)
+        note(fmt::format("{}: {} negative values of '{}' set to zero", file,
+                         grouped(notes.clamped_negative), volume.name));
+    return volume;
+}
+
+Gaussians load_models(const std::vector<std::string>& files) {
+    Gaussians model;
+    for (const std::string& file : files) append(model, read_ply(file));
+    return model;
+}
+
+Size parse_size(const std::string& text) {
+    Size size;
+    const char *begin = text.data(), *end = begin + text.size();
+    const auto width = std::from_chars(begin, end, size.width);
+    bool good = width.ec == std::errc{};
+    if (good && width.ptr == end) {
+        size.height = size.width;
+    } else if (good && *width.ptr == 'x') {
+        const auto height = std::from_chars(width.ptr + 1, end, size.height);
+        good = height.ec == std::errc{} && height.ptr == end;
+    } else {
+        good = false;
+    }
+    if (!good || size.width < 1 || size.height < 1)
+        throw CLI::ValidationError(
+            fmt::format("--size {}: expected WxH or one number, in pixels, like 640x480", text));
+    return size;
+}
+
+Rgba parse_background(const std::string& text) {
+    if (text == "black") return {0, 0, 0, 1};
+    if (text == "white") return {1, 1, 1, 1};
+    if (text == "transparent") return {0, 0, 0, 0};
+    const auto c = numbers(text);
+    if (c.size() != 3 ||
+        !std::all_of(c.begin(), c.end(), [](double v) { return v >= 0 && v <= 1; }))
+        throw CLI::ValidationError(fmt::format(
+            "--background {}: expected R,G,B in [0, 1], black, white or transparent", text));
+    return {float(c[0]), float(c[1]), float(c[2]), 1};
+}
+
+Vec3d parse_vector(const std::string& option, const std::string& text) {
+    const auto v = numbers(text);
+    if (v.size() != 3)
+        throw CLI::ValidationError(fmt::format("{} {}: expected x,y,z", option, text));
+    return {v[0], v[1], v[2]};
+}
+
+double parse_extinction(const std::string& text) {
+    try {
+        std::size_t used = 0;
+        const double value = std::stod(text, &used);
+        if (used == text.size() && value > 0 && std::isfinite(value)) return value;
+    } catch (const std::exception&) {
+    }
+    throw CLI::ValidationError(
+        fmt::format("--extinction {}: expected a number > 0 or 'auto'", text));
+}
+
+void check_output(const std::string& output, const std::vector<std::string>& inputs,
+                  const std::vector<std::string>& extensions) {
+    const std::string extension = extension_of(output);
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
+        throw Error(fmt::format("{}: cannot write '{}' files here, expected {}", output, extension,
+                                fmt::join(extensions, " or ")));
+    const fs::path folder =
+        fs::path(output).has_parent_path() ? fs::path(output).parent_path() : ".";
+    if (!fs::is_directory(folder))
+        throw Error(fmt::format("{}: cannot write: no folder '{}'", output, folder.string()));
+    std::error_code code;
+    for (const std::string& input : inputs)
+        if (fs::equivalent(output, input, code))
+            throw Error(fmt::format("{}: is an input too, expected another name", output));
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,51 @@
+// inputs.h: what the words on the command line stand for: files, sizes, colours.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "vog/gaussians.h"
+#include "vog/image.h"
+#include "vog/volume.h"
+
+namespace vog::cli {
+
+enum class FileKind { volume, model };
+
+/// By extension; throws vog::Error listing the known ones.
+FileKind kind_of(const std::filesystem::path& file);
+/// The one kind of all inputs; throws vog::Error where they differ.
+FileKind common_kind(const std::vector<std::string>& inputs);
+
+struct VolumeInputOptions {
+    std::string grid;
+    bool level_set_to_fog = false;
+};
+/// Adds --grid and --level-set-to-fog.
+void add_volume_options(CLI::App& command, VolumeInputOptions& options);
+/// Reads a volume; says on standard error what reading changed.
+Volume load_volume(const std::string& file, const VolumeInputOptions& options);
+/// Reads models and joins them.
+Gaussians load_models(const std::vector<std::string>& files);
+
+/// "640x480" or "512". throws CLI::ValidationError: wrong usage
+struct Size {
+    int width = 512, height = 512;
+};
+Size parse_size(const std::string& text);
+/// "1,1,1", "white", "black" or "transparent". throws CLI::ValidationError
+Rgba parse_background(const std::string& text);
+/// "x,y,z". throws CLI::ValidationError naming `option`
+Vec3d parse_vector(const std::string& option, const std::string& text);
+
+/// A number > 0; "auto" and its kin are the caller's. throws CLI::ValidationError
+double parse_extinction(const std::string& text);
+
+/// Checks before any work that `output` can be written: its extension is one of `extensions`, its
+/// folder exists, and it is none of the inputs. throws vog::Error
+void check_output(const std::string& output, const std::vector<std::string>& inputs,
+                  const std::vector<std::string>& extensions);
+
+}  // namespace vog::cli

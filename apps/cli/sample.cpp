@@ -1,0 +1,64 @@
+// sample.cpp: vog sample: make input from nothing.
+#include "vog/sample.h"
+
+#include <fmt/core.h>
+
+#include "commands.h"
+#include "inputs.h"
+#include "terminal.h"
+#include "vog/vdb.h"
+
+namespace vog::cli {
+
+namespace {
+
+struct SampleArguments {
+    std::string what, output;
+    SampleOptions options;
+    int threads = 0;
+    bool half = false, verbose = false;
+};
+
+void sample(const SampleArguments& arguments) {
+    check_output(arguments.output, {}, {".vdb"});
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    SampleOptions options = arguments.options;
+    options.progress = stages.progress();
+    const Volume volume = stages.run("sample", [&] {
+        return arguments.what == "cloud" ? sample_cloud(options) : sample_explosion(options);
+    });
+    stages.run("write", [&] { write_vdb(arguments.output, volume, arguments.half); });
+    fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
+               arguments.what, grouped(active_voxels(volume)), grouped(volume.leaves.size()),
+               grouped(volume.tiles.size()));
+}
+
+}  // namespace
+
+void add_sample(CLI::App& app) {
+    auto arguments = std::make_shared<SampleArguments>();
+    CLI::App* command =
+        app.add_subcommand("sample", "Make input from nothing, the same every time");
+    command
+        ->add_option(
+            "what", arguments->what,
+            "cloud: a cumulus with soft edges and a constant core; explosion: a turbulent, "
+            "hollow fireball")
+        ->required()
+        ->check(CLI::IsMember({"cloud", "explosion"}));
+    command->add_option("output", arguments->output, "OpenVDB file to write")->required();
+    command->add_option("--size", arguments->options.size, "Voxels across")
+        ->check(CLI::Range(64, 1024))
+        ->capture_default_str();
+    command->add_option("--seed", arguments->options.seed, "Another number, another shape")
+        ->capture_default_str();
+    command->add_flag("--half", arguments->half, "Store values as half floats");
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->callback([arguments] { sample(*arguments); });
+}
+
+}  // namespace vog::cli

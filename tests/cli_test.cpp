@@ -1,0 +1,190 @@
+// cli_test.cpp: the command as a user runs it: exit codes, outputs, one clear line for every error.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "support/data.h"
+#include "vog/image.h"
+#include "vog/ply.h"
+
+namespace vog::test {
+
+namespace {
+
+struct Result {
+    int exit_code = -1;
+    std::string out, error;
+};
+
+std::string read_text(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+class cli : public testing::Test {
+  protected:
+    /// Runs `vog arguments` in the test's own folder.
+    Result run(const std::string& arguments) const {
+        const std::string command = "cd '" + (dir_ / "").string() + "' && '" VOG_COMMAND "' " +
+                                    arguments + " >stdout.txt 2>stderr.txt </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
+                read_text(dir_ / "stderr.txt")};
+    }
+    /// Runs it and expects success.
+    Result must(const std::string& arguments) const {
+        const Result result = run(arguments);
+        EXPECT_EQ(result.exit_code, 0) << "vog " << arguments << "\n" << result.error;
+        return result;
+    }
+    /// Expects the exit code and exactly one line on standard error that holds `text`.
+    void must_fail(int exit_code, const std::string& arguments, const std::string& text) const {
+        const Result result = run(arguments);
+        EXPECT_EQ(result.exit_code, exit_code) << "vog " << arguments << "\n" << result.error;
+        EXPECT_NE(result.error.find(text), std::string::npos) << "vog " << arguments << "\n"
+                                                              << result.error;
+        if (exit_code == 1) {
+            EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1)
+                << result.error;
+            EXPECT_EQ(result.out, "");
+        }
+    }
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(dir_ / name, std::ios::binary) << text;
+    }
+
+    TempDir dir_;
+};
+
+}  // namespace
+
+TEST_F(cli, goes_from_nothing_to_a_picture) {
+    must("sample cloud cloud.vdb --size 64");
+    must("info cloud.vdb");
+    const Result converted =
+        must("convert cloud.vdb -o cloud.ply --method paper --lod 3 --amplitude mass --json");
+    const auto conversion = nlohmann::json::parse(converted.out);
+    const Gaussians model = read_ply(dir_ / "cloud.ply");
+    EXPECT_EQ(conversion["gaussians"], model.size());
+    EXPECT_NEAR(conversion["mass_ratio"].get<double>(), 1, 1e-4);
+
+    const Result rendered =
+        must("render cloud.ply -o cloud.png --depth-out T.exr --size 80x60 --json");
+    const auto rendering = nlohmann::json::parse(rendered.out);
+    EXPECT_EQ(rendering["width"], 80);
+    EXPECT_GT(rendering["covered"].get<double>(), 0.1);
+    EXPECT_GE(rendering["render_ms"]["median"].get<double>(), 0);
+    const Image image = read_image(dir_ / "cloud.png");
+    EXPECT_EQ(image.width, 80);
+    EXPECT_EQ(image.height, 60);
+    const DepthImage depth = read_depth(dir_ / "T.exr");
+    EXPECT_NEAR(depth.extinction, rendering["extinction"].get<double>(), 1e-5 * depth.extinction);
+}
+
+TEST_F(cli, same_bytes_with_one_two_and_eight_threads) {
+    std::vector<std::string> models, pictures;
+    for (const char* threads : {"1", "2", "8"}) {
+        const std::string t = std::string(" --threads ") + threads;
+        must("sample explosion e.vdb --size 64" + t);
+        must("convert e.vdb -o e.ply --method paper --lod 1" + t);
+        must("render e.ply -o e.png --size 64" + t);
+        models.push_back(read_text(dir_ / "e.ply"));
+        pictures.push_back(read_text(dir_ / "e.png"));
+    }
+    EXPECT_EQ(models[0], models[1]);
+    EXPECT_EQ(models[0], models[2]);
+    EXPECT_EQ(pictures[0], pictures[1]);
+    EXPECT_EQ(pictures[0], pictures[2]);
+}
+
+TEST_F(cli, views_agree_however_they_are_given) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --method paper --lod 5");
+    must("render c.ply -o paper.png --size 40 --view paper --save-camera camera.json");
+    must("render c.ply -o angles.png --size 40 --azimuth 0.6 --elevation 0.35 --distance 3");
+    must("render c.ply -o file.png --size 40 --camera camera.json");
+    const auto camera = nlohmann::json::parse(read_text(dir_ / "camera.json"));
+    const auto list = [&](const char* key) {
+        const std::string text = camera[key].dump();
+        return text.substr(1, text.size() - 2);
+    };
+    must("render c.ply -o eye.png --size 40 --eye=" + list("eye") +
+         " --look-at=" + list("look_at") + " --fov " + camera["fov_degrees"].dump());
+    const std::string picture = read_text(dir_ / "paper.png");
+    EXPECT_EQ(picture, read_text(dir_ / "angles.png"));
+    EXPECT_EQ(picture, read_text(dir_ / "file.png"));
+    EXPECT_EQ(picture, read_text(dir_ / "eye.png"));
+}
+
+TEST_F(cli, json_is_all_there_is_on_standard_output) {
+    must("sample cloud c.vdb --size 64");
+    const auto info = nlohmann::json::parse(must("info c.vdb --json").out);
+    EXPECT_EQ(info["files"][0]["grids"][0]["name"], "density");
+    EXPECT_GT(info["files"][0]["grids"][0]["active_tiles"]["8"].get<int>(), 0);
+    must("convert c.vdb -o c.ply --method paper --lod 4");
+    const auto model = nlohmann::json::parse(must("info c.ply --json").out)["files"][0]["model"];
+    EXPECT_EQ(model["method"], "paper");
+    const auto timing = nlohmann::json::parse(must("render c.ply --size 32 --repeat 3 --json").out);
+    EXPECT_EQ(timing["render_ms"]["repeats"], 3);
+}
+
+TEST_F(cli, wrong_usage_is_exit_code_two) {
+    write("m.ply", "ply\n");
+    must_fail(2, "", "subcommand");
+    must_fail(2, "paint", "no subcommand 'paint'");
+    must_fail(2, "sample cloud", "output");
+    must_fail(2, "sample cloud c.vdb --size 63", "size");
+    must_fail(2, "convert a.vdb -o a.ply --lod 6", "lod");
+    must_fail(2, "convert a.vdb -o a.ply --method paper --lod 1 --strategy strict", "exclude");
+    must_fail(2, "render m.ply -o m.png --size 12y", "--size 12y");
+    must_fail(2, "render m.ply -o m.png --background 1,2", "--background 1,2");
+    must_fail(2, "render m.ply -o m.png --eye 1,2", "--eye: 1,2: expected x,y,z");
+    must_fail(2, "render m.ply -o m.png --extinction -1", "--extinction");
+    must_fail(2, "render m.ply", "nothing to make");
+}
+
+TEST_F(cli, every_failure_is_one_line_that_names_the_file) {
+    write("text.vdb", "this is not a volume");
+    write("text.ply", "this is not a model");
+    write("odd.txt", "");
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --method paper --lod 5");
+    must_fail(1, "info absent.vdb", "absent.vdb: no such file");
+    must_fail(1, "info text.vdb", "text.vdb: ");
+    must_fail(1, "info text.ply", "text.ply: not a PLY file");
+    must_fail(1, "info odd.txt", "odd.txt: unknown extension");
+    must_fail(1, "convert absent.vdb -o a.ply", "absent.vdb: no such file");
+    must_fail(1, "convert c.vdb -o a.png", "a.png: cannot write '.png'");
+    must_fail(1, "convert c.vdb -o no/a.ply", "no folder 'no'");
+    must_fail(1, "convert c.vdb -o a.ply --grid heat", "no grid named 'heat' (it has: density)");
+    must_fail(1, "convert c.ply -o a.ply", "is a model already");
+    must_fail(1, "render c.ply -o a.jpg", "a.jpg: cannot write");
+    must_fail(1, "render c.ply -o a.png --tf mauve", "mauve");
+    must_fail(1, "render c.ply -o a.png --camera absent.json", "absent.json: no such file");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "a.ply"));
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "a.png"));
+}
+
+TEST_F(cli, an_input_is_never_overwritten) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --method paper --lod 5");
+    const std::string before = read_text(dir_ / "c.ply");
+    must_fail(1, "render c.ply --depth-out c.ply", "c.ply");
+    must_fail(1, "convert ./c.vdb -o c.vdb", "c.vdb");
+    EXPECT_EQ(read_text(dir_ / "c.ply"), before);
+}
+
+TEST_F(cli, help_explains_every_subcommand) {
+    for (const char* command : {"", "sample ", "info ", "convert ", "render "})
+        EXPECT_GT(must(std::string(command) + "--help").out.size(), 200u) << command;
+    EXPECT_EQ(must("--version").out.substr(0, 4), "vog ");
+}
+
+}  // namespace vog::test

@@ -1,0 +1,17 @@
+# Installs vog into a fresh prefix, then configures, builds and runs the consumer against it.
+file(REMOVE_RECURSE ${WORK_DIR})
+function(step)
+    execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
+    if(result)
+        message(FATAL_ERROR "${ARGV}\n${output}")
+    endif()
+endfunction()
+step(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${WORK_DIR}/prefix)
+step(${CMAKE_COMMAND} -S ${SOURCE_DIR} -B ${WORK_DIR}/build -G Ninja
+     -DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}")
+step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
+execute_process(COMMAND ${WORK_DIR}/build/consumer WORKING_DIRECTORY ${WORK_DIR} COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${WORK_DIR}/prefix/bin/vog --version COMMAND_ERROR_IS_FATAL ANY)
+if(NOT EXISTS ${WORK_DIR}/cloud.png)
+    message(FATAL_ERROR "the consumer made no cloud.png")
+endif()
