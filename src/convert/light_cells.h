@@ -1,0 +1,47 @@
+// light_cells.h: which cells are too light to keep.
+#pragma once
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "vog/moments.h"
+
+namespace vog {
+
+/// Finds the mass below which cells may go: together at most some share of all. Cells are sorted by
+/// the upper 16 bits of their mass, so those within 1 % of each other stay or go together.
+class LightCells {
+  public:
+    /// mass  finite, >= 0
+    void add(float mass) {
+        const std::size_t bin = std::bit_cast<std::uint32_t>(mass) >> 16;
+        sum_[bin] += static_cast<double>(mass);
+        ++count_[bin];
+        total_ += static_cast<double>(mass);
+    }
+    /// The least mass that stays, where `share` of the total may go.
+    float least_mass(double share) {
+        std::size_t bin = 0;
+        for (; bin < kBins && dropped_mass_ + sum_[bin] <= share * total_; ++bin) {
+            dropped_mass_ += sum_[bin];
+            dropped_cells_ += count_[bin];
+        }
+        return std::bit_cast<float>(static_cast<std::uint32_t>(bin) << 16);
+    }
+    void tell(double volume_mass, MomentReport& report) const {
+        report.mass_ratio = total_ / volume_mass;
+        report.dropped_mass_share = dropped_mass_ / volume_mass;
+        report.dropped_cells = dropped_cells_;
+    }
+
+  private:
+    static constexpr std::size_t kBins = 0x7f80;  // of positive finite floats
+    std::vector<double> sum_ = std::vector<double>(kBins);
+    std::vector<std::size_t> count_ = std::vector<std::size_t>(kBins);
+    double total_ = 0, dropped_mass_ = 0;
+    std::size_t dropped_cells_ = 0;
+};
+
+}  // namespace vog

@@ -1,0 +1,70 @@
+// moment_bricks.cpp: the cells inside a leaf or a tile.
+#include "convert/moment_bricks.h"
+
+#include <algorithm>
+
+namespace vog {
+
+std::vector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes) {
+    std::vector<Brick> bricks;
+    bricks.reserve(nodes.size());
+    for (const MomentNode& node : nodes) {
+        Brick brick{node.origin, 1, nullptr, 0};
+        if (node.tile) {
+            brick.value = volume.tiles[node.index].value;
+            brick.spacing = static_cast<double>(node.edge) / kLeafEdge;
+            if (brick.value <= 0) continue;
+        } else {
+            brick.leaf = &volume.leaves[node.index];
+            if (std::none_of(brick.leaf->value.begin(), brick.leaf->value.end(),
+                             [](float value) { return value > 0; }))
+                continue;
+        }
+        bricks.push_back(brick);
+    }
+    return bricks;
+}
+
+BrickSums brick_sums(const Brick& brick) {
+    BrickSums sums;
+    if (brick.leaf) {
+        sums.twos = leaf_sums(*brick.leaf);
+        sums.fours = merge_eight<2>(sums.twos);
+        sums.whole = merge_eight<4>(sums.fours)[0];
+        return sums;
+    }
+    const auto cube = [&](double samples) {
+        const double edge = samples * brick.spacing;
+        return cube_sums(brick.value * edge * edge * edge, edge);
+    };
+    sums.whole = cube(8);
+    sums.fours.fill(cube(4));
+    sums.twos.fill(cube(2));
+    return sums;
+}
+
+Moments brick_node(const Brick& brick, const BrickSums& sums, std::size_t n) {
+    MomentSums cell;
+    int edge = 8, morton = 0;
+    if (n == 0) {
+        cell = sums.whole;
+    } else if (n < 9) {
+        edge = 4, morton = static_cast<int>(n - 1);
+        cell = sums.fours[n - 1];
+    } else if (n < kBrickNodes) {
+        edge = 2, morton = static_cast<int>(n - 9);
+        cell = sums.twos[n - 9];
+    } else {
+        edge = 1, morton = static_cast<int>(n - kBrickNodes);
+        const Vec3i place = morton_place(morton);
+        cell =
+            cube_sums(brick.sample(leaf_offset(place.x, place.y, place.z)) * brick.sample_volume(),
+                      brick.spacing);
+    }
+    if (!(cell.mass > 0)) return {};
+    Moments moments = moments_of(cell);
+    moments.mean = moments.mean + brick_cell_center(brick, morton, edge);
+    return moments;
+}
+
+}  // namespace vog

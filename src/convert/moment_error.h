@@ -1,0 +1,25 @@
+// moment_error.h: the measured error of a model: relative L2 of T over views around the volume.
+#pragma once
+
+#include <vector>
+
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/image.h"
+#include "vog/volume.h"
+
+namespace vog {
+
+/// The volume's own T from eight sides, by exact traversal of its voxels.
+class ErrorViews {
+  public:
+    explicit ErrorViews(const Volume& volume);
+    /// sqrt(sum |T - T_ref|^2 / sum |T_ref|^2), over all pixels of all views
+    double measure(const Gaussians& model) const;
+
+  private:
+    std::vector<Camera> cameras_;
+    std::vector<DepthImage> reference_;
+};
+
+}  // namespace vog

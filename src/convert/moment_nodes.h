@@ -1,0 +1,39 @@
+// moment_nodes.h: the leaves and tiles of a volume in Morton order, where cells of every power of
+// two are contiguous.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "convert/moment_sums.h"
+#include "vog/moments.h"
+#include "vog/volume.h"
+
+namespace vog {
+
+/// Morton order of voxel indices: x before y before z where the highest differing bit is shared.
+bool morton_less(Vec3i a, Vec3i b);
+
+struct MomentNode {
+    Vec3i origin;
+    std::int32_t edge = kLeafEdge;
+    std::uint32_t index = 0;  ///< into the volume's leaves or tiles
+    bool tile = false;
+};
+
+/// Every leaf and tile, sorted.
+std::vector<MomentNode> morton_nodes(const Volume& volume);
+
+/// Centre of the cube of `edge` voxels from `origin` on, in index space.
+inline Vec3d cube_center(Vec3i origin, double edge) {
+    const double half = 0.5 * (edge - 1);
+    return vec_cast<double>(origin) + Vec3d{half, half, half};
+}
+
+/// A cell of the octree with its mean as an index.
+Moments cell_moments(const MomentCell& cell, int edge_log2);
+
+/// Leaves go to threads in runs of this many: results are joined in the order of the runs.
+inline constexpr std::size_t kNodeChunk = 128;
+
+}  // namespace vog
