@@ -14,12 +14,15 @@ step() {
 }
 step sample cloud "$out/cloud.vdb" --size 256
 step info "$out/cloud.vdb"
-step convert "$out/cloud.vdb" -o "$out/cloud.ply" --method paper --lod 1 --amplitude mass
+step convert "$out/cloud.vdb" -o "$out/cloud.ply" --block 4 --verbose
 step info "$out/cloud.ply"
-step render "$out/cloud.ply" -o "$out/cloud.png" --size 1024x1024 --tf blue-white
-step render "$out/cloud.ply" -o "$out/cloud-inferno.png" --size 1024x1024 --tf inferno \
+step render "$out/cloud.ply" -o "$out/cloud.png" --size 1024x768 --tf blue-white --blend \
     --depth-out "$out/cloud-T.exr"
-step render "$out/cloud.ply" --size 1024x1024 --repeat 5
+step render "$out/cloud.ply" -o "$out/cloud-inferno.png" --size 1024x768 --tf inferno
+step render "$out/cloud.vdb" -o "$out/voxels.png" --size 1024x768 --tf blue-white --blend \
+    --depth-out "$out/voxels-T.exr"
+step compare "$out/voxels-T.exr" "$out/cloud-T.exr" --diff "$out/difference.png"
+step render "$out/cloud.ply" --size 1024x768 --repeat 5
 
 printf '\nMade in %s:\n' "$out"
 ls -l "$out" | awk 'NR > 1 {printf "  %-20s %10d bytes\n", $NF, $5}'

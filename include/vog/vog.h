@@ -3,8 +3,10 @@
 #pragma once
 
 #include "vog/camera.h"
+#include "vog/compare.h"
 #include "vog/convert.h"
 #include "vog/error.h"
+#include "vog/evaluate.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/linear.h"

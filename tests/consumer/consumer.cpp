@@ -5,7 +5,7 @@
 
 int main() {
     const vog::Volume volume = vog::sample_cloud({.size = 64});
-    const vog::Gaussians model = vog::convert_paper(volume, vog::paper_lod(3));
+    const vog::Gaussians model = vog::convert_moments(volume, {.block_voxels = 4});
     vog::write_ply("cloud.ply", model);
 
     vog::DepthImage depth = vog::render_splat(model, vog::paper_view(model.box), 256, 256);
