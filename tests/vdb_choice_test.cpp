@@ -2,7 +2,6 @@
 // refusal says.
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
-#include <openvdb/io/Stream.h>
 
 #include <fstream>
 
@@ -89,9 +88,11 @@ TEST(vdb_choice, grids_that_share_a_tree_keep_their_own_transforms) {
 
 TEST(vdb_choice, what_is_no_density_is_refused) {
     expect_message({grid_with<openvdb::BoolGrid>("inside")},
-                   ": grid 'inside': holds bool, expected numbers or vectors", {.grid = "inside"});
+                   ": grid 'inside': holds bool, expected float, double, int32, int64 or vec3",
+                   {.grid = "inside"});
     expect_message({grid_with<openvdb::MaskGrid>("inside")},
-                   ": grid 'inside': holds mask, expected numbers or vectors", {.grid = "inside"});
+                   ": grid 'inside': holds mask, expected float, double, int32, int64 or vec3",
+                   {.grid = "inside"});
     expect_message({make_grid("density")}, ": grid 'density': no active voxels");
     const auto inactive = make_grid("density");
     inactive->tree().setValueOff({1, 2, 3}, 4);
