@@ -18,7 +18,7 @@ struct VdbOptions {
 
 /// What reading changed; the command line says it.
 struct VdbNotes {
-    std::uint64_t clamped_negative = 0;  ///< active values below zero, set to zero
+    std::uint64_t clamped_negative = 0;  ///< active values below zero, set to zero; a tile is one
 };
 
 /// Reads one grid as density. Float, double, half-stored and integer grids; vector grids by
@@ -45,7 +45,7 @@ struct GridInfo {
     Box world;                 ///< of the active bounding box, voxel faces included
     Affine world_from_index;
     bool affine = true;              ///< false: a frustum, world_from_index is unset
-    double min = 0, max = 0;         ///< over active values; magnitudes for vectors
+    double min = 0, max = 0;         ///< over active values; magnitudes for vectors, 0 for points
     std::uint64_t memory_bytes = 0;  ///< of the tree in memory
 };
 

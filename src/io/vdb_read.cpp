@@ -63,7 +63,7 @@ Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, Vd
 
     const LoadedGrid loaded = load_grid(file, entry);
     if (!loaded.grid || loaded.has_points)
-        throw Error(fmt::format("{}: holds {}, expected numbers or vectors", where,
+        throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
                                 short_type(entry.tree_type)));
     return with_vdb_errors(where, [&] {
         openvdb::GridBase& grid = *loaded.grid;

@@ -165,7 +165,7 @@ Volume density_from_grid(const openvdb::GridBase& grid,
     const bool known =
         grid.apply<DensityGrids>([&](const auto& typed) { convert(typed, where, volume, notes); });
     if (!known)
-        throw Error(fmt::format("{}: holds {}, expected numbers or vectors", where,
+        throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
                                 short_type(grid.type())));
     return volume;
 }
