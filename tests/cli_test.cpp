@@ -32,8 +32,8 @@ class cli : public testing::Test {
   protected:
     /// Runs `vog arguments` in the test's own folder.
     Result run(const std::string& arguments) const {
-        const std::string command = "cd '" + (dir_ / "").string() + "' && '" VOG_COMMAND "' " +
-                                    arguments + " >stdout.txt 2>stderr.txt </dev/null";
+        const std::string command = "cd '" + (dir_ / "").string() + "' && '" + vog_command() +
+                                    "' " + arguments + " >stdout.txt 2>stderr.txt </dev/null";
         const int status = std::system(command.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
                 read_text(dir_ / "stderr.txt")};

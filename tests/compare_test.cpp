@@ -272,8 +272,8 @@ namespace {
 
 /// Runs `vog compare arguments`. returns what it printed, errors included, and its exit code
 std::pair<std::string, int> run_compare(const TempDir& dir, const std::string& arguments) {
-    const std::string command =
-        "cd '" + (dir / "").string() + "' && '" VOG_COMMAND "' compare " + arguments + " 2>&1";
+    const std::string command = "cd '" + (dir / "").string() + "' && '" + vog_command() +
+                                "' compare " + arguments + " 2>&1";
     std::FILE* pipe = popen(command.c_str(), "r");
     std::string text;
     for (int c; (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);

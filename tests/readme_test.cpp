@@ -13,7 +13,7 @@ namespace vog::test {
 namespace {
 
 std::string source_text(const std::string& file) {
-    std::ifstream in(std::filesystem::path(VOG_SOURCE_DIR) / file);
+    std::ifstream in(test::source_dir() / file);
     std::ostringstream text;
     text << in.rdbuf();
     return text.str();
@@ -36,7 +36,7 @@ std::vector<std::string> blocks(const std::string& markdown, const std::string& 
 
 TEST(readme, every_command_line_runs) {
     const TempDir dir;
-    std::filesystem::create_symlink(VOG_COMMAND, dir / "vog");
+    std::filesystem::create_symlink(test::vog_command(), dir / "vog");
     int commands = 0;
     for (const std::string& block : blocks(source_text("README.md"), "sh")) {
         std::istringstream lines(block);

@@ -266,7 +266,7 @@ TEST(color_maps, picture_in_the_docs_is_current) {
             std::copy(strip.pixel.begin(), strip.pixel.end(),
                       &picture.at(0, static_cast<int>(i) * (kStrip + kGap) + y));
     }
-    const auto file = std::filesystem::path(VOG_SOURCE_DIR) / "docs/images/color_maps.png";
+    const auto file = test::source_dir() / "docs/images/color_maps.png";
     if (std::getenv("VOG_UPDATE_DOCS")) write_png(file, picture);
     const Image shown = read_image(file);
     ASSERT_EQ(shown.width, picture.width);

@@ -7,10 +7,14 @@
 
 namespace vog::test {
 
+/// The source tree this was built from, and the command it built.
+std::filesystem::path source_dir();
+std::string vog_command();
+
 /// The folder of real inputs: VOG_DATA, or ../shared/data beside the source tree.
 inline std::filesystem::path data_dir() {
     if (const char* named = std::getenv("VOG_DATA")) return named;
-    return std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
+    return source_dir() / ".." / "shared" / "data";
 }
 
 /// A fresh folder, removed with its contents when the object goes.
