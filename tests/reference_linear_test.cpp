@@ -94,6 +94,22 @@ TEST(reference_linear, tile_and_the_same_leaves_agree) {
     }
 }
 
+TEST(reference_linear, tile_where_a_larger_node_starts_hides_no_border_of_others) {
+    Volume volume;
+    volume.tiles.push_back({{0, 0, 0}, 128, 0.25f});
+    Leaf leaf;
+    leaf.origin = {512, 512, 512};
+    leaf.set(0, 2);  // its tent reaches into the seven blocks below
+    volume.leaves.push_back(leaf);
+    const VoxelGrid grid = voxel_grid(volume, kExact);
+    const Box box{{510, 510, 510}, {514, 514, 514}};
+    for (const auto& [origin, direction] : rays_through(volume, box, 100)) {
+        const double expected = test::brute_linear_depth(volume, origin, direction);
+        ASSERT_NEAR(optical_depth(grid, origin, direction), expected, kRounding);
+    }
+    EXPECT_NEAR(optical_depth(grid, {511.5, 512, 500}, {0, 0, 1}), 1, kRounding);
+}
+
 TEST(reference_linear, exact_rule_matches_simpson_under_every_map) {
     for (const auto& [name, map] : test::grid_maps()) {
         SCOPED_TRACE(name);

@@ -330,6 +330,7 @@ TEST(reference, unusable_input_throws) {
     EXPECT_THROW((void)render_reference({&grid, 1}, Camera{}, 0, 4), Error);
     Volume volume = dense_cube(1, 1);
     EXPECT_THROW((void)voxel_grid(volume, {Interpolation::linear, -1}), Error);
+    EXPECT_THROW((void)voxel_grid(volume, {Interpolation::linear, 1e-4}), Error);
     volume.tiles.push_back({{0, 0, 0}, 8, 1});
     EXPECT_THROW((void)voxel_grid(volume), Error);
     volume.tiles[0].edge = 128;

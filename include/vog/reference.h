@@ -45,7 +45,7 @@ class VoxelGrid {
 
 /// volume   as its readers deliver it; may be empty
 /// throws   vog::Error for a volume that validate() refuses, for overlapping nodes, indices beyond
-///          2^30, a negative or non-finite step
+///          2^30, a step that is neither 0 nor at least 0.001
 /// cost     O(leaves log leaves) time, 2.1 kB a leaf
 [[nodiscard]] VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options = {});
 

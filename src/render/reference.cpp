@@ -56,9 +56,12 @@ double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
 std::size_t VoxelGrid::memory_bytes() const { return data_->tree.buffer.size(); }
 
 VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
-    if (!(options.step_voxels >= 0 && std::isfinite(options.step_voxels)))
+    // Shorter steps change no digit that a float keeps, and would take hours.
+    constexpr double kLeastStep = 1e-3;
+    const double step = options.step_voxels;
+    if (!(step == 0 || (step >= kLeastStep && std::isfinite(step))))
         throw Error(
-            fmt::format("step of {} voxels, expected 0 (exact) or more", options.step_voxels));
+            fmt::format("step of {} voxels, expected 0 (exact) or at least {}", step, kLeastStep));
     validate(volume);
     auto data = std::make_shared<VoxelGrid::Data>();
     data->options = options;

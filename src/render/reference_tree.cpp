@@ -97,14 +97,18 @@ std::vector<Cell> border_cells(const Volume& volume, const std::vector<Cell>& ce
     std::sort(wanted.begin(), wanted.end(), node_order);
     wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
 
-    std::vector<Vec3i> large;  // tiles that may cover a wanted block
-    for (const Tile& tile : volume.tiles)
-        if (tile.edge > kLeafEdge) large.push_back(tile.origin);
-    std::sort(large.begin(), large.end(), node_order);
-    const auto has_tile = [&](Vec3i block, int edge) {
-        const Vec3i origin = aligned(block, edge);
-        const auto found = std::lower_bound(large.begin(), large.end(), origin, node_order);
-        return found != large.end() && *found == origin;
+    // Tiles that may cover a wanted block, each size apart: a tile of 128 may start where a node of
+    // 4096 does.
+    const auto origins_of = [&](int edge) {
+        std::vector<Vec3i> origins;
+        for (const Tile& tile : volume.tiles)
+            if (tile.edge == edge) origins.push_back(tile.origin);
+        std::sort(origins.begin(), origins.end(), node_order);
+        return origins;
+    };
+    const std::vector<Vec3i> lower = origins_of(kLowerEdge), upper = origins_of(kUpperEdge);
+    const auto covers = [](const std::vector<Vec3i>& tiles, Vec3i origin) {
+        return std::binary_search(tiles.begin(), tiles.end(), origin, node_order);
     };
     std::vector<Cell> border;
     for (const Vec3i block : wanted) {
@@ -112,7 +116,8 @@ std::vector<Cell> border_cells(const Volume& volume, const std::vector<Cell>& ce
             cells.begin(), cells.end(), block,
             [](const Cell& cell, Vec3i origin) { return node_order(cell.origin, origin); });
         const bool taken = (found != cells.end() && found->origin == block) ||
-                           has_tile(block, kLowerEdge) || has_tile(block, kUpperEdge);
+                           covers(lower, aligned(block, kLowerEdge)) ||
+                           covers(upper, aligned(block, kUpperEdge));
         if (!taken) border.push_back({block});
     }
     return border;
