@@ -91,7 +91,7 @@ TEST(evaluate, paper_rows_are_five_levels_and_three_extents_of_two_amplitudes) {
     // Levels 3 to 5 coarsen the sparse leaves, 1 to 3 the dense ones; amplitudes change no count.
     std::vector<std::size_t> count;
     for (const Conversion& conversion : conversions)
-        count.push_back(conversion.convert(volume).size());
+        count.push_back(conversion.convert(volume, 0).size());
     for (std::size_t n = 0; n < 8; ++n) EXPECT_EQ(count[n], count[n + 8]) << conversions[n].step;
     EXPECT_GT(count[0], count[1]);
     EXPECT_GT(count[1], count[2]);
@@ -102,11 +102,32 @@ TEST(evaluate, paper_rows_are_five_levels_and_three_extents_of_two_amplitudes) {
     }
 }
 
+TEST(evaluate, adaptive_rows_keep_to_the_count_of_the_row_they_are_held_against) {
+    const TempDir dir;
+    const std::vector<Volume> volumes = {ball(), ball()};
+    EvaluateOptions options = quick();
+    options.conversions = moment_conversions();
+    std::erase_if(options.conversions,
+                  [](const Conversion& c) { return !c.step.starts_with("block"); });
+    const Evaluation evaluation = evaluate(volumes, dir / "out", options);
+    for (const char* step : {"block2", "block4", "block8", "block16"}) {
+        const EvaluationRow* uniform = find_row(evaluation, "uniform", step);
+        const EvaluationRow* adaptive = find_row(evaluation, "adaptive", step);
+        ASSERT_TRUE(uniform && adaptive) << step;
+        EXPECT_LE(adaptive->gaussians, uniform->gaussians) << step;
+        EXPECT_GT(adaptive->gaussians, uniform->gaussians / 2) << step;
+        EXPECT_NEAR(uniform->mass_ratio, 1, 1e-3) << step;
+    }
+    // A budget taken from a row that is not there.
+    options.conversions = {moment_conversions()[4]};
+    EXPECT_THROW((void)evaluate(volumes, dir / "none", options), Error);
+}
+
 TEST(evaluate, results_hold_every_row_and_view_and_the_pages_stand_alone) {
     const TempDir dir;
     const std::vector<Volume> volumes = {ball()};
     const Evaluation evaluation = evaluate(volumes, dir / "out", quick());
-    ASSERT_EQ(evaluation.rows.size(), 16u);
+    ASSERT_EQ(evaluation.rows.size(), all_conversions().size());
     for (const EvaluationRow& row : evaluation.rows) {
         ASSERT_EQ(row.views.size(), 7u) << row.step;
         for (const ViewResult& view : row.views) {
@@ -120,7 +141,7 @@ TEST(evaluate, results_hold_every_row_and_view_and_the_pages_stand_alone) {
     EXPECT_NEAR(find_view(*find_row(evaluation, "mass", "lod1"), "paper")->bias, 1, 0.02);
 
     const auto json = nlohmann::json::parse(read_text(dir / "out/results.json"));
-    EXPECT_EQ(json.at("rows").size(), 16u);
+    EXPECT_EQ(json.at("rows").size(), evaluation.rows.size());
     EXPECT_EQ(json.at("views").size(), 7u);
     EXPECT_EQ(json.at("data").at("active_voxels").get<std::uint64_t>(), active_voxels(volumes[0]));
 
@@ -154,16 +175,18 @@ TEST(evaluate, finished_rows_are_kept_when_interrupted_and_not_made_again) {
     options.conversions.resize(3);
     // The third conversion fails, as a user would interrupt it.
     const auto third = options.conversions[2].convert;
-    options.conversions[2].convert = [](const Volume&) -> Gaussians { throw Error("stop"); };
+    options.conversions[2].convert = [](const Volume&, std::size_t) -> Gaussians {
+        throw Error("stop");
+    };
     EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
     EXPECT_EQ(read_results(dir / "out/results.json").rows.size(), 2u);
 
     int made = 0;
     options.conversions[0].convert = options.conversions[1].convert =
-        [](const Volume&) -> Gaussians { throw Error("made again"); };
-    options.conversions[2].convert = [&](const Volume& volume) {
+        [](const Volume&, std::size_t) -> Gaussians { throw Error("made again"); };
+    options.conversions[2].convert = [&](const Volume& volume, std::size_t budget) {
         ++made;
-        return third(volume);
+        return third(volume, budget);
     };
     options.resume = true;
     std::vector<double> progress;
@@ -224,7 +247,8 @@ TEST(evaluate, smoke_gives_the_figures_of_the_design) {
     EvaluateOptions options;
     options.width = options.height = 256;
     options.repeats = 1;
-    std::erase_if(options.conversions, [](const Conversion& c) { return c.step != "lod1"; });
+    std::erase_if(options.conversions,
+                  [](const Conversion& c) { return c.step != "lod1" || c.series == "adaptive"; });
     const Evaluation evaluation = evaluate(volumes, dir / "out", options);
     const ViewResult* mean = find_view(*find_row(evaluation, "mean", "lod1"), "paper");
     const ViewResult* mass = find_view(*find_row(evaluation, "mass", "lod1"), "paper");

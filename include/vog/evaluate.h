@@ -24,12 +24,20 @@ struct Conversion {
     std::string step;       ///< place in the series, part of the row's name: "lod1", "sigma3"
     std::string label;      ///< "dense 2³, smart grouping"
     double aabb_sigma = 0;  ///< SplatOptions::aabb_sigma
-    std::function<Gaussians(const Volume&)> convert;
+    /// budget: Gaussians of the row named below, shared among volumes by their active voxels; else
+    /// 0
+    std::function<Gaussians(const Volume&, std::size_t budget)> convert;
+    std::string budget_series{}, budget_step{};  ///< an earlier row
 };
 
 /// The paper's rows, with its amplitude (mean) and with the amplitude that conserves mass: levels
 /// of detail 1 to 5, and level 3 with bounding boxes of 1, 2 and 3 sigma.
 std::vector<Conversion> paper_conversions();
+/// Moments: uniform cells of 2, 4, 8 and 16 voxels, the adaptive cut at the count of each of them
+/// and at those of the paper's levels 1 and 5, and what `vog convert` does unasked.
+std::vector<Conversion> moment_conversions();
+/// Both.
+std::vector<Conversion> all_conversions();
 
 /// Milliseconds of repeated runs.
 struct Timing {
@@ -51,6 +59,7 @@ std::vector<EvaluationView> evaluation_views(const Box& box);
 /// One model in one view, against the reference.
 struct ViewResult {
     std::string view;
+    double psnr_v_covered_db = 0;  ///< of V; the same error over the covered pixels alone
     double psnr_v_db = 0, psnr_rgb_db = 0, ssim = 0, relative_l2 = 0, bias = 1, largest_dt = 0;
     double off_by_1 = 0, off_by_4 = 0;  ///< shares of pixels
     Timing render;                      ///< of T, shading and loading apart
@@ -94,7 +103,7 @@ struct EvaluateOptions {
     int repeats = 5;                ///< timed renders a view, after one that does not count
     double extinction = 0;          ///< 0: for each view the auto_extinction of its reference
     std::string tf = "inferno";     ///< of the RGB figures and the pictures: a name or a JSON file
-    std::vector<Conversion> conversions = paper_conversions();
+    std::vector<Conversion> conversions = all_conversions();
     bool resume = false;  ///< keep the rows of folder/results.json, if it is there
     Progress progress{};
 };

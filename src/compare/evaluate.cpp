@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <limits>
 
@@ -196,18 +197,34 @@ class Run {
                std::end(kPictureViews);
     }
 
+    /// Gaussians of the row whose count the conversion is to keep to.
+    std::size_t budget_of(const Conversion& conversion) const {
+        if (conversion.budget_series.empty()) return 0;
+        for (const EvaluationRow& row : evaluation_.rows)
+            if (row.series == conversion.budget_series && row.step == conversion.budget_step)
+                return row.gaussians;
+        throw Error(fmt::format(
+            "evaluate: row {} {} takes its budget from {} {}, expected that one "
+            "among the rows before it",
+            conversion.series, conversion.step, conversion.budget_series, conversion.budget_step));
+    }
+
     /// All volumes converted into one model. Repeated while it is quick, so that its time is a
     /// median too.
     Gaussians convert(const Conversion& conversion, Timing& timing) const {
         constexpr double kQuickMs = 1000;
         constexpr std::size_t kMostRuns = 3;
+        const auto budget = static_cast<double>(budget_of(conversion));
+        const auto all_voxels = static_cast<double>(evaluation_.active_voxels);
         Gaussians model;
         std::vector<double> ms;
         do {
             ms.push_back(milliseconds([&] {
                 model = {};
                 for (const Volume& volume : volumes_) {
-                    Gaussians part = conversion.convert(volume);
+                    const double share = static_cast<double>(active_voxels(volume)) / all_voxels;
+                    Gaussians part =
+                        conversion.convert(volume, static_cast<std::size_t>(budget * share));
                     if (model.size() == 0)
                         model = std::move(part);
                     else
@@ -262,6 +279,8 @@ class Run {
         ViewResult result;
         result.view = view.name;
         result.psnr_v_db = difference.grey.psnr_db;
+        // Empty pixels have next to no error: the sum of squares is that of the covered ones.
+        result.psnr_v_covered_db = result.psnr_v_db + 10 * std::log10(view.covered);
         result.psnr_rgb_db = compare(references_.shaded[n], shaded).psnr_db;
         result.ssim = difference.grey.ssim;
         result.relative_l2 = difference.relative_l2;

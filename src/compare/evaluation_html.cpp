@@ -49,7 +49,7 @@ svg.plot .label { fill: #5b6670; } svg.plot .grid { stroke: #e6e9ec; } svg.plot 
 svg.plot .series { fill: none; stroke-width: 2; }
 h3 { font-size: 1rem; margin: 1.6rem 0 .4rem; }
 h3 span { font-weight: 400; color: var(--soft); }
-.strip { display: grid; gap: .5rem; grid-template-columns: repeat(5, 1fr); }
+.strip { display: grid; gap: .5rem; grid-template-columns: repeat(7, 1fr); }
 figure { margin: 0; } figcaption { font-size: .8rem; line-height: 1.35; color: var(--soft); padding-top: .25rem; }
 .picture { display: block; width: 100%; height: auto; background-size: 100% 100%; border-radius: 3px; }
 .scale { display: flex; align-items: center; gap: .6rem; font-size: .86rem; color: var(--soft);

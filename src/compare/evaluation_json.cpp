@@ -28,6 +28,7 @@ struct Figure {
 };
 constexpr Figure kFigures[] = {
     {"psnr_v_db", &ViewResult::psnr_v_db, kInfinity},
+    {"psnr_v_covered_db", &ViewResult::psnr_v_covered_db, kInfinity},
     {"psnr_rgb_db", &ViewResult::psnr_rgb_db, kInfinity},
     {"ssim", &ViewResult::ssim, std::numeric_limits<double>::quiet_NaN()},
     {"relative_l2", &ViewResult::relative_l2, kInfinity},

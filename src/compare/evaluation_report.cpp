@@ -27,6 +27,9 @@ std::string picture_name(const EvaluationRow* row, const std::string& view, bool
 }
 
 bool is_paper_series(const std::string& series) { return series == "mean" || series == "mass"; }
+bool is_moment_series(const std::string& series) {
+    return series == "uniform" || series == "adaptive";
+}
 
 std::vector<std::string> series_of(const Evaluation& evaluation) {
     return distinct(evaluation, &EvaluationRow::series);
@@ -38,12 +41,15 @@ std::vector<std::string> steps_of(const Evaluation& evaluation) {
 std::string series_title(const std::string& series) {
     if (series == "mean") return "paper's amplitude";
     if (series == "mass") return "mass conserved";
+    if (series == "uniform") return "moments, uniform cells";
+    if (series == "adaptive") return "moments, adaptive cut";
     return series;
 }
 
 std::string step_title(const std::string& step) {
     if (step.starts_with("lod")) return "LOD " + step.substr(3);
     if (step.starts_with("sigma")) return "σ = " + step.substr(5);
+    if (step.starts_with("block")) return step.substr(5) + "³";
     return step;
 }
 

@@ -19,12 +19,14 @@ std::string picture_name(const EvaluationRow* row, const std::string& view, bool
 
 /// The paper's amplitude, and the same Gaussians with the amplitude that conserves mass.
 bool is_paper_series(const std::string& series);
+/// Uniform cells, and the adaptive cut.
+bool is_moment_series(const std::string& series);
 /// Series of the evaluation, and steps of all its series, in order of their first row.
 std::vector<std::string> series_of(const Evaluation& evaluation);
 std::vector<std::string> steps_of(const Evaluation& evaluation);
-/// "paper's amplitude", "mass conserved", or the series itself.
+/// "paper's amplitude", "moments, uniform cells", or the series itself.
 std::string series_title(const std::string& series);
-/// "LOD 1", "σ = 2", or the step itself.
+/// "LOD 1", "σ = 2", "4³", or the step itself.
 std::string step_title(const std::string& step);
 /// Null if there is no such row.
 const EvaluationRow* find_row(const Evaluation& evaluation, const std::string& series,
@@ -45,7 +47,7 @@ struct ReportTable {
     std::vector<std::vector<std::string>> rows;
     std::size_t paper_columns = 0;  ///< the last so many columns are the paper's own figures
 };
-/// The paper's tables 1 to 4, one of every other series, and one of the views.
+/// The paper's tables 1 to 4, one of moments, one of every other series, and one of the views.
 std::vector<ReportTable> report_tables(const Evaluation& evaluation);
 /// One sentence each: the data, the machine and settings, the protocol.
 std::vector<std::string> report_facts(const Evaluation& evaluation);

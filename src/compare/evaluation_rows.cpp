@@ -8,6 +8,7 @@
 
 #include "vog/convert.h"
 #include "vog/evaluate.h"
+#include "vog/moments.h"
 
 namespace vog {
 
@@ -33,7 +34,7 @@ std::vector<Conversion> paper_conversions() {
     for (const Amplitude amplitude : {Amplitude::mean, Amplitude::mass}) {
         const std::string series = amplitude == Amplitude::mean ? "mean" : "mass";
         const auto with_lod = [amplitude](int lod) {
-            return [amplitude, lod](const Volume& volume) {
+            return [amplitude, lod](const Volume& volume, std::size_t) {
                 PaperOptions options = paper_lod(lod);
                 options.amplitude = amplitude;
                 return convert_paper(volume, options);
@@ -47,6 +48,42 @@ std::vector<Conversion> paper_conversions() {
                 {series, fmt::format("sigma{}", sigma), labels[2], double(sigma), with_lod(3)});
     }
     return conversions;
+}
+
+std::vector<Conversion> moment_conversions() {
+    std::vector<Conversion> conversions;
+    const int blocks[] = {2, 4, 8, 16};
+    for (const int block : blocks)
+        conversions.push_back({"uniform", fmt::format("block{}", block),
+                               fmt::format("cells of {} voxels", block), 0,
+                               [block](const Volume& volume, std::size_t) {
+                                   MomentOptions options;
+                                   options.block_voxels = block;
+                                   return convert_moments(volume, options);
+                               }});
+    const auto with_budget = [](const Volume& volume, std::size_t budget) {
+        MomentOptions options;
+        options.budget = std::max<std::size_t>(budget, 1);
+        return convert_moments(volume, options);
+    };
+    for (const int block : blocks) {
+        const std::string step = fmt::format("block{}", block);
+        conversions.push_back({"adaptive", step, fmt::format("as many as cells of {}³", block), 0,
+                               with_budget, "uniform", step});
+    }
+    for (const std::string step : {"lod1", "lod5"})
+        conversions.push_back(
+            {"adaptive", step, "as many as the paper's recipe", 0, with_budget, "mass", step});
+    conversions.push_back(
+        {"adaptive", "default", fmt::format("error at most {}", MomentOptions{}.error), 0,
+         [](const Volume& volume, std::size_t) { return convert_moments(volume); }});
+    return conversions;
+}
+
+std::vector<Conversion> all_conversions() {
+    std::vector<Conversion> all = paper_conversions();
+    for (Conversion& conversion : moment_conversions()) all.push_back(std::move(conversion));
+    return all;
 }
 
 std::vector<EvaluationView> evaluation_views(const Box& box) {

@@ -36,21 +36,36 @@ std::string percent(std::uint64_t part, std::uint64_t whole) {
     return fmt::format("{:.3g} %", share);
 }
 
-const std::vector<std::string> kQualityColumns = {
-    "",        "Gaussians", "size",      "V, dB",    "V, dB (mean)", "V, dB (worst)",
-    "RGB, dB", "L2 of T",   "bias of T", "frames/s", "convert, ms"};
+const std::vector<std::string> kQualityColumns = {"",
+                                                  "Gaussians",
+                                                  "of active voxels",
+                                                  "size",
+                                                  "V, dB",
+                                                  "V, dB (mean)",
+                                                  "V, dB (worst)",
+                                                  "covered, dB (mean)",
+                                                  "covered, dB (worst)",
+                                                  "RGB, dB",
+                                                  "L2 of T",
+                                                  "bias of T",
+                                                  "frames/s",
+                                                  "convert, ms"};
 
 /// Cells of kQualityColumns for a row; of the view `paper` where nothing else is said.
-std::vector<std::string> quality_cells(const EvaluationRow& row) {
+std::vector<std::string> quality_cells(const Evaluation& evaluation, const EvaluationRow& row) {
     const ViewResult* paper = find_view(row, "paper");
     if (!paper) return {};
     const Spread psnr = spread(row, &ViewResult::psnr_v_db, true);
+    const Spread covered = spread(row, &ViewResult::psnr_v_covered_db, true);
     return {fmt::format("{}: {}", step_title(row.step), row.label),
             count_text(row.gaussians),
+            percent(row.gaussians, evaluation.active_voxels),
             size_text(row.bytes),
             decibel_text(paper->psnr_v_db),
             decibel_text(psnr.mean),
             decibel_text(psnr.worst),
+            decibel_text(covered.mean),
+            decibel_text(covered.worst),
             decibel_text(paper->psnr_rgb_db),
             fmt::format("{:.4f}", paper->relative_l2),
             fmt::format("{:.3f}", paper->bias),
@@ -74,7 +89,7 @@ ReportTable quality_table(const Evaluation& evaluation, const PaperTable& paper)
         for (const char* step : paper.steps) {
             const EvaluationRow* row = find_row(evaluation, series, step);
             if (!row) continue;
-            std::vector<std::string> cells = quality_cells(*row);
+            std::vector<std::string> cells = quality_cells(evaluation, *row);
             // The paper has one amplitude: its figures stand beside that one only.
             const PaperFigures* figures =
                 series == "mean" ? paper_figures(evaluation, step) : nullptr;
@@ -117,10 +132,28 @@ ReportTable count_table(const Evaluation& evaluation) {
     return table;
 }
 
+/// Uniform cells, then the adaptive cut at their counts and at the paper's.
+ReportTable moment_table(const Evaluation& evaluation) {
+    ReportTable table{"5. Moments",
+                      "Each Gaussian has the mass, mean and covariance of a cell of voxels. The "
+                      "adaptive cut chooses the cells for a number of Gaussians: that of the "
+                      "uniform cells above, or of the paper's recipe.",
+                      kQualityColumns,
+                      {},
+                      0};
+    for (const std::string& series : series_of(evaluation)) {
+        if (!is_moment_series(series)) continue;
+        table.rows.push_back({series_title(series)});
+        for (const EvaluationRow& row : evaluation.rows)
+            if (row.series == series) table.rows.push_back(quality_cells(evaluation, row));
+    }
+    return table;
+}
+
 ReportTable series_table(const Evaluation& evaluation, const std::string& series) {
     ReportTable table{series_title(series), "", kQualityColumns, {}, 0};
     for (const EvaluationRow& row : evaluation.rows)
-        if (row.series == series) table.rows.push_back(quality_cells(row));
+        if (row.series == series) table.rows.push_back(quality_cells(evaluation, row));
     return table;
 }
 
@@ -162,8 +195,10 @@ std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
     std::vector<ReportTable> tables;
     for (const PaperTable& paper : kPaperTables) tables.push_back(quality_table(evaluation, paper));
     tables.push_back(count_table(evaluation));
+    tables.push_back(moment_table(evaluation));
     for (const std::string& series : series_of(evaluation))
-        if (!is_paper_series(series)) tables.push_back(series_table(evaluation, series));
+        if (!is_paper_series(series) && !is_moment_series(series))
+            tables.push_back(series_table(evaluation, series));
     tables.push_back(view_table(evaluation));
     std::erase_if(tables, [](const ReportTable& table) { return table.rows.empty(); });
     return tables;
