@@ -128,9 +128,9 @@ void report(const ConvertArguments& arguments, const Gaussians& model, double vo
 
 void convert(const ConvertArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs, {".ply"});
-    if (common_kind(arguments.inputs) != FileKind::volume)
-        throw Error(
-            fmt::format("{}: is a model already, expected volumes", arguments.inputs.front()));
+    if (const FileKind kind = common_kind(arguments.inputs); kind != FileKind::volume)
+        throw Error(fmt::format("{}: {}, expected volumes", arguments.inputs.front(),
+                                kind == FileKind::model ? "is a model already" : "has particles"));
     check_method(arguments, command);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};

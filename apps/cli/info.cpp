@@ -10,6 +10,7 @@
 #include "terminal.h"
 #include "vog/nvdb.h"
 #include "vog/ply.h"
+#include "vog/points.h"
 #include "vog/vdb.h"
 
 namespace vog::cli {
@@ -175,6 +176,45 @@ void print(const Gaussians& model) {
     line("size", bytes_text(ply_bytes(model)));
 }
 
+struct ValueRange {
+    std::string name;
+    float low, high;
+};
+/// What can be the particles' value, and its range.
+std::vector<ValueRange> value_ranges(const Points& points) {
+    std::vector<ValueRange> ranges;
+    for (const std::string& name : point_value_names(points)) {
+        if (name == "count") continue;
+        const std::vector<float> values = point_values(points, name);
+        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+        ranges.push_back({name, *low, *high});
+    }
+    return ranges;
+}
+
+Json as_json(const Points& points) {
+    Json values = Json::array();
+    for (const ValueRange& range : value_ranges(points))
+        values.push_back({{"name", range.name}, {"min", range.low}, {"max", range.high}});
+    return {{"particles", points.size()},
+            {"box", array(bounds(points))},
+            {"velocities", !points.velocity.empty()},
+            {"values", values}};
+}
+
+void print(const Points& points) {
+    const auto line = [](const std::string& what, const std::string& value) {
+        fmt::print("  {:<14} {}\n", what, value);
+    };
+    const Box box = bounds(points);
+    fmt::print("particles\n");
+    line("count", grouped(points.size()));
+    line("box", text(box.lower) + " to " + text(box.upper));
+    line("velocities", points.velocity.empty() ? "none" : "yes");
+    for (const ValueRange& range : value_ranges(points))
+        line(range.name, fmt::format("{:.6g} to {:.6g}", range.low, range.high));
+}
+
 void info(const std::vector<std::string>& files, bool json) {
     Json all = Json::array();
     for (const std::string& file : files) {
@@ -184,6 +224,15 @@ void info(const std::vector<std::string>& files, bool json) {
             if (!json) {
                 fmt::print("{}\n", file);
                 print(model);
+            }
+            continue;
+        }
+        if (kind_of(file) == FileKind::points) {
+            const Points points = read_points(file);
+            all.push_back({{"file", file}, {"points", as_json(points)}});
+            if (!json) {
+                fmt::print("{}\n", file);
+                print(points);
             }
             continue;
         }
@@ -205,8 +254,11 @@ void info(const std::vector<std::string>& files, bool json) {
 void add_info(CLI::App& app) {
     auto files = std::make_shared<std::vector<std::string>>();
     auto json = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("info", "Tell what is inside volumes and models");
-    command->add_option("files", *files, "OpenVDB and NanoVDB volumes, PLY models")->required();
+    CLI::App* command =
+        app.add_subcommand("info", "Tell what is inside volumes, particles and models");
+    command
+        ->add_option("files", *files, "OpenVDB and NanoVDB volumes, particles as text, PLY models")
+        ->required();
     command->add_flag("--json", *json, "Print one JSON object and nothing else");
     command->callback([files, json] { info(*files, *json); });
 }

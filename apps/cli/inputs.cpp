@@ -48,8 +48,11 @@ FileKind kind_of(const fs::path& file) {
     const std::string extension = extension_of(file);
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
     if (extension == ".ply") return FileKind::model;
+    for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
+        if (extension == text) return FileKind::points;
     throw Error(
-        fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume) or .ply (model)",
+        fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
+                    ".tsv, .txt or .dat (particles) or .ply (model)",
                     file.string(), extension));
 }
 
@@ -58,7 +61,8 @@ FileKind common_kind(const std::vector<std::string>& inputs) {
     for (const std::string& input : inputs)
         if (kind_of(input) != kind)
             throw Error(
-                fmt::format("{}: volumes and models together, expected one kind of input", input));
+                fmt::format("{}: another kind than {}, expected volumes, particles or models alone",
+                            input, inputs.front()));
     return kind;
 }
 

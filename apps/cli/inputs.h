@@ -12,7 +12,7 @@
 
 namespace vog::cli {
 
-enum class FileKind { volume, model };
+enum class FileKind { volume, points, model };
 
 /// By extension; throws vog::Error listing the known ones.
 FileKind kind_of(const std::filesystem::path& file);

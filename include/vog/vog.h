@@ -13,6 +13,7 @@
 #include "vog/moments.h"
 #include "vog/nvdb.h"
 #include "vog/ply.h"
+#include "vog/points.h"
 #include "vog/progress.h"
 #include "vog/reference.h"
 #include "vog/render.h"

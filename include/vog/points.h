@@ -1,0 +1,67 @@
+// vog/points.h: particles as plain arrays, and the files they come in: text and PointDataGrids.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "vog/linear.h"
+
+namespace vog {
+
+/// One number a particle: a mass, a temperature.
+struct PointAttribute {
+    std::string name;
+    std::vector<float> value;  ///< [N]
+};
+
+/// Particles in world space. Positions are doubles: a box of 50,000 kpc/h keeps its halos.
+struct Points {
+    std::vector<Vec3d> position;  ///< [N]
+    std::vector<Vec3f> velocity;  ///< [N], or empty: not known
+    std::vector<PointAttribute> attributes;
+    std::string source;  ///< file they came from, for messages and model headers
+
+    std::size_t size() const { return position.size(); }
+};
+
+/// The least box around all positions.
+Box bounds(const Points& points);
+/// Checks lengths and finiteness, and that there is a particle.
+/// throws vog::Error naming `points.source` and the first offence
+void validate(const Points& points);
+
+/// One number a particle by name: "count" (1), "speed" (of the velocity, or the attribute of that
+/// name or "velocity"), or an attribute.
+/// throws vog::Error listing the names if there is none such
+std::vector<float> point_values(const Points& points, const std::string& name);
+/// What point_values takes for these particles: "count", "speed", ...
+std::vector<std::string> point_value_names(const Points& points);
+
+struct PointReadOptions {
+    /// Of text: the columns that are x, y, z and, if there are six, the velocity's components; each
+    /// by its name or by its number from 1. Empty: those called x, y, z, vx, vy, vz (or pos_x,
+    /// vel_x and the like); without names the first three numbers of a line, and the next three
+    /// where there are that many.
+    std::vector<std::string> columns{};
+    std::string grid{};  ///< of .vdb: name; empty: the only PointDataGrid
+};
+
+/// Reads .xyz, .txt and .dat (fields between blanks), .csv (commas, or semicolons), .tsv (tabs) and
+/// the PointDataGrids of .vdb. In text, '#' and '%' begin comments, lines without a number before
+/// the first particle are headers, and the last comment before it may name the columns too; .xyz
+/// may begin with the number of particles and a title, as chemists have it. Columns that are
+/// neither position nor velocity become attributes; those that hold text are left out.
+/// throws vog::Error for a missing or foreign file, no particles, unknown columns, and every line
+///        that does not have as many numbers as the first: file and line, got, expected
+/// cost   1 M lines of six numbers in about 0.2 s on two cores
+Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {});
+
+/// Writes text by extension (.xyz: "# x y z ..." and blanks between; .csv; .tsv) that reads back
+/// bit for bit. Written beside the file and renamed.
+/// throws vog::Error as validate does, and if the file cannot be written
+void write_points(const std::filesystem::path& file, const Points& points);
+
+}  // namespace vog

@@ -1,0 +1,11 @@
+// points_files.h: the kinds of files that particles come in; vog/points.h chooses by extension.
+#pragma once
+
+#include "vog/points.h"
+
+namespace vog {
+
+Points read_points_text(const std::filesystem::path& file, const PointReadOptions& options);
+void write_points_text(const std::filesystem::path& file, const Points& points);
+
+}  // namespace vog
