@@ -153,13 +153,13 @@ TEST_F(cli, wrong_usage_is_exit_code_two) {
 TEST_F(cli, every_failure_is_one_line_that_names_the_file) {
     write("text.vdb", "this is not a volume");
     write("text.ply", "this is not a model");
-    write("odd.txt", "");
+    write("odd.doc", "");
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --method paper --lod 5");
     must_fail(1, "info absent.vdb", "absent.vdb: no such file");
     must_fail(1, "info text.vdb", "text.vdb: ");
     must_fail(1, "info text.ply", "text.ply: not a PLY file");
-    must_fail(1, "info odd.txt", "odd.txt: unknown extension");
+    must_fail(1, "info odd.doc", "odd.doc: unknown extension");
     must_fail(1, "convert absent.vdb -o a.ply", "absent.vdb: no such file");
     must_fail(1, "convert c.vdb -o a.png", "a.png: cannot write '.png'");
     must_fail(1, "convert c.vdb -o no/a.ply", "no folder 'no'");
