@@ -169,5 +169,31 @@ TEST(vdb_choice, a_file_written_as_a_stream_or_too_old_is_refused) {
               file.string() + ": VDB file version 213, expected 222 to 225");
 }
 
+TEST(vdb_choice, masks_are_values_above_zero_of_any_type) {
+    const TempDir dir;
+    const auto floats = make_grid<openvdb::FloatGrid>("floats");
+    set_voxel(*floats, {1, 2, 3}, 0.25f);
+    set_voxel(*floats, {1, 2, 4}, 0.0f);
+    set_voxel(*floats, {9, 2, 4}, -1.0f);
+    const auto bools = make_grid<openvdb::BoolGrid>("bools");
+    set_voxel(*bools, {1, 2, 3}, true);
+    set_voxel(*bools, {1, 2, 4}, false);
+    const auto masks = make_grid<openvdb::MaskGrid>("masks");
+    set_voxel(*masks, {1, 2, 3}, true);
+    write_grids(dir / "m.vdb", {floats, bools, masks});
+    for (const char* name : {"floats", "bools", "masks"}) {
+        SCOPED_TRACE(name);
+        VdbNotes notes;
+        const Volume mask = read_vdb(dir / "m.vdb", {name, false, true}, &notes);
+        EXPECT_EQ(active_voxels(mask), 1u);
+        ASSERT_EQ(mask.leaves.size(), 1u);
+        EXPECT_EQ(mask.leaves[0].value[leaf_offset(1, 2, 3)], 1);
+        EXPECT_EQ(notes.clamped_negative, 0u) << "nothing of density was changed";
+    }
+    expect_message({grid_with("empty", 0)},
+                   ": grid 'empty': no active voxels above 0, expected a mask",
+                   {"empty", false, true});
+}
+
 }  // namespace
 }  // namespace vog

@@ -5,6 +5,7 @@
 #include "support/random_volume.h"
 #include "support/refused_files.h"
 #include "support/vdb_grids.h"
+#include "vog/error.h"
 #include "vog/openvdb.h"
 #include "vog/vdb.h"
 
@@ -121,6 +122,29 @@ TEST(vdb_write, volume_from_grid_refuses_what_is_no_density) {
                         "[1, 1, 1]"),
               std::string::npos);
     EXPECT_TRUE(volume_from_grid(*test::make_grid("empty")).empty());
+}
+
+TEST(vdb_write, several_volumes_are_several_grids_of_one_file) {
+    const TempDir dir;
+    std::vector<Volume> volumes{sample_volume(), test::random_volume(2)};
+    std::erase_if(volumes[1].leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
+    volumes[0].name = "density_L0", volumes[1].name = "density_L1";
+    volumes[1].world_from_index = test::grid_maps()[3].second;
+    write_vdb(dir / "levels.vdb", volumes);
+    EXPECT_EQ(vdb_grid_names(dir / "levels.vdb"),
+              (std::vector<std::string>{"density_L0", "density_L1"}));
+    for (const Volume& volume : volumes) {
+        SCOPED_TRACE(volume.name);
+        expect_same_volume(read_vdb(dir / "levels.vdb", {volume.name}), volume);
+    }
+    openvdb::io::File file((dir / "levels.vdb").string());
+    file.open(/*delayLoad=*/false);
+    EXPECT_EQ(file.getGrids()->size(), 2u);
+
+    volumes[1].name = "density_L0";
+    EXPECT_THROW(write_vdb(dir / "twice.vdb", volumes), Error);
+    EXPECT_THROW(write_vdb(dir / "none.vdb", std::vector<Volume>{}), Error);
+    EXPECT_FALSE(std::filesystem::exists(dir / "twice.vdb"));
 }
 
 }  // namespace

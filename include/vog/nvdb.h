@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "vog/vdb.h"
 #include "vog/volume.h"
@@ -16,5 +18,9 @@ namespace vog {
 /// a singular transform; an empty grid; non-finite values (their count and the first index)
 Volume read_nvdb(const std::filesystem::path& file, const VdbOptions& options = {},
                  VdbNotes* notes = nullptr);
+
+/// Names of the grids of a file, in file order.
+/// throws vog::Error for a missing, foreign or truncated file
+std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
 
 }  // namespace vog

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ namespace vog {
 struct VdbOptions {
     std::string grid{};             ///< name; empty: the only scalar grid, else "density"
     bool level_set_to_fog = false;  ///< take a level set's inside as fog; refused otherwise
+    /// Take active values above 0 as 1 and all else as inactive, of bool and mask grids too.
+    bool mask = false;
 };
 
 /// What reading changed; the command line says it.
@@ -29,9 +32,16 @@ struct VdbNotes {
 Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {},
                 VdbNotes* notes = nullptr);
 
+/// Names of the grids of a file, in file order; "density[1]" where two have one name.
+/// throws vog::Error for a missing, foreign or truncated file
+std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
+
 /// Writes `volume` as a FloatGrid of class fog volume: blosc-compressed where the library has it,
 /// values as half floats if `half`. Written beside the file and renamed.
 void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half = false);
+/// Several grids in one file. throws vog::Error where two have the same name, or one has none
+void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes,
+               bool half = false);
 
 /// One grid of a file, as `vog info` tells it.
 struct GridInfo {

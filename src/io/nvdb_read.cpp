@@ -40,6 +40,13 @@ const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
 
 }  // namespace
 
+std::vector<std::string> nvdb_grid_names(const std::filesystem::path& path) {
+    const NvdbFile file(path);
+    std::vector<std::string> list;
+    for (const NvdbEntry& entry : file.entries()) list.push_back(entry.name);
+    return list;
+}
+
 Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
     openvdb::initialize();
     NvdbFile file(path);
@@ -56,8 +63,11 @@ Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, V
                 "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
 
         VdbNotes found;
-        Volume volume = density_from_grid(*grid, nano_transform(buffer), where, found);
-        if (volume.empty()) throw Error(fmt::format("{}: no active voxels", where));
+        Volume volume =
+            density_from_grid(*grid, nano_transform(buffer), where, found, options.mask);
+        if (volume.empty())
+            throw Error(fmt::format("{}: no active voxels{}", where,
+                                    options.mask ? " above 0, expected a mask" : ""));
         volume.name = entry.name;
         volume.source = file.name();
         if (notes) *notes = found;

@@ -53,6 +53,13 @@ const VdbEntry& default_entry(const VdbFile& file) {
 
 }  // namespace
 
+std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
+    const VdbFile file(path);
+    std::vector<std::string> list;
+    for (const VdbEntry& entry : file.entries()) list.push_back(entry.name);
+    return list;
+}
+
 Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
     openvdb::initialize();
     VdbFile file(path);
@@ -74,8 +81,11 @@ Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, Vd
                 "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
 
         VdbNotes found;
-        Volume volume = density_from_grid(grid, loaded.head.world_from_index, where, found);
-        if (volume.empty()) throw Error(fmt::format("{}: no active voxels", where));
+        Volume volume =
+            density_from_grid(grid, loaded.head.world_from_index, where, found, options.mask);
+        if (volume.empty())
+            throw Error(fmt::format("{}: no active voxels{}", where,
+                                    options.mask ? " above 0, expected a mask" : ""));
         volume.name = entry.plain_name;
         volume.source = file.name();
         if (notes) *notes = found;

@@ -136,6 +136,20 @@ void convert(const GridT& grid, const std::string& where, Volume& volume, VdbNot
         throw_not_finite(where, not_finite, volume.tiles[tiles.first_not_finite].origin);
 }
 
+/// Values above 0 become 1, others inactive.
+void keep_positive(Volume& volume) {
+    for (Leaf& leaf : volume.leaves) {
+        Leaf kept;
+        kept.origin = leaf.origin;
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.value[static_cast<std::size_t>(n)] > 0) kept.set(n, 1);
+        leaf = kept;
+    }
+    std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
+    std::erase_if(volume.tiles, [](const Tile& tile) { return tile.value <= 0; });
+    for (Tile& tile : volume.tiles) tile.value = 1;
+}
+
 template <class GridT>
 void sdf_to_fog(GridT& grid, const std::string& where) {
     // Values that are not finite would vanish in the conversion.
@@ -152,7 +166,7 @@ void sdf_to_fog(GridT& grid, const std::string& where) {
 
 Volume density_from_grid(const openvdb::GridBase& grid,
                          const std::optional<Affine>& world_from_index, const std::string& where,
-                         VdbNotes& notes) {
+                         VdbNotes& notes, bool mask) {
     if (!world_from_index)
         throw Error(fmt::format("{}: its transform is a frustum, expected an affine one", where));
     const double det = determinant(world_from_index->linear);
@@ -162,11 +176,15 @@ Volume density_from_grid(const openvdb::GridBase& grid,
 
     Volume volume;
     volume.world_from_index = *world_from_index;
-    const bool known =
-        grid.apply<DensityGrids>([&](const auto& typed) { convert(typed, where, volume, notes); });
+    const auto fill = [&](const auto& typed) { convert(typed, where, volume, notes); };
+    const bool known = mask ? grid.apply<KnownGrids>(fill) : grid.apply<DensityGrids>(fill);
     if (!known)
         throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
                                 short_type(grid.type())));
+    if (mask) {
+        keep_positive(volume);
+        notes = {};
+    }
     return volume;
 }
 

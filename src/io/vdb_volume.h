@@ -13,9 +13,10 @@ namespace vog {
 /// where   what messages start with
 /// throws  vog::Error for a transform that is singular or null (not affine), for non-finite values
 ///         and for grids that hold no numbers
+/// mask    take values above 0 as 1, all else as inactive, and bool and mask grids too
 Volume density_from_grid(const openvdb::GridBase& grid,
                          const std::optional<Affine>& world_from_index, const std::string& where,
-                         VdbNotes& notes);
+                         VdbNotes& notes, bool mask = false);
 
 /// Makes fog of a level set: 1 inside, a ramp from 0 to 1 over the inner half of the narrow band.
 /// throws vog::Error unless it is a float or double grid of class level set or unknown

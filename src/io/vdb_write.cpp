@@ -34,7 +34,17 @@ void require_half_range(const Volume& volume, const std::string& where) {
                                 largest, kLargestHalf));
 }
 
-void write_header(std::ostream& out) {
+/// Names tell the grids of one file apart.
+void require_names(std::span<const Volume> volumes, const std::string& where) {
+    if (volumes.empty()) throw Error(fmt::format("{}: cannot write: no grid", where));
+    for (std::size_t a = 0; volumes.size() > 1 && a < volumes.size(); ++a)
+        for (std::size_t b = 0; b <= a; ++b)
+            if (volumes[a].name.empty() || (b < a && volumes[a].name == volumes[b].name))
+                throw Error(fmt::format("{}: cannot write: several grids named '{}'", where,
+                                        volumes[a].name));
+}
+
+void write_header(std::ostream& out, std::size_t grids) {
     put(out, std::int64_t{openvdb::OPENVDB_MAGIC});
     put(out, openvdb::OPENVDB_FILE_VERSION);
     put(out, openvdb::OPENVDB_LIBRARY_MAJOR_VERSION);
@@ -42,7 +52,7 @@ void write_header(std::ostream& out) {
     put(out, char{1});                              // with the positions of the grids
     out << "00000000-0000-0000-0000-000000000000";  // no identifier
     put(out, std::uint32_t{0});                     // metadata
-    put(out, std::int32_t{1});                      // grids
+    put(out, static_cast<std::int32_t>(grids));
 }
 
 void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
@@ -64,27 +74,37 @@ void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     const std::int64_t end = out.tellp();
     out.seekp(positions);
     for (const std::int64_t position : {begin, voxels, end}) put(out, position);
+    out.seekp(end);
 }
 
 }  // namespace
 
 void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
+    write_vdb(file, std::span(&volume, 1), half);
+}
+
+void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes, bool half) {
     const std::string where = file.string();
-    validate(volume);
-    if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
-    if (half) require_half_range(volume, where);
-    const openvdb::FloatGrid::Ptr grid = grid_from_volume(volume);
-    grid->setSaveFloatAsHalf(half);
-    grid->setCreator("vog");
-    grid->addStatsMetadata();
+    require_names(volumes, where);
+    for (const Volume& volume : volumes) {
+        validate(volume);
+        if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
+        if (half) require_half_range(volume, where);
+    }
     with_vdb_errors(where, [&] {
         write_beside_and_rename(file, [&](const std::filesystem::path& path) {
             errno = 0;
             try {
                 std::ofstream out(path, std::ios::binary);
                 out.exceptions(std::ios::failbit | std::ios::badbit);
-                write_header(out);
-                write_grid(out, *grid);
+                write_header(out, volumes.size());
+                for (const Volume& volume : volumes) {
+                    const openvdb::FloatGrid::Ptr grid = grid_from_volume(volume);
+                    grid->setSaveFloatAsHalf(half);
+                    grid->setCreator("vog");
+                    grid->addStatsMetadata();
+                    write_grid(out, *grid);
+                }
                 out.close();
             } catch (const std::ios_base::failure&) {
                 throw Error(fmt::format("{}: cannot write: {}", where,
