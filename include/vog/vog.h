@@ -9,6 +9,7 @@
 #include "vog/evaluate.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
+#include "vog/levels.h"
 #include "vog/linear.h"
 #include "vog/moments.h"
 #include "vog/nvdb.h"

@@ -1,0 +1,57 @@
+// voxel_lookup.h: voxels of a volume by index, in any order.
+#pragma once
+
+#include <cstddef>
+#include <unordered_map>
+
+#include "vog/volume.h"
+
+namespace vog {
+
+/// Answers for one volume, which must outlive it. Safe to share among threads.
+class VoxelLookup {
+  public:
+    explicit VoxelLookup(const Volume& volume);
+
+    bool active(Vec3i index) const {
+        const Block block = find(index);
+        return block.tile || (block.leaf && block.leaf->active(offset_of(index)));
+    }
+    /// 0 where nothing is active.
+    float value(Vec3i index) const {
+        const Block block = find(index);
+        if (block.tile) return block.tile->value;
+        return block.leaf ? block.leaf->value[static_cast<std::size_t>(offset_of(index))] : 0;
+    }
+    bool in_tile(Vec3i index) const { return find(index).tile != nullptr; }
+    /// Whether a leaf or a tile meets the voxels from `lower` to `upper`, both included.
+    bool meets(Vec3i lower, Vec3i upper) const;
+    /// Whether all of these voxels are active.
+    bool covers(Vec3i lower, Vec3i upper) const;
+
+  private:
+    struct Block {
+        const Leaf* leaf = nullptr;
+        const Tile* tile = nullptr;
+    };
+    struct Hash {
+        std::size_t operator()(Vec3i v) const;
+    };
+    template <class Node>
+    using Map = std::unordered_map<Vec3i, const Node*, Hash>;
+
+    static int offset_of(Vec3i index) { return leaf_offset(index.x & 7, index.y & 7, index.z & 7); }
+    static Vec3i origin(Vec3i index, int edge) {
+        return {index.x & ~(edge - 1), index.y & ~(edge - 1), index.z & ~(edge - 1)};
+    }
+    const Tile* tile_at(Vec3i index, int edge) const;
+    Block find(Vec3i index) const;
+    /// lower, upper  from the leaf's origin; what lies outside the leaf is not asked
+    static bool covers(const Leaf& leaf, Vec3i lower, Vec3i upper);
+
+    Map<Leaf> leaves_;
+    Map<Tile> small_, middle_, large_;  ///< tiles of 8, 128, 4096 voxels
+    Vec3i lower_, upper_;               ///< of everything, both included
+};
+
+}  // namespace vog
