@@ -10,6 +10,7 @@
 
 #include "vog/camera.h"
 #include "vog/image.h"
+#include "vog/levels.h"
 #include "vog/progress.h"
 #include "vog/volume.h"
 
@@ -54,6 +55,27 @@ class VoxelGrid {
 /// throws   vog::Error for a direction that is zero, or anything not finite
 [[nodiscard]] double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction);
 
+/// Levels of an adaptive mesh made ready for rays: every piece of a ray counts in the finest level
+/// that is there, or nowhere, exactly, however the levels lie to each other. Copies share the
+/// grids.
+class LevelGrids {
+  public:
+    struct Data;
+    explicit LevelGrids(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
+    const Data& data() const { return *data_; }
+    /// Bytes of the NanoVDB grids.
+    std::size_t memory_bytes() const;
+
+  private:
+    std::shared_ptr<const Data> data_;
+};
+
+/// Linear interpolation within a level takes the values of other levels beyond its edge, and ends
+/// flat at the faces of the outermost voxels, where a single grid would fade over one voxel.
+/// throws   vog::Error as validate(Levels) and voxel_grid do
+[[nodiscard]] LevelGrids level_grids(const Levels& levels, const VoxelGridOptions& options = {});
+[[nodiscard]] double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction);
+
 struct ReferenceOptions {
     Progress progress{};
 };
@@ -65,5 +87,7 @@ struct ReferenceOptions {
 [[nodiscard]] DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera,
                                           int width, int height,
                                           const ReferenceOptions& options = {});
+[[nodiscard]] DepthImage render_reference(const LevelGrids& levels, const Camera& camera, int width,
+                                          int height, const ReferenceOptions& options = {});
 
 }  // namespace vog

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "render/reference_grid.h"
+#include "render/reference_levels.h"
 #include "render/reference_linear.h"
 #include "render/reference_march.h"
 #include "vog/error.h"
@@ -36,19 +37,48 @@ bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::i
 
 double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
     // Both spaces share t, so a length in world units is t times the length of `direction`.
-    const Vec3d from = grid.local_from_world * (origin - grid.world_corner);
-    const Vec3d along = grid.local_from_world * direction;
     double sum = 0;
     if (grid.options.interpolation == Interpolation::constant) {
-        const GridRay ray(from + Vec3d{0.5, 0.5, 0.5}, along);  // voxel i to [i, i + 1)
+        const GridRay ray = grid.voxel_ray(origin, direction);
         ConstantSum constant{ray};
         march(grid.tree.root(), grid.corner, ray, constant);
         sum = constant.sum;
     } else {
-        const GridRay ray(from, along);
-        sum = linear_sum(grid, ray);
+        sum = linear_sum(grid, grid.center_ray(origin, direction));
     }
     return sum * length(direction);
+}
+
+/// depth(origin, direction) for every pixel.
+template <class Depth>
+DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
+                       const ReferenceOptions& options) {
+    const CameraFrame frame = frame_of(camera, width, height);
+    DepthImage image(width, height);
+    // Square tiles: neighbouring rays meet the same leaves.
+    constexpr int kTileEdge = 16;
+    const int columns = (width + kTileEdge - 1) / kTileEdge;
+    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
+    std::mutex report;
+    int done = 0;
+    tbb::parallel_for(0, tiles, [&](int tile) {
+        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
+        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
+            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
+                image.at(column, row) =
+                    static_cast<float>(depth(frame.eye, frame.direction(column, row)));
+            }
+        if (options.progress) {
+            const std::lock_guard lock(report);
+            options.progress(static_cast<double>(++done) / tiles);
+        }
+    });
+    return image;
+}
+
+void check_ray(Vec3d origin, Vec3d direction) {
+    if (!finite(origin) || !finite(direction) || length(direction) == 0)
+        throw Error("ray: origin or direction is not finite, or the direction is zero");
 }
 
 }  // namespace
@@ -75,37 +105,31 @@ VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
 }
 
 double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction) {
-    if (!finite(origin) || !finite(direction) || length(direction) == 0)
-        throw Error("ray: origin or direction is not finite, or the direction is zero");
+    check_ray(origin, direction);
     return depth_along(grid.data(), origin, direction);
+}
+
+double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction) {
+    check_ray(origin, direction);
+    return depth_along(levels.data(), origin, direction);
 }
 
 DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera, int width,
                             int height, const ReferenceOptions& options) {
-    const CameraFrame frame = frame_of(camera, width, height);
-    DepthImage image(width, height);
-    // Square tiles: neighbouring rays meet the same leaves.
-    constexpr int kTileEdge = 16;
-    const int columns = (width + kTileEdge - 1) / kTileEdge;
-    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
-    std::mutex report;
-    int done = 0;
-    tbb::parallel_for(0, tiles, [&](int tile) {
-        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
-        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
-            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
-                const Vec3d direction = frame.direction(column, row);
-                double sum = 0;
-                for (const VoxelGrid& grid : grids)
-                    sum += depth_along(grid.data(), frame.eye, direction);
-                image.at(column, row) = static_cast<float>(sum);
-            }
-        if (options.progress) {
-            const std::lock_guard lock(report);
-            options.progress(static_cast<double>(++done) / tiles);
-        }
-    });
-    return image;
+    const auto depth = [&](Vec3d origin, Vec3d direction) {
+        double sum = 0;
+        for (const VoxelGrid& grid : grids) sum += depth_along(grid.data(), origin, direction);
+        return sum;
+    };
+    return render_rays(depth, camera, width, height, options);
+}
+
+DepthImage render_reference(const LevelGrids& levels, const Camera& camera, int width, int height,
+                            const ReferenceOptions& options) {
+    const auto depth = [&](Vec3d origin, Vec3d direction) {
+        return depth_along(levels.data(), origin, direction);
+    };
+    return render_rays(depth, camera, width, height, options);
 }
 
 }  // namespace vog

@@ -162,19 +162,20 @@ struct LinearSum {
 
 }  // namespace
 
-double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray) {
+double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray, Segment within) {
     const auto integrate = [&](auto rule) {
         LinearSum<decltype(rule)> linear{grid, ray, rule};
-        march(grid.tree.root(), grid.corner, ray, linear);
+        march(grid.tree.root(), grid.corner, ray, linear, within);
         return linear.sum;
     };
     const double step = grid.options.step_voxels;
     if (step == 0) return integrate(GaussPoints{});
 
-    // Whole steps from where the ray enters the box of the grid to where it leaves.
+    // Whole steps from where the ray enters the box of the grid, or the segment, to where it
+    // leaves.
     const auto& box = grid.tree.root().bbox();
     const Vec3d size{double(box.dim()[0]), double(box.dim()[1]), double(box.dim()[2])};
-    const Segment whole = clip(ray, {0, 0, 0}, size);
+    const Segment whole = clip(ray, {0, 0, 0}, size, within);
     if (whole.empty()) return 0;
     const double way = whole.last - whole.first;
     const double steps = std::ceil(way * length(ray.direction) / step);

@@ -8,6 +8,6 @@ namespace vog {
 
 /// Integral of the field over t >= 0, in units of t. The grid's tree must have its border.
 /// ray  in local coordinates where voxel centres lie at whole numbers
-double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray);
+double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray, Segment within = {});
 
 }  // namespace vog

@@ -137,12 +137,13 @@ void march_node(const Node& node, const GridRay& ray, Vec3d lower, Segment segme
     });
 }
 
-/// Meets every leaf and active tile on the ray, t >= 0:
+/// Meets every leaf and active tile on the ray, within a segment of it:
 ///   visitor.leaf(const NanoLeaf&, Vec3d lower, Segment)
 ///   visitor.tile(Vec3d lower, int edge, float value, Segment)
 /// corner  index of the local origin
 template <class Visitor>
-void march(const NanoRoot& root, Vec3d corner, const GridRay& ray, Visitor&& visitor) {
+void march(const NanoRoot& root, Vec3d corner, const GridRay& ray, Visitor&& visitor,
+           Segment within = {}) {
     const auto local = [&](const nanovdb::Coord& index) {
         return Vec3d{double(index[0]), double(index[1]), double(index[2])} - corner;
     };
@@ -153,13 +154,13 @@ void march(const NanoRoot& root, Vec3d corner, const GridRay& ray, Visitor&& vis
         const auto& cell = *data.tile(i);
         if (cell.isChild()) {
             const NanoUpper& upper = *data.getChild(&cell);
-            const Segment segment =
-                clip(ray, local(upper.bbox().min()), local(upper.bbox().max()) + Vec3d{1, 1, 1});
+            const Segment segment = clip(ray, local(upper.bbox().min()),
+                                         local(upper.bbox().max()) + Vec3d{1, 1, 1}, within);
             if (!segment.empty()) march_node(upper, ray, local(upper.origin()), segment, visitor);
         } else if (cell.isActive()) {
             constexpr double kEdge = NanoUpper::DIM;
             const Vec3d lower = local(cell.origin());
-            const Segment segment = clip(ray, lower, lower + Vec3d{kEdge, kEdge, kEdge});
+            const Segment segment = clip(ray, lower, lower + Vec3d{kEdge, kEdge, kEdge}, within);
             if (!segment.empty())
                 visitor.tile(lower, static_cast<int>(NanoUpper::DIM), cell.value, segment);
         }
