@@ -17,6 +17,7 @@
 
 #include "sample/density_field.h"
 #include "vog/error.h"
+#include "vog/levels.h"
 
 namespace vog {
 namespace {
@@ -337,6 +338,48 @@ TEST(sample_explosion, hollow_towards_the_centre) {
     ASSERT_GT(shell_count, 0);
     EXPECT_GT(inner / inner_count, 0);
     EXPECT_LT(inner / inner_count, 0.25 * shell / shell_count);
+}
+
+TEST(sample_levels, nest_two_to_one_and_share_the_world) {
+    SampleOptions options;
+    for (const int size : {64, 100, 160}) {
+        options.size = size;
+        const std::vector<Volume> levels = sample_levels(options);
+        ASSERT_EQ(levels.size(), 3u);
+        std::uint64_t above = 0;
+        for (std::size_t n = 0; n < levels.size(); ++n) {
+            validate(levels[n]);
+            EXPECT_EQ(levels[n].name, "density_L" + std::to_string(n));
+            const std::uint64_t voxels = active_voxels(levels[n]);
+            EXPECT_GT(voxels, 0u);
+            if (n > 0) {
+                EXPECT_LT(voxels, 4 * above) << "half of a level is not refined";
+            }
+            above = voxels;
+        }
+        const std::uint64_t across = static_cast<std::uint64_t>(size) / 4;
+        EXPECT_EQ(active_voxels(levels[0]), across * across * across);
+        const Composite data = composite({levels, {}});
+        EXPECT_EQ(data.partly_hidden, 0u);
+        EXPECT_EQ(8 * data.hidden, active_voxels(levels[1]) + active_voxels(levels[2]))
+            << "every fine cell has a coarse one under it";
+    }
+}
+
+TEST(sample_levels, same_bytes_for_any_number_of_threads_and_another_with_another_seed) {
+    SampleOptions options;
+    options.size = 64;
+    const std::vector<Volume> levels = sample_levels(options);
+    {
+        const ThreadLimit limit(1);
+        const std::vector<Volume> alone = sample_levels(options);
+        for (std::size_t n = 0; n < levels.size(); ++n)
+            EXPECT_EQ(hash_of(levels[n]), hash_of(alone[n]));
+    }
+    options.seed = 2;
+    EXPECT_NE(hash_of(levels[0]), hash_of(sample_levels(options)[0]));
+    options.size = 63;
+    EXPECT_THROW((void)sample_levels(options), Error);
 }
 
 }  // namespace

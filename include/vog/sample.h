@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "vog/progress.h"
 #include "vog/volume.h"
@@ -21,5 +22,10 @@ struct SampleOptions {
 
 /// An expanding fireball with a turbulent shell, hollow towards the centre.
 [[nodiscard]] Volume sample_explosion(const SampleOptions& options = {});
+
+/// A small universe on three nested levels, coarsest first, named density_L0 to density_L2: halos
+/// and the filaments between them refined in blocks, two to one. `size` counts the cells across of
+/// the finest level, whose world extent is 1 unit. Cells under a finer block are there too.
+[[nodiscard]] std::vector<Volume> sample_levels(const SampleOptions& options = {});
 
 }  // namespace vog
