@@ -187,4 +187,43 @@ TEST_F(cli, help_explains_every_subcommand) {
     EXPECT_EQ(must("--version").out.substr(0, 4), "vog ");
 }
 
+TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
+    must("sample amr amr.vdb --size 64");
+    must("render amr.vdb --grid 'density_L*' --depth-out levels.exr --size 48 --extinction 5");
+    must("render amr.vdb --grid density_L0 --depth-out coarse.exr --size 48 --extinction 5");
+    must(
+        "render amr.vdb --grid 'density_L?' --no-mask --depth-out sum.exr --size 48 --extinction "
+        "5");
+    const auto mean = [&](const std::string& name) {
+        double sum = 0;
+        for (const float t : read_depth(dir_ / name).depth) sum += double{t};
+        return sum;
+    };
+    EXPECT_NEAR(mean("levels.exr") / mean("coarse.exr"), 1, 0.05);
+    EXPECT_GT(mean("sum.exr"), 1.5 * mean("levels.exr"))
+        << "no masks: the dense parts count thrice";
+
+    for (const std::string method : {"paper --amplitude mass", "moments --block 2"}) {
+        must("convert amr.vdb --grid 'density_L*' -o m.ply --json --method " + method);
+        must("render m.ply --depth-out model.exr --size 48 --extinction 5");
+        EXPECT_NEAR(mean("model.exr") / mean("levels.exr"), 1, 0.01) << method;
+    }
+    // A mask by name: the levels are their own masks here, but for the coarsest.
+    must(
+        "render amr.vdb --grid 'density_L*' --mask 'density_L*' --depth-out masked.exr --size 48 "
+        "--extinction 5");
+    EXPECT_EQ(read_depth(dir_ / "masked.exr").depth, read_depth(dir_ / "levels.exr").depth);
+    must("evaluate amr.vdb --grid 'density_L*' -o report --size 32 --repeat 1");
+}
+
+TEST_F(cli, levels_that_cannot_be_are_refused) {
+    must("sample amr amr.vdb --size 64");
+    must_fail(1, "render amr.vdb -o p.png", "3 scalar grids");
+    must_fail(1, "render amr.vdb --grid 'rho*' -o p.png", "no grid matches 'rho*'");
+    must_fail(1, "render amr.vdb --grid 'density_L*' --mask 'm*' -o p.png", "no grid named 'm0'");
+    must_fail(2, "render amr.vdb --grid 'density_L*' --mask m -o p.png", "expected a *");
+    must_fail(2, "render amr.vdb --grid density_L0 --mask 'm*' -o p.png", "expected a *");
+    must_fail(2, "render amr.vdb --grid 'd*' --mask 'd*' --no-mask -o p.png", "exclude");
+}
+
 }  // namespace vog::test

@@ -126,6 +126,26 @@ void report(const ConvertArguments& arguments, const Gaussians& model, double vo
     fmt::print("{}\n", json.dump(2));
 }
 
+/// The volumes as parts that add up: levels without what finer ones hide.
+Composite load_composite(const ConvertArguments& arguments) {
+    Levels levels = load_levels(arguments.inputs, arguments.volume);
+    if (are_levels(levels, arguments.volume)) {
+        Composite data = composite(levels);
+        if (data.parts.empty()) throw Error("every voxel lies outside the masks");
+        note(fmt::format("{} levels: {} voxels seen ({} of them in part), {} hidden by finer ones",
+                         levels.volumes.size(), grouped(data.voxels), grouped(data.partly_hidden),
+                         grouped(data.hidden)));
+        return data;
+    }
+    Composite data;
+    for (const Volume& volume : levels.volumes) {
+        data.box.include(world_box(volume));
+        data.voxels += active_voxels(volume);
+    }
+    data.parts = std::move(levels.volumes);
+    return data;
+}
+
 void convert(const ConvertArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs, {".ply"});
     if (const FileKind kind = common_kind(arguments.inputs); kind != FileKind::volume)
@@ -139,13 +159,11 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
     Stages stages(arguments.verbose);
     moments.progress = paper.progress = stages.progress();
 
-    // One volume at a time: the memory of the largest, not of all.
+    const Composite data = stages.run("load", [&] { return load_composite(arguments); });
     Gaussians model;
     double volume_mass = 0;
     MomentTotals totals;
-    for (const std::string& input : arguments.inputs) {
-        const Volume volume =
-            stages.run("load", [&] { return load_volume(input, arguments.volume); });
+    for (const Volume& volume : data.parts) {
         MomentReport one;
         append(model, stages.run("convert", [&] {
             return by_moments ? convert_moments(volume, moments, &one)
@@ -155,9 +173,11 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
         totals.add(one, mass(volume));
         if (by_moments && one.measured_error > moments.error && !moments.block_voxels &&
             !moments.budget)
-            note(fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}", input,
-                             one.measured_error, moments.error));
+            note(fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}",
+                             volume.source, one.measured_error, moments.error));
     }
+    model.box = data.box;
+    model.source_voxels = data.voxels;
     stages.run("save", [&] { write_ply(arguments.output, model); });
     report(arguments, model, volume_mass, totals, stages);
 }

@@ -51,10 +51,9 @@ void evaluate_files(EvaluateArguments& arguments) {
     arguments.options.progress = stages.progress();
 
     const std::vector<Volume> volumes = stages.run("load", [&] {
-        std::vector<Volume> loaded;
-        for (const std::string& input : arguments.inputs)
-            loaded.push_back(load_volume(input, arguments.volume));
-        return loaded;
+        Levels levels = load_levels(arguments.inputs, arguments.volume);
+        if (!are_levels(levels, arguments.volume)) return std::move(levels.volumes);
+        return composite(levels).parts;
     });
     const Evaluation evaluation = stages.run(
         "evaluate", [&] { return evaluate(volumes, arguments.folder, arguments.options); });

@@ -8,6 +8,7 @@
 
 #include "vog/gaussians.h"
 #include "vog/image.h"
+#include "vog/levels.h"
 #include "vog/volume.h"
 
 namespace vog::cli {
@@ -20,13 +21,18 @@ FileKind kind_of(const std::filesystem::path& file);
 FileKind common_kind(const std::vector<std::string>& inputs);
 
 struct VolumeInputOptions {
-    std::string grid;
+    std::string grid;  ///< name or pattern with '*' and '?'; empty: the default grid
+    std::string mask;  ///< name; a '*' in it is what the '*' of `grid` stands for
+    bool no_mask = false;
     bool level_set_to_fog = false;
 };
-/// Adds --grid and --level-set-to-fog.
+/// Adds --grid, --mask, --no-mask and --level-set-to-fog.
 void add_volume_options(CLI::App& command, VolumeInputOptions& options);
-/// Reads a volume; says on standard error what reading changed.
-Volume load_volume(const std::string& file, const VolumeInputOptions& options);
+/// Reads volumes: of each file one, or all whose names match --grid; says on standard error what
+/// reading changed. Masks come with them where --mask is given.
+Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options);
+/// Whether these hide each other: several, or masked, and not --no-mask.
+bool are_levels(const Levels& levels, const VolumeInputOptions& options);
 /// Reads models and joins them.
 Gaussians load_models(const std::vector<std::string>& files);
 

@@ -72,15 +72,24 @@ Drawing load_drawing(const RenderArguments& arguments) {
         const VoxelGridOptions options{
             arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant,
             arguments.step_voxels};
-        std::vector<VoxelGrid> grids;
-        for (const std::string& input : arguments.inputs) {
-            const Volume volume = load_volume(input, arguments.volume);
-            grids.push_back(voxel_grid(volume, options));
+        const Levels levels = load_levels(arguments.inputs, arguments.volume);
+        for (const Volume& volume : levels.volumes) {
             drawing.box.include(world_box(volume));
             drawing.active_voxels += active_voxels(volume);
         }
         drawing.primitives_text = grouped(drawing.active_voxels) + " voxels";
-        drawing.draw = [grids](const Camera& camera, Size size, const Progress& progress) {
+        if (are_levels(levels, arguments.volume)) {
+            drawing.primitives_text += fmt::format(" in {} levels", levels.volumes.size());
+            drawing.draw = [grids = level_grids(levels, options)](const Camera& camera, Size size,
+                                                                  const Progress& progress) {
+                return render_reference(grids, camera, size.width, size.height, {progress});
+            };
+            return drawing;
+        }
+        std::vector<VoxelGrid> grids;
+        for (const Volume& volume : levels.volumes) grids.push_back(voxel_grid(volume, options));
+        drawing.draw = [grids = std::move(grids)](const Camera& camera, Size size,
+                                                  const Progress& progress) {
             return render_reference(grids, camera, size.width, size.height, {progress});
         };
         return drawing;

@@ -25,13 +25,16 @@ void sample(const SampleArguments& arguments) {
     Stages stages(arguments.verbose);
     SampleOptions options = arguments.options;
     options.progress = stages.progress();
-    const Volume volume = stages.run("sample", [&] {
-        return arguments.what == "cloud" ? sample_cloud(options) : sample_explosion(options);
+    const std::vector<Volume> volumes = stages.run("sample", [&]() -> std::vector<Volume> {
+        if (arguments.what == "amr") return sample_levels(options);
+        return {arguments.what == "cloud" ? sample_cloud(options) : sample_explosion(options)};
     });
-    stages.run("write", [&] { write_vdb(arguments.output, volume, arguments.half); });
-    fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
-               arguments.what, grouped(active_voxels(volume)), grouped(volume.leaves.size()),
-               grouped(volume.tiles.size()));
+    stages.run("write", [&] { write_vdb(arguments.output, volumes, arguments.half); });
+    for (const Volume& volume : volumes)
+        fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
+                   volumes.size() > 1 ? volume.name : arguments.what,
+                   grouped(active_voxels(volume)), grouped(volume.leaves.size()),
+                   grouped(volume.tiles.size()));
 }
 
 }  // namespace
@@ -44,11 +47,12 @@ void add_sample(CLI::App& app) {
         ->add_option(
             "what", arguments->what,
             "cloud: a cumulus with soft edges and a constant core; explosion: a turbulent, "
-            "hollow fireball")
+            "hollow fireball; amr: halos and filaments on three nested levels, one grid each")
         ->required()
-        ->check(CLI::IsMember({"cloud", "explosion"}));
+        ->check(CLI::IsMember({"cloud", "explosion", "amr"}));
     command->add_option("output", arguments->output, "OpenVDB file to write")->required();
-    command->add_option("--size", arguments->options.size, "Voxels across")
+    command
+        ->add_option("--size", arguments->options.size, "Voxels across; amr: of the finest level")
         ->check(CLI::Range(64, 1024))
         ->capture_default_str();
     command->add_option("--seed", arguments->options.seed, "Another number, another shape")
