@@ -107,7 +107,7 @@ TEST(kernel_polynomial, stays_within_its_stated_error) {
         const double peak = std::sqrt(2 * std::acos(-1.0)) * std::erf(std::sqrt(top));
         for (int n = 1; n <= 1000; ++n) {
             const double u = top * n / 1000;
-            const auto v = static_cast<float>(u * 4 / (cutoff * cutoff) - 1);
+            const float v = static_cast<float>(2 * u) * kernel.slope + kernel.shift;
             float sum = 0;
             for (auto c = kernel.coefficient.rbegin(); c != kernel.coefficient.rend(); ++c)
                 sum = sum * v + *c;
@@ -122,6 +122,20 @@ TEST(kernel_polynomial, stays_within_its_stated_error) {
 
 TEST(kernel_polynomial, default_cutoff_needs_degree_six) {
     EXPECT_EQ(fit_kernel(2.25).coefficient.size(), 7u);
+}
+
+TEST(kernel_polynomial, positive_without_a_clamp_in_powers_of_u) {
+    for (const double cutoff : {0.5, 1.0, 2.25, 3.0349}) {
+        const KernelPolynomial kernel = fit_kernel(cutoff);
+        ASSERT_EQ(kernel.shift, 0);
+        for (int n = 0; n <= 1000; ++n) {
+            const auto v = static_cast<float>(cutoff * cutoff * n / 1000);
+            float sum = 0;
+            for (auto c = kernel.coefficient.rbegin(); c != kernel.coefficient.rend(); ++c)
+                sum = sum * v + *c;
+            ASSERT_GT(sum, 0) << "cutoff " << cutoff << " v " << v;
+        }
+    }
 }
 
 }  // namespace vog::test

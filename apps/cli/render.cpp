@@ -36,7 +36,7 @@ struct Drawing {
     std::string primitives_text;  ///< "20,000 Gaussians"
     std::uint64_t gaussians = 0, active_voxels = 0;
     Box box;  ///< what views look at
-    std::function<DepthImage(const Camera&, Size, const Progress&)> draw;
+    std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
 };
 
 /// Minimum, median and maximum of render times.
@@ -81,16 +81,17 @@ Drawing load_drawing(const RenderArguments& arguments) {
         if (are_levels(levels, arguments.volume)) {
             drawing.primitives_text += fmt::format(" in {} levels", levels.volumes.size());
             drawing.draw = [grids = level_grids(levels, options)](const Camera& camera, Size size,
-                                                                  const Progress& progress) {
-                return render_reference(grids, camera, size.width, size.height, {progress});
+                                                                  const Progress& progress,
+                                                                  DepthImage& depth) {
+                depth = render_reference(grids, camera, size.width, size.height, {progress});
             };
             return drawing;
         }
         std::vector<VoxelGrid> grids;
         for (const Volume& volume : levels.volumes) grids.push_back(voxel_grid(volume, options));
         drawing.draw = [grids = std::move(grids)](const Camera& camera, Size size,
-                                                  const Progress& progress) {
-            return render_reference(grids, camera, size.width, size.height, {progress});
+                                                  const Progress& progress, DepthImage& depth) {
+            depth = render_reference(grids, camera, size.width, size.height, {progress});
         };
         return drawing;
     }
@@ -101,12 +102,12 @@ Drawing load_drawing(const RenderArguments& arguments) {
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     drawing.primitives_text = grouped(model->size()) + " Gaussians";
-    drawing.draw = [model, sigma = arguments.aabb_sigma](const Camera& camera, Size size,
-                                                         const Progress& progress) {
-        SplatOptions options;
-        options.aabb_sigma = sigma;
-        options.progress = progress;
-        return render_splat(*model, camera, size.width, size.height, options);
+    SplatOptions options;
+    options.aabb_sigma = arguments.aabb_sigma;
+    auto renderer = std::make_shared<SplatRenderer>(*model, options);
+    drawing.draw = [model, renderer](const Camera& camera, Size size, const Progress& progress,
+                                     DepthImage& depth) {
+        renderer->render(camera, size.width, size.height, depth, progress);
     };
     return drawing;
 }
@@ -177,7 +178,7 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
     stages.run("render", [&] {
         for (int n = arguments.repeat ? -1 : 0; n < std::max(arguments.repeat, 1); ++n) {
             const Clock::time_point start = Clock::now();
-            depth = drawing.draw(camera, size, progress);
+            drawing.draw(camera, size, progress, depth);
             if (n >= 0) render_ms.push_back(milliseconds_since(start));
         }
     });

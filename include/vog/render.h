@@ -2,6 +2,7 @@
 // no order, no hit limit, no seams: the T of a union is the sum of the Ts.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -32,11 +33,32 @@ struct SplatOptions {
 std::vector<std::string> splat_targets();
 
 /// Object order and exact: each Gaussian's line integral at every pixel centre its projected
-/// support covers, perspective included; the camera may be near, inside or behind Gaussians.
-/// returns  T per pixel at extinction 1; the same bytes for any number of threads
-/// throws   vog::Error for an unusable camera or size, an unknown SIMD target, a
-///          negative aabb_sigma
-/// cost     O(Gaussians + covered pixels), bounded extra memory
+/// support covers, perspective included; the camera may be near, inside or behind Gaussians. Made
+/// for many pictures of one model: its buffers last, so that a frame like the one before allocates
+/// nothing (but with aabb_sigma). Not for two threads at once; each picture uses all of them.
+class SplatRenderer {
+  public:
+    /// gaussians  must outlive the renderer and stay as they are
+    /// throws     vog::Error for an unknown SIMD target or a negative aabb_sigma
+    explicit SplatRenderer(const Gaussians& gaussians, const SplatOptions& options = {});
+    ~SplatRenderer();
+    SplatRenderer(SplatRenderer&&) noexcept;
+    SplatRenderer& operator=(SplatRenderer&&) noexcept;
+
+    /// image   T per pixel at extinction 1; the same bytes for any number of threads
+    /// throws  vog::Error for an unusable camera or size, or more than 65536 pixels a side
+    /// progress  of this picture, instead of SplatOptions::progress
+    /// cost    O(Gaussians + covered pixel rows + pixels), bounded extra memory
+    void render(const Camera& camera, int width, int height, DepthImage& image,
+                const Progress& progress = {});
+    [[nodiscard]] DepthImage render(const Camera& camera, int width, int height);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// One picture by a SplatRenderer. throws vog::Error as it does
 [[nodiscard]] DepthImage render_splat(const Gaussians& gaussians, const Camera& camera, int width,
                                       int height, const SplatOptions& options = {});
 

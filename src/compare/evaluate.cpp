@@ -251,11 +251,12 @@ class Run {
 
         SplatOptions splat;
         splat.aabb_sigma = conversion.aabb_sigma;
+        SplatRenderer renderer(model, splat);
+        DepthImage depth;
         for (std::size_t n = 0; n < evaluation_.views.size(); ++n) {
-            DepthImage depth;
             const Timing timing = time_repeated(options_.repeats, [&] {
-                depth = render_splat(model, evaluation_.views[n].camera, options_.width,
-                                     options_.height, splat);
+                renderer.render(evaluation_.views[n].camera, options_.width, options_.height,
+                                depth);
             });
             row.views.push_back(compare_view(row, n, depth));
             row.views.back().render = timing;

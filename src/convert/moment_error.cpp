@@ -33,8 +33,10 @@ ErrorViews::ErrorViews(const Volume& volume) {
 
 double ErrorViews::measure(const Gaussians& model) const {
     double error2 = 0, norm2 = 0;
+    SplatRenderer renderer(model);
+    DepthImage image;
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
-        const DepthImage image = render_splat(model, cameras_[view], kSize_px, kSize_px);
+        renderer.render(cameras_[view], kSize_px, kSize_px, image);
         for (std::size_t pixel = 0; pixel < image.depth.size(); ++pixel) {
             const double t = reference_[view].depth[pixel], d = image.depth[pixel] - t;
             error2 += d * d;

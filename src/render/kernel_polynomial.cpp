@@ -59,6 +59,18 @@ std::vector<double> weighted_interpolant(int degree, double cutoff) {
     return power;
 }
 
+/// Coefficients of the same polynomial in powers of w, v = slope w - 1.
+std::vector<double> in_powers_of_w(const std::vector<double>& of_v, double slope) {
+    std::vector<double> of_w(of_v.size(), 0.0);
+    // Horner's rule on polynomials: times (slope w - 1), plus the next coefficient.
+    for (auto c = of_v.rbegin(); c != of_v.rend(); ++c) {
+        for (std::size_t n = of_w.size(); n-- > 0;)
+            of_w[n] = (n > 0 ? slope * of_w[n - 1] : 0) - of_w[n];
+        of_w[0] += *c;
+    }
+    return of_w;
+}
+
 }  // namespace
 
 KernelPolynomial fit_kernel(double cutoff, double tolerance) {
@@ -74,9 +86,13 @@ KernelPolynomial fit_kernel(double cutoff, double tolerance) {
             const double v = -1 + 2.0 * probe / kProbes, u = half_range * (v + 1);
             worst = std::max(worst, std::sqrt(u) * std::abs(horner(power, v) - kernel(u, cutoff)));
         }
-        if (worst <= tolerance * peak || degree == kMaxDegree)
-            return {std::vector<float>(power.begin(), power.end()),
-                    static_cast<float>(cutoff * cutoff), worst / peak};
+        if (worst > tolerance * peak && degree < kMaxDegree) continue;
+        constexpr int kDirect = 8;  // digits lost to the change of basis: 0.8 a degree
+        const double slope = 2 / (cutoff * cutoff);
+        if (degree > kDirect)
+            return {{power.begin(), power.end()}, static_cast<float>(slope), -1, worst / peak};
+        const std::vector<double> direct = in_powers_of_w(power, slope);
+        return {{direct.begin(), direct.end()}, 1, 0, worst / peak};
     }
 }
 

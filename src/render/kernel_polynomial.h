@@ -8,12 +8,14 @@
 
 namespace vog {
 
-/// sqrt(pi) e^{-k²/2} P(u), as a polynomial in v = u · 4/k² - 1 = 1 - 2 m²/k², which runs over [-1,
-/// 1]. Times sqrt(2u / C) it is the line integral of a unit peak.
+/// sqrt(pi) e^{-k²/2} P(u), as a polynomial in v = slope · 2u + shift. Times sqrt(2u / C) it is the
+/// line integral of a unit peak. Up to degree 8 v is 2u itself: e^u erf(sqrt u) / sqrt u has a
+/// power series of positive terms, so the fit rounds well in these powers and is never negative.
+/// Beyond, v runs over [-1, 1]: in powers of 2u the change of basis would lose the digits.
 struct KernelPolynomial {
     std::vector<float> coefficient;  ///< of v^0, v^1, ...
-    float cutoff2 = 0;               ///< k²
-    double max_error = 0;            ///< of sqrt(2u) times it, relative to its peak, at u = k²/2
+    float slope = 1, shift = 0;
+    double max_error = 0;  ///< of sqrt(2u) times it, relative to its peak, at 2u = k²
 };
 
 /// The lowest degree whose error stays below `tolerance` of the peak. cutoff in (0, 8].

@@ -2,15 +2,18 @@
 // their line integrals row by row. No sorting by depth: T is a sum.
 #include <fmt/core.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <span>
 
 #include "render/kernel_polynomial.h"
-#include "render/ray_gaussian.h"
+#include "render/near_splats.h"
 #include "render/splat_boxes.h"
-#include "render/splat_tiles.h"
+#include "render/splat_kernels.h"
+#include "render/tile_bins.h"
 #include "vog/error.h"
 #include "vog/render.h"
 
@@ -18,71 +21,190 @@ namespace vog {
 
 namespace {
 
-/// Adds one near splat: the eye may be inside it, the segment is clipped at the eye.
-void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
-    const int y0 = std::max(s.bounds.y0 - tile.row, 0), x0 = std::max(s.bounds.x0 - tile.column, 0);
-    const int y1 = std::min(s.bounds.y1 - tile.row, kTileHeight - 1);
-    const int x1 = std::min(s.bounds.x1 - tile.column, kTileWidth - 1);
-    for (int y = y0; y <= y1; ++y)
-        for (int x = x0; x <= x1; ++x) {
-            const Vec3d d =
-                s.corner + double(tile.column + x) * s.step_x + double(tile.row + y) * s.step_y;
-            const double tau = s.density * segment_integral(s.e, d, cutoff);
-            tile.depth[y][x] += static_cast<float>(tau * std::sqrt(double{tile.slant2[y][x]}));
-        }
-}
+/// A run of Gaussians that one task projects, and what came of it.
+struct Chunk {
+    std::size_t first = 0, last = 0;  ///< Gaussians
+    std::size_t slot = 0, count = 0;  ///< far splats
+    std::vector<NearSplat> near;
+};
 
-/// The splats of one batch of Gaussians, in the order of the Gaussians.
-Splats project_range(const SplatKernels& kernels, const Gaussians& gaussians,
-                     const CameraFrame& frame, std::size_t first, std::size_t last) {
-    constexpr std::size_t kChunk = 4096;
-    const std::size_t chunks = (last - first + kChunk - 1) / kChunk;
-    std::vector<Splats> parts(chunks);
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t n) {
-        const std::size_t begin = first + n * kChunk;
-        kernels.project(gaussians, begin, std::min(begin + kChunk, last), frame, parts[n]);
-    });
-    Splats all;
-    for (const Splats& part : parts) {
-        all.far.insert(all.far.end(), part.far.begin(), part.far.end());
-        all.near.insert(all.near.end(), part.near.begin(), part.near.end());
-    }
-    return all;
+/// A power of two near the largest T of one Gaussian, peak times largest scale.
+double unit_of(const Gaussians& gaussians) {
+    const float largest = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, gaussians.size(), 1 << 16), 0.0f,
+        [&](const tbb::blocked_range<std::size_t>& range, float most) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const Vec3f s = gaussians.scale[i];
+                most = std::max(most, gaussians.density[i] * std::max({s.x, s.y, s.z}));
+            }
+            return most;
+        },
+        [](float a, float b) { return std::max(a, b); });
+    return largest > 0 && std::isfinite(largest) ? std::exp2(std::ilogb(largest)) : 1;
 }
 
 }  // namespace
 
-DepthImage render_splat(const Gaussians& gaussians, const Camera& camera, int width, int height,
-                        const SplatOptions& options) {
-    const CameraFrame frame = frame_of(camera, width, height);
-    const double cutoff = gaussians.cutoff;
-    const KernelPolynomial kernel = fit_kernel(cutoff);
-    const SplatKernels& kernels =
-        options.simd_target.empty() ? best_splat_kernels() : splat_kernels(options.simd_target);
+/// What lasts from frame to frame.
+struct SplatRenderer::State {
+    SplatModel model;
+    SplatOptions options;
+    KernelPolynomial kernel;
+    const SplatKernels* kernels = nullptr;
+    std::vector<FarSplat> far;
+    std::vector<PixelBounds> bounds;
+    std::vector<Chunk> chunks;
+    std::size_t chunk_count = 0;
+    std::vector<NearSplat> near;
+    TileBins bins;
+
+    std::span<const PixelBounds> bounds_of(const Chunk& chunk) const {
+        return std::span(bounds).subspan(chunk.slot, chunk.count);
+    }
+    void cut(std::size_t first, std::size_t last);
+    void project(const CameraFrame& frame);
+    void draw_tile(int t, const CameraFrame& frame, bool add, DepthImage& image) const;
+};
+
+/// Cuts Gaussians first ... last - 1 into chunks. How many depends on the Gaussians alone: the
+/// order of splats within a tile is the same for any number of threads.
+void SplatRenderer::State::cut(std::size_t first, std::size_t last) {
+    constexpr std::size_t kLeast = 256, kMost = 32, kGrain = 16;
+    const std::size_t count = last - first;
+    chunk_count = std::clamp<std::size_t>(count / kLeast, 1, kMost);
+    const std::size_t size =
+        ((count + chunk_count - 1) / chunk_count + kGrain - 1) / kGrain * kGrain;
+    if (chunks.size() < chunk_count) chunks.resize(chunk_count);
+    if (far.size() < count) far.resize(count), bounds.resize(count);
+    for (std::size_t n = 0; n < chunk_count; ++n) {
+        Chunk& chunk = chunks[n];
+        chunk.first = std::min(first + n * size, last);
+        chunk.last = std::min(chunk.first + size, last);
+        chunk.slot = chunk.first - first;
+    }
+}
+
+/// Projects and bins the chunks.
+void SplatRenderer::State::project(const CameraFrame& frame) {
+    bins.start(frame.width, frame.height, chunk_count);
+    tbb::parallel_for(std::size_t{0}, chunk_count, [&](std::size_t n) {
+        Chunk& chunk = chunks[n];
+        chunk.near.clear();
+        SplatRun run{far.data() + chunk.slot, bounds.data() + chunk.slot, 0, &chunk.near};
+        kernels->project(model, frame, chunk.first, chunk.last, run);
+        chunk.count = run.count;
+        bins.count(n, bounds_of(chunk));
+    });
+    bins.place();
+    tbb::parallel_for(std::size_t{0}, chunk_count, [&](std::size_t n) {
+        bins.fill(n, bounds_of(chunks[n]), static_cast<std::uint32_t>(chunks[n].slot));
+    });
+    near.clear();
+    for (std::size_t n = 0; n < chunk_count; ++n)
+        near.insert(near.end(), chunks[n].near.begin(), chunks[n].near.end());
+}
+
+/// Draws one tile, over the image or added to it; where nothing is, it only clears.
+void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add,
+                                     DepthImage& image) const {
+    const int column = t % bins.columns() * kTileWidth, row = t / bins.columns() * kTileHeight;
+    const int right = std::min(column + kTileWidth, frame.width) - 1;
+    const int bottom = std::min(row + kTileHeight, frame.height) - 1;
+    // Which of the splats that touch many tiles touch this one.
+    constexpr std::size_t kAtOnce = 64;
+    std::uint32_t wide[kAtOnce];
+    std::size_t wide_count = 0;
+    TilePixels tile;
+    bool touched = false;
+    const auto touch = [&] {
+        if (touched) return;
+        touched = true;
+        tile.column = column;
+        tile.row = row;
+        std::memset(tile.depth, 0, sizeof tile.depth);
+    };
+    const auto add_far = [&](const std::uint32_t* index, std::size_t count) {
+        if (count == 0) return;
+        touch();
+        kernels->add_far(far.data(), index, count, kernel, tile);
+    };
+    for (const std::uint32_t n : bins.wide()) {
+        const PixelBounds& b = bounds[n];
+        if (b.x0 > right || b.x1 < column || b.y0 > bottom || b.y1 < row) continue;
+        wide[wide_count++] = n;
+        if (wide_count == kAtOnce) {
+            add_far(wide, wide_count);
+            wide_count = 0;
+        }
+    }
+    add_far(wide, wide_count);
+    add_far(bins.of_tile(t).data(), bins.of_tile(t).size());
+    for (const NearSplat& splat : near) {
+        touch();
+        add_near(splat, model.gaussians->cutoff, tile);
+    }
+    if (touched) {
+        kernels->finish_tile(tile, frame, model.unit, add, image.depth.data());
+    } else if (!add) {
+        for (int y = row; y <= bottom; ++y)
+            std::fill(&image.at(column, y), &image.at(right, y) + 1, 0.0f);
+    }
+}
+
+SplatRenderer::SplatRenderer(const Gaussians& gaussians, const SplatOptions& options)
+    : state_(std::make_unique<State>()) {
+    state_->model = {&gaussians, unit_of(gaussians)};
+    state_->options = options;
+    state_->kernels =
+        options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
     if (!(options.aabb_sigma >= 0 && std::isfinite(options.aabb_sigma)))
         throw Error(fmt::format("bounding boxes of {} sigma, expected a number above 0, or 0: none",
                                 options.aabb_sigma));
-    if (options.aabb_sigma > 0) return render_boxes(kernels, gaussians, frame, options.aabb_sigma);
-    using Index = std::span<const std::uint32_t>;
+    state_->kernel = fit_kernel(gaussians.cutoff);
+}
+SplatRenderer::~SplatRenderer() = default;
+SplatRenderer::SplatRenderer(SplatRenderer&&) noexcept = default;
+SplatRenderer& SplatRenderer::operator=(SplatRenderer&&) noexcept = default;
 
-    // Batches bound the memory of the projected splats, whatever the size of the model.
-    constexpr std::size_t kBatch = 1 << 19;
-    DepthImage image(width, height);
-    for (std::size_t first = 0; first < gaussians.size(); first += kBatch) {
-        const std::size_t last = std::min(first + kBatch, gaussians.size());
-        const Splats batch = project_range(kernels, gaussians, frame, first, last);
-        add_splats(batch.far, frame, image,
-                   [&](const FarSplat* splats, Index index, TilePixels& tile) {
-                       kernels.add_far(splats, index.data(), index.size(), kernel, tile);
-                   });
-        add_splats(batch.near, frame, image,
-                   [&](const NearSplat* splats, Index index, TilePixels& tile) {
-                       for (const std::uint32_t n : index) add_near(splats[n], cutoff, tile);
-                   });
-        if (options.progress)
-            options.progress(static_cast<double>(last) / static_cast<double>(gaussians.size()));
-    }
+void SplatRenderer::render(const Camera& camera, int width, int height, DepthImage& image,
+                           const Progress& progress) {
+    State& s = *state_;
+    const CameraFrame frame = frame_of(camera, width, height);
+    if (width > kMaxSide || height > kMaxSide)
+        throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
+                                height, kMaxSide));
+    image.width = width;
+    image.height = height;
+    image.extinction = 1;
+    image.depth.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    if (s.options.aabb_sigma > 0)
+        return render_boxes(*s.kernels, s.model, s.kernel, frame, s.options.aabb_sigma, image);
+
+    // Batches bound the memory of the splats, whatever the size of the model.
+    const std::size_t size = s.model.gaussians->size();
+    const std::size_t batch = TileBins::most_splats(width, height);
+    std::size_t first = 0;
+    do {
+        const std::size_t last = std::min(first + batch, size);
+        s.cut(first, last);
+        s.project(frame);
+        tbb::parallel_for(0, s.bins.tiles(),
+                          [&](int t) { s.draw_tile(t, frame, first > 0, image); });
+        const Progress& report = progress ? progress : s.options.progress;
+        if (report) report(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
+        first = last;
+    } while (first < size);
+}
+
+DepthImage SplatRenderer::render(const Camera& camera, int width, int height) {
+    DepthImage image;
+    render(camera, width, height, image);
     return image;
+}
+
+DepthImage render_splat(const Gaussians& gaussians, const Camera& camera, int width, int height,
+                        const SplatOptions& options) {
+    return SplatRenderer(gaussians, options).render(camera, width, height);
 }
 
 }  // namespace vog

@@ -1,15 +1,19 @@
 // splat_boxes.cpp: splats whose pixels are those of rays that meet a box.
 #include "render/splat_boxes.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
-#include <memory>
 #include <numbers>
+#include <span>
+#include <vector>
 
-#include "render/ray_gaussian.h"
-#include "render/splat_tiles.h"
+#include "render/near_splats.h"
+#include "render/tile_bins.h"
 
 namespace vog {
 
@@ -20,16 +24,22 @@ struct EyeBox {
     std::array<float, 3> lower, upper;
 };
 
+/// Splats, their boxes, and the pixels where both may be.
 template <class Splat>
 struct Boxed {
-    Splat splat;
-    EyeBox box;
-    PixelBounds bounds;
-};
+    std::vector<Splat> splat;
+    std::vector<EyeBox> box;
+    std::vector<PixelBounds> bounds;
 
+    void append(const Boxed& other) {
+        splat.insert(splat.end(), other.splat.begin(), other.splat.end());
+        box.insert(box.end(), other.box.begin(), other.box.end());
+        bounds.insert(bounds.end(), other.bounds.begin(), other.bounds.end());
+    }
+};
 struct BoxedSplats {
-    std::vector<Boxed<FarSplat>> far;
-    std::vector<Boxed<NearSplat>> near;
+    Boxed<FarSplat> far;
+    Boxed<NearSplat> near;
 };
 
 /// Half edges of the box around the ellipsoid of the paper's radii times sigma.
@@ -57,8 +67,8 @@ Box paper_box(const Gaussians& gaussians, std::size_t i, double aabb_sigma, cons
 }
 
 /// Narrows `bounds` to the pixels whose rays can meet the box; leaves them as they are where the
-/// box reaches behind the eye plane.
-PixelBounds narrowed(PixelBounds bounds, const Box& box, const CameraFrame& frame) {
+/// box reaches behind the eye plane. returns false where there are none
+bool narrow(PixelBounds& bounds, const Box& box, const CameraFrame& frame) {
     std::array<double, 2> x{std::numeric_limits<double>::infinity(),
                             -std::numeric_limits<double>::infinity()};
     std::array<double, 2> y = x;
@@ -69,7 +79,7 @@ PixelBounds narrowed(PixelBounds bounds, const Box& box, const CameraFrame& fram
                           corner & 4 ? box.upper.z : box.lower.z};
         const Vec3d p = point - frame.eye;
         const double forward = dot(p, frame.forward);
-        if (!(forward > 0.01 * reach)) return bounds;  // clear of the eye plane: finite slopes
+        if (!(forward > 0.01 * reach)) return true;  // clear of the eye plane: finite slopes
         const double column =
             0.5 * (frame.width - 1) + frame.pixels_per_unit * dot(p, frame.right) / forward;
         const double row =
@@ -78,56 +88,57 @@ PixelBounds narrowed(PixelBounds bounds, const Box& box, const CameraFrame& fram
         y = {std::min(y[0], row), std::max(y[1], row)};
     }
     constexpr double kSlack = 1e-3;  // pixels; the ray decides
-    const auto least = [](double v, int limit) {
-        return static_cast<std::int32_t>(std::ceil(std::clamp(v - kSlack, -1.0, limit + 1.0)));
-    };
-    const auto most = [](double v, int limit) {
-        return static_cast<std::int32_t>(std::floor(std::clamp(v + kSlack, -1.0, limit + 1.0)));
-    };
-    bounds.x0 = std::max(bounds.x0, least(x[0], frame.width));
-    bounds.x1 = std::min(bounds.x1, most(x[1], frame.width));
-    bounds.y0 = std::max(bounds.y0, least(y[0], frame.height));
-    bounds.y1 = std::min(bounds.y1, most(y[1], frame.height));
-    return bounds;
+    const double x0 = std::max(static_cast<double>(bounds.x0), std::ceil(x[0] - kSlack));
+    const double x1 = std::min(static_cast<double>(bounds.x1), std::floor(x[1] + kSlack));
+    const double y0 = std::max(static_cast<double>(bounds.y0), std::ceil(y[0] - kSlack));
+    const double y1 = std::min(static_cast<double>(bounds.y1), std::floor(y[1] + kSlack));
+    if (!(x0 <= x1 && y0 <= y1)) return false;
+    bounds = {static_cast<std::uint16_t>(x0), static_cast<std::uint16_t>(x1),
+              static_cast<std::uint16_t>(y0), static_cast<std::uint16_t>(y1)};
+    return true;
 }
 
 template <class Splat>
-void add_boxed(Splat splat, const Box& box, const CameraFrame& frame,
-               std::vector<Boxed<Splat>>& out) {
-    splat.bounds = narrowed(splat.bounds, box, frame);
-    if (splat.bounds.empty()) return;
+void add_boxed(const Splat& splat, const Box& box, const CameraFrame& frame, Boxed<Splat>& out) {
+    PixelBounds bounds = splat.bounds;
+    if (!narrow(bounds, box, frame)) return;
     EyeBox faces;
     for (int axis = 0; axis < 3; ++axis) {
         const auto n = static_cast<std::size_t>(axis);
         faces.lower[n] = static_cast<float>(box.lower[axis] - frame.eye[axis]);
         faces.upper[n] = static_cast<float>(box.upper[axis] - frame.eye[axis]);
     }
-    out.push_back({splat, faces, splat.bounds});
+    out.splat.push_back(splat);
+    out.splat.back().bounds = bounds;
+    out.box.push_back(faces);
+    out.bounds.push_back(bounds);
 }
 
 /// Projects one Gaussian at a time, because its box must stay with it.
-BoxedSplats project_boxed(const SplatKernels& kernels, const Gaussians& gaussians,
+BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
                           const CameraFrame& frame, double aabb_sigma, std::size_t first,
                           std::size_t last) {
     constexpr std::size_t kChunk = 4096;
-    const Box scene = view_box(gaussians);
+    const Box scene = view_box(*model.gaussians);
     std::vector<BoxedSplats> parts((last - first + kChunk - 1) / kChunk);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t n) {
         const std::size_t begin = first + n * kChunk, end = std::min(begin + kChunk, last);
-        Splats one;
+        FarSplat far;
+        PixelBounds bounds;
+        std::vector<NearSplat> near;
         for (std::size_t i = begin; i < end; ++i) {
-            one.far.clear();
-            one.near.clear();
-            kernels.project(gaussians, i, i + 1, frame, one);
-            const Box box = paper_box(gaussians, i, aabb_sigma, scene);
-            for (const FarSplat& splat : one.far) add_boxed(splat, box, frame, parts[n].far);
-            for (const NearSplat& splat : one.near) add_boxed(splat, box, frame, parts[n].near);
+            near.clear();
+            SplatRun run{&far, &bounds, 0, &near};
+            kernels.project(model, frame, i, i + 1, run);
+            const Box box = paper_box(*model.gaussians, i, aabb_sigma, scene);
+            if (run.count > 0) add_boxed(far, box, frame, parts[n].far);
+            for (const NearSplat& splat : near) add_boxed(splat, box, frame, parts[n].near);
         }
     });
     BoxedSplats all;
     for (const BoxedSplats& part : parts) {
-        all.far.insert(all.far.end(), part.far.begin(), part.far.end());
-        all.near.insert(all.near.end(), part.near.begin(), part.near.end());
+        all.far.append(part.far);
+        all.near.append(part.near);
     }
     return all;
 }
@@ -168,72 +179,82 @@ void add_where_met(const EyeBox& box, const TileRays& rays, int y, int x0, int x
     }
 }
 
-/// Rows and columns of a tile that a splat touches, inclusive.
-struct TileRange {
-    int x0, x1, y0, y1;
-};
-TileRange range_in(const TilePixels& tile, const PixelBounds& bounds) {
-    return {std::max(bounds.x0 - tile.column, 0), std::min(bounds.x1 - tile.column, kTileWidth - 1),
-            std::max(bounds.y0 - tile.row, 0), std::min(bounds.y1 - tile.row, kTileHeight - 1)};
+/// Draws one tile of `splats` into `tile`: each is made alone in a tile of its own, and added where
+/// its box is met.
+template <class Splat, class MakeAlone>
+void add_tile(const Boxed<Splat>& splats, std::span<const std::uint32_t> index,
+              const TileRays& rays, TilePixels& tile, const MakeAlone& make_alone) {
+    TilePixels alone = tile;
+    for (const std::uint32_t n : index) {
+        const TileRange range = range_in(tile, splats.bounds[n]);
+        for (int y = range.y0; y <= range.y1; ++y)
+            std::fill(alone.depth[y] + range.x0, alone.depth[y] + range.x1 + 1, 0.0f);
+        make_alone(splats.splat[n], alone);
+        for (int y = range.y0; y <= range.y1; ++y)
+            add_where_met(splats.box[n], rays, y, range.x0, range.x1, alone.depth[y],
+                          tile.depth[y]);
+    }
 }
 
-/// T of one near splat in a tile, by the exact segment form.
-void near_alone(const NearSplat& s, double cutoff, const TileRange& range, TilePixels& alone) {
-    for (int y = range.y0; y <= range.y1; ++y)
-        for (int x = range.x0; x <= range.x1; ++x) {
-            const Vec3d d =
-                s.corner + double(alone.column + x) * s.step_x + double(alone.row + y) * s.step_y;
-            const double tau = s.density * segment_integral(s.e, d, cutoff);
-            alone.depth[y][x] = static_cast<float>(tau * std::sqrt(double{alone.slant2[y][x]}));
-        }
+/// Splats of a tile: the binned ones, and those that touch many tiles where they touch this one.
+template <class Splat>
+std::vector<std::uint32_t> touching(const Boxed<Splat>& splats, const TileBins& bins, int t,
+                                    int column, int row) {
+    std::vector<std::uint32_t> all;
+    for (const std::uint32_t n : bins.wide()) {
+        const PixelBounds& b = splats.bounds[n];
+        if (b.x0 < column + kTileWidth && b.x1 >= column && b.y0 < row + kTileHeight && b.y1 >= row)
+            all.push_back(n);
+    }
+    all.insert(all.end(), bins.of_tile(t).begin(), bins.of_tile(t).end());
+    return all;
+}
+
+template <class Splat>
+TileBins bin(const Boxed<Splat>& splats, const CameraFrame& frame) {
+    TileBins bins;
+    bins.start(frame.width, frame.height, 1);
+    bins.count(0, splats.bounds);
+    bins.place();
+    bins.fill(0, splats.bounds, 0);
+    return bins;
 }
 
 }  // namespace
 
-DepthImage render_boxes(const SplatKernels& kernels, const Gaussians& gaussians,
-                        const CameraFrame& frame, double aabb_sigma) {
-    const KernelPolynomial kernel = fit_kernel(gaussians.cutoff);
-    using Index = std::span<const std::uint32_t>;
-
-    /// Each splat is made alone in a tile of its own, and added where its box is met.
-    const auto add_tile = [&](const auto* splats, Index index, TilePixels& tile,
-                              const auto& make_alone) {
-        const TileRays rays = tile_rays(frame, tile);
-        TilePixels alone = tile;
-        for (const std::uint32_t n : index) {
-            const TileRange range = range_in(tile, splats[n].bounds);
-            for (int y = range.y0; y <= range.y1; ++y)
-                std::fill(alone.depth[y] + range.x0, alone.depth[y] + range.x1 + 1, 0.0f);
-            make_alone(splats[n].splat, range, alone);
-            for (int y = range.y0; y <= range.y1; ++y)
-                add_where_met(splats[n].box, rays, y, range.x0, range.x1, alone.depth[y],
-                              tile.depth[y]);
-        }
-    };
-
-    constexpr std::size_t kBatch = 1 << 19;  // bounds the memory of the projected splats
-    DepthImage image(frame.width, frame.height);
-    for (std::size_t first = 0; first < gaussians.size(); first += kBatch) {
-        const std::size_t last = std::min(first + kBatch, gaussians.size());
-        const BoxedSplats batch = project_boxed(kernels, gaussians, frame, aabb_sigma, first, last);
-        add_splats(batch.far, frame, image,
-                   [&](const Boxed<FarSplat>* splats, Index index, TilePixels& tile) {
-                       add_tile(splats, index, tile,
-                                [&](const FarSplat& splat, const TileRange&, TilePixels& alone) {
-                                    const std::uint32_t only = 0;
-                                    kernels.add_far(&splat, &only, 1, kernel, alone);
-                                });
-                   });
-        add_splats(batch.near, frame, image,
-                   [&](const Boxed<NearSplat>* splats, Index index, TilePixels& tile) {
-                       add_tile(
-                           splats, index, tile,
-                           [&](const NearSplat& splat, const TileRange& range, TilePixels& alone) {
-                               near_alone(splat, gaussians.cutoff, range, alone);
-                           });
-                   });
+void render_boxes(const SplatKernels& kernels, const SplatModel& model,
+                  const KernelPolynomial& kernel, const CameraFrame& frame, double aabb_sigma,
+                  DepthImage& image) {
+    const std::size_t size = model.gaussians->size();
+    const std::size_t batch = TileBins::most_splats(frame.width, frame.height);
+    std::fill(image.depth.begin(), image.depth.end(), 0.0f);
+    for (std::size_t first = 0; first < size; first += batch) {
+        const BoxedSplats splats =
+            project_boxed(kernels, model, frame, aabb_sigma, first, std::min(first + batch, size));
+        const TileBins far = bin(splats.far, frame), near = bin(splats.near, frame);
+        tbb::parallel_for(0, far.tiles(), [&](int t) {
+            const int column = t % far.columns() * kTileWidth;
+            const int row = t / far.columns() * kTileHeight;
+            const auto far_index = touching(splats.far, far, t, column, row);
+            const auto near_index = touching(splats.near, near, t, column, row);
+            if (far_index.empty() && near_index.empty()) return;
+            TilePixels tile;
+            tile.column = column;
+            tile.row = row;
+            std::memset(tile.depth, 0, sizeof tile.depth);
+            const TileRays rays = tile_rays(frame, tile);
+            add_tile(splats.far, far_index, rays, tile,
+                     [&](const FarSplat& splat, TilePixels& alone) {
+                         const std::uint32_t only = 0;
+                         kernels.add_far(&splat, &only, 1, kernel, alone);
+                     });
+            add_tile(splats.near, near_index, rays, tile,
+                     [&](const NearSplat& splat, TilePixels& alone) {
+                         add_near(splat, model.gaussians->cutoff, alone);
+                     });
+            kernels.finish_tile(tile, frame, model.unit, true, image.depth.data());
+        });
     }
-    return image;
 }
 
 }  // namespace vog

@@ -12,7 +12,9 @@ namespace vog {
 /// aabb_sigma  of the paper's radii r = scale sqrt(2): boxes reach from mean - sigma r to mean +
 ///             sigma r, within the box of the scene; of a rotated Gaussian, the box around the
 ///             ellipsoid of those radii
-DepthImage render_boxes(const SplatKernels& kernels, const Gaussians& gaussians,
-                        const CameraFrame& frame, double aabb_sigma);
+/// image  of the frame's size, overwritten
+void render_boxes(const SplatKernels& kernels, const SplatModel& model,
+                  const KernelPolynomial& kernel, const CameraFrame& frame, double aabb_sigma,
+                  DepthImage& image);
 
 }  // namespace vog

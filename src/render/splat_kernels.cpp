@@ -1,4 +1,4 @@
-// splat_kernels.cpp: compiles splat_kernels-inl.h for every SIMD target and chooses among them.
+// splat_kernels.cpp: compiles the splat's loops for every SIMD target and chooses among them.
 // foreach_target.h includes this file once per target: what stands outside HWY_NAMESPACE is
 // guarded.
 #include "render/splat_kernels.h"
@@ -7,7 +7,9 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstring>
 
 #include "vog/error.h"
 #include "vog/render.h"
@@ -23,7 +25,33 @@ namespace HWY_NAMESPACE {
 namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
-#include "render/splat_kernels-inl.h"
+
+/// Whether estimates and a Newton step beat the divider: on x86 they do (docs/performance.md).
+constexpr bool kEstimates = HWY_ARCH_X86;
+
+/// Tags of the loops: as wide as the target, or one lane.
+struct WideLanes {
+    using Doubles = hn::ScalableTag<double>;
+    using Floats = hn::CappedTag<float, TilePixels::kMaxLanes>;
+};
+struct OneLane {
+    using Doubles = hn::CappedTag<double, 1>;
+    using Floats = hn::CappedTag<float, 1>;
+};
+
+#include "render/splat_project-inl.h"
+#include "render/splat_rows-inl.h"
+
+const SplatKernels& wide_kernels() {
+    static const SplatKernels kernels{HWY_TARGET, project<WideLanes>, add_far<WideLanes>,
+                                      finish_tile<WideLanes>};
+    return kernels;
+}
+
+const SplatKernels& one_lane_kernels() {
+    static const SplatKernels kernels{0, project<OneLane>, add_far<OneLane>, finish_tile<OneLane>};
+    return kernels;
+}
 
 }  // namespace
 }  // namespace HWY_NAMESPACE

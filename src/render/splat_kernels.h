@@ -1,7 +1,8 @@
-// splat_kernels.h: the two inner loops of the splat renderer, projection and rows, compiled once
-// for every SIMD target (Highway) and chosen at run time.
+// splat_kernels.h: the inner loops of the splat renderer, projection, rows and the tile's last
+// step, compiled once for every SIMD target (Highway) and chosen at run time.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,64 +13,88 @@
 
 namespace vog {
 
-/// Pixels whose centres the projected support may cover, inclusive; inside the image.
+/// Images are at most this many pixels a side: bounds fit 16 bits.
+inline constexpr int kMaxSide = 1 << 16;
+
+/// Pixels whose centres the projected support may cover, inclusive; inside the image, never empty.
 struct PixelBounds {
-    std::int32_t x0 = 0, x1 = -1, y0 = 0, y1 = -1;
-    bool empty() const { return x1 < x0 || y1 < y0; }
+    std::uint16_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
 
-/// A Gaussian wholly in front of the eye plane. With (x, y) the pixel's offset from the projected
-/// mean and d the whitened direction through the pixel, scaled so that |d| = 1 at the mean:
-///   m² C = (ax x + ay y)² + (by y)²                      the squared cross product e x d
-///   C    = (c0 + cx x + cy y)² + (d0 + dy y)² + e0²      the squared length of d
-/// Both are sums of squares by a triangular change of basis: no cancellation, however elongated the
-/// Gaussian or far the eye. tau = weight |D| sqrt(2u / C) · KernelPolynomial, u = (k² - m²)/2, with
-/// |D| the length of the pixel's direction whose forward component is 1.
+/// A Gaussian wholly in front of the eye plane; one cache line. With (x, y) the whole pixels from
+/// (column, row), the pixel nearest the centre of the projected support, which is an ellipse, and d
+/// the whitened direction through the pixel over the peak (in units of SplatModel::unit):
+///   C = |d|²         = (cx x + cy y + c0)² + (dy y + d0)² + e02
+///   F = (k² - m²) C  = f0 - (by y + b0)² - (ax x + ay y + a0)²
+/// F is positive exactly on the ellipse. Both are squares of triangular forms around its centre: no
+/// cancellation, however elongated the Gaussian or far the eye. The peak a is inside d because
+/// sqrt(F) / C then has it as a factor:
+///   tau = unit |D| sqrt(F) / C · KernelPolynomial(F / C)
+/// with |D| the length of the pixel's direction whose forward component is 1.
 struct FarSplat {
+    std::int32_t column = 0, row = 0;  ///< maybe off the image
+    float ax = 0, ay = 0, a0 = 0, by = 0, b0 = 0, f0 = 0;
+    float cx = 0, cy = 0, c0 = 0, dy = 0, d0 = 0, e02 = 0;
     PixelBounds bounds;
-    std::int32_t column = 0,
-                 row = 0;  ///< the pixel nearest the projected mean, maybe off the image
-    float offset_x = 0, offset_y = 0;  ///< projected mean minus that pixel, in [-1/2, 1/2]
-    float ax = 0, ay = 0, by2 = 0;     ///< by2 = by²
-    float c0 = 0, cx = 0, cy = 0, d0 = 0, dy = 0, e02 = 0;  ///< e02 = e0²
-    float weight = 0;
 };
+static_assert(sizeof(FarSplat) == 64);
 
 /// A Gaussian around, beside or partly behind the eye: the exact segment form, in double precision.
 struct NearSplat {
     PixelBounds bounds;
     Vec3d e;                       ///< whitened eye -> mean
     Vec3d corner, step_x, step_y;  ///< whitened directions of CameraFrame
-    double density = 0;
+    double density = 0;            ///< in units of SplatModel::unit
 };
 
-/// Splats in the order of their Gaussians; those behind the eye, outside the image or between pixel
-/// centres are left out.
-struct Splats {
-    std::vector<FarSplat> far;
-    std::vector<NearSplat> near;
+/// What is drawn, and the unit of T that keeps the squares of FarSplat inside float's range.
+struct SplatModel {
+    const Gaussians* gaussians = nullptr;
+    double unit = 1;  ///< near the largest T of one Gaussian; a power of two
 };
 
-inline constexpr int kTileWidth = 32, kTileHeight = 16;  ///< pixels of a tile
+/// Splats of a run of Gaussians in their order. Gaussians behind the eye, outside the image or
+/// between pixel centres are left out, and those whose T is below 1e-15 units.
+struct SplatRun {
+    FarSplat* far = nullptr;        ///< room for one per Gaussian
+    PixelBounds* bounds = nullptr;  ///< of each far splat again, alone, for binning
+    std::size_t count = 0;          ///< of far splats
+    std::vector<NearSplat>* near = nullptr;
+};
 
-/// One tile's pixels: T so far, and what depends on the pixel alone.
+/// Pixels of a tile. 64 x 32 is the best of the sizes tried (docs/performance.md).
+inline constexpr int kTileWidth = 64, kTileHeight = 32;
+
+/// T over |D| of one tile's pixels, so far.
 struct TilePixels {
-    /// Rows are padded so that a vector may start at any of their pixels.
-    static constexpr int kMaxLanes = 16, kStride = kTileWidth + kMaxLanes;
-    std::int32_t column = 0, row = 0;                ///< of the first pixel
-    alignas(64) float depth[kTileHeight][kStride];   ///< T
-    alignas(64) float slant2[kTileHeight][kStride];  ///< |D|²
+    /// Rows and columns are padded so that a vector of any shape may start at any pixel.
+    static constexpr int kMaxLanes = 16, kStride = kTileWidth + kMaxLanes, kMaxRows = 4;
+    std::int32_t column = 0, row = 0;  ///< of the first pixel
+    alignas(64) float depth[kTileHeight + kMaxRows - 1][kStride];
 };
+
+/// Pixels of a tile that a splat touches, inclusive, from the tile's first.
+struct TileRange {
+    int x0, x1, y0, y1;
+};
+inline TileRange range_in(const TilePixels& tile, const PixelBounds& bounds) {
+    return {std::max(bounds.x0 - tile.column, 0), std::min(bounds.x1 - tile.column, kTileWidth - 1),
+            std::max(bounds.y0 - tile.row, 0), std::min(bounds.y1 - tile.row, kTileHeight - 1)};
+}
 
 /// The loops for one SIMD target.
 struct SplatKernels {
     std::int64_t target = 0;  ///< Highway's target bit; 0: one lane, no SIMD
-    /// Projects Gaussians first ... last - 1, appending to `splats`.
-    void (*project)(const Gaussians& gaussians, std::size_t first, std::size_t last,
-                    const CameraFrame& frame, Splats& splats);
-    /// Adds splats[index[0]] ... splats[index[count - 1]] to the rows of `tile` they touch.
+    /// Projects Gaussians first ... last - 1 to run.far[run.count] and on; near ones are appended.
+    void (*project)(const SplatModel& model, const CameraFrame& frame, std::size_t first,
+                    std::size_t last, SplatRun& run);
+    /// Adds splats[index[0]] ... splats[index[count - 1]] to the pixels of `tile` they touch.
     void (*add_far)(const FarSplat* splats, const std::uint32_t* index, std::size_t count,
                     const KernelPolynomial& kernel, TilePixels& tile);
+    /// T of a tile's pixels: depth times |D| times unit, to the rows of an image; added to what is
+    /// there if `add`.
+    void (*finish_tile)(const TilePixels& tile, const CameraFrame& frame, double unit, bool add,
+                        float* image);
 };
 
 /// The best target this machine can run.

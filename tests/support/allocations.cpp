@@ -1,0 +1,37 @@
+// allocations.cpp: replaces operator new for the whole process by one that counts.
+#include "support/allocations.h"
+
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+namespace {
+
+std::atomic<long> calls{0};
+
+void* counted(std::size_t bytes, std::size_t alignment) {
+    ++calls;
+    // aligned_alloc takes whole multiples of the alignment, and at least one.
+    const std::size_t blocks = bytes / alignment + 1;
+    void* memory = std::aligned_alloc(alignment, blocks * alignment);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) { return counted(bytes, alignof(std::max_align_t)); }
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    return counted(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+
+namespace vog::test {
+
+long allocations() { return calls; }
+
+}  // namespace vog::test

@@ -1,0 +1,9 @@
+// allocations.h: how often operator new has been called.
+#pragma once
+
+namespace vog::test {
+
+/// Calls of operator new so far, by anyone in this process. TBB's tasks come from its own pool.
+long allocations();
+
+}  // namespace vog::test
