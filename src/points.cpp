@@ -33,6 +33,28 @@ Box bounds(const Points& points) {
     return box;
 }
 
+void append(Points& points, const Points& other) {
+    if (points.size() == 0) {
+        points = other;
+        return;
+    }
+    const auto same_names = [](const PointAttribute& a, const PointAttribute& b) {
+        return a.name == b.name;
+    };
+    if (points.velocity.empty() != other.velocity.empty() ||
+        !std::ranges::equal(points.attributes, other.attributes, same_names))
+        throw Error(fmt::format("{}: has {}, expected those of {}: {}", where(other),
+                                fmt::join(point_value_names(other), ", "), where(points),
+                                fmt::join(point_value_names(points), ", ")));
+    const auto join = [](auto& to, const auto& from) {
+        to.insert(to.end(), from.begin(), from.end());
+    };
+    join(points.position, other.position);
+    join(points.velocity, other.velocity);
+    for (std::size_t n = 0; n < points.attributes.size(); ++n)
+        join(points.attributes[n].value, other.attributes[n].value);
+}
+
 void validate(const Points& points) {
     const std::size_t count = points.size();
     const auto refuse = [&](const std::string& what) {

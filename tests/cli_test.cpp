@@ -135,6 +135,51 @@ TEST_F(cli, json_is_all_there_is_on_standard_output) {
     EXPECT_EQ(timing["render_ms"]["repeats"], 3);
 }
 
+TEST_F(cli, particles_are_told_converted_and_rendered) {
+    std::string text = "x,y,z,vx,vy,vz,mass\n";
+    for (int n = 0; n < 500; ++n)
+        text += std::to_string(n % 7) + "," + std::to_string(n % 11) + "," +
+                std::to_string(n * n % 101) + ",3,4," + std::to_string(n % 5) + ",2\n";
+    write("p.csv", text);
+    const auto info = nlohmann::json::parse(must("info p.csv --json").out)["files"][0]["points"];
+    EXPECT_EQ(info["particles"], 500);
+    EXPECT_EQ(info["values"][1]["name"], "mass");
+    must("info p.csv");
+    const auto all = nlohmann::json::parse(must("convert p.csv -o p.ply --value mass --json").out);
+    EXPECT_EQ(all["particles"], 500);
+    EXPECT_EQ(all["gaussians"], 500);
+    EXPECT_NEAR(all["mass_ratio"].get<double>(), 1, 1e-6);
+    const auto few =
+        nlohmann::json::parse(must("convert p.csv -o few.ply --budget 50 --measure --json").out);
+    EXPECT_LE(few["gaussians"], 50);
+    EXPECT_GT(few["measured_error"], 0);
+    EXPECT_EQ(read_ply(dir_ / "few.ply").source, "p.csv count");
+    must("convert p.csv -o paper.ply --method paper --radius 0.5 --kappa 0.1");
+    EXPECT_EQ(read_ply(dir_ / "paper.ply").size(), 500u);
+
+    // Rendered as they are: the picture of one Gaussian each.
+    must("render p.csv -o p.png --value mass --size 48");
+    must("render p.ply -o q.png --size 48");
+    EXPECT_EQ(read_text(dir_ / "p.png"), read_text(dir_ / "q.png"));
+    must("convert p.csv -o p.xyz");
+    must("convert p.xyz p.csv -o both.ply");
+    EXPECT_EQ(read_ply(dir_ / "both.ply").size(), 1000u);
+
+    must_fail(1, "convert p.csv -o a.ply --value heat", "it has: count, speed, mass");
+    must_fail(1, "render p.csv -o a.png --renderer reference", "holds particles");
+    must_fail(1, "evaluate p.csv -o out", "holds particles");
+    must_fail(1, "convert p.csv p.ply -o a.ply", "another kind");
+    must_fail(2, "convert p.csv -o a.ply --strategy strict", "does not go with");
+    must_fail(2, "convert p.csv -o a.ply --budget 5 --block 2", "exclude each other");
+    must_fail(2, "render p.csv -o a.png --radius wide", "--radius wide");
+    must_fail(2, "render p.ply -o a.png --radius 2", "--radius does not go with");
+    write("bad.xyz", "1 2 3\n4 5 6\n7 8\n");
+    must_fail(1, "render bad.xyz -o a.png", "bad.xyz:3: got 2 columns, expected 3");
+    write("one.xyz", "1 2 3\n");
+    must_fail(1, "render one.xyz -o a.png", "--radius X");
+    must("render one.xyz -o one.png --radius 1 --size 32");
+}
+
 TEST_F(cli, wrong_usage_is_exit_code_two) {
     write("m.ply", "ply\n");
     must_fail(2, "", "subcommand");

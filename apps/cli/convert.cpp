@@ -25,6 +25,7 @@ struct ConvertArguments {
     std::vector<std::string> inputs;
     std::string output, method = "moments";
     VolumeInputOptions volume;
+    PointInputOptions points;
     int lod = 0;
     std::string strategy, amplitude = "mean";
     PaperOptions paper;
@@ -49,8 +50,8 @@ PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& co
     return options;
 }
 
-MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command) {
-    MomentOptions options = arguments.moments;
+/// Which of the ways to choose cells is asked for: "--budget", ...; empty: none.
+std::string cut_option(const CLI::App& command) {
     std::string cut;
     for (const char* option : {"--block", "--budget", "--error", "--lod"}) {
         if (!command.count(option)) continue;
@@ -58,19 +59,34 @@ MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& 
             throw CLI::ValidationError(fmt::format("{} and {} exclude each other", cut, option));
         cut = option;
     }
+    return cut;
+}
+
+MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command) {
+    MomentOptions options = arguments.moments;
+    cut_option(command);
     if (options.budget && arguments.inputs.size() > 1)
         throw CLI::ValidationError("--budget takes one input: it is the size of one model");
     if (arguments.lod) options.block_voxels = moment_lod(arguments.lod).block_voxels;
     return options;
 }
 
-/// An option of the other method would be ignored: refused.
-void check_method(const ConvertArguments& arguments, const CLI::App& command) {
-    const std::string other = arguments.method == "paper" ? kMomentGroup : kPaperGroup;
+/// Options for other inputs or the other method would be ignored: refused.
+void check_options(const ConvertArguments& arguments, const CLI::App& command, FileKind kind) {
+    const bool particles = kind == FileKind::points;
+    if (!particles) refuse_group(command, kPointGroup, "volumes");
+    refuse_group(command, arguments.method == "paper" ? kMomentGroup : kPaperGroup,
+                 "--method " + arguments.method);
+    if (!particles) return;
     for (const CLI::Option* option : command.get_options())
-        if (option->get_group() == other && option->count())
-            throw CLI::ValidationError(fmt::format("{} does not go with --method {}",
-                                                   option->get_name(), arguments.method));
+        if (option->count() && option->get_group() == kPaperGroup &&
+            option->get_name() != "--kappa")
+            throw CLI::ValidationError(option->get_name() + " does not go with particles");
+    for (const char* option : {"--spread", "--level-set-to-fog", "--mask", "--no-mask"})
+        if (command.count(option))
+            throw CLI::ValidationError(fmt::format("{} does not go with particles", option));
+    if (arguments.method == "paper" && arguments.lod)
+        throw CLI::ValidationError("--lod does not go with the paper's particles");
 }
 
 /// What is told of several volumes' conversion by moments.
@@ -88,17 +104,18 @@ struct MomentTotals {
     }
 };
 
-void report(const ConvertArguments& arguments, const Gaussians& model, double volume_mass,
-            const MomentTotals& moments, const Stages& stages) {
+void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& model,
+            double volume_mass, const MomentTotals& moments, const Stages& stages) {
     const double mass_ratio = volume_mass > 0 ? mass(model) / volume_mass : 1;
     const bool by_moments = arguments.method == "moments";
     const double share = model.source_voxels ? static_cast<double>(model.size()) /
                                                    static_cast<double>(model.source_voxels)
                                              : 0;
     if (!arguments.json) {
-        fmt::print("{}: {} Gaussians, {:.3g} % of {} active voxels, {}, mass ratio {:.5f}\n",
-                   arguments.output, grouped(model.size()), 100 * share,
-                   grouped(model.source_voxels), bytes_text(ply_bytes(model)), mass_ratio);
+        fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
+                   grouped(model.size()), 100 * share, grouped(model.source_voxels),
+                   kind == FileKind::points ? "particles" : "active voxels",
+                   bytes_text(ply_bytes(model)), mass_ratio);
         if (moments.dropped_cells)
             fmt::print("{} cells with {:.2g} of the mass dropped\n", grouped(moments.dropped_cells),
                        moments.dropped_mass / volume_mass);
@@ -107,14 +124,15 @@ void report(const ConvertArguments& arguments, const Gaussians& model, double vo
                        moments.worst_error);
         return;
     }
-    nlohmann::ordered_json json = {{"output", arguments.output},
-                                   {"method", model.method},
-                                   {"options", model.options},
-                                   {"gaussians", model.size()},
-                                   {"active_voxels", model.source_voxels},
-                                   {"share", share},
-                                   {"bytes", ply_bytes(model)},
-                                   {"mass_ratio", mass_ratio}};
+    nlohmann::ordered_json json = {
+        {"output", arguments.output},
+        {"method", model.method},
+        {"options", model.options},
+        {"gaussians", model.size()},
+        {kind == FileKind::points ? "particles" : "active_voxels", model.source_voxels},
+        {"share", share},
+        {"bytes", ply_bytes(model)},
+        {"mass_ratio", mass_ratio}};
     if (by_moments) {
         json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
         json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
@@ -146,12 +164,62 @@ Composite load_composite(const ConvertArguments& arguments) {
     return data;
 }
 
+void note_missed(const std::string& input, double reached, double asked) {
+    note(fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}", input, reached,
+                     asked));
+}
+
+void convert_particles(const ConvertArguments& arguments, const CLI::App& command) {
+    const MomentOptions& cut = arguments.moments;
+    PointOptions options = point_options(arguments.points);
+    options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
+    options.budget = cut.budget;
+    options.error = cut_option(command) == "--error" ? cut.error : 0;
+    options.soft_steps = cut.soft_steps;
+    if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
+    options.axis_aligned = cut.axis_aligned;
+    options.measure = cut.measure;
+    const bool paper = arguments.method == "paper";
+    if (paper && arguments.points.value.empty()) options.value = "speed";
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    options.progress = stages.progress();
+
+    const Points points = stages.run("load", [&] {
+        return load_points(arguments.inputs, arguments.points, arguments.volume.grid);
+    });
+    if (!arguments.output.ends_with(".ply")) {
+        stages.run("save", [&] { write_points(arguments.output, points); });
+        fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+        return;
+    }
+    MomentReport one;
+    const Gaussians model = stages.run("convert", [&] {
+        return paper ? convert_points_paper(points, options.value, options.radius,
+                                            arguments.paper.kappa)
+                     : convert_points(points, options, &one);
+    });
+    double sum = 0;
+    for (const float value : point_values(points, options.value)) sum += value;
+    MomentTotals totals;
+    totals.add(one, sum);
+    if (options.error > 0 && one.measured_error > options.error)
+        note_missed(arguments.inputs.front(), one.measured_error, options.error);
+    stages.run("save", [&] { write_ply(arguments.output, model); });
+    report(arguments, FileKind::points, model, sum, totals, stages);
+}
+
 void convert(const ConvertArguments& arguments, const CLI::App& command) {
-    check_output(arguments.output, arguments.inputs, {".ply"});
-    if (const FileKind kind = common_kind(arguments.inputs); kind != FileKind::volume)
-        throw Error(fmt::format("{}: {}, expected volumes", arguments.inputs.front(),
-                                kind == FileKind::model ? "is a model already" : "has particles"));
-    check_method(arguments, command);
+    const FileKind kind = common_kind(arguments.inputs);
+    if (kind == FileKind::points)
+        check_output(arguments.output, arguments.inputs, {".ply", ".xyz", ".csv", ".tsv"});
+    else
+        check_output(arguments.output, arguments.inputs, {".ply"});
+    if (kind == FileKind::model)
+        throw Error(fmt::format("{}: is a model already, expected volumes or particles",
+                                arguments.inputs.front()));
+    check_options(arguments, command, kind);
+    if (kind == FileKind::points) return convert_particles(arguments, command);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
@@ -173,13 +241,12 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
         totals.add(one, mass(volume));
         if (by_moments && one.measured_error > moments.error && !moments.block_voxels &&
             !moments.budget)
-            note(fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}",
-                             volume.source, one.measured_error, moments.error));
+            note_missed(volume.source, one.measured_error, moments.error);
     }
     model.box = data.box;
     model.source_voxels = data.voxels;
     stages.run("save", [&] { write_ply(arguments.output, model); });
-    report(arguments, model, volume_mass, totals, stages);
+    report(arguments, kind, model, volume_mass, totals, stages);
 }
 
 void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
@@ -250,7 +317,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     };
     add("--error", moments.error,
         "The smallest model whose measured error (relative L2 of T, 8 views) is at most this; the "
-        "default way")
+        "default way for volumes (for particles: one Gaussian each)")
         ->capture_default_str();
     add("--budget", moments.budget, "The best model of at most this many Gaussians")
         ->check(CLI::PositiveNumber);
@@ -279,12 +346,19 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
 
 void add_convert(CLI::App& app) {
     auto arguments = std::make_shared<ConvertArguments>();
-    CLI::App* command = app.add_subcommand("convert", "Turn volumes into a model of 3D Gaussians");
-    command->add_option("inputs", arguments->inputs, "OpenVDB files; several become one model")
+    CLI::App* command =
+        app.add_subcommand("convert", "Turn volumes or particles into a model of 3D Gaussians");
+    command
+        ->add_option(
+            "inputs", arguments->inputs,
+            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv); several become one model")
         ->required();
-    command->add_option("-o,--output", arguments->output, "PLY model to write")->required();
+    command
+        ->add_option("-o,--output", arguments->output,
+                     "PLY model to write; particles also as .xyz, .csv or .tsv")
+        ->required();
     add_volume_options(*command, arguments->volume);
-    command->add_option("--method", arguments->method, "How voxels become Gaussians")
+    command->add_option("--method", arguments->method, "How voxels or particles become Gaussians")
         ->check(CLI::IsMember({"moments", "paper"}))
         ->capture_default_str();
     command
@@ -295,6 +369,7 @@ void add_convert(CLI::App& app) {
         ->check(CLI::Range(1, 5));
     add_moment_options(*command, *arguments);
     add_paper_options(*command, *arguments);
+    add_point_options(*command, arguments->points);
     command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

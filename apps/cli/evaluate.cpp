@@ -38,9 +38,10 @@ void print(const Evaluation& evaluation) {
 }
 
 void evaluate_files(EvaluateArguments& arguments) {
-    if (common_kind(arguments.inputs) != FileKind::volume)
-        throw Error(fmt::format("{}: is a model, expected the volumes that models are made from",
-                                arguments.inputs.front()));
+    if (const FileKind kind = common_kind(arguments.inputs); kind != FileKind::volume)
+        throw Error(fmt::format("{}: holds {}, expected volumes: they are the reference",
+                                arguments.inputs.front(),
+                                kind == FileKind::model ? "a model" : "particles"));
     const Size size = parse_size(arguments.size);
     arguments.options.width = size.width;
     arguments.options.height = size.height;

@@ -155,6 +155,59 @@ bool are_levels(const Levels& levels, const VolumeInputOptions& options) {
     return !options.no_mask && (levels.volumes.size() > 1 || !levels.masks.empty());
 }
 
+void add_point_options(CLI::App& command, PointInputOptions& options) {
+    command
+        .add_option("--columns", options.columns,
+                    "Of text: the columns of x,y,z or x,y,z,vx,vy,vz, by name or number from 1; "
+                    "default: by their names, else the first ones")
+        ->delimiter(',')
+        ->group(kPointGroup);
+    command
+        .add_option("--value", options.value,
+                    "What a particle weighs: count (1 each; the default), speed, or an attribute. "
+                    "The Gaussians' masses sum to it")
+        ->group(kPointGroup);
+    command
+        .add_option("--radius", options.radius,
+                    "Standard deviation of a particle's Gaussian, world units, or adaptive: half "
+                    "the distance to its k-th neighbour. Paper: its radius, sqrt(2) of them; "
+                    "default half a voxel of about one particle")
+        ->capture_default_str()
+        ->group(kPointGroup);
+    command.add_option("--neighbours", options.neighbours, "Adaptive radius: which neighbour")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str()
+        ->group(kPointGroup);
+}
+
+Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
+                   const std::string& grid) {
+    Points points;
+    for (const std::string& file : files)
+        append(points, read_points(file, {options.columns, grid}));
+    return points;
+}
+
+PointOptions point_options(const PointInputOptions& options) {
+    PointOptions result;
+    if (!options.value.empty()) result.value = options.value;
+    result.neighbours = options.neighbours;
+    if (options.radius == "adaptive") return result;
+    const auto radius = numbers(options.radius);
+    if (radius.size() != 1 || !(radius.front() > 0))
+        throw CLI::ValidationError(
+            fmt::format("--radius {}: expected a number > 0 or 'adaptive'", options.radius));
+    result.radius = radius.front();
+    return result;
+}
+
+void refuse_group(const CLI::App& command, const std::string& group, const std::string& with) {
+    for (const CLI::Option* option : command.get_options())
+        if (option->get_group() == group && option->count())
+            throw CLI::ValidationError(
+                fmt::format("{} does not go with {}", option->get_name(), with));
+}
+
 Gaussians load_models(const std::vector<std::string>& files) {
     Gaussians model;
     for (const std::string& file : files) append(model, read_ply(file));

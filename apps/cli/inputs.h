@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "vog/convert_points.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/levels.h"
@@ -33,6 +34,24 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options);
 Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options);
 /// Whether these hide each other: several, or masked, and not --no-mask.
 bool are_levels(const Levels& levels, const VolumeInputOptions& options);
+
+inline constexpr const char* kPointGroup = "Particles";
+struct PointInputOptions {
+    std::vector<std::string> columns;
+    std::string value, radius = "adaptive";
+    int neighbours = PointOptions{}.neighbours;
+};
+/// Adds --columns, --value, --radius and --neighbours, as the group kPointGroup.
+void add_point_options(CLI::App& command, PointInputOptions& options);
+/// Reads particles and joins them.
+Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
+                   const std::string& grid);
+/// One Gaussian a particle. throws CLI::ValidationError for a radius that is no number
+PointOptions point_options(const PointInputOptions& options);
+/// Options of a group that do not go with the rest were ignored otherwise.
+/// throws CLI::ValidationError: "--radius does not go with volumes"
+void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
+
 /// Reads models and joins them.
 Gaussians load_models(const std::vector<std::string>& files);
 

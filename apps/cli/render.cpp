@@ -24,6 +24,7 @@ struct RenderArguments {
     std::string output, depth_output, size = "512x512", renderer, extinction = "auto";
     std::string interpolation = "constant", tf = "inferno", background = "black";
     VolumeInputOptions volume;
+    PointInputOptions points;
     ViewArguments view;
     bool blend = false, json = false, verbose = false;
     int threads = 0, repeat = 0;
@@ -59,16 +60,16 @@ void check_arguments(const RenderArguments& arguments) {
         check_output(arguments.depth_output, arguments.inputs, {".exr"});
 }
 
-Drawing load_drawing(const RenderArguments& arguments) {
-    const FileKind kind = common_kind(arguments.inputs);
+Drawing load_drawing(const RenderArguments& arguments, FileKind kind) {
     Drawing drawing;
     drawing.renderer = !arguments.renderer.empty() ? arguments.renderer
                        : kind == FileKind::volume  ? "reference"
                                                    : "splat";
     if (drawing.renderer == "reference") {
         if (kind != FileKind::volume)
-            throw Error(fmt::format("{}: is a model; the reference renders volumes",
-                                    arguments.inputs.front()));
+            throw Error(fmt::format("{}: holds {}; the reference renders volumes",
+                                    arguments.inputs.front(),
+                                    kind == FileKind::model ? "a model" : "particles"));
         const VoxelGridOptions options{
             arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant,
             arguments.step_voxels};
@@ -98,7 +99,12 @@ Drawing load_drawing(const RenderArguments& arguments) {
     if (kind == FileKind::volume)
         throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
                                 arguments.inputs.front(), arguments.inputs.front()));
-    auto model = std::make_shared<const Gaussians>(load_models(arguments.inputs));
+    // Particles need no file between: one Gaussian each.
+    auto model = std::make_shared<const Gaussians>(
+        kind == FileKind::points
+            ? convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
+                             point_options(arguments.points))
+            : load_models(arguments.inputs));
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     drawing.primitives_text = grouped(model->size()) + " Gaussians";
@@ -159,6 +165,8 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
 
 void render(const RenderArguments& arguments, const CLI::App& command) {
     check_arguments(arguments);
+    const FileKind kind = common_kind(arguments.inputs);
+    if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
     const Size size = parse_size(arguments.size);
     const bool automatic = arguments.extinction == "auto";
     const double asked_extinction = automatic ? 1 : parse_extinction(arguments.extinction);
@@ -167,7 +175,7 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
 
-    const Drawing drawing = stages.run("load", [&] { return load_drawing(arguments); });
+    const Drawing drawing = stages.run("load", [&] { return load_drawing(arguments, kind); });
     const Camera camera = camera_from(arguments.view, command, drawing.box);
     if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
 
@@ -201,10 +209,13 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
 
 void add_render(CLI::App& app) {
     auto arguments = std::make_shared<RenderArguments>();
-    CLI::App* command = app.add_subcommand("render", "Render models or volumes to a picture");
+    CLI::App* command =
+        app.add_subcommand("render", "Render models, volumes or particles to a picture");
     command
-        ->add_option("inputs", arguments->inputs,
-                     "PLY models, or OpenVDB or NanoVDB volumes; several become one picture")
+        ->add_option(
+            "inputs", arguments->inputs,
+            "PLY models, OpenVDB or NanoVDB volumes, or particles (.xyz, .csv, .tsv); several "
+            "become one picture")
         ->required();
     command->add_option("-o,--output", arguments->output, "Picture to write, .png or float .exr");
     command->add_option("--depth-out", arguments->depth_output,
@@ -213,7 +224,8 @@ void add_render(CLI::App& app) {
         ->capture_default_str();
     command
         ->add_option("--renderer", arguments->renderer,
-                     "splat: models, exact, object order; reference: volumes, exact through the "
+                     "splat: models and particles, exact, object order; reference: volumes, exact "
+                     "through the "
                      "voxels. Default: the one for the input")
         ->check(CLI::IsMember({"splat", "reference"}));
     command
@@ -233,6 +245,7 @@ void add_render(CLI::App& app) {
                      "of this many times the paper's radii; 0: no boxes")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
+    add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
     const auto group = "Colour";
     command

@@ -29,6 +29,8 @@ struct Points {
 
 /// The least box around all positions.
 Box bounds(const Points& points);
+/// Appends `other`. throws vog::Error unless both have the same attributes, and velocities or not
+void append(Points& points, const Points& other);
 /// Checks lengths and finiteness, and that there is a particle.
 /// throws vog::Error naming `points.source` and the first offence
 void validate(const Points& points);
@@ -39,6 +41,10 @@ void validate(const Points& points);
 std::vector<float> point_values(const Points& points, const std::string& name);
 /// What point_values takes for these particles: "count", "speed", ...
 std::vector<std::string> point_value_names(const Points& points);
+
+/// Edge of a cubic voxel that holds about one particle: as many to an occupied voxel as a uniform
+/// scatter of one a voxel has. 1 where all particles lie in one place.
+double point_voxel_size(const Points& points);
 
 struct PointReadOptions {
     /// Of text: the columns that are x, y, z and, if there are six, the velocity's components; each

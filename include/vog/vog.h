@@ -5,6 +5,7 @@
 #include "vog/camera.h"
 #include "vog/compare.h"
 #include "vog/convert.h"
+#include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
 #include "vog/gaussians.h"

@@ -84,7 +84,7 @@ void set_brick_priorities(const Brick& brick, float above, std::array<float, kBr
 }
 
 /// Lists every split, highest priority first.
-void sort_splits(CutTree& tree, const std::vector<std::vector<CutTree::Split>>& of_bricks) {
+void list_splits(CutTree& tree, const std::vector<std::vector<CutTree::Split>>& of_bricks) {
     const auto& levels = tree.octree.levels;
     for (std::size_t level = 0; level < levels.size(); ++level)
         for (std::size_t n = 0; n < levels[level].cells.size(); ++n)
@@ -92,11 +92,7 @@ void sort_splits(CutTree& tree, const std::vector<std::vector<CutTree::Split>>& 
                 tree.splits.push_back({tree.cell_priority[level][n], children - 1});
     for (const auto& part : of_bricks)
         tree.splits.insert(tree.splits.end(), part.begin(), part.end());
-    tbb::parallel_sort(tree.splits.begin(), tree.splits.end(),
-                       [](const CutTree::Split& a, const CutTree::Split& b) {
-                           return a.priority != b.priority ? a.priority > b.priority
-                                                           : a.added < b.added;
-                       });
+    sort_splits(tree.splits);
 }
 
 /// Walks down from the root, depth first, and takes the cells that stay whole.
@@ -156,27 +152,37 @@ CutTree cut_tree(const Volume& volume) {
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b)
             set_brick_priorities(tree.bricks[b], above[b], tree.brick_priority[b], splits[chunk]);
     });
-    sort_splits(tree, splits);
+    list_splits(tree, splits);
     return tree;
+}
+
+void sort_splits(std::vector<CutTree::Split>& splits) {
+    tbb::parallel_sort(
+        splits.begin(), splits.end(), [](const CutTree::Split& a, const CutTree::Split& b) {
+            return a.priority != b.priority ? a.priority > b.priority : a.added < b.added;
+        });
+}
+
+float least_priority(std::span<const CutTree::Split> splits, std::size_t budget) {
+    // Splits of one priority go together: a parent's may be its child's.
+    std::size_t count = 1;
+    float least = std::numeric_limits<float>::infinity();  // of single children: no count
+    for (std::size_t n = 0; n < splits.size();) {
+        std::size_t last = n, added = 0;
+        for (; last < splits.size() && splits[last].priority == splits[n].priority; ++last)
+            added += splits[last].added;
+        if (count + added > budget) break;
+        count += added;
+        least = splits[n].priority;
+        n = last;
+    }
+    return least;
 }
 
 std::vector<Moments> best_cut(const CutTree& tree, std::size_t budget) {
     if (tree.octree.levels.empty()) return {};
-    // Splits of one priority go together: a parent's may be its child's.
-    std::size_t count = 1;
-    float least = std::numeric_limits<float>::infinity();  // of single children: no count
-    for (std::size_t n = 0; n < tree.splits.size();) {
-        std::size_t last = n, added = 0;
-        for (; last < tree.splits.size() && tree.splits[last].priority == tree.splits[n].priority;
-             ++last)
-            added += tree.splits[last].added;
-        if (count + added > budget) break;
-        count += added;
-        least = tree.splits[n].priority;
-        n = last;
-    }
-    CutWalk walk{tree, least};
-    walk.cut.reserve(count);
+    CutWalk walk{tree, least_priority(tree.splits, budget)};
+    walk.cut.reserve(std::min(budget, finest_count(tree)));
     walk.take_cell(tree.octree.levels.size() - 1, 0);
     return walk.cut;
 }

@@ -38,6 +38,12 @@ CutTree cut_tree(const Volume& volume);
 /// returns cells in Morton order, means as indices
 std::vector<Moments> best_cut(const CutTree& tree, std::size_t budget);
 
+/// Highest priority first.
+void sort_splits(std::vector<CutTree::Split>& splits);
+/// The least priority that is split where at most `budget` cells shall be left.
+/// splits  of all nodes, sorted
+float least_priority(std::span<const CutTree::Split> splits, std::size_t budget);
+
 /// Cells of the finest cut: samples with mass.
 std::size_t finest_count(const CutTree& tree);
 

@@ -16,9 +16,7 @@ constexpr int kSize_px = 256;
 
 }  // namespace
 
-ErrorViews::ErrorViews(const Volume& volume) {
-    const Box box = world_box(volume);
-    const std::vector<VoxelGrid> grids{voxel_grid(volume)};
+void ErrorViews::set_cameras(const Box& box) {
     // An eighth of a turn apart from the paper's azimuth on, its elevation and 50 degrees by turns,
     // above and below: no two look along the same axis.
     constexpr double kSteep = 0.87;
@@ -27,8 +25,20 @@ ErrorViews::ErrorViews(const Volume& volume) {
         const double elevation = (view & 1 ? kSteep : kPaperElevationRad) * (view & 2 ? -1.0 : 1.0);
         cameras_.push_back(
             orbit_view(box, azimuth, elevation, kPaperDistanceRadii, kPaperFovDegrees));
-        reference_.push_back(render_reference(grids, cameras_.back(), kSize_px, kSize_px));
     }
+}
+
+ErrorViews::ErrorViews(const Volume& volume) {
+    set_cameras(world_box(volume));
+    const std::vector<VoxelGrid> grids{voxel_grid(volume)};
+    for (const Camera& camera : cameras_)
+        reference_.push_back(render_reference(grids, camera, kSize_px, kSize_px));
+}
+
+ErrorViews::ErrorViews(const Gaussians& finest) {
+    set_cameras(view_box(finest));
+    for (const Camera& camera : cameras_)
+        reference_.push_back(render_splat(finest, camera, kSize_px, kSize_px));
 }
 
 double ErrorViews::measure(const Gaussians& model) const {

@@ -10,14 +10,18 @@
 
 namespace vog {
 
-/// The volume's own T from eight sides, by exact traversal of its voxels.
+/// The data's own T from eight sides.
 class ErrorViews {
   public:
+    /// By exact traversal of the voxels.
     explicit ErrorViews(const Volume& volume);
+    /// By the finest model that there is.
+    explicit ErrorViews(const Gaussians& finest);
     /// sqrt(sum |T - T_ref|^2 / sum |T_ref|^2), over all pixels of all views
     double measure(const Gaussians& model) const;
 
   private:
+    void set_cameras(const Box& box);
     std::vector<Camera> cameras_;
     std::vector<DepthImage> reference_;
 };

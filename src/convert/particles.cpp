@@ -1,0 +1,312 @@
+// particles.cpp: the conversion of particles: masses and widths, then one Gaussian each, or cells
+// with the moments of several.
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "convert/budget_search.h"
+#include "convert/light_cells.h"
+#include "convert/moment_error.h"
+#include "convert/point_neighbours.h"
+#include "convert/point_tree.h"
+#include "vog/convert_points.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+std::string where(const Points& points) { return points.source.empty() ? "points" : points.source; }
+
+/// One conversion: what is asked, and what is to be reported.
+struct PointConversion {
+    const Points& points;
+    const PointOptions& options;
+    MomentReport& report;
+    std::vector<float> values;   ///< [N] of the particles
+    std::vector<double> radius;  ///< [N] standard deviations, world units
+    double total = 0;            ///< sum of the values
+    PointGrid grid{};            ///< where it is needed
+    std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+
+    bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
+    int soft_steps() const {
+        if (options.soft_steps >= 0) return options.soft_steps;
+        return options.budget || options.error > 0 ? kSoftSteps : 0;
+    }
+    void end_stage(const char* name, double fraction) {
+        const auto now = std::chrono::steady_clock::now();
+        const double ms = std::chrono::duration<double, std::milli>(now - last).count();
+        report.stage_ms.emplace_back(name, ms);
+        last = now;
+        if (options.progress) options.progress(fraction);
+    }
+};
+
+void check(const PointOptions& options) {
+    const auto refuse = [](const std::string& what) { throw Error("particles: " + what); };
+    const int block = options.block_voxels;
+    if ((block != 0) + (options.budget != 0) + (options.error != 0) > 1)
+        refuse("two of block, budget and error, expected one of them or none");
+    if (block && !(block >= 1 && block <= 128 && std::has_single_bit(unsigned(block))))
+        refuse(fmt::format("block {} voxels, expected a power of two from 1 to 128", block));
+    if (!(options.error >= 0 && options.error < 1))
+        refuse(fmt::format("error {}, expected in (0, 1)", options.error));
+    if (!(options.radius >= 0 && std::isfinite(options.radius)))
+        refuse(fmt::format("radius {}, expected more than 0, or 0 for adaptive", options.radius));
+    if (options.neighbours < 1 || options.neighbours > kMostNeighbours)
+        refuse(fmt::format("neighbour {}, expected 1 to {}", options.neighbours, kMostNeighbours));
+    if (options.soft_steps < -1 || options.soft_steps > 1000)
+        refuse(fmt::format("{} soft steps, expected 0 to 1000", options.soft_steps));
+    if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
+        refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
+}
+
+/// Values by name, none below zero, not all of them zero.
+std::vector<float> masses(const Points& points, const std::string& name) {
+    std::vector<float> values = point_values(points, name);
+    const auto negative = std::ranges::find_if(values, [](float value) { return value < 0; });
+    if (negative != values.end())
+        throw Error(fmt::format("{}: '{}' of particle {} is {}, expected 0 or more", where(points),
+                                name, negative - values.begin(), *negative));
+    if (std::ranges::none_of(values, [](float value) { return value > 0; }))
+        throw Error(fmt::format("{}: '{}' is 0 for all particles", where(points), name));
+    return values;
+}
+
+/// Half the distance to the k-th neighbour. A Gaussian of this width has about as many neighbours
+/// within its support as a particle of smoothed-particle hydrodynamics.
+std::vector<double> adaptive_radii(const PointConversion& job) {
+    constexpr double kShare = 0.5;
+    const PointGrid& grid = job.grid;
+    std::vector<Vec3f> places(grid.size());
+    tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
+        places[n] = vec_cast<float>(grid.place(job.points, n));
+    });
+    const std::vector<float> distance = neighbour_distances(places, job.options.neighbours);
+    const float largest = *std::ranges::max_element(distance);
+    if (!(largest > 0))
+        throw Error(fmt::format(
+            "{}: {}, so there is no spacing for an adaptive radius, expected a constant one "
+            "(--radius X)",
+            where(job.points),
+            job.points.size() == 1
+                ? "one particle"
+                : fmt::format("all {} particles lie in one place", job.points.size())));
+    // Where more than k particles coincide: what single precision resolves in the whole.
+    const double least = std::ldexp(1.0, grid.root_log2 - 20);
+    std::vector<double> radius(grid.size());
+    tbb::parallel_for(std::size_t{0}, radius.size(), [&](std::size_t n) {
+        radius[grid.index[n]] =
+            std::max(kShare * static_cast<double>(distance[n]), least) * grid.voxel_size;
+    });
+    return radius;
+}
+
+/// The box of the particles, by which views are taken; empty where it has no size.
+Box view_box_of(const Points& points) {
+    const Box box = bounds(points);
+    return box.radius() > 0 ? box : Box{};
+}
+
+/// One Gaussian a particle, those without mass left out.
+Gaussians all_particles(const PointConversion& job) {
+    std::vector<std::uint32_t> kept;
+    for (std::size_t n = 0; n < job.values.size(); ++n)
+        if (job.values[n] > 0) kept.push_back(static_cast<std::uint32_t>(n));
+    Gaussians model;
+    model.cutoff = kMomentCutoff;
+    model.box = view_box_of(job.points);
+    resize(model, kept.size(), true);
+    const MomentFrame frame = moment_frame({}, true, 1);
+    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+        const std::size_t n = kept[i];
+        const double variance = job.radius[n] * job.radius[n];
+        set_gaussian(model, i,
+                     {double{job.values[n]},
+                      job.points.position[n],
+                      {variance, 0, 0, variance, 0, variance}},
+                     frame);
+    });
+    return model;
+}
+
+/// The particles with mass in the grid's order and units, masses by `mass_unit`.
+std::vector<Particle> grid_particles(const PointConversion& job, double mass_unit) {
+    const PointGrid& grid = job.grid;
+    std::vector<Particle> particles;
+    particles.reserve(grid.size());
+    for (std::size_t n = 0; n < grid.size(); ++n) {
+        const std::uint32_t from = grid.index[n];
+        if (!(job.values[from] > 0)) continue;
+        const double radius = job.radius[from] / grid.voxel_size;
+        particles.push_back({grid.place(job.points, n),
+                             static_cast<float>(job.values[from] / mass_unit),
+                             static_cast<float>(radius * radius)});
+    }
+    return particles;
+}
+
+/// Cells of block_voxels: particles whose keys agree from there on.
+std::vector<Moments> uniform_cells(const PointConversion& job, double mass_unit) {
+    const PointGrid& grid = job.grid;
+    const int level =
+        kKeyBits - grid.root_log2 + std::countr_zero(unsigned(job.options.block_voxels));
+    const auto cell_of = [&](std::size_t n) {
+        return 3 * level >= 64 ? 0 : grid.key[n] >> (3 * level);
+    };
+    const std::vector<Particle> particles = grid_particles(job, mass_unit);
+    std::vector<Moments> cells, inside;
+    std::size_t particle = 0;
+    for (std::size_t n = 0; n < grid.size(); ++n) {
+        if (job.values[grid.index[n]] > 0)
+            inside.push_back(particle_moments(particles[particle++]));
+        if (n + 1 < grid.size() && cell_of(n + 1) == cell_of(n)) continue;
+        if (!inside.empty()) cells.push_back(joined_moments(inside));
+        inside.clear();
+    }
+    return cells;
+}
+
+Gaussians gaussians_of(PointConversion& job, const std::vector<Moments>& cells, double mass_unit) {
+    LightCells light;
+    for (const Moments& cell : cells) light.add(static_cast<float>(cell.mass));
+    const float least = light.least_mass(job.options.mass_threshold);
+    light.tell(job.total / mass_unit, job.report);
+    std::vector<std::uint32_t> kept;
+    for (std::size_t n = 0; n < cells.size(); ++n)
+        if (static_cast<float>(cells[n].mass) >= least)
+            kept.push_back(static_cast<std::uint32_t>(n));
+
+    const double edge = job.grid.voxel_size;
+    const Affine world_from_grid{{{Vec3d{edge, 0, 0}, {0, edge, 0}, {0, 0, edge}}},
+                                 job.grid.origin};
+    MomentFrame frame = moment_frame(world_from_grid, job.options.axis_aligned, 1);
+    frame.voxel_volume = mass_unit;  // cells hold masses, not densities
+    Gaussians model;
+    model.cutoff = kMomentCutoff;
+    model.box = view_box_of(job.points);
+    resize(model, kept.size(), job.options.axis_aligned);
+    tbb::parallel_for(std::size_t{0}, kept.size(),
+                      [&](std::size_t i) { set_gaussian(model, i, cells[kept[i]], frame); });
+    return model;
+}
+
+/// Cells by size, number or error.
+Gaussians cut_model(PointConversion& job) {
+    const PointOptions& options = job.options;
+    const double mass_unit = job.total / static_cast<double>(job.points.size());
+    if (options.block_voxels) return gaussians_of(job, uniform_cells(job, mass_unit), mass_unit);
+    const PointTree tree = point_tree(grid_particles(job, mass_unit));
+    job.end_stage("tree", 0.6);
+    if (options.budget) return gaussians_of(job, best_cut(tree, options.budget), mass_unit);
+
+    const ErrorViews views(all_particles(job));
+    job.end_stage("reference", 0.7);
+    FoundModel found =
+        smallest_model(options.error, tree.particles.size(), [&](std::size_t budget) {
+            FoundModel tried{gaussians_of(job, best_cut(tree, budget), mass_unit)};
+            tried.error = views.measure(tried.model);
+            return tried;
+        });
+    job.report.measured_error = found.error;
+    return std::move(found.model);
+}
+
+/// What was asked for, as flags, and the error reached.
+std::string option_text(const PointConversion& job) {
+    const PointOptions& o = job.options;
+    std::string text = fmt::format("--value {}", o.value);
+    text += o.radius > 0 ? fmt::format(" --radius {}", o.radius)
+                         : fmt::format(" --radius adaptive --neighbours {}", o.neighbours);
+    if (o.block_voxels) text += fmt::format(" --block {}", o.block_voxels);
+    if (o.budget) text += fmt::format(" --budget {}", o.budget);
+    if (o.error > 0) text += fmt::format(" --error {}", o.error);
+    if (job.cuts() && o.mass_threshold > 0)
+        text += fmt::format(" --mass-threshold {}", o.mass_threshold);
+    if (job.cuts() && o.axis_aligned) text += " --axis-aligned";
+    if (job.report.measured_error >= 0)
+        text += fmt::format(" (measured error {:.4g})", job.report.measured_error);
+    return text;
+}
+
+void describe(Gaussians& model, const Points& points, const std::string& value) {
+    model.source_voxels = points.size();
+    model.source = std::filesystem::path(points.source).filename().string();
+    model.source += (model.source.empty() ? "" : " ") + value;
+}
+
+}  // namespace
+
+PointOptions point_lod(int lod) {
+    PointOptions options;
+    options.block_voxels = moment_lod(lod).block_voxels;
+    return options;
+}
+
+Gaussians convert_points(const Points& points, const PointOptions& options, MomentReport* report) {
+    MomentReport unwanted;
+    check(options);
+    validate(points);
+    PointConversion job{
+        points, options, report ? *report : unwanted, masses(points, options.value), {}};
+    job.report = {};
+    for (const float value : job.values) job.total += value;
+    job.end_stage("check", 0.05);
+
+    if (options.radius == 0 || job.cuts()) {
+        job.grid = point_grid(points);
+        job.end_stage("sort", 0.2);
+    }
+    job.radius = options.radius > 0 ? std::vector<double>(points.size(), options.radius)
+                                    : adaptive_radii(job);
+    job.end_stage("radii", 0.5);
+
+    Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);
+    job.end_stage("model", 0.9);
+    if (options.measure && job.report.measured_error < 0) {
+        job.report.measured_error = ErrorViews(all_particles(job)).measure(model);
+        job.end_stage("measure", 1);
+    }
+    describe(model, points, options.value);
+    model.method = job.cuts() ? "moments" : "particles";
+    model.options = option_text(job);
+    return model;
+}
+
+Gaussians convert_points_paper(const Points& points, const std::string& value, double radius,
+                               float kappa) {
+    validate(points);
+    if (!(radius >= 0 && std::isfinite(radius)))
+        throw Error(fmt::format("particles: radius {}, expected more than 0, or 0", radius));
+    if (!(kappa > 0 && kappa < 1))
+        throw Error(fmt::format("particles: kappa {}, expected in (0, 1)", kappa));
+    const std::vector<float> values = masses(points, value);
+    const double voxel_size = point_voxel_size(points);
+    const double paper_radius = radius > 0 ? radius : 0.5 * voxel_size;
+    const LeafOrder order = leaf_order(points, voxel_size);
+
+    Gaussians model;
+    model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(kappa)));
+    model.box = view_box_of(points);
+    for (const std::uint32_t n : order.index) {
+        if (!(values[n] > 0)) continue;
+        const auto s = static_cast<float>(paper_radius / std::numbers::sqrt2);
+        model.mean.push_back(vec_cast<float>(points.position[n]));
+        model.scale.push_back({s, s, s});
+        model.density.push_back(values[n]);
+    }
+    describe(model, points, value);
+    model.method = "paper";
+    model.options =
+        fmt::format("--value {} --radius {:.6g} --kappa {}", value, paper_radius, kappa);
+    return model;
+}
+
+}  // namespace vog

@@ -1,0 +1,204 @@
+// point_neighbours.cpp: exact k-nearest-neighbour distances. Particles in Morton order are grouped
+// by eights, groups again by eights: a tree of boxes without pointers. Eight neighbouring particles
+// search it together, and begin with those beside them in the order, which are mostly right.
+#include "convert/point_neighbours.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+// The inner loops, also compiled for AVX2 and chosen at run time: the same operations in the same
+// order, so the same bytes.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define VOG_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define VOG_WIDE
+#endif
+
+namespace vog {
+
+namespace {
+
+constexpr std::size_t kGroup = 8;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+/// Coordinates of the places that fill up the last group: beyond all, and squared still finite.
+constexpr float kNowhere = 1e18f;
+
+/// Eight places, or eight boxes' faces, by coordinate.
+using Eight = std::array<float, kGroup>;
+struct Group {
+    std::array<Eight, 3> at;
+};
+struct Boxes {
+    std::array<Eight, 3> lower, upper;
+};
+
+struct Bounds {
+    std::array<float, 3> lower{kInfinity, kInfinity, kInfinity};
+    std::array<float, 3> upper{-kInfinity, -kInfinity, -kInfinity};
+};
+
+Bounds bounds_of(const Group& group) {
+    Bounds bounds;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const float at : group.at[axis]) {
+            if (at == kNowhere) continue;
+            bounds.lower[axis] = std::min(bounds.lower[axis], at);
+            bounds.upper[axis] = std::max(bounds.upper[axis], at);
+        }
+    return bounds;
+}
+Bounds bounds_of(const Boxes& boxes) {
+    Bounds bounds;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        bounds.lower[axis] = *std::ranges::min_element(boxes.lower[axis]);
+        bounds.upper[axis] = *std::ranges::max_element(boxes.upper[axis]);
+    }
+    return bounds;
+}
+
+struct Tree {
+    std::size_t count = 0;
+    std::vector<Group> groups;
+    std::vector<std::vector<Boxes>> levels;  ///< [0]: boxes of groups, eight to an entry; ...
+};
+
+/// Boxes of the `things`, eight to an entry.
+template <class Thing>
+std::vector<Boxes> boxes_of(const std::vector<Thing>& things) {
+    std::vector<Boxes> boxes((things.size() + kGroup - 1) / kGroup);
+    tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t n) {
+        for (std::size_t lane = 0; lane < kGroup; ++lane) {
+            const std::size_t thing = n * kGroup + lane;
+            const Bounds bounds = thing < things.size() ? bounds_of(things[thing]) : Bounds{};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                boxes[n].lower[axis][lane] = bounds.lower[axis];
+                boxes[n].upper[axis][lane] = bounds.upper[axis];
+            }
+        }
+    });
+    return boxes;
+}
+
+Tree tree_of(const std::vector<Vec3f>& places) {
+    Tree tree;
+    tree.count = places.size();
+    tree.groups.resize((places.size() + kGroup - 1) / kGroup);
+    for (std::size_t n = 0; n < tree.groups.size() * kGroup; ++n)
+        for (int axis = 0; axis < 3; ++axis)
+            tree.groups[n / kGroup].at[static_cast<std::size_t>(axis)][n % kGroup] =
+                n < places.size() ? places[n][axis] : kNowhere;
+    tree.levels.push_back(boxes_of(tree.groups));
+    while (tree.levels.back().size() > 1) tree.levels.push_back(boxes_of(tree.levels.back()));
+    return tree;
+}
+
+/// Squared distances between boxes; infinite ones have nothing inside.
+VOG_WIDE void box_distances2(const Boxes& boxes, const Bounds& to, Eight& distance2) {
+    distance2.fill(0);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t lane = 0; lane < kGroup; ++lane) {
+            const float below = to.lower[axis] - boxes.upper[axis][lane];
+            const float above = boxes.lower[axis][lane] - to.upper[axis];
+            const float gap = std::max(std::max(below, above), 0.0f);
+            distance2[lane] += gap * gap;
+        }
+}
+
+VOG_WIDE void place_distances2(const Group& group, const std::array<float, 3>& to,
+                               Eight& distance2) {
+    for (std::size_t lane = 0; lane < kGroup; ++lane) {
+        const float x = group.at[0][lane] - to[0], y = group.at[1][lane] - to[1],
+                    z = group.at[2][lane] - to[2];
+        distance2[lane] = x * x + y * y + z * z;
+    }
+}
+
+/// The search of the eight particles of one group.
+class GroupSearch {
+  public:
+    GroupSearch(const Tree& tree, std::size_t group, int k)
+        : tree_(tree),
+          own_(group),
+          k_(static_cast<std::size_t>(k)),
+          bounds_(bounds_of(tree.groups[group])) {
+        for (auto& nearest : nearest_) std::fill_n(nearest.begin(), k_, kInfinity);
+        const std::size_t reach = k_ / kGroup + 1;
+        first_ = group > reach ? group - reach : 0;
+        last_ = std::min(group + reach + 1, tree.groups.size());
+        for (std::size_t other = first_; other < last_; ++other) meet(other);
+        visit(tree.levels.size() - 1, 0);
+    }
+    float distance2(std::size_t lane) const { return nearest_[lane][k_ - 1]; }
+
+  private:
+    void meet(std::size_t other) {
+        const Group& mine = tree_.groups[own_];
+        const std::size_t lanes = std::min(kGroup, tree_.count - own_ * kGroup);
+        const std::size_t others = std::min(kGroup, tree_.count - other * kGroup);
+        Eight distance2;
+        for (std::size_t lane = 0; lane < lanes; ++lane) {
+            place_distances2(tree_.groups[other],
+                             {mine.at[0][lane], mine.at[1][lane], mine.at[2][lane]}, distance2);
+            if (other == own_) distance2[lane] = kInfinity;
+            auto& nearest = nearest_[lane];
+            for (std::size_t n = 0; n < others; ++n) {
+                if (!(distance2[n] < nearest[k_ - 1])) continue;
+                std::size_t at = k_ - 1;
+                for (; at > 0 && nearest[at - 1] > distance2[n]; --at)
+                    nearest[at] = nearest[at - 1];
+                nearest[at] = distance2[n];
+            }
+        }
+        farthest2_ = 0;
+        for (std::size_t lane = 0; lane < lanes; ++lane)
+            farthest2_ = std::max(farthest2_, nearest_[lane][k_ - 1]);
+    }
+    void visit(std::size_t level, std::size_t entry) {
+        Eight distance2;
+        box_distances2(tree_.levels[level][entry], bounds_, distance2);
+        for (std::size_t lane = 0; lane < kGroup; ++lane) {
+            if (!(distance2[lane] < farthest2_)) continue;
+            const std::size_t child = entry * kGroup + lane;
+            if (level > 0)
+                visit(level - 1, child);
+            else if (child < first_ || child >= last_)
+                meet(child);
+        }
+    }
+
+    const Tree& tree_;
+    std::size_t own_, k_, first_ = 0, last_ = 0;
+    Bounds bounds_;
+    float farthest2_ = kInfinity;
+    std::array<std::array<float, kMostNeighbours>, kGroup> nearest_;
+};
+
+}  // namespace
+
+std::vector<float> neighbour_distances(const std::vector<Vec3f>& places, int k) {
+    const int others = static_cast<int>(std::min<std::size_t>(places.size() - 1, kMostNeighbours));
+    std::vector<float> distances(places.size(), 0.0f);
+    k = std::min(k, others);
+    if (k < 1) return distances;
+    const Tree tree = tree_of(places);
+    constexpr std::size_t kGroupsPerTask = 64;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tree.groups.size(), kGroupsPerTask),
+                      [&](const auto& range) {
+                          for (std::size_t group = range.begin(); group < range.end(); ++group) {
+                              const GroupSearch search(tree, group, k);
+                              const std::size_t first = group * kGroup;
+                              for (std::size_t n = first;
+                                   n < std::min(first + kGroup, places.size()); ++n)
+                                  distances[n] = std::sqrt(search.distance2(n - first));
+                          }
+                      });
+    return distances;
+}
+
+}  // namespace vog

@@ -1,0 +1,167 @@
+// point_grid.cpp: the spacing of particles, their Morton keys, their order.
+#include "point_grid.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace vog {
+
+namespace {
+
+/// Spreads 21 bits so that each has two free places above it.
+std::uint64_t every_third(std::uint64_t bits) {
+    bits = (bits | bits << 32) & 0x001f00000000ffff;
+    bits = (bits | bits << 16) & 0x001f0000ff0000ff;
+    bits = (bits | bits << 8) & 0x100f00f00f00f00f;
+    bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
+    bits = (bits | bits << 2) & 0x1249249249249249;
+    return bits;
+}
+
+/// Particles in the order of key_of(particle), then of their own.
+template <class KeyOf>
+void sort_by_key(std::size_t count, const KeyOf& key_of, std::vector<std::uint64_t>& key,
+                 std::vector<std::uint32_t>& index) {
+    struct Entry {
+        std::uint64_t key;
+        std::uint32_t index;
+    };
+    std::vector<Entry> entries(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+        entries[n] = {key_of(n), static_cast<std::uint32_t>(n)};
+    });
+    tbb::parallel_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+        return a.key != b.key ? a.key < b.key : a.index < b.index;
+    });
+    key.resize(count);
+    index.resize(count);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+        key[n] = entries[n].key;
+        index[n] = entries[n].index;
+    });
+}
+
+/// Spacing of a uniform scatter in the box, by as many dimensions as it has.
+double uniform_spacing(const Box& box, std::size_t count) {
+    const Vec3d size = box.upper - box.lower;
+    const double largest = std::max({size.x, size.y, size.z});
+    if (!(largest > 0)) return 1;
+    constexpr double kFlat = 1e-6;
+    double product = 1;
+    int dimensions = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (size[axis] > kFlat * largest) {
+            product *= size[axis] / largest;
+            ++dimensions;
+        }
+    return largest * std::pow(product / static_cast<double>(count), 1.0 / dimensions);
+}
+
+/// Cells of a level that hold particles.
+std::size_t occupied_cells(const PointGrid& grid, int level) {
+    const int shift = 3 * level;
+    std::size_t count = 1;
+    for (std::size_t n = 1; n < grid.size(); ++n)
+        count += grid.key[n] >> shift != grid.key[n - 1] >> shift;
+    return count;
+}
+
+/// Makes the voxels as small as clustered particles need.
+void refine_voxels(PointGrid& grid) {
+    // A Poisson scatter of one a voxel has 1 / (1 - 1/e) = 1.58 to an occupied voxel. Voxels halve
+    // while that brings them nearer: factors on a logarithmic scale.
+    constexpr double kWanted = 1.582;
+    const auto count = static_cast<double>(grid.size());
+    const auto distance = [&](int root_log2) {
+        const int level = kKeyBits - root_log2;
+        const double mean = count / static_cast<double>(occupied_cells(grid, level));
+        return std::abs(std::log(mean / kWanted));
+    };
+    double best = distance(grid.root_log2);
+    while (grid.root_log2 < kKeyBits) {
+        const double finer = distance(grid.root_log2 + 1);
+        if (finer >= best) break;
+        best = finer;
+        ++grid.root_log2;
+        grid.voxel_size *= 0.5;
+    }
+}
+
+}  // namespace
+
+PointGrid point_grid(const Points& points) {
+    const Box box = bounds(points);
+    const Vec3d size = box.upper - box.lower;
+    PointGrid grid;
+    grid.origin = box.lower;
+    grid.voxel_size = uniform_spacing(box, points.size());
+    const double largest = std::max({size.x, size.y, size.z});
+    while (std::ldexp(grid.voxel_size, grid.root_log2) < largest && grid.root_log2 < kKeyBits)
+        ++grid.root_log2;
+
+    grid.voxel_size = std::max(grid.voxel_size, std::ldexp(largest, -grid.root_log2));
+
+    // The upper faces of the root belong to it.
+    const double scale = std::ldexp(1.0, kKeyBits - grid.root_log2) / grid.voxel_size;
+    constexpr double kLast = (1 << kKeyBits) - 1;
+    sort_by_key(
+        points.size(),
+        [&](std::size_t n) {
+            const Vec3d at = scale * (points.position[n] - box.lower);
+            const auto bits = [&](int axis) {
+                return every_third(static_cast<std::uint64_t>(std::min(at[axis], kLast)));
+            };
+            return bits(0) << 2 | bits(1) << 1 | bits(2);
+        },
+        grid.key, grid.index);
+    refine_voxels(grid);
+    return grid;
+}
+
+Vec3i LeafOrder::voxel(std::uint64_t key) {
+    // From the root down: 9 bits an axis of 4096^3, then 5, 4 and 3.
+    Vec3i voxel;
+    int shift = 63;
+    for (const int bits : {9, 5, 4, 3})
+        for (int axis = 0; axis < 3; ++axis) {
+            shift -= bits;
+            voxel[axis] =
+                voxel[axis] << bits | static_cast<std::int32_t>(key >> shift & ((1u << bits) - 1));
+        }
+    return voxel;
+}
+
+LeafOrder leaf_order(const Points& points, double voxel_size) {
+    const Box box = bounds(points);
+    LeafOrder order;
+    order.origin = box.lower + Vec3d{0.5 * voxel_size, 0.5 * voxel_size, 0.5 * voxel_size};
+    constexpr double kLast = (1 << kKeyBits) - 1;
+    sort_by_key(
+        points.size(),
+        [&](std::size_t n) {
+            const Vec3d at = (1 / voxel_size) * (points.position[n] - box.lower);
+            std::uint64_t key = 0;
+            int left = kKeyBits;
+            for (const int bits : {9, 5, 4, 3}) {
+                left -= bits;
+                for (int axis = 0; axis < 3; ++axis) {
+                    const auto index = static_cast<std::uint64_t>(std::min(at[axis], kLast));
+                    key = key << bits | (index >> left & ((1u << bits) - 1));
+                }
+            }
+            return key;
+        },
+        order.key, order.index);
+    return order;
+}
+
+double point_voxel_size(const Points& points) {
+    validate(points);
+    return point_grid(points).voxel_size;
+}
+
+}  // namespace vog
