@@ -9,6 +9,8 @@ packages=(
     # volumes, threads, text, images
     libopenvdb-dev libnanovdb-dev libtbb-dev libhwy-dev libboost-iostreams-dev libblosc-dev zlib1g-dev
     libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libopenexr-dev libimath-dev
+    # ray tracing
+    libembree-dev
     # tests, benches, format check
     libgtest-dev libbenchmark-dev clang-format
 )

@@ -271,4 +271,41 @@ TEST_F(cli, levels_that_cannot_be_are_refused) {
     must_fail(2, "render amr.vdb --grid 'd*' --mask 'd*' --no-mask -o p.png", "exclude");
 }
 
+TEST_F(cli, traces_the_picture_it_splats) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o cloud.ply");
+    must("render cloud.ply --size 64 --extinction 1 --depth-out splat.exr");
+    const DepthImage splat = read_depth(dir_ / "splat.exr");
+    const float largest = *std::max_element(splat.depth.begin(), splat.depth.end());
+    for (const char* anyhit : {"accumulate", "collect --slab-hits 2"}) {
+        const Result traced =
+            must(std::string("render cloud.ply --size 64 --extinction 1 --renderer trace ") +
+                 "--depth-out trace.exr --json --anyhit " + anyhit);
+        const auto json = nlohmann::json::parse(traced.out);
+        EXPECT_EQ(json["renderer"], "trace");
+        EXPECT_GT(json["hits"], 0);
+        const DepthImage trace = read_depth(dir_ / "trace.exr");
+        for (std::size_t n = 0; n < splat.depth.size(); ++n)
+            ASSERT_NEAR(trace.depth[n], splat.depth[n], 1e-4f * largest) << "pixel " << n;
+    }
+    must("render cloud.ply --kappa 0.1 --renderer trace --aabb-sigma 1 -o boxes.png");
+    must(
+        "render cloud.ply --renderer trace --anyhit collect --stop-transmittance 0.001 "
+        "--extinction 100 -o early.png");
+}
+
+TEST_F(cli, options_of_another_renderer_are_refused) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o cloud.ply");
+    must_fail(2, "render cloud.ply -o a.png --anyhit collect", "--renderer splat");
+    must_fail(2, "render cloud.vdb -o a.png --kappa 0.1", "--renderer reference");
+    must_fail(2, "render cloud.ply -o a.png --renderer trace --stop-transmittance 0.1",
+              "--extinction");
+    must_fail(1,
+              "render cloud.ply -o a.png --renderer trace --stop-transmittance 0.1 "
+              "--extinction 2",
+              "collect");
+    must_fail(1, "render cloud.vdb -o a.png --renderer trace", "convert it first");
+}
+
 }  // namespace vog::test

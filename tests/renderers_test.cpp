@@ -9,6 +9,7 @@
 #include "support/scenes.h"
 #include "vog/progress.h"
 #include "vog/render.h"
+#include "vog/trace.h"
 
 namespace vog::test {
 
@@ -19,7 +20,8 @@ struct Renderer {
     std::function<DepthImage(const Gaussians&, const Camera&, int, int)> render;
 };
 
-/// The splat on every SIMD target this machine can run.
+/// The splat on every SIMD target this machine can run, the trace with either any-hit program and
+/// with a list of hits that overflows at once.
 std::vector<Renderer> renderers() {
     std::vector<Renderer> all;
     for (const std::string& target : splat_targets())
@@ -28,6 +30,15 @@ std::vector<Renderer> renderers() {
              [target](const Gaussians& model, const Camera& camera, int width, int height) {
                  return render_splat(model, camera, width, height, {.simd_target = target});
              }});
+    const auto trace = [&](const std::string& name, const TraceOptions& options) {
+        all.push_back(
+            {name, [options](const Gaussians& model, const Camera& camera, int width, int height) {
+                 return render_trace(trace_scene(model), camera, width, height, options);
+             }});
+    };
+    trace("trace_accumulate", {});
+    trace("trace_collect", {.anyhit = AnyHit::collect});
+    trace("trace_collect_by_16", {.anyhit = AnyHit::collect, .hits_per_slab = 16});
     return all;
 }
 

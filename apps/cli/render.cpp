@@ -1,9 +1,10 @@
 // render.cpp: vog render: load -> render -> shade -> image.
 #include "vog/render.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 #include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/shade.h"
+#include "vog/trace.h"
 
 namespace vog::cli {
 
@@ -23,21 +25,26 @@ struct RenderArguments {
     std::vector<std::string> inputs;
     std::string output, depth_output, size = "512x512", renderer, extinction = "auto";
     std::string interpolation = "constant", tf = "inferno", background = "black";
+    std::string anyhit = "accumulate";
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
     bool blend = false, json = false, verbose = false;
     int threads = 0, repeat = 0;
-    double aabb_sigma = 0, step_voxels = VoxelGridOptions{}.step_voxels;
+    double aabb_sigma = 0, kappa = 0, stop_transmittance = 0;
+    int hits_per_slab = TraceOptions{}.hits_per_slab;
+    double step_voxels = VoxelGridOptions{}.step_voxels;
 };
 
-/// What is drawn, ready to draw from any camera: models by splatting, volumes by the reference.
+/// What is drawn, ready to draw from any camera: models by splatting or rays, volumes by the
+/// reference.
 struct Drawing {
     std::string renderer;
     std::string primitives_text;  ///< "20,000 Gaussians"
     std::uint64_t gaussians = 0, active_voxels = 0;
     Box box;  ///< what views look at
     std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
+    std::shared_ptr<TraceReport> traced;  ///< of the last draw, where rays were traced
 };
 
 /// Minimum, median and maximum of render times.
@@ -58,6 +65,40 @@ void check_arguments(const RenderArguments& arguments) {
         check_output(arguments.output, arguments.inputs, {".png", ".exr"});
     if (!arguments.depth_output.empty())
         check_output(arguments.depth_output, arguments.inputs, {".exr"});
+    if (arguments.stop_transmittance > 0 && arguments.extinction == "auto")
+        throw CLI::ValidationError(
+            "--stop-transmittance needs --extinction with a number: auto is known only after");
+}
+
+/// Options of one renderer, given with another, would be ignored in silence.
+void check_renderer_options(const std::string& renderer, const CLI::App& command) {
+    const auto only_for = [&](std::initializer_list<const char*> options,
+                              std::initializer_list<std::string> renderers) {
+        if (std::find(renderers.begin(), renderers.end(), renderer) != renderers.end()) return;
+        for (const char* option : options)
+            if (command.count(option) > 0)
+                throw CLI::ValidationError(fmt::format("{} is not for --renderer {}, expected {}",
+                                                       option, renderer,
+                                                       fmt::join(renderers, " or ")));
+    };
+    only_for({"--anyhit", "--slab-hits", "--stop-transmittance"}, {"trace"});
+    only_for({"--aabb-sigma", "--kappa"}, {"splat", "trace"});
+}
+
+void load_trace(const RenderArguments& arguments, const Gaussians& model, Drawing& drawing) {
+    TraceOptions options;
+    options.anyhit = arguments.anyhit == "collect" ? AnyHit::collect : AnyHit::accumulate;
+    options.hits_per_slab = arguments.hits_per_slab;
+    options.stop_transmittance = arguments.stop_transmittance;
+    if (arguments.extinction != "auto") options.extinction = parse_extinction(arguments.extinction);
+    drawing.traced = std::make_shared<TraceReport>();
+    drawing.draw = [scene = trace_scene(model, {arguments.aabb_sigma, arguments.kappa}), options,
+                    report = drawing.traced](const Camera& camera, Size size,
+                                             const Progress& progress, DepthImage& depth) {
+        TraceOptions now = options;
+        now.progress = progress;
+        depth = render_trace(scene, camera, size.width, size.height, now, report.get());
+    };
 }
 
 Drawing load_drawing(const RenderArguments& arguments, FileKind kind) {
@@ -100,7 +141,7 @@ Drawing load_drawing(const RenderArguments& arguments, FileKind kind) {
         throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
                                 arguments.inputs.front(), arguments.inputs.front()));
     // Particles need no file between: one Gaussian each.
-    auto model = std::make_shared<const Gaussians>(
+    auto model = std::make_shared<Gaussians>(
         kind == FileKind::points
             ? convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
                              point_options(arguments.points))
@@ -108,6 +149,12 @@ Drawing load_drawing(const RenderArguments& arguments, FileKind kind) {
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     drawing.primitives_text = grouped(model->size()) + " Gaussians";
+    if (drawing.renderer == "trace") {
+        load_trace(arguments, *model, drawing);
+        return drawing;
+    }
+    if (arguments.kappa > 0)
+        model->cutoff = static_cast<float>(std::sqrt(-2 * std::log(arguments.kappa)));
     SplatOptions options;
     options.aabb_sigma = arguments.aabb_sigma;
     auto renderer = std::make_shared<SplatRenderer>(*model, options);
@@ -159,6 +206,11 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
                                      {"median", times.median},
                                      {"max", times.max},
                                      {"repeats", render_ms.size()}}}};
+    if (drawing.traced) {
+        json["hits"] = drawing.traced->hits;
+        json["slabs"] = drawing.traced->slabs;
+        json["most_slabs"] = drawing.traced->most_slabs;
+    }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     fmt::print("{}\n", json.dump(2));
 }
@@ -176,6 +228,7 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
     Stages stages(arguments.verbose);
 
     const Drawing drawing = stages.run("load", [&] { return load_drawing(arguments, kind); });
+    check_renderer_options(drawing.renderer, command);
     const Camera camera = camera_from(arguments.view, command, drawing.box);
     if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
 
@@ -205,6 +258,34 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
     report(arguments, drawing, depth, render_ms, stages);
 }
 
+void add_trace_options(CLI::App& command, RenderArguments& arguments) {
+    const auto group = "Ray tracing";
+    command
+        .add_option("--anyhit", arguments.anyhit,
+                    "What trace does with a hit: accumulate adds it at once; collect, as the "
+                    "paper, gathers, sorts by entry and integrates front to back")
+        ->check(CLI::IsMember({"accumulate", "collect"}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--slab-hits", arguments.hits_per_slab,
+                    "Hits that collect holds at once; rays with more go on, slab by slab")
+        ->check(CLI::Range(1, 256))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--stop-transmittance", arguments.stop_transmittance,
+                    "End a ray of collect once its transmittance is below this; 0: never")
+        ->check(CLI::Range(0.0, 0.999999))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--kappa", arguments.kappa,
+                    "Cut kernels where they have fallen to this share of their peak, in place of "
+                    "the model's own cutoff: k = sqrt(-2 ln kappa)")
+        ->check(CLI::Range(1.3e-14, 0.999));
+}
+
 }  // namespace
 
 void add_render(CLI::App& app) {
@@ -224,10 +305,11 @@ void add_render(CLI::App& app) {
         ->capture_default_str();
     command
         ->add_option("--renderer", arguments->renderer,
-                     "splat: models and particles, exact, object order; reference: volumes, exact "
-                     "through the "
-                     "voxels. Default: the one for the input")
-        ->check(CLI::IsMember({"splat", "reference"}));
+                     "splat: models and particles, exact, object order; trace: the same, ray by "
+                     "ray; reference: volumes, exact through the voxels. Default: splat or "
+                     "reference")
+        ->check(CLI::IsMember({"splat", "trace", "reference"}));
+    add_trace_options(*command, *arguments);
     command
         ->add_option("--interpolation", arguments->interpolation,
                      "Voxels of the reference: constant (exact), or linear between their centres")

@@ -88,6 +88,45 @@ Scene scaled(Scene scene, const std::string& name, double factor) {
     return scene;
 }
 
+/// One behind the other along z, each reaching far into its neighbours.
+Gaussians on_one_ray(int count) {
+    Random random(14);
+    Gaussians model;
+    for (int i = 0; i < count; ++i)
+        add(model, {0, 0, static_cast<float>(random(-2, 2))}, {0.2f, 0.2f, 0.1f}, 1e-3f);
+    return model;
+}
+
+/// The origin lies inside every one: all enter at the eye.
+Gaussians all_around(int count) {
+    Random random(15);
+    Gaussians model;
+    for (int i = 0; i < count; ++i)
+        add(model, vec_cast<float>(random.in_cube(0.5)), {0.6f, 0.7f, 0.5f}, 1e-3f,
+            random.rotation());
+    return model;
+}
+
+/// Spheres whose boxes touch, with faces in the planes of the axes: rays along an axis run within
+/// faces and edges.
+Gaussians on_a_grid() {
+    Gaussians model;
+    model.cutoff = 2;
+    for (int x = -2; x < 2; ++x)
+        for (int y = -2; y < 2; ++y)
+            for (int z = -2; z < 2; ++z)
+                add(model,
+                    {0.5f * float(x) + 0.25f, 0.5f * float(y) + 0.25f, 0.5f * float(z) + 0.25f},
+                    {0.125f, 0.125f, 0.125f}, 1);
+    add(model, {0, 0, 0}, {0.25f, 0.25f, 0.25f}, 1);
+    return model;
+}
+
+Gaussians moved(Gaussians model, float distance) {
+    for (Vec3f& mean : model.mean) mean.x += distance;
+    return model;
+}
+
 }  // namespace
 
 std::vector<Scene> scenes() {
@@ -127,6 +166,16 @@ std::vector<Scene> scenes() {
     all.push_back({"empty", Gaussians{}, front, 17, 5});
     Camera rolled = front;
     rolled.up = {1, 2, 0.5};
+    // A sum of 10,000 floats drifts by some 1e-5.
+    all.push_back({"on_one_ray", on_one_ray(10000), front, 5, 5, 3e-5});
+    all.push_back({"around_the_eye", all_around(300), camera_at({0, 0, 0}, 70, {1, 0, 0}), 32, 32});
+    all.push_back({"along_axes", on_a_grid(), camera_at({0, 0, 5}, 40), 41, 41});
+    all.push_back({"along_axes_inside", on_a_grid(), camera_at({0, 0, 0}, 90, {-1, 0, 0}), 41, 41});
+    all.push_back({"flat", one({0, 0, 0}, {0.5f, 0.4f, 1e-6f}, 1e6f), front, 33, 33});
+    all.push_back(
+        {"flat_tilted", one({0, 0, 0}, {0.5f, 1e-6f, 0.4f}, 1e6f, tilted), front, 33, 33});
+    all.push_back({"far_from_the_origin", moved(random_gaussians(300, 0.05, 0.2, 13), 4096),
+                   camera_at({4096, 0, 5}, 40, {4096, 0, 0})});
     all.push_back({"rolled_camera", random_gaussians(200, 0.02, 0.3, 11), rolled, 50, 70});
     return all;
 }

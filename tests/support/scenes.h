@@ -37,7 +37,9 @@ Gaussians random_gaussians(int count, double low, double high, std::uint64_t see
                            float cutoff = 2.25f);
 
 /// Wide angles, eyes near, inside and in front of Gaussians, sub-pixel, elongated, rotated,
-/// off-axis, tiny and huge world units, several cutoffs, an empty model, an image of one pixel.
+/// off-axis, tiny and huge world units, several cutoffs, an empty model, an image of one pixel;
+/// thousands on one ray or around the eye, rays along axes and within faces of boxes, boxes
+/// without depth.
 std::vector<Scene> scenes();
 
 /// T by the sum of the closed form in double precision, pixel by pixel (the integral behind

@@ -1,0 +1,111 @@
+// trace_bench.cpp: the ray tracer on the `paper` view, the splat of the same picture beside it: the
+// speed of one is a ratio to the other, taken in one run. Items per second are rays per second.
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <vector>
+
+#include "vog/moments.h"
+#include "vog/render.h"
+#include "vog/sample.h"
+#include "vog/trace.h"
+#include "vog/vdb.h"
+
+namespace {
+
+/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
+const vog::Volume& input() {
+    static const vog::Volume volume = [] {
+        const char* named = std::getenv("VOG_DATA");
+        const std::filesystem::path folder =
+            named ? std::filesystem::path(named)
+                  : std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
+        const std::filesystem::path file = folder / "smoke.vdb";
+        if (std::filesystem::exists(file)) return vog::read_vdb(file);
+        return vog::sample_cloud({.size = 128});
+    }();
+    return volume;
+}
+
+const vog::Gaussians& moments(int block_voxels) {
+    static std::map<int, vog::Gaussians> models;
+    if (!models.contains(block_voxels))
+        models[block_voxels] = vog::convert_moments(input(), {.block_voxels = block_voxels});
+    return models[block_voxels];
+}
+
+/// Largest difference of the two renderers, relative to the largest T: 1e-4 is promised.
+double apart(const vog::DepthImage& a, const vog::DepthImage& b) {
+    double largest = 0, worst = 0;
+    for (std::size_t n = 0; n < a.depth.size(); ++n) {
+        largest = std::max(largest, double{a.depth[n]});
+        worst = std::max(worst, std::abs(double{a.depth[n]} - double{b.depth[n]}));
+    }
+    return largest > 0 ? worst / largest : 1;
+}
+
+constexpr int kSize = 1024;
+
+void finish(benchmark::State& state, const vog::Gaussians& model) {
+    state.SetItemsProcessed(state.iterations() * kSize * kSize);
+    state.counters["gaussians"] = static_cast<double>(model.size());
+    state.counters["threads"] = vog::thread_count();
+}
+
+void trace(benchmark::State& state, const vog::TraceOptions& options) {
+    const vog::Gaussians& model = moments(static_cast<int>(state.range(0)));
+    const vog::Camera camera = vog::paper_view(model.box);
+    const vog::TraceScene scene = vog::trace_scene(model);
+    vog::TraceReport report;
+    const double difference =
+        apart(vog::render_splat(model, camera, kSize, kSize),
+              vog::render_trace(scene, camera, kSize, kSize, options, &report));
+    if (!(difference <= 1e-4)) {
+        state.SkipWithError("the picture is not the splat's");
+        return;
+    }
+    for (auto _ : state) {
+        const vog::DepthImage image = vog::render_trace(scene, camera, kSize, kSize, options);
+        benchmark::DoNotOptimize(image.depth.data());
+    }
+    finish(state, model);
+    state.counters["difference"] = difference;
+    state.counters["hits_per_ray"] = static_cast<double>(report.hits) / (kSize * kSize);
+}
+
+void splat(benchmark::State& state) {
+    const vog::Gaussians& model = moments(static_cast<int>(state.range(0)));
+    const vog::Camera camera = vog::paper_view(model.box);
+    for (auto _ : state) {
+        const vog::DepthImage image = vog::render_splat(model, camera, kSize, kSize);
+        benchmark::DoNotOptimize(image.depth.data());
+    }
+    finish(state, model);
+}
+
+void build(benchmark::State& state) {
+    const vog::Gaussians& model = moments(static_cast<int>(state.range(0)));
+    for (auto _ : state) benchmark::DoNotOptimize(vog::trace_scene(model).size());
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(model.size()));
+    state.counters["threads"] = vog::thread_count();
+}
+
+double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
+double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
+
+void measure(benchmark::internal::Benchmark* bench) {
+    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most)->MinTime(0.01);
+    bench->ArgName("block")->Arg(8)->Arg(4)->Arg(2);
+}
+
+BENCHMARK(splat)->Apply(measure);
+BENCHMARK_CAPTURE(trace, accumulate, {})->Apply(measure);
+BENCHMARK_CAPTURE(trace, collect, {.anyhit = vog::AnyHit::collect})->Apply(measure);
+BENCHMARK(build)->Apply(measure);
+
+}  // namespace

@@ -1,0 +1,64 @@
+// device/camera_ray.h: ray generation. The ray of a pixel, clipped to the model's bounds.
+//
+// Scene units: the world divided by a power of two, so that the bounds have a radius in (1/2, 1]
+// and nothing of any world unit overflows a float. The camera stays in double precision, and so
+// does a ray: it is made once and met thousands of times.
+#pragma once
+
+#include "render/device/vector.h"
+
+namespace vog::device {
+
+/// CameraFrame (vog/camera.h) in scene units.
+struct Camera {
+    Double3 eye;
+    Double3 corner, step_x, step_y;  ///< direction of pixel (column, row): corner + ...
+    int32_t width, height;
+};
+
+struct Bounds {
+    Double3 lower, upper;
+};
+
+/// origin + t direction for t in [0, length]: from where the ray enters the bounds, or from the eye
+/// if that is inside, to where it leaves them. Nothing of the model lies elsewhere, so clipping
+/// costs no accuracy; it keeps t small, however far away the eye.
+struct Ray {
+    Double3 origin;
+    Double3 direction;  ///< unit length
+    Double3 inverse;    ///< 1 / direction; a zero component counts as 1e-300
+    float length;
+};
+
+VOG_HD double slab_inverse(double component) {
+    const double tiny = 1e-300;  // decides rightly for every face but one that holds the origin
+    return 1 / (fabs(component) < tiny ? copysign(tiny, component) : component);
+}
+
+/// The part [enter, leave] of origin + t / inverse in a box, within what they held before; empty if
+/// enter > leave.
+VOG_HD void clip_to_box(Double3 to_lower, Double3 to_upper, Double3 inverse, double& enter,
+                        double& leave) {
+    const double ax = to_lower.x * inverse.x, bx = to_upper.x * inverse.x;
+    const double ay = to_lower.y * inverse.y, by = to_upper.y * inverse.y;
+    const double az = to_lower.z * inverse.z, bz = to_upper.z * inverse.z;
+    enter = fmax(enter, fmax(fmin(ax, bx), fmax(fmin(ay, by), fmin(az, bz))));
+    leave = fmin(leave, fmin(fmax(ax, bx), fmin(fmax(ay, by), fmax(az, bz))));
+}
+
+/// The ray through a point of the image; (column, row) is the centre of that pixel.
+/// returns  whether it meets the bounds in front of the eye
+VOG_HD bool camera_ray(const Camera& camera, const Bounds& bounds, double column, double row,
+                       Ray& ray) {
+    const Double3 along = camera.corner + column * camera.step_x + row * camera.step_y;
+    ray.direction = (1 / sqrt(dot(along, along))) * along;
+    ray.inverse = {slab_inverse(ray.direction.x), slab_inverse(ray.direction.y),
+                   slab_inverse(ray.direction.z)};
+    double enter = 0, leave = HUGE_VAL;
+    clip_to_box(bounds.lower - camera.eye, bounds.upper - camera.eye, ray.inverse, enter, leave);
+    ray.origin = camera.eye + enter * ray.direction;
+    ray.length = static_cast<float>(leave - enter);
+    return enter <= leave;
+}
+
+}  // namespace vog::device

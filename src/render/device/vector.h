@@ -1,0 +1,44 @@
+// device/vector.h: vectors for code that is compiled for the host and for the device. The headers
+// of this folder use nothing but this and <math.h>: no standard library, no OpenVDB, plain structs
+// that are copied to a GPU as they are.
+#pragma once
+
+#include <math.h>
+#include <stdint.h>
+
+#if defined(__CUDACC__)
+#define VOG_HD __host__ __device__ inline
+#else
+#define VOG_HD inline
+#endif
+
+namespace vog::device {
+
+struct Float3 {
+    float x, y, z;
+};
+struct Double3 {
+    double x, y, z;
+};
+
+VOG_HD Float3 operator+(Float3 a, Float3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+VOG_HD Float3 operator-(Float3 a, Float3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+VOG_HD Float3 operator*(float s, Float3 a) { return {s * a.x, s * a.y, s * a.z}; }
+VOG_HD float dot(Float3 a, Float3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+VOG_HD Float3 cross(Float3 a, Float3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+VOG_HD Double3 operator+(Double3 a, Double3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+VOG_HD Double3 operator-(Double3 a, Double3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+VOG_HD Double3 operator*(double s, Double3 a) { return {s * a.x, s * a.y, s * a.z}; }
+VOG_HD double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+VOG_HD Float3 to_float(Double3 a) {
+    return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
+}
+VOG_HD Double3 to_double(Float3 a) {
+    return {static_cast<double>(a.x), static_cast<double>(a.y), static_cast<double>(a.z)};
+}
+
+}  // namespace vog::device
