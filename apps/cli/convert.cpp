@@ -65,8 +65,9 @@ std::string cut_option(const CLI::App& command) {
 MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command) {
     MomentOptions options = arguments.moments;
     cut_option(command);
-    if (options.budget && arguments.inputs.size() > 1)
-        throw CLI::ValidationError("--budget takes one input: it is the size of one model");
+    if (options.budget && arguments.inputs.size() > 1 && arguments.volume.no_mask)
+        throw CLI::ValidationError(
+            "--budget takes one input or levels: it is the size of one model");
     if (arguments.lod) options.block_voxels = moment_lod(arguments.lod).block_voxels;
     return options;
 }
@@ -144,23 +145,13 @@ void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& m
     fmt::print("{}\n", json.dump(2));
 }
 
-/// The volumes as parts that add up: levels without what finer ones hide.
-Composite load_composite(const ConvertArguments& arguments) {
-    Levels levels = load_levels(arguments.inputs, arguments.volume);
-    if (are_levels(levels, arguments.volume)) {
-        Composite data = composite(levels);
-        if (data.parts.empty()) throw Error("every voxel lies outside the masks");
-        note(fmt::format("{} levels: {} voxels seen ({} of them in part), {} hidden by finer ones",
-                         levels.volumes.size(), grouped(data.voxels), grouped(data.partly_hidden),
-                         grouped(data.hidden)));
-        return data;
-    }
-    Composite data;
-    for (const Volume& volume : levels.volumes) {
-        data.box.include(world_box(volume));
-        data.voxels += active_voxels(volume);
-    }
-    data.parts = std::move(levels.volumes);
+/// Levels without what finer ones hide.
+Composite compose(const Levels& levels) {
+    Composite data = composite(levels);
+    if (data.parts.empty()) throw Error("every voxel lies outside the masks");
+    note(fmt::format("{} levels: {} voxels seen ({} of them in part), {} hidden by finer ones",
+                     levels.volumes.size(), grouped(data.voxels), grouped(data.partly_hidden),
+                     grouped(data.hidden)));
     return data;
 }
 
@@ -227,24 +218,33 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
     Stages stages(arguments.verbose);
     moments.progress = paper.progress = stages.progress();
 
-    const Composite data = stages.run("load", [&] { return load_composite(arguments); });
+    Levels levels =
+        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
+    const bool meshed = are_levels(levels, arguments.volume);
+    const Composite mesh =
+        meshed ? stages.run("compose", [&] { return compose(levels); }) : Composite{};
+    const std::vector<Volume>& volumes = meshed ? mesh.parts : levels.volumes;
     Gaussians model;
     double volume_mass = 0;
+    for (const Volume& volume : volumes) volume_mass += mass(volume);
     MomentTotals totals;
-    for (const Volume& volume : data.parts) {
+    const auto add = [&](const Gaussians& part, const MomentReport& one, double part_mass) {
+        append(model, part);
+        totals.add(one, part_mass);
+        if (one.measured_error > moments.error && !moments.block_voxels && !moments.budget)
+            note_missed(part.source, one.measured_error, moments.error);
+    };
+    stages.run("convert", [&] {
         MomentReport one;
-        append(model, stages.run("convert", [&] {
-            return by_moments ? convert_moments(volume, moments, &one)
-                              : convert_paper(volume, paper);
-        }));
-        volume_mass += mass(volume);
-        totals.add(one, mass(volume));
-        if (by_moments && one.measured_error > moments.error && !moments.block_voxels &&
-            !moments.budget)
-            note_missed(volume.source, one.measured_error, moments.error);
-    }
-    model.box = data.box;
-    model.source_voxels = data.voxels;
+        if (by_moments && meshed)
+            return add(convert_moments(mesh, moments, &one), one, volume_mass);
+        for (const Volume& volume : volumes)
+            add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
+                one, mass(volume));
+        if (!meshed) return;
+        model.box = mesh.box;
+        model.source_voxels = mesh.voxels;
+    });
     stages.run("save", [&] { write_ply(arguments.output, model); });
     report(arguments, kind, model, volume_mass, totals, stages);
 }

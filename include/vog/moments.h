@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "vog/gaussians.h"
+#include "vog/levels.h"
 #include "vog/progress.h"
 #include "vog/volume.h"
 
@@ -58,6 +59,14 @@ MomentOptions moment_lod(int lod);
 /// cost     O(active voxels) time for a uniform cut, with the memory of its result; the others take
 ///          as much again for each soft step, the search for an error a dozen times that
 [[nodiscard]] Gaussians convert_moments(const Volume& volume, const MomentOptions& options = {},
+                                        MomentReport* report = nullptr);
+
+/// Levels of an adaptive mesh as one model: one octree takes the cells of all levels whose lattices
+/// divide each other in halves, so that seams do not show; levels that fit no other have an octree
+/// of their own, under the same budget. A block counts voxels of each level up to 8, then voxels of
+/// the coarsest.
+/// throws   as above, or if no part is left
+[[nodiscard]] Gaussians convert_moments(const Composite& data, const MomentOptions& options = {},
                                         MomentReport* report = nullptr);
 
 /// One node of the moment octree: what is inside the cube [origin, origin + edge) of voxels.

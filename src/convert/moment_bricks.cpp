@@ -25,12 +25,28 @@ std::vector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentN
     return bricks;
 }
 
+namespace {
+
+/// From lengths in samples to lengths in voxels.
+void scale(MomentSums& sums, double spacing) {
+    const double volume = spacing * spacing * spacing;
+    sums.mass *= volume;
+    sums.first = volume * spacing * sums.first;
+    for (double& second : sums.second) second *= volume * spacing * spacing;
+}
+
+}  // namespace
+
 BrickSums brick_sums(const Brick& brick) {
     BrickSums sums;
     if (brick.leaf) {
         sums.twos = leaf_sums(*brick.leaf);
         sums.fours = merge_eight<2>(sums.twos);
         sums.whole = merge_eight<4>(sums.fours)[0];
+        if (brick.spacing == 1) return sums;
+        scale(sums.whole, brick.spacing);
+        for (MomentSums& cell : sums.fours) scale(cell, brick.spacing);
+        for (MomentSums& cell : sums.twos) scale(cell, brick.spacing);
         return sums;
     }
     const auto cube = [&](double samples) {

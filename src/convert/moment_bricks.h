@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "convert/moment_nodes.h"
@@ -26,6 +27,10 @@ struct Brick {
 
 /// Bricks with mass, in Morton order: one for each node.
 std::vector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes);
+
+/// The moment octree above bricks that do not overlap: cells of 8 voxels and more.
+/// bricks  in Morton order
+MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_from_index);
 
 /// All cells inside a brick, levels of 8, 4, 2 and 1 samples; the last is left to `sample`.
 /// Sums about each cell's centre, in index units.

@@ -45,8 +45,15 @@ void find_bricks(CutTree& tree) {
     }
 }
 
+/// Infinite stays infinite; whatever the scale, a finite gain stays finite.
+float scaled(float gain, double scale) {
+    if (std::isinf(gain)) return gain;
+    return static_cast<float>(
+        std::min(gain * scale, static_cast<double>(std::numeric_limits<float>::max())));
+}
+
 /// Priorities of the cells of one level, none higher than the parent's.
-void set_cell_priorities(CutTree& tree, std::size_t level) {
+void set_cell_priorities(CutTree& tree, std::size_t level, double scale) {
     const auto& levels = tree.octree.levels;
     const std::vector<MomentCell>& cells = levels[level].cells;
     std::vector<float>& priority = tree.cell_priority[level];
@@ -60,15 +67,18 @@ void set_cell_priorities(CutTree& tree, std::size_t level) {
             children.cell[child] =
                 cell_moments(finer.cells[cell.first_child + child], finer.edge_log2);
         const double edge = std::ldexp(1.0, levels[level].edge_log2);
-        priority[n] = std::min(priority[n], split_gain(cell_moments(cell, levels[level].edge_log2),
-                                                       children.cells(), edge));
+        priority[n] = std::min(
+            priority[n],
+            scaled(split_gain(cell_moments(cell, levels[level].edge_log2), children.cells(), edge),
+                   scale));
         for (std::uint32_t child = 0; child < cell.child_count; ++child)
             tree.cell_priority[level - 1][cell.first_child + child] = priority[n];
     });
 }
 
 /// Priorities inside a brick, none higher than `above`; appends its splits.
-void set_brick_priorities(const Brick& brick, float above, std::array<float, kBrickNodes>& priority,
+void set_brick_priorities(const Brick& brick, float above, double scale,
+                          std::array<float, kBrickNodes>& priority,
                           std::vector<CutTree::Split>& splits) {
     const BrickSums sums = brick_sums(brick);
     priority.fill(0);
@@ -77,7 +87,7 @@ void set_brick_priorities(const Brick& brick, float above, std::array<float, kBr
         if (!(node.mass > 0)) continue;
         const Children children = brick_children(brick, sums, n);
         const double edge = (n == 0 ? 8 : n < 9 ? 4 : 2) * brick.spacing;
-        const float gain = split_gain(node, children.cells(), edge);
+        const float gain = scaled(split_gain(node, children.cells(), edge), scale);
         priority[n] = std::min(gain, n == 0 ? above : priority[(n - 1) / 8]);
         splits.push_back({priority[n], static_cast<std::uint32_t>(children.count - 1)});
     }
@@ -126,10 +136,10 @@ struct CutWalk {
 
 }  // namespace
 
-CutTree cut_tree(const Volume& volume) {
+CutTree cut_tree(const MomentField& field, double priority_scale) {
     CutTree tree;
-    tree.octree = moment_octree(volume, kLeafEdge);
-    tree.bricks = volume_bricks(volume, morton_nodes(volume));
+    tree.octree = brick_octree(field.bricks, field.world_from_index);
+    tree.bricks = field.bricks;
     find_bricks(tree);
 
     // Top down, so that each node's parent is known.
@@ -137,7 +147,8 @@ CutTree cut_tree(const Volume& volume) {
     const auto& levels = tree.octree.levels;
     for (const MomentLevel& level : levels)
         tree.cell_priority.emplace_back(level.cells.size(), kInfinity);
-    for (std::size_t level = levels.size(); level-- > 1;) set_cell_priorities(tree, level);
+    for (std::size_t level = levels.size(); level-- > 1;)
+        set_cell_priorities(tree, level, priority_scale);
     std::vector<float> above(tree.bricks.size(), kInfinity);
     for (std::size_t level = 0; level < levels.size(); ++level)
         for (std::size_t n = 0; n < levels[level].cells.size(); ++n)
@@ -150,7 +161,8 @@ CutTree cut_tree(const Volume& volume) {
     tbb::parallel_for(std::size_t{0}, splits.size(), [&](std::size_t chunk) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, tree.bricks.size());
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b)
-            set_brick_priorities(tree.bricks[b], above[b], tree.brick_priority[b], splits[chunk]);
+            set_brick_priorities(tree.bricks[b], above[b], priority_scale, tree.brick_priority[b],
+                                 splits[chunk]);
     });
     list_splits(tree, splits);
     return tree;
@@ -163,9 +175,10 @@ void sort_splits(std::vector<CutTree::Split>& splits) {
         });
 }
 
-float least_priority(std::span<const CutTree::Split> splits, std::size_t budget) {
+float least_priority(std::span<const CutTree::Split> splits, std::size_t budget,
+                     std::size_t roots) {
     // Splits of one priority go together: a parent's may be its child's.
-    std::size_t count = 1;
+    std::size_t count = roots;
     float least = std::numeric_limits<float>::infinity();  // of single children: no count
     for (std::size_t n = 0; n < splits.size();) {
         std::size_t last = n, added = 0;
@@ -179,12 +192,25 @@ float least_priority(std::span<const CutTree::Split> splits, std::size_t budget)
     return least;
 }
 
-std::vector<Moments> best_cut(const CutTree& tree, std::size_t budget) {
+std::vector<Moments> cut_at(const CutTree& tree, float least) {
     if (tree.octree.levels.empty()) return {};
-    CutWalk walk{tree, least_priority(tree.splits, budget)};
-    walk.cut.reserve(std::min(budget, finest_count(tree)));
+    CutWalk walk{tree, least};
     walk.take_cell(tree.octree.levels.size() - 1, 0);
     return walk.cut;
+}
+
+std::vector<std::vector<Moments>> best_cut(std::span<const CutTree> trees, std::size_t budget) {
+    std::vector<CutTree::Split> all;
+    if (trees.size() > 1) {
+        for (const CutTree& tree : trees)
+            all.insert(all.end(), tree.splits.begin(), tree.splits.end());
+        sort_splits(all);
+    }
+    const float least =
+        least_priority(trees.size() == 1 ? trees[0].splits : all, budget, trees.size());
+    std::vector<std::vector<Moments>> cuts;
+    for (const CutTree& tree : trees) cuts.push_back(cut_at(tree, least));
+    return cuts;
 }
 
 std::size_t finest_count(const CutTree& tree) {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_bricks.h"
+#include "convert/moment_field.h"
 #include "vog/moments.h"
 
 namespace vog {
@@ -15,8 +15,8 @@ inline constexpr std::uint32_t kNoBrick = 0xffffffffu;
 
 /// Everything a cut is chosen from: made once, cut as often as one likes.
 struct CutTree {
-    MomentOctree octree;        ///< cells of 8^3 and up; those without children are bricks
-    std::vector<Brick> bricks;  ///< leaves and tiles with mass, in Morton order
+    MomentOctree octree;            ///< cells of 8^3 and up; those without children are bricks
+    std::span<const Brick> bricks;  ///< with mass, in Morton order
     std::vector<std::vector<std::uint32_t>> brick_of;  ///< [level][cell]: its brick, or kNoBrick
     /// Priority of splitting a node: its gain, or its parent's priority where that is lower, so
     /// that splitting all nodes from some priority on always gives a cut.
@@ -30,19 +30,26 @@ struct CutTree {
     std::vector<Split> splits;  ///< of all nodes, highest priority first
 };
 
-/// The volume must outlive the tree. cost: O(voxels) time, 0.4 kB to each leaf and up to 0.6 kB
+/// The field must outlive the tree. cost: O(voxels) time, 0.4 kB to each leaf and up to 0.6 kB
 /// more
-CutTree cut_tree(const Volume& volume);
-
-/// At most `budget` cells, at least one: the nodes of highest priority are split.
-/// returns cells in Morton order, means as indices
-std::vector<Moments> best_cut(const CutTree& tree, std::size_t budget);
+/// priority_scale  makes the priorities of several fields comparable: gain_scale of their voxels
+CutTree cut_tree(const MomentField& field, double priority_scale = 1);
 
 /// Highest priority first.
 void sort_splits(std::vector<CutTree::Split>& splits);
 /// The least priority that is split where at most `budget` cells shall be left.
 /// splits  of all nodes, sorted
-float least_priority(std::span<const CutTree::Split> splits, std::size_t budget);
+/// roots   cells before any split
+float least_priority(std::span<const CutTree::Split> splits, std::size_t budget,
+                     std::size_t roots = 1);
+/// The cells that stay whole where nodes of this priority or more are split.
+/// returns cells in Morton order, means as indices
+std::vector<Moments> cut_at(const CutTree& tree, float least);
+
+/// At most `budget` cells of all trees together, at least one of each: the nodes of highest
+/// priority are split.
+/// returns for each tree its cells
+std::vector<std::vector<Moments>> best_cut(std::span<const CutTree> trees, std::size_t budget);
 
 /// Cells of the finest cut: samples with mass.
 std::size_t finest_count(const CutTree& tree);
@@ -52,5 +59,7 @@ std::size_t finest_count(const CutTree& tree);
 /// depth. Infinite for a single child.
 /// edge  of the parent's cube, voxels
 float split_gain(const Moments& parent, std::span<const Moments> children, double edge);
+/// What a gain in voxels of this edge is to be multiplied with, to be in units of the edge's.
+double gain_scale(double voxel_edge);
 
 }  // namespace vog

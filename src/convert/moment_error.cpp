@@ -28,9 +28,10 @@ void ErrorViews::set_cameras(const Box& box) {
     }
 }
 
-ErrorViews::ErrorViews(const Volume& volume) {
-    set_cameras(world_box(volume));
-    const std::vector<VoxelGrid> grids{voxel_grid(volume)};
+ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) {
+    set_cameras(box);
+    std::vector<VoxelGrid> grids;
+    for (const Volume& part : parts) grids.push_back(voxel_grid(part));
     for (const Camera& camera : cameras_)
         reference_.push_back(render_reference(grids, camera, kSize_px, kSize_px));
 }

@@ -1,6 +1,7 @@
 // moment_error.h: the measured error of a model: relative L2 of T over views around the volume.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "vog/camera.h"
@@ -14,7 +15,8 @@ namespace vog {
 class ErrorViews {
   public:
     /// By exact traversal of the voxels.
-    explicit ErrorViews(const Volume& volume);
+    /// parts  add up
+    ErrorViews(std::span<const Volume> parts, const Box& box);
     /// By the finest model that there is.
     explicit ErrorViews(const Gaussians& finest);
     /// sqrt(sum |T - T_ref|^2 / sum |T_ref|^2), over all pixels of all views

@@ -28,6 +28,10 @@ double overlap(const Moments& a, const Moments& b) {
     return std::exp(-0.5 * distance2) / std::sqrt(kTwoPiCubed * det);
 }
 
+// An error in space is seen through the edge of the cell, along a column of its depth: without
+// the division the densest columns get everything. docs/moments.md has the scan of both powers.
+constexpr double kEdgePower = 2, kDepthPower = 0.75;
+
 }  // namespace
 
 float split_gain(const Moments& parent, std::span<const Moments> children, double edge) {
@@ -39,13 +43,15 @@ float split_gain(const Moments& parent, std::span<const Moments> children, doubl
             squares += (a == b ? 1 : 2) * children[a].mass * children[b].mass *
                        overlap(children[a], children[b]);
     }
-    // An error in space is seen through the edge of the cell, along a column of its depth: without
-    // the division the densest columns get everything. docs/moments.md has the scan of both powers.
-    constexpr double kEdgePower = 2, kDepthPower = 0.75;
     const double column = parent.mass / (edge * edge);
     const double gain = squares * std::pow(edge, kEdgePower) / std::pow(column, kDepthPower) /
                         static_cast<double>(children.size() - 1);
     return static_cast<float>(std::clamp(gain, 0.0, double{std::numeric_limits<float>::max()}));
+}
+
+double gain_scale(double voxel_edge) {
+    // Squares of densities over space, edge, and column of depth.
+    return std::pow(voxel_edge, 3 + kEdgePower - kDepthPower);
 }
 
 }  // namespace vog

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 
+#include "convert/moment_bricks.h"
 #include "convert/moment_cells.h"
 #include "convert/moment_nodes.h"
 #include "convert/moment_sums.h"
@@ -105,6 +106,19 @@ std::vector<BuildCell> leaf_cells(const Volume& volume, const std::vector<Moment
     return cells;
 }
 
+/// Bricks of one size.
+std::vector<BuildCell> brick_cells(std::span<const Brick> bricks, double spacing) {
+    std::vector<const Brick*> some;
+    for (const Brick& brick : bricks)
+        if (brick.spacing == spacing) some.push_back(&brick);
+    std::vector<BuildCell> cells(some.size());
+    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
+        const MomentSums sums = brick_sums(*some[n]).whole;
+        cells[n] = {packed(some[n]->origin, sums), sums};
+    });
+    return cells;
+}
+
 MomentLevel level_of(const std::vector<BuildCell>& cells, int edge_log2) {
     MomentLevel level;
     level.edge_log2 = edge_log2;
@@ -154,6 +168,32 @@ MomentOctree moment_octree(const Volume& volume, int finest_edge) {
         if (edge > finest_edge) cells = parents(cells, edge_log2);
         if (edge <= kLargestTile)
             cells = in_order(cells, tile_cells(volume, nodes, static_cast<int>(edge)));
+        if (!cells.empty()) octree.levels.push_back(level_of(cells, edge_log2));
+        if (edge >= top_edge) break;
+    }
+    if (cells.size() > 1) octree.levels.push_back(root_level(cells, edge_log2 + 1));
+    return octree;
+}
+
+MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_from_index) {
+    MomentOctree octree;
+    octree.world_from_index = world_from_index;
+    double largest = 1;
+    Box box;
+    for (const Brick& brick : bricks) {
+        const double reach = kLeafEdge * brick.spacing;
+        largest = std::max(largest, brick.spacing);
+        box.include(vec_cast<double>(brick.origin));
+        box.include(vec_cast<double>(brick.origin) + Vec3d{reach, reach, reach});
+    }
+    const Vec3d size = bricks.empty() ? Vec3d{} : box.upper - box.lower;
+    const double top_edge = std::max({size.x, size.y, size.z});
+    std::vector<BuildCell> cells;
+    int edge_log2 = std::countr_zero(static_cast<unsigned>(kLeafEdge));
+    for (;; ++edge_log2) {
+        const double edge = std::ldexp(1.0, edge_log2), spacing = edge / kLeafEdge;
+        cells = parents(cells, edge_log2);
+        if (spacing <= largest) cells = in_order(cells, brick_cells(bricks, spacing));
         if (!cells.empty()) octree.levels.push_back(level_of(cells, edge_log2));
         if (edge >= top_edge) break;
     }

@@ -10,11 +10,15 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <limits>
+#include <span>
 
+#include "convert/budget_search.h"
 #include "convert/light_cells.h"
 #include "convert/moment_cells.h"
 #include "convert/moment_cut.h"
 #include "convert/moment_error.h"
+#include "convert/moment_field.h"
 #include "convert/moment_soften.h"
 #include "vog/error.h"
 
@@ -24,10 +28,12 @@ namespace {
 
 /// One conversion: what is asked, and what is to be reported.
 struct Conversion {
-    const Volume& volume;
+    std::span<const Volume> parts;  ///< volumes that do not overlap
+    Box box;
+    bool levels = false;  ///< parts of levels: of several lattices, under one budget
     const MomentOptions& options;
     MomentReport& report;
-    double volume_mass = 0;  ///< index units
+    double data_mass = 0;  ///< of all parts, in voxels of the first
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
     void end_stage(const char* name, double fraction) {
@@ -41,12 +47,23 @@ struct Conversion {
         if (options.soft_steps >= 0) return options.soft_steps;
         return options.block_voxels ? 0 : kSoftSteps;
     }
-    MomentFrame frame() const {
-        return moment_frame(volume.world_from_index, options.axis_aligned, options.spread);
+    const Volume& volume() const { return parts.front(); }
+    MomentFrame frame(const Affine& world_from_index) const {
+        return moment_frame(world_from_index, options.axis_aligned, options.spread);
+    }
+    /// Voxels of the first part in one of the field's.
+    double voxels_in(const MomentField& field) const {
+        return levels ? field.voxel_volume() / voxel_volume(volume()) : 1;
+    }
+    std::vector<MomentField> fields() const {
+        if (levels) return moment_fields(parts);
+        std::vector<MomentField> one;
+        one.push_back(moment_field(volume()));
+        return one;
     }
 };
 
-void check(const Volume& volume, const MomentOptions& options) {
+void check(const MomentOptions& options) {
     const auto refuse = [](const std::string& what) { throw Error("moments: " + what); };
     const int block = options.block_voxels;
     if (block && options.budget)
@@ -61,7 +78,6 @@ void check(const Volume& volume, const MomentOptions& options) {
         refuse(fmt::format("spread {}, expected in [0.5, 2]", options.spread));
     if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
-    validate(volume);
 }
 
 /// Runs take(node) over one chunk of the volume's nodes.
@@ -70,7 +86,7 @@ void for_each_cell_of(const Conversion& job, const std::vector<MomentNode>& node
                       std::size_t chunk, const Take& take) {
     const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes.size());
     for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
-        for_each_cell(job.volume, nodes[n], job.options.block_voxels, take);
+        for_each_cell(job.volume(), nodes[n], job.options.block_voxels, take);
 }
 
 std::size_t chunk_count(const std::vector<MomentNode>& nodes) {
@@ -80,7 +96,7 @@ std::size_t chunk_count(const std::vector<MomentNode>& nodes) {
 /// Hard cells of up to a leaf's edge, straight to Gaussians: the masses first, then every chunk of
 /// leaves writes at its own place, so that nothing but the masses is held besides the result.
 Gaussians small_blocks(Conversion& job) {
-    const std::vector<MomentNode> nodes = morton_nodes(job.volume);
+    const std::vector<MomentNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<float>> masses(chunk_count(nodes));
     tbb::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
@@ -91,7 +107,7 @@ Gaussians small_blocks(Conversion& job) {
     for (const auto& part : masses)
         for (const float mass : part) light.add(mass);
     const float least = light.least_mass(job.options.mass_threshold);
-    light.tell(job.volume_mass, job.report);
+    light.tell(job.data_mass, job.report);
 
     std::vector<std::size_t> first(masses.size() + 1);
     for (std::size_t chunk = 0; chunk < masses.size(); ++chunk) {
@@ -102,7 +118,7 @@ Gaussians small_blocks(Conversion& job) {
     }
     Gaussians model;
     resize(model, first.back(), job.options.axis_aligned);
-    const MomentFrame frame = job.frame();
+    const MomentFrame frame = job.frame(job.volume().world_from_index);
     tbb::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         std::size_t i = first[chunk];
         for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
@@ -116,27 +132,12 @@ Gaussians small_blocks(Conversion& job) {
     return model;
 }
 
-/// Hard cells of one size, as moments.
-std::vector<Moments> block_cells(const Conversion& job) {
+/// The cells of one size of a level of the octree, and the bricks above it. A level may be missing
+/// only where the data are smaller than the block: then the last one stands for it.
+std::vector<Moments> octree_cells(const MomentOctree& octree, int edge_log2) {
     std::vector<Moments> cells;
-    if (job.options.block_voxels <= kLeafEdge) {
-        const std::vector<MomentNode> nodes = morton_nodes(job.volume);
-        std::vector<std::vector<Moments>> parts(chunk_count(nodes));
-        tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-            for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
-                parts[chunk].push_back(moments_of(sums));
-                parts[chunk].back().mean = parts[chunk].back().mean + center;
-            });
-        });
-        for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
-        return cells;
-    }
-    // Larger ones are a level of the octree, and the tiles above it. A level may be missing only
-    // where the volume is smaller than the block: then its last one stands for it.
-    const MomentOctree octree = moment_octree(job.volume, kLeafEdge);
-    const int wanted = std::countr_zero(unsigned(job.options.block_voxels));
     std::size_t at = 0;
-    while (at + 1 < octree.levels.size() && octree.levels[at].edge_log2 < wanted) ++at;
+    while (at + 1 < octree.levels.size() && octree.levels[at].edge_log2 < edge_log2) ++at;
     for (std::size_t level = at; level < octree.levels.size(); ++level)
         for (const MomentCell& cell : octree.levels[level].cells)
             if (level == at || cell.child_count == 0)
@@ -144,90 +145,145 @@ std::vector<Moments> block_cells(const Conversion& job) {
     return cells;
 }
 
-Gaussians gaussians_of(Conversion& job, const std::vector<Moments>& cells) {
+/// Hard cells of one size of one volume.
+std::vector<Moments> volume_cells(const Conversion& job) {
+    if (job.options.block_voxels > kLeafEdge)
+        return octree_cells(moment_octree(job.volume(), kLeafEdge),
+                            std::countr_zero(unsigned(job.options.block_voxels)));
+    const std::vector<MomentNode> nodes = morton_nodes(job.volume());
+    std::vector<std::vector<Moments>> parts(chunk_count(nodes));
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
+        for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
+            parts[chunk].push_back(moments_of(sums));
+            parts[chunk].back().mean = parts[chunk].back().mean + center;
+        });
+    });
+    std::vector<Moments> cells;
+    for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
+    return cells;
+}
+
+/// Hard cells of one size of levels: in voxels of each level up to a leaf's edge, then in voxels of
+/// the coarsest.
+std::vector<Moments> field_cells(const MomentField& field, int block) {
+    double largest = 1;
+    for (const Brick& brick : field.bricks)
+        if (brick.leaf) largest = std::max(largest, brick.spacing);
+    if (block > kLeafEdge)
+        return octree_cells(brick_octree(field.bricks, field.world_from_index),
+                            std::countr_zero(unsigned(block)) + std::ilogb(largest));
+    std::vector<std::vector<Moments>> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk);
+    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
+        const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());
+        for (std::size_t b = chunk * kNodeChunk; b < last; ++b) {
+            const Brick& brick = field.bricks[b];
+            // A tile is sampled by the eighth of its edge, which may be more than the block.
+            const double samples = brick.leaf ? block : block * largest / brick.spacing;
+            const std::size_t first = samples >= 8   ? 0
+                                      : samples >= 4 ? 1
+                                      : samples >= 2 ? 9
+                                                     : kBrickNodes;
+            const std::size_t end = first == 0 ? 1 : 8 * first + 1;
+            const BrickSums sums = brick_sums(brick);
+            for (std::size_t n = first; n < end; ++n)
+                if (const Moments cell = brick_node(brick, sums, n); cell.mass > 0)
+                    parts[chunk].push_back(cell);
+        }
+    });
+    std::vector<Moments> cells;
+    for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
+    return cells;
+}
+
+/// Cells of every field, in its own index space.
+using FieldCells = std::vector<std::vector<Moments>>;
+
+Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields,
+                       const FieldCells& cells) {
     LightCells light;
-    for (const Moments& cell : cells) light.add(static_cast<float>(cell.mass));
+    const auto mass_of = [&](std::size_t field, const Moments& cell) {
+        return static_cast<float>(cell.mass * job.voxels_in(fields[field]));
+    };
+    for (std::size_t f = 0; f < fields.size(); ++f)
+        for (const Moments& cell : cells[f]) light.add(mass_of(f, cell));
     const float least = light.least_mass(job.options.mass_threshold);
-    light.tell(job.volume_mass, job.report);
-    std::vector<std::uint32_t> kept;
-    for (std::size_t n = 0; n < cells.size(); ++n)
-        if (static_cast<float>(cells[n].mass) >= least)
-            kept.push_back(static_cast<std::uint32_t>(n));
+    light.tell(job.data_mass, job.report);
+
+    struct Kept {
+        std::uint32_t field, cell;
+    };
+    std::vector<Kept> kept;
+    for (std::size_t f = 0; f < fields.size(); ++f)
+        for (std::size_t n = 0; n < cells[f].size(); ++n)
+            if (mass_of(f, cells[f][n]) >= least)
+                kept.push_back({static_cast<std::uint32_t>(f), static_cast<std::uint32_t>(n)});
     Gaussians model;
     resize(model, kept.size(), job.options.axis_aligned);
-    const MomentFrame frame = job.frame();
-    tbb::parallel_for(std::size_t{0}, kept.size(),
-                      [&](std::size_t i) { set_gaussian(model, i, cells[kept[i]], frame); });
+    std::vector<MomentFrame> frames;
+    for (const MomentField& field : fields) frames.push_back(job.frame(field.world_from_index));
+    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+        set_gaussian(model, i, cells[kept[i].field][kept[i].cell], frames[kept[i].field]);
+    });
     return model;
 }
 
-void soften(const Conversion& job, const Softener& softener, std::vector<Moments>& cells) {
-    for (int step = 0; step < job.soft_steps(); ++step) softener.step(cells);
+void soften(const Conversion& job, std::span<const MomentField> fields, FieldCells& cells) {
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+        if (job.soft_steps() == 0 || cells[f].empty()) continue;
+        const Softener softener(fields[f].bricks);
+        for (int step = 0; step < job.soft_steps(); ++step) softener.step(cells[f]);
+    }
 }
 
-/// The smallest budget whose measured error is low enough, to 4 %: false position on the
-/// logarithms, for which the error is close to a power of the count, kept inside what is known.
-Gaussians search(Conversion& job, const CutTree& tree, const Softener& softener) {
-    const ErrorViews views(job.volume);
+/// The smallest model, softened and without its lightest cells, whose measured error is low enough.
+Gaussians search(Conversion& job, std::span<const MomentField> fields,
+                 std::span<const CutTree> trees) {
+    const ErrorViews views(job.parts, job.box);
     job.end_stage("reference", 0.3);
-    const double target = job.options.error;
-    constexpr double kTolerance = 1.04, kFirstShare = 0.01, kUsualPower = -0.35;
-    constexpr int kTries = 12;
-    const auto finest = static_cast<double>(finest_count(tree));
-    double low = 1, high = finest, low_error = 0, count = std::max(1.0, kFirstShare * finest);
-    Gaussians best;
-    double best_error = -1;
-    for (int tries = 0; tries < kTries && high > low * kTolerance; ++tries) {
-        std::vector<Moments> cells = best_cut(tree, static_cast<std::size_t>(count));
-        soften(job, softener, cells);
-        Gaussians model = gaussians_of(job, cells);
-        model.cutoff = kMomentCutoff;
-        const double error = views.measure(model);
-        double power = kUsualPower;
-        if (error <= target || count >= finest) {
-            high = count;
-            best = std::move(model);
-            best_error = error;
-        } else {
-            low = count;
-            low_error = error;
-        }
-        if (best_error > 0 && low_error > 0 && best_error < low_error && high > low)
-            power = std::log(best_error / low_error) / std::log(high / low);
-        // Aim a little beyond the target, so that the last try is a success.
-        const double from = error <= target ? best_error : low_error;
-        const double guess = count * std::pow(0.995 * target / from, 1 / power);
-        count = std::clamp(guess, low * std::sqrt(kTolerance), high / std::sqrt(kTolerance));
-        if (best_error < 0 && guess >= finest) count = finest;
-    }
-    job.report.measured_error = best_error;
+    std::size_t finest = 0;
+    for (const CutTree& tree : trees) finest += finest_count(tree);
+    FoundModel found = smallest_model(job.options.error, finest, [&](std::size_t budget) {
+        FieldCells cells = best_cut(trees, budget);
+        soften(job, fields, cells);
+        FoundModel tried{gaussians_of(job, fields, cells)};
+        tried.model.cutoff = kMomentCutoff;
+        tried.error = views.measure(tried.model);
+        return tried;
+    });
+    job.report.measured_error = found.error;
     job.end_stage("search", 1);
-    return best;
+    return std::move(found.model);
 }
 
 /// The cut of a budget, or the search for an error.
 Gaussians best_cells(Conversion& job) {
-    const CutTree tree = cut_tree(job.volume);
-    const Softener softener(tree.bricks);
+    const std::vector<MomentField> fields = job.fields();
+    double finest_edge = std::numeric_limits<double>::infinity();
+    for (const MomentField& field : fields)
+        finest_edge = std::min(finest_edge, std::cbrt(field.voxel_volume()));
+    std::vector<CutTree> trees;
+    for (const MomentField& field : fields)
+        trees.push_back(cut_tree(field, gain_scale(std::cbrt(field.voxel_volume()) / finest_edge)));
     job.end_stage("octree", 0.2);
-    if (!job.options.budget) return search(job, tree, softener);
-    std::vector<Moments> cells = best_cut(tree, job.options.budget);
+    if (!job.options.budget) return search(job, fields, trees);
+    FieldCells cells = best_cut(trees, job.options.budget);
     job.end_stage("cut", 0.3);
-    soften(job, softener, cells);
+    soften(job, fields, cells);
     job.end_stage("soften", 0.9);
-    return gaussians_of(job, cells);
+    return gaussians_of(job, fields, cells);
 }
 
 Gaussians block_model(Conversion& job) {
-    if (job.soft_steps() == 0 && job.options.block_voxels <= kLeafEdge) return small_blocks(job);
-    std::vector<Moments> cells = block_cells(job);
+    const int block = job.options.block_voxels;
+    if (!job.levels && job.soft_steps() == 0 && block <= kLeafEdge) return small_blocks(job);
+    const std::vector<MomentField> fields = job.fields();
+    FieldCells cells;
+    for (const MomentField& field : fields)
+        cells.push_back(job.levels ? field_cells(field, block) : volume_cells(job));
     job.end_stage("cells", 0.3);
-    if (job.soft_steps() > 0) {
-        const std::vector<Brick> bricks = volume_bricks(job.volume, morton_nodes(job.volume));
-        soften(job, Softener(bricks), cells);
-        job.end_stage("soften", 0.9);
-    }
-    return gaussians_of(job, cells);
+    soften(job, fields, cells);
+    job.end_stage("soften", 0.9);
+    return gaussians_of(job, fields, cells);
 }
 
 /// What was asked for, as flags, and the error reached.
@@ -244,6 +300,40 @@ std::string option_text(const Conversion& job) {
     return text;
 }
 
+/// "smoke.vdb density"; parts of one level name it once.
+std::string source_text(std::span<const Volume> parts) {
+    std::string all, last;
+    for (const Volume& part : parts) {
+        std::string text = std::filesystem::path(part.source).filename().string();
+        if (!part.name.empty()) text += (text.empty() ? "" : " ") + part.name;
+        if (text != last) all += (all.empty() ? "" : " + ") + text;
+        last = text;
+    }
+    return all;
+}
+
+Gaussians run(Conversion& job) {
+    job.report = {};
+    for (const Volume& part : job.parts) job.data_mass += mass(part) / voxel_volume(job.volume());
+    if (!(job.data_mass > 0 && std::isfinite(job.data_mass)))
+        throw Error(fmt::format("{}: mass {}, expected a volume with some",
+                                job.volume().source.empty() ? "volume" : job.volume().source,
+                                job.data_mass));
+    job.end_stage("check", 0.1);
+
+    Gaussians model = job.options.block_voxels ? block_model(job) : best_cells(job);
+    model.cutoff = kMomentCutoff;
+    if (job.options.measure && job.report.measured_error < 0) {
+        job.report.measured_error = ErrorViews(job.parts, job.box).measure(model);
+        job.end_stage("measure", 1);
+    }
+    model.box = job.box;
+    model.source = source_text(job.parts);
+    model.method = "moments";
+    model.options = option_text(job);
+    return model;
+}
+
 }  // namespace
 
 MomentOptions moment_lod(int lod) {
@@ -255,28 +345,24 @@ MomentOptions moment_lod(int lod) {
 
 Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
                           MomentReport* report) {
+    check(options);
+    validate(volume);
     MomentReport unwanted;
-    Conversion job{volume, options, report ? *report : unwanted};
-    job.report = {};
-    check(volume, options);
-    job.volume_mass = mass(volume) / voxel_volume(volume);
-    if (!(job.volume_mass > 0 && std::isfinite(job.volume_mass)))
-        throw Error(fmt::format("{}: mass {}, expected a volume with some",
-                                volume.source.empty() ? "volume" : volume.source, job.volume_mass));
-    job.end_stage("check", 0.1);
-
-    Gaussians model = options.block_voxels ? block_model(job) : best_cells(job);
-    model.cutoff = kMomentCutoff;
-    if (options.measure && job.report.measured_error < 0) {
-        job.report.measured_error = ErrorViews(volume).measure(model);
-        job.end_stage("measure", 1);
-    }
-    model.box = world_box(volume);
+    Conversion job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
+    Gaussians model = run(job);
     model.source_voxels = active_voxels(volume);
-    model.source = std::filesystem::path(volume.source).filename().string();
-    if (!volume.name.empty()) model.source += (model.source.empty() ? "" : " ") + volume.name;
-    model.method = "moments";
-    model.options = option_text(job);
+    return model;
+}
+
+Gaussians convert_moments(const Composite& data, const MomentOptions& options,
+                          MomentReport* report) {
+    check(options);
+    if (data.parts.empty()) throw Error("moments: no voxel is seen, expected one within the masks");
+    for (const Volume& part : data.parts) validate(part);
+    MomentReport unwanted;
+    Conversion job{data.parts, data.box, true, options, report ? *report : unwanted};
+    Gaussians model = run(job);
+    model.source_voxels = data.voxels;
     return model;
 }
 

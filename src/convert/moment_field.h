@@ -1,0 +1,31 @@
+// moment_field.h: what cells are cut from: bricks that tile space, in one index space.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "convert/moment_bricks.h"
+
+namespace vog {
+
+struct MomentField {
+    std::vector<Brick> bricks;                  ///< with mass, in Morton order, disjoint
+    std::vector<std::unique_ptr<Leaf>> leaves;  ///< that bricks refer to and no volume has
+    Affine world_from_index;
+
+    double voxel_volume() const { return std::abs(determinant(world_from_index.linear)); }
+};
+
+/// Of one volume, which must outlive it.
+MomentField moment_field(const Volume& volume);
+
+/// Of volumes that do not overlap, and must outlive them: one field for each set of lattices that
+/// are one another's halves, quarters, ..., in the index space of the finest, so that its octree
+/// takes the voxels of all; a field of its own for each lattice that fits no other. Where bricks of
+/// two sizes share a cube, as at the seam of two levels, the larger is divided until its pieces
+/// are free of others or can be merged with one of their size.
+std::vector<MomentField> moment_fields(std::span<const Volume> parts);
+
+}  // namespace vog
