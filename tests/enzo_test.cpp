@@ -87,13 +87,14 @@ TEST(enzo, moments_of_all_levels_are_close_to_the_masked_reference) {
     const Levels levels = enzo_levels();
     const Composite data = composite(levels);
     MomentOptions options;
-    options.budget = data.voxels / 50;
+    options.budget = (data.voxels + data.hidden) / 50;
+    options.soft_steps = 24;
     const Gaussians model = convert_moments(data, options);
     const Camera camera = paper_view(data.box);
-    DepthImage reference = render_reference(level_grids(levels), camera, 256, 256);
+    DepthImage reference = render_reference(level_grids(levels), camera, 512, 512);
     set_extinction(reference, auto_extinction(reference));
-    const DepthDifference difference = compare(reference, render_splat(model, camera, 256, 256));
-    EXPECT_GT(difference.grey.psnr_db, 37.5) << "docs/amr.md has the figures";
+    const DepthDifference difference = compare(reference, render_splat(model, camera, 512, 512));
+    EXPECT_GE(difference.grey.psnr_db, 40) << "2 % of the cells; 40.2 dB when this was written";
     EXPECT_NEAR(difference.bias, 1, 1e-3);
 }
 

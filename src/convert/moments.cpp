@@ -19,6 +19,7 @@
 #include "convert/moment_cut.h"
 #include "convert/moment_error.h"
 #include "convert/moment_field.h"
+#include "convert/moment_merge.h"
 #include "convert/moment_soften.h"
 #include "vog/error.h"
 
@@ -235,17 +236,45 @@ void soften(const Conversion& job, std::span<const MomentField> fields, FieldCel
     }
 }
 
+/// The fields of the data, and what their cuts are chosen from.
+struct FieldTrees {
+    std::vector<MomentField> fields;
+    std::vector<CutTree> trees;
+    std::vector<double> scales;  ///< of gains, between fields
+};
+
+FieldTrees field_trees(const Conversion& job) {
+    FieldTrees all;
+    all.fields = job.fields();
+    double finest_edge = std::numeric_limits<double>::infinity();
+    for (const MomentField& field : all.fields)
+        finest_edge = std::min(finest_edge, std::cbrt(field.voxel_volume()));
+    for (const MomentField& field : all.fields) {
+        all.scales.push_back(gain_scale(std::cbrt(field.voxel_volume()) / finest_edge));
+        all.trees.push_back(cut_tree(field, all.scales.back()));
+    }
+    return all;
+}
+
+/// At most `budget` soft cells.
+FieldCells soft_cut(const Conversion& job, const FieldTrees& all, std::size_t budget) {
+    // Levels are cut finer and merged: +1.5 dB for Enzo at 2 %, +2.3 dB for `sample amr` at 0.6 %.
+    // Single volumes lose as often as they gain (smoke 1.9 % +0.5 dB, aquarius 1.6 % -1.1 dB).
+    constexpr std::size_t kOvercut = 2;
+    FieldCells cells = best_cut(all.trees, job.levels ? kOvercut * budget : budget);
+    if (job.levels) merge_cells(cells, all.scales, budget);
+    soften(job, all.fields, cells);
+    return cells;
+}
+
 /// The smallest model, softened and without its lightest cells, whose measured error is low enough.
-Gaussians search(Conversion& job, std::span<const MomentField> fields,
-                 std::span<const CutTree> trees) {
+Gaussians search(Conversion& job, const FieldTrees& all) {
     const ErrorViews views(job.parts, job.box);
     job.end_stage("reference", 0.3);
     std::size_t finest = 0;
-    for (const CutTree& tree : trees) finest += finest_count(tree);
+    for (const CutTree& tree : all.trees) finest += finest_count(tree);
     FoundModel found = smallest_model(job.options.error, finest, [&](std::size_t budget) {
-        FieldCells cells = best_cut(trees, budget);
-        soften(job, fields, cells);
-        FoundModel tried{gaussians_of(job, fields, cells)};
+        FoundModel tried{gaussians_of(job, all.fields, soft_cut(job, all, budget))};
         tried.model.cutoff = kMomentCutoff;
         tried.error = views.measure(tried.model);
         return tried;
@@ -257,20 +286,12 @@ Gaussians search(Conversion& job, std::span<const MomentField> fields,
 
 /// The cut of a budget, or the search for an error.
 Gaussians best_cells(Conversion& job) {
-    const std::vector<MomentField> fields = job.fields();
-    double finest_edge = std::numeric_limits<double>::infinity();
-    for (const MomentField& field : fields)
-        finest_edge = std::min(finest_edge, std::cbrt(field.voxel_volume()));
-    std::vector<CutTree> trees;
-    for (const MomentField& field : fields)
-        trees.push_back(cut_tree(field, gain_scale(std::cbrt(field.voxel_volume()) / finest_edge)));
+    const FieldTrees all = field_trees(job);
     job.end_stage("octree", 0.2);
-    if (!job.options.budget) return search(job, fields, trees);
-    FieldCells cells = best_cut(trees, job.options.budget);
-    job.end_stage("cut", 0.3);
-    soften(job, fields, cells);
+    if (!job.options.budget) return search(job, all);
+    const FieldCells cells = soft_cut(job, all, job.options.budget);
     job.end_stage("soften", 0.9);
-    return gaussians_of(job, fields, cells);
+    return gaussians_of(job, all.fields, cells);
 }
 
 Gaussians block_model(Conversion& job) {
