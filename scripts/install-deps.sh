@@ -11,6 +11,8 @@ packages=(
     libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libopenexr-dev libimath-dev
     # ray tracing
     libembree-dev
+    # window: OpenGL, also without a display or a graphics card
+    libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libgl1-mesa-dri libegl-mesa0 fonts-dejavu-core xvfb xauth
     # tests, benches, format check
     libgtest-dev libbenchmark-dev clang-format
 )

@@ -1,0 +1,122 @@
+// gl_objects.h: OpenGL's objects with owners: programs, textures to draw into, timers. All need a
+// current context of OpenGL 3.3 core.
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <array>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vog/image.h"
+#include "vog/linear.h"
+
+namespace vog::viewer {
+
+/// Owns one OpenGL name; moves, never copies.
+template <void (*kDelete)(GLuint)>
+class GlName {
+  public:
+    GlName() = default;
+    explicit GlName(GLuint name) : name_(name) {}
+    GlName(GlName&& other) noexcept : name_(std::exchange(other.name_, 0)) {}
+    GlName& operator=(GlName&& other) noexcept {
+        std::swap(name_, other.name_);
+        return *this;
+    }
+    ~GlName() {
+        if (name_) kDelete(name_);
+    }
+    operator GLuint() const { return name_; }  // as OpenGL's own functions take it
+
+  private:
+    GLuint name_ = 0;
+};
+
+void delete_buffer(GLuint name);
+void delete_vertex_array(GLuint name);
+void delete_texture(GLuint name);
+void delete_framebuffer(GLuint name);
+using GlBuffer = GlName<delete_buffer>;
+using GlVertexArray = GlName<delete_vertex_array>;
+using GlTexture = GlName<delete_texture>;
+using GlFramebuffer = GlName<delete_framebuffer>;
+GlBuffer make_buffer();
+GlVertexArray make_vertex_array();
+
+/// throws vog::Error unless the context has OpenGL 3.3 and draws additively into 32-bit floats
+void require_gl();
+
+/// A linked pair of shaders from apps/viewer/shaders, by the files' names.
+class GlProgram {
+  public:
+    /// throws vog::Error with the driver's message where it refuses a shader
+    GlProgram(const std::string& vertex, const std::string& fragment);
+    ~GlProgram();
+    GlProgram(const GlProgram&) = delete;
+    GlProgram& operator=(const GlProgram&) = delete;
+
+    void use() const;
+    void set(const char* name, int value) const;
+    void set(const char* name, float value) const;
+    void set(const char* name, float x, float y) const;
+    void set(const char* name, Vec3d value) const;
+    void set(const char* name, const Rgba& value) const;
+
+  private:
+    GLint place(const char* name) const;
+    GLuint name_ = 0;
+};
+
+/// A texture that can be drawn into and read back.
+class GlTarget {
+  public:
+    /// format  GL_R32F for T, GL_RGBA8 for pictures; the first row is whatever is drawn there first
+    GlTarget(GLenum format, int width, int height);
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    GLuint texture() const { return texture_; }
+    GLuint framebuffer() const { return framebuffer_; }
+    /// Draws from now on go here, to all of it.
+    void bind() const;
+    /// Fills an R32F target.
+    void upload(std::span<const float> pixels) const;
+    /// Of an R32F target, in the order of its rows.
+    std::vector<float> read_floats() const;
+
+  private:
+    int width_ = 0, height_ = 0;
+    GlTexture texture_;
+    GlFramebuffer framebuffer_;
+};
+
+/// RGBA8 of the framebuffer that is bound, as a picture with rows from the top.
+Image read_picture(int width, int height);
+
+/// Milliseconds the device spent between begin() and end(), known a few frames later: asking never
+/// waits.
+class GlTimer {
+  public:
+    GlTimer();
+    ~GlTimer();
+    GlTimer(const GlTimer&) = delete;
+    GlTimer& operator=(const GlTimer&) = delete;
+    void begin();
+    void end();
+    /// Of the latest interval that is known; 0 before the first.
+    double ms() const { return ms_; }
+
+  private:
+    void collect();
+    static constexpr std::size_t kQueries = 4;
+    std::array<GLuint, kQueries> query_{};
+    std::array<bool, kQueries> pending_{};
+    std::size_t next_ = 0;
+    bool running_ = false;
+    double ms_ = 0;
+};
+
+}  // namespace vog::viewer

@@ -1,0 +1,77 @@
+// shade.frag: T to colour, as vog::shade does: V = 1 - exp(-T), the transfer function where T > 0, the
+// background elsewhere. Left of the split line image A, right of it image B; or their difference.
+in vec2 position;
+
+uniform highp sampler2D depth_a, depth_b;  // T, one channel
+uniform vec2 size_a, size_b;               // pixels
+uniform float factor_a, factor_b;          // extinction over the number of sub-frames
+uniform highp sampler2D transfer;          // one row: colour and opacity at sqrt(V) = 0 ... 1
+uniform float transfer_size;
+uniform vec4 background;
+uniform bool blend;
+uniform bool checker;       // draw a clear background as a chequered one
+uniform float split;        // [0, 1] of the width; 1 and more: A alone
+uniform bool difference;
+uniform float difference_limit;  // |V - V'| at the ends of the scale
+uniform vec2 viewport_px, viewport_origin_px;
+
+layout(location = 0) out vec4 color;
+
+// The image at this place: the pixel itself where image and viewport have one size, else linear between pixels.
+float depth_at(highp sampler2D image, vec2 size) {
+    ivec2 last = ivec2(size) - 1;
+    vec2 at = position * size - 0.5;
+    if (size == viewport_px) {
+        vec2 pixel = gl_FragCoord.xy - viewport_origin_px;
+        pixel.y = viewport_px.y - pixel.y;  // rows of T run from the top
+        return texelFetch(image, clamp(ivec2(floor(pixel)), ivec2(0), last), 0).r;
+    }
+    ivec2 base = ivec2(floor(at));
+    vec2 f = at - vec2(base);
+    ivec2 low = clamp(base, ivec2(0), last), high = clamp(base + 1, ivec2(0), last);
+    return mix(mix(texelFetch(image, low, 0).r, texelFetch(image, ivec2(high.x, low.y), 0).r, f.x),
+               mix(texelFetch(image, ivec2(low.x, high.y), 0).r, texelFetch(image, high, 0).r, f.x), f.y);
+}
+
+vec4 transfer_at(float v) {
+    float at = sqrt(v) * (transfer_size - 1.0), base = floor(at);
+    vec4 low = texelFetch(transfer, ivec2(int(base), 0), 0);
+    vec4 high = texelFetch(transfer, ivec2(int(min(base + 1.0, transfer_size - 1.0)), 0), 0);
+    return mix(low, high, at - base);  // even in sqrt(V), as good as even in V between neighbours
+}
+
+// Straight alpha, as vog::shade.
+vec4 over(vec4 front, vec4 back) {
+    float behind = back.a * (1.0 - front.a), alpha = front.a + behind;
+    if (alpha <= 0.0) return vec4(back.rgb, 0.0);
+    return vec4((front.a * front.rgb + behind * back.rgb) / alpha, alpha);
+}
+
+// Blue: A shows too little against B, red: too much, grey: equal (as vog compare --diff).
+vec4 difference_color(float signed_share) {
+    float s = clamp(signed_share, -1.0, 1.0);
+    vec3 grey = vec3(0.8667), end = s < 0.0 ? vec3(0.231, 0.298, 0.753) : vec3(0.706, 0.016, 0.149);
+    return vec4(mix(grey, end, abs(s)), 1.0);
+}
+
+void main() {
+    float ta = depth_at(depth_a, size_a) * factor_a;
+    if (difference) {
+        float tb = depth_at(depth_b, size_b) * factor_b;
+        color = difference_color((exp(-tb) - exp(-ta)) / difference_limit);
+        return;
+    }
+    float t = position.x < split ? ta : depth_at(depth_b, size_b) * factor_b;
+    color = background;
+    if (t > 0.0) {
+        float v = 1.0 - exp(-t);
+        vec4 front = transfer_at(v);
+        if (blend) front.a *= v;
+        color = over(front, background);
+    }
+    if (checker && color.a < 1.0) {
+        vec2 cell = floor((gl_FragCoord.xy - viewport_origin_px) / 12.0);
+        vec3 board = vec3(mod(cell.x + cell.y, 2.0) < 1.0 ? 0.30 : 0.36);
+        color = vec4(mix(board, color.rgb, color.a), 1.0);
+    }
+}

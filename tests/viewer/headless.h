@@ -1,0 +1,27 @@
+// headless.h: an OpenGL context for tests; where the machine has none they skip, aloud.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "screen.h"
+#include "vog/error.h"
+
+namespace vog::test {
+
+/// A test with a headless OpenGL context.
+class headless : public testing::Test {
+  protected:
+    void SetUp() override {
+        try {
+            screen_ = viewer::open_headless({64, 64});
+        } catch (const Error& error) {
+            GTEST_SKIP() << "no OpenGL 3.3 on this machine: " << error.what();
+        }
+    }
+    std::unique_ptr<viewer::Screen> screen_;
+};
+
+}  // namespace vog::test
