@@ -1,6 +1,5 @@
 // cli_test.cpp: the command as a user runs it: exit codes, outputs, one clear line for every error.
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -8,62 +7,13 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "support/data.h"
+#include "support/command.h"
 #include "vog/image.h"
 #include "vog/ply.h"
 
 namespace vog::test {
 
-namespace {
-
-struct Result {
-    int exit_code = -1;
-    std::string out, error;
-};
-
-std::string read_text(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-class cli : public testing::Test {
-  protected:
-    /// Runs `vog arguments` in the test's own folder.
-    Result run(const std::string& arguments) const {
-        const std::string command = "cd '" + (dir_ / "").string() + "' && '" + vog_command() +
-                                    "' " + arguments + " >stdout.txt 2>stderr.txt </dev/null";
-        const int status = std::system(command.c_str());
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
-                read_text(dir_ / "stderr.txt")};
-    }
-    /// Runs it and expects success.
-    Result must(const std::string& arguments) const {
-        const Result result = run(arguments);
-        EXPECT_EQ(result.exit_code, 0) << "vog " << arguments << "\n" << result.error;
-        return result;
-    }
-    /// Expects the exit code and exactly one line on standard error that holds `text`.
-    void must_fail(int exit_code, const std::string& arguments, const std::string& text) const {
-        const Result result = run(arguments);
-        EXPECT_EQ(result.exit_code, exit_code) << "vog " << arguments << "\n" << result.error;
-        EXPECT_NE(result.error.find(text), std::string::npos) << "vog " << arguments << "\n"
-                                                              << result.error;
-        if (exit_code == 1) {
-            EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1)
-                << result.error;
-            EXPECT_EQ(result.out, "");
-        }
-    }
-    void write(const std::string& name, const std::string& text) const {
-        std::ofstream(dir_ / name, std::ios::binary) << text;
-    }
-
-    TempDir dir_;
-};
-
-}  // namespace
+class cli : public CommandLine {};
 
 TEST_F(cli, goes_from_nothing_to_a_picture) {
     must("sample cloud cloud.vdb --size 64");

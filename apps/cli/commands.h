@@ -12,5 +12,6 @@ void add_convert(CLI::App& app);
 void add_render(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_evaluate(CLI::App& app);
+void add_view(CLI::App& app);
 
 }  // namespace vog::cli

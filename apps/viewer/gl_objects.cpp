@@ -61,6 +61,13 @@ void require_gl() {
     glBindFramebuffer(GL_FRAMEBUFFER, 0);
 }
 
+bool is_software_gl() {
+    const std::string renderer = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
+    for (const char* name : {"llvmpipe", "softpipe", "swrast", "SwiftShader"})
+        if (renderer.find(name) != std::string::npos) return true;
+    return false;
+}
+
 GlProgram::GlProgram(const std::string& vertex, const std::string& fragment) {
     const GLuint v = compile(GL_VERTEX_SHADER, vertex), f = compile(GL_FRAGMENT_SHADER, fragment);
     name_ = glCreateProgram();
@@ -160,6 +167,11 @@ void GlTimer::end() {
     pending_[next_] = true;
     next_ = (next_ + 1) % kQueries;
     running_ = false;
+}
+
+double GlTimer::ms() {
+    collect();
+    return ms_;
 }
 
 void GlTimer::collect() {

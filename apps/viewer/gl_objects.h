@@ -48,6 +48,8 @@ GlVertexArray make_vertex_array();
 
 /// throws vog::Error unless the context has OpenGL 3.3 and draws additively into 32-bit floats
 void require_gl();
+/// Whether the processor does OpenGL's work here (Mesa's llvmpipe and its kin).
+bool is_software_gl();
 
 /// A linked pair of shaders from apps/viewer/shaders, by the files' names.
 class GlProgram {
@@ -107,7 +109,7 @@ class GlTimer {
     void begin();
     void end();
     /// Of the latest interval that is known; 0 before the first.
-    double ms() const { return ms_; }
+    double ms();
 
   private:
     void collect();

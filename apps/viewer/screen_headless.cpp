@@ -3,8 +3,9 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <chrono>
-#include <cstdlib>
+#include <thread>
 
 #include "gl_objects.h"
 #include "screen.h"
@@ -99,7 +100,9 @@ class HeadlessScreen : public Screen {
         target_ = std::make_unique<GlTarget>(GL_RGBA8, pixels.width, pixels.height);
     }
     double content_scale() const override { return 1; }
-    void begin_frame(ImGuiIO& io, double) override {
+    void begin_frame(ImGuiIO& io, double wait_s) override {
+        // No events will come.
+        std::this_thread::sleep_for(std::chrono::duration<double>(std::min(wait_s, 0.01)));
         map_keys(io);
         io.DisplaySize = {static_cast<float>(size_.width), static_cast<float>(size_.height)};
         const Clock::time_point now = Clock::now();

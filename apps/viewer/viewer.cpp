@@ -1,0 +1,212 @@
+// viewer.cpp: the loop: events, state, picture, panels, frame.
+#include "viewer.h"
+
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "gui_gl.h"
+#include "panels.h"
+#include "script.h"
+#include "vog/error.h"
+
+namespace vog::viewer {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double ms_since(Clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// Dear ImGui's state, without files of its own.
+class GuiContext {
+  public:
+    GuiContext() {
+        ImGui::CreateContext();
+        ImGui::GetIO().IniFilename = nullptr;
+        ImGui::GetIO().LogFilename = nullptr;
+    }
+    ~GuiContext() { ImGui::DestroyContext(); }
+    GuiContext(const GuiContext&) = delete;
+    GuiContext& operator=(const GuiContext&) = delete;
+};
+
+/// A typeface of the system where one of these is installed; else ImGui's own.
+void load_font(float pixels) {
+    ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
+    atlas.Clear();
+    for (const char* file : {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf",
+                             "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                             "/usr/share/fonts/TTF/DejaVuSans.ttf",
+                             "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+                             "/usr/share/fonts/truetype/noto/NotoSans-Regular.ttf",
+                             "/System/Library/Fonts/Helvetica.ttc"})
+        if (std::filesystem::exists(file) && atlas.AddFontFromFileTTF(file, pixels)) return;
+    ImFontConfig config;
+    config.SizePixels = std::max(13.0f, pixels * 13 / 15);
+    atlas.AddFontDefault(&config);
+}
+
+/// Number of a file name that is not taken: vog-1.png, vog-2.png, ...
+std::string free_name(const std::string& extension) {
+    for (int n = 1;; ++n)
+        if (std::string name = fmt::format("vog-{}{}", n, extension);
+            !std::filesystem::exists(name))
+            return name;
+}
+
+class Program {
+  public:
+    explicit Program(const ViewerOptions& options)
+        : options_(options),
+          screen_(options.headless ? open_headless(options.size) : open_window(options.size)),
+          session_(options.read) {
+        if (!options.script.empty()) script_.emplace(options.script);
+        session_.settings.scale = options.scale;
+        // Where OpenGL has no device the splat on the CPU is some fifty times as fast. Scripts
+        // begin alike everywhere.
+        if (options.script.empty() && is_software_gl())
+            session_.settings.renderer = Renderer::splat;
+        session_.look = options.look;
+        session_.look_changed();
+        if (options.extinction > 0) session_.set_first_exposure(options.extinction);
+        session_.first_camera = options.camera ? options.camera : paper_view;
+        if (!options.files.empty()) session_.open(options.files);
+    }
+
+    void run() {
+        while (!screen_->close_requested() && !wishes_.quit) {
+            const Clock::time_point start = Clock::now();
+            frame();
+            session_.measured.frame_ms = ms_since(start);
+            const double fps = 1000 / std::max(0.01, session_.measured.frame_ms);
+            gui_.fps += (gui_.fps > 0 ? 0.1 : 1) * (fps - gui_.fps);
+            if (script_ && script_->ended()) return;
+        }
+    }
+
+  private:
+    /// Rebuilds style and font where the size asks for another scale.
+    void fit_ui(PixelSize size, float points_scale) {
+        // What the display asks for; on large frames at least half a step per 540 rows, so that
+        // text stays legible where the display does not say how dense it is.
+        const double by_rows = std::clamp(std::floor(size.height / 540.0) / 2, 1.0, 3.0);
+        const double pixels =
+            options_.ui_scale > 0 ? options_.ui_scale : std::max(screen_->content_scale(), by_rows);
+        if (pixels == ui_pixels_) return;
+        ui_pixels_ = pixels;
+        load_font(static_cast<float>(std::lround(15 * pixels)));
+        ImGui::GetIO().FontGlobalScale = 1 / points_scale;
+        set_style(static_cast<float>(pixels) / points_scale);
+        gui_gl_.upload_fonts();
+    }
+
+    void frame() {
+        ImGuiIO& io = ImGui::GetIO();
+        // Nothing to draw: events may wait, and other threads have the cores.
+        const bool idle = session_.at_rest() && !script_ && still_frames_ > 3;
+        screen_->begin_frame(io, idle ? 0.5 : session_.drawing() ? 0 : 0.01);
+        const PixelSize size = screen_->size();
+        if (size.width < 1 || size.height < 1) return;
+        const float points_scale = std::max(0.1f, io.DisplayFramebufferScale.x);
+        fit_ui(size, points_scale);
+        const Layout layout =
+            layout_of(io.DisplaySize.x, io.DisplaySize.y,
+                      static_cast<float>(ui_pixels_) / points_scale, session_.settings.panels);
+        if (script_) {
+            Stage stage{session_, gui_, *screen_, layout.picture};
+            script_->play(stage);
+            script_->feed(io);
+        }
+        ImGui::NewFrame();
+        if (const auto files = screen_->take_dropped_files(); !files.empty()) session_.open(files);
+        attempt_or_throw([&] { apply_input(session_, hand_, layout.picture, wishes_); });
+
+        const auto to_pixels = [&](float points) {
+            return static_cast<int>(std::lround(points * points_scale));
+        };
+        const PixelSize shown{to_pixels(layout.picture.width), to_pixels(layout.picture.height)};
+        attempt_or_throw([&] { session_.update(shown); });
+        stop_if_nothing_opens();
+        set_title();
+
+        const Clock::time_point gui_start = Clock::now();
+        draw_panels(session_, gui_, layout, wishes_);
+        ImGui::Render();
+        session_.measured.gui_ms = ms_since(gui_start);
+
+        screen_->bind();
+        glDisable(GL_SCISSOR_TEST);
+        glClearColor(0.08f, 0.08f, 0.09f, 1);
+        glClear(GL_COLOR_BUFFER_BIT);
+        session_.draw({0, size.height - shown.height, shown.width, shown.height});
+        glViewport(0, 0, size.width, size.height);
+        gui_gl_.draw(*ImGui::GetDrawData());
+        attempt_or_throw([&] { write_what_is_asked(size); });
+        if (script_) script_->after_frame({session_, gui_, *screen_, layout.picture});
+        screen_->show_frame();
+        still_frames_ = session_.at_rest() && !ImGui::IsAnyMouseDown() ? still_frames_ + 1 : 0;
+    }
+
+    /// Failures are shown in the window; a script ends with them.
+    template <class Action>
+    void attempt_or_throw(const Action& action) {
+        try {
+            action();
+        } catch (const Error& error) {
+            if (script_) throw;
+            session_.fail(error.what());
+        }
+    }
+
+    /// A window that cannot show what it was opened for is of no use.
+    void stop_if_nothing_opens() {
+        const std::string& error = session_.loading.error;
+        if (!error.empty() && session_.scene.levels.empty() && !options_.files.empty())
+            throw Error(error);
+    }
+
+    void write_what_is_asked(PixelSize size) {
+        if (std::exchange(wishes_.screenshot, false)) {
+            screen_->bind();
+            Image image = read_picture(size.width, size.height);
+            for (Rgba& pixel : image.pixel) pixel.a = 1;  // a window has none
+            const std::string name = free_name(".png");
+            write_png(name, image);
+            session_.say("wrote " + name);
+        }
+        if (std::exchange(wishes_.picture, false)) session_.save_picture(free_name(".png"));
+        if (std::exchange(wishes_.depth, false)) session_.save_depth(free_name(".exr"));
+    }
+
+    void set_title() {
+        const std::string title =
+            session_.scene.title.empty() ? "vog" : session_.scene.title + " - vog";
+        if (title != title_) screen_->set_title(title_ = title);
+    }
+
+    const ViewerOptions& options_;
+    GuiContext context_;
+    std::unique_ptr<Screen> screen_;
+    GuiGl gui_gl_;
+    Session session_;
+    Gui gui_;
+    Hand hand_;
+    Wishes wishes_;
+    std::optional<ScriptPlayer> script_;
+    double ui_pixels_ = 0;
+    int still_frames_ = 0;
+    std::string title_;
+};
+
+}  // namespace
+
+void run(const ViewerOptions& options) { Program(options).run(); }
+
+}  // namespace vog::viewer

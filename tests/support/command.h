@@ -1,0 +1,67 @@
+// command.h: the command as a user runs it, in a folder of the test's own.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "support/data.h"
+
+namespace vog::test {
+
+struct Result {
+    int exit_code = -1;
+    std::string out, error;
+};
+
+inline std::string read_text(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+class CommandLine : public testing::Test {
+  protected:
+    /// Runs `vog arguments` in the test's own folder. before  words in front of it: variables, ...
+    Result run(const std::string& arguments, const std::string& before = "") const {
+        const std::string command = "cd '" + (dir_ / "").string() + "' && " + before + " '" +
+                                    vog_command() + "' " + arguments +
+                                    " >stdout.txt 2>stderr.txt </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
+                read_text(dir_ / "stderr.txt")};
+    }
+    /// Runs it and expects success.
+    Result must(const std::string& arguments, const std::string& before = "") const {
+        const Result result = run(arguments, before);
+        EXPECT_EQ(result.exit_code, 0) << "vog " << arguments << "\n" << result.error;
+        return result;
+    }
+    /// Expects the exit code and exactly one line on standard error that holds `text`.
+    void must_fail(int exit_code, const std::string& arguments, const std::string& text,
+                   const std::string& before = "") const {
+        const Result result = run(arguments, before);
+        EXPECT_EQ(result.exit_code, exit_code) << "vog " << arguments << "\n" << result.error;
+        EXPECT_NE(result.error.find(text), std::string::npos) << "vog " << arguments << "\n"
+                                                              << result.error;
+        if (exit_code == 1) {
+            EXPECT_EQ(std::count(result.error.begin(), result.error.end(), '\n'), 1)
+                << result.error;
+            EXPECT_EQ(result.out, "");
+        }
+    }
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(dir_ / name, std::ios::binary) << text;
+    }
+
+    TempDir dir_;
+};
+
+}  // namespace vog::test

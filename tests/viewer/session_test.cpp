@@ -1,0 +1,232 @@
+// session_test.cpp: `vog view` as a user or a script drives it, against the other commands; and one
+// clear line for everything it cannot do.
+#include <nlohmann/json.hpp>
+
+#include "screen.h"
+#include "support/command.h"
+#include "vog/compare.h"
+#include "vog/error.h"
+#include "vog/gaussians.h"
+#include "vog/ply.h"
+
+namespace vog::test {
+
+class view_command : public CommandLine {
+  protected:
+    void SetUp() override {
+        try {
+            viewer::open_headless({8, 8});
+        } catch (const Error& error) {
+            GTEST_SKIP() << "no OpenGL 3.3 on this machine: " << error.what();
+        }
+    }
+    void play(const std::string& inputs, const std::string& script,
+              const std::string& options = "") const {
+        write("play.vog", script);
+        must("view " + inputs + " --headless --script play.vog " + options);
+    }
+    /// Expects a line that names the script's line.
+    void refuses(const std::string& script, const std::string& text) const {
+        write("play.vog", script);
+        must_fail(1, "view cloud.ply --headless --script play.vog --size 64x48", text);
+    }
+    void make_cloud() const {
+        must("sample cloud cloud.vdb --size 64");
+        must("convert cloud.vdb -o cloud.ply --block 4");
+    }
+    /// No channel of any pixel off by more than 2 of 255.
+    void expect_same_picture(const std::string& expected, const std::string& drawn) const {
+        const Image a = read_image(dir_ / expected), b = read_image(dir_ / drawn);
+        const PictureDifference difference = compare(a, b);
+        EXPECT_LE(difference.largest, 2)
+            << drawn << " at " << difference.largest_column << ", " << difference.largest_row;
+        EXPECT_GE(difference.psnr_db, 55) << drawn;
+    }
+};
+
+TEST_F(view_command, a_sessions_picture_is_the_command_lines) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o cloud.ply --block 4");
+    play("cloud.vdb",
+         "size 500 400\n"
+         "subframes 1\n"
+         "wait                          # for all levels\n"
+         "drag left 30% 40% 60% 55%     # orbit\n"
+         "drag shift+left 50% 50% 55% 45%\n"
+         "wheel 3 60% 40%               # zoom in\n"
+         "roll 20\n"
+         "tf viridis\n"
+         "split 0.5\n"
+         "drag left 50% 70% 30% 70%     # the split line\n"
+         "slide level 0.0\n"
+         "slide level 1.0\n"
+         "level blocks of 4\n"
+         "split off\n"
+         "panels off\n"
+         "overlay off\n"
+         "colorbar off\n"
+         "size 240 180\n"
+         "exposure 3.5\n"
+         "wait\n"
+         "save-camera camera.json\n"
+         "depth T.exr\n"
+         "picture picture.png\n"
+         "screenshot window.png\n");
+    must(
+        "render cloud.ply -o expected.png --depth-out expected-T.exr --camera camera.json --size "
+        "240x180 "
+        "--extinction 3.5 --tf viridis");
+    expect_same_picture("expected.png", "picture.png");
+    expect_same_picture("expected.png", "window.png");
+    const DepthDifference depth =
+        compare(read_depth(dir_ / "expected-T.exr"), read_depth(dir_ / "T.exr"));
+    EXPECT_LE(depth.relative_l2, 1e-5);
+    // The hand did move the camera: the paper view is another picture.
+    must("render cloud.ply -o paper.png --size 240x180 --extinction 3.5 --tf viridis");
+    EXPECT_LT(compare(read_image(dir_ / "paper.png"), read_image(dir_ / "picture.png")).psnr_db,
+              40);
+}
+
+TEST_F(view_command, the_split_shows_gaussians_and_voxels) {
+    make_cloud();
+    play("cloud.vdb",
+         "panels off\noverlay off\ncolorbar off\nsubframes 1\nlevel finest\nexposure 5\n"
+         "split 0.25\nwait\npicture split.png\n"
+         "split off\nrenderer reference\nwait\npicture voxels.png\n"
+         "renderer splat\nwait\npicture splat.png\n"
+         "renderer gl\nwait\npicture gl.png\n",
+         "--size 200x160");
+    expect_same_picture("splat.png", "gl.png");
+    const Image split = read_image(dir_ / "split.png"), gl = read_image(dir_ / "gl.png"),
+                voxels = read_image(dir_ / "voxels.png");
+    for (int row = 0; row < split.height; ++row)
+        for (int column = 0; column < split.width; ++column)
+            ASSERT_EQ(split.at(column, row), (column < 50 ? gl : voxels).at(column, row));
+    must("render cloud.vdb -o expected.png --size 200x160 --extinction 5");
+    expect_same_picture("expected.png", "voxels.png");
+}
+
+TEST_F(view_command, automatic_exposure_is_the_command_lines) {
+    make_cloud();
+    play("cloud.ply",
+         "panels off\noverlay off\ncolorbar off\nsubframes 1\nwait\npicture auto.png\n",
+         "--size 200x160 --tf plasma --background 0.2,0.4,0.6 --blend --azimuth 2 --fov 30");
+    must(
+        "render cloud.ply -o expected.png --size 200x160 --tf plasma --background 0.2,0.4,0.6 "
+        "--blend "
+        "--azimuth 2 --fov 30");
+    expect_same_picture("expected.png", "auto.png");
+}
+
+TEST_F(view_command, a_look_saved_is_the_look_shown) {
+    make_cloud();
+    play("cloud.ply",
+         "panels off\noverlay off\ncolorbar off\nsubframes 1\nexposure 4\ntf hot\nrange 0.1 "
+         "0.8\ngamma 0.5\n"
+         "invert on\nopacity 0:0.2 0.5:1\nbackground 0.2,0.4,0.6\nwait\nsave-tf look.json\n"
+         "save-camera camera.json\npicture look.png\n",
+         "--size 160x120");
+    must(
+        "render cloud.ply -o expected.png --size 160x120 --camera camera.json --extinction 4 --tf "
+        "look.json "
+        "--background 0.2,0.4,0.6");
+    expect_same_picture("expected.png", "look.png");
+}
+
+TEST_F(view_command, keys_and_buttons_do_what_they_say) {
+    make_cloud();
+    play("cloud.vdb",
+         "subframes 1\nwait\nkey 3\nsave-camera axis.json\nkey home\nkey tab\nkey o\nkey l\nwait\n"
+         "screenshot bare.png\npicture picture.png\nkey tab\npress -z\nsave-camera back.json\n",
+         "--size 900x800");
+    EXPECT_EQ(read_image(dir_ / "bare.png").pixel, read_image(dir_ / "picture.png").pixel);
+    const auto eye = [&](const std::string& file) {
+        const auto camera = nlohmann::json::parse(read_text(dir_ / file));
+        return camera["eye"][2].get<double>() - camera["look_at"][2].get<double>();
+    };
+    EXPECT_GT(eye("axis.json"), 0);
+    EXPECT_LT(eye("back.json"), 0);
+}
+
+TEST_F(view_command, a_turntable_ends_where_it_began) {
+    make_cloud();
+    play("cloud.ply", "subframes 1\npanels off\nwait\npicture first.png\nturntable turn 4\n",
+         "--size 100x80");
+    EXPECT_EQ(read_image(dir_ / "turn" / "0001.png").pixel, read_image(dir_ / "first.png").pixel);
+    EXPECT_NE(read_image(dir_ / "turn" / "0003.png").pixel, read_image(dir_ / "first.png").pixel);
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "turn" / "0004.png"));
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "turn" / "0005.png"));
+}
+
+TEST_F(view_command, two_pixels_a_pixel_are_averaged) {
+    make_cloud();
+    play("cloud.ply",
+         "panels off\noverlay off\ncolorbar off\nsubframes 1\nexposure 4\ntf gray\nscale 2\nwait\n"
+         "depth fine.exr\nscreenshot shown.png\n",
+         "--size 100x80");
+    const DepthImage fine = read_depth(dir_ / "fine.exr");
+    const Image shown = read_image(dir_ / "shown.png");
+    ASSERT_EQ(fine.width, 200);
+    for (int row = 0; row < 80; ++row)
+        for (int column = 0; column < 100; ++column) {
+            const float t =
+                (fine.at(2 * column, 2 * row) + fine.at(2 * column + 1, 2 * row) +
+                 fine.at(2 * column, 2 * row + 1) + fine.at(2 * column + 1, 2 * row + 1)) /
+                4;
+            ASSERT_NEAR(shown.at(column, row).r, 1 - std::exp(-t), 1.5 / 255);
+        }
+}
+
+TEST_F(view_command, bad_scripts_are_refused_by_line) {
+    make_cloud();
+    refuses("wait\n\nfrobnicate 3\n", "play.vog:3: no action 'frobnicate'");
+    refuses("orbit 3\n", "play.vog:1: 'orbit 3', expected: orbit RIGHT UP");
+    refuses("wait\ngamma much\n", "play.vog:2: 'gamma much', expected: gamma EXPONENT");
+    refuses("wait\ntf nosuchmap\n", "play.vog:2: nosuchmap");
+    refuses("wait\nlevel 77\n", "play.vog:2: no level '77'");
+    refuses("wait\npress nothing\n", "play.vog:2: no widget 'nothing'");
+    refuses("key hyper\n", "play.vog:1: no key 'hyper'");
+    refuses("open nosuch.vdb\nwait\n", "play.vog:");
+    refuses("wait\npicture nofolder/a.png\n", "play.vog:2: nofolder/a.png");
+    must_fail(1, "view cloud.ply --headless --script nosuch.vog",
+              "nosuch.vog: cannot read this script");
+    must_fail(2, "view cloud.ply --headless", "--headless needs --script");
+}
+
+TEST_F(view_command, what_cannot_be_shown_is_told_in_one_line) {
+    write("play.vog", "wait\n");
+    must_fail(1, "view nosuch.vdb --headless --script play.vog", "nosuch.vdb: no such file");
+    write("broken.vdb", "not a volume");
+    must_fail(1, "view broken.vdb --headless --script play.vog", "broken.vdb");
+    write_ply(dir_ / "empty.ply", {});
+    must_fail(1, "view empty.ply --headless --script play.vog",
+              "empty.ply: a model without Gaussians");
+    make_cloud();
+    must_fail(1, "view cloud.ply cloud.vdb --headless --script play.vog",
+              "another kind than cloud.ply");
+    must_fail(1, "view cloud.ply", "no display to open a window on",
+              "env -u DISPLAY -u WAYLAND_DISPLAY");
+    must_fail(1, "view cloud.ply --headless --script play.vog", "no headless OpenGL 3.3",
+              "env MESA_GL_VERSION_OVERRIDE=2.1");
+}
+
+TEST_F(view_command, the_window_shows_what_memory_does) {
+    if (std::system("command -v xvfb-run >/dev/null 2>&1") != 0)
+        GTEST_SKIP() << "no xvfb-run on this machine";
+    make_cloud();
+    const std::string script =
+        "subframes 1\nwait\ndrag left 40% 40% 55% 50%\nwheel 2 50% 50%\nkey tab\nkey o\nkey "
+        "l\nwait\n"
+        "size 320 240\nwait\nsave-camera camera.json\n";
+    const std::string xvfb = "xvfb-run -a -s '-screen 0 1280x1024x24'";
+    write("play.vog", script + "screenshot window.png\n");
+    must("view cloud.ply --script play.vog --size 400x300 --extinction 4", xvfb);
+    must("render cloud.ply -o expected.png --camera camera.json --size 320x240 --extinction 4");
+    expect_same_picture("expected.png", "window.png");
+    // xvfb-run has words of its own to say where the command fails.
+    const Result old = run("view cloud.ply", "env MESA_GL_VERSION_OVERRIDE=2.1 " + xvfb);
+    EXPECT_NE(old.exit_code, 0);
+    EXPECT_NE(old.error.find("vog: no window with OpenGL 3.3"), std::string::npos) << old.error;
+}
+
+}  // namespace vog::test

@@ -1,0 +1,140 @@
+// trackball_test.cpp: what each motion of the camera keeps and changes.
+#include "trackball.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "vog/error.h"
+
+namespace vog::test {
+
+using namespace viewer;
+
+namespace {
+
+const Box kBox{{-1, -2, -3}, {4, 5, 6}};
+
+Camera some_camera() {
+    Camera camera = orbit_view(kBox, 0.7, 0.4, 2.5, 40);
+    camera.look_at = camera.look_at + Vec3d{0.3, -0.2, 0.5};
+    return camera;
+}
+
+double distance(const Camera& camera) { return length(camera.look_at - camera.eye); }
+
+/// Where a world point is seen: right and up of the middle, in half heights.
+ScreenPoint seen(const Camera& camera, Vec3d point) {
+    const CameraFrame f = frame_of(camera, 100, 100);
+    const Vec3d p = point - f.eye;
+    const double scale = f.pixels_per_unit / (50 * dot(p, f.forward));
+    return {dot(p, f.right) * scale, dot(p, f.up) * scale};
+}
+
+void expect_near(Vec3d a, Vec3d b, double tolerance) {
+    for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(a[axis], b[axis], tolerance);
+}
+
+}  // namespace
+
+TEST(trackball, turning_keeps_the_centre_and_the_distance) {
+    const Camera camera = some_camera();
+    for (const Camera& turned : {rotated(camera, {0.1, 0.2}, {-0.4, 0.6}),
+                                 rotated(camera, {1.5, 0}, {0, 1.5}), orbited(camera, 1, 0.5)}) {
+        EXPECT_EQ(turned.look_at, camera.look_at);
+        EXPECT_NEAR(distance(turned), distance(camera), 1e-12 * distance(camera));
+        EXPECT_GT(length(turned.eye - camera.eye), 0.1);
+        EXPECT_NO_THROW(frame_of(turned, 10, 10));
+    }
+}
+
+TEST(trackball, a_drag_to_the_right_brings_the_left_side_to_the_front) {
+    const Camera camera = some_camera();
+    const CameraFrame frame = frame_of(camera, 10, 10);
+    const Camera turned = rotated(camera, {0, 0}, {0.3, 0});
+    EXPECT_LT(dot(turned.eye - camera.eye, frame.right), 0);
+    const Camera up = rotated(camera, {0, 0}, {0, 0.3});
+    EXPECT_LT(dot(up.eye - camera.eye, frame.up), 0);
+}
+
+TEST(trackball, a_drag_and_back_is_nothing) {
+    const Camera camera = some_camera();
+    const Camera back = rotated(rotated(camera, {0.1, 0.2}, {-0.3, 0.5}), {-0.3, 0.5}, {0.1, 0.2});
+    expect_near(back.eye, camera.eye, 1e-9);
+}
+
+TEST(trackball, panning_follows_the_pointer) {
+    const Camera camera = some_camera();
+    const Camera moved = panned(camera, {0.1, -0.2}, {0.5, 0.3});
+    const ScreenPoint at = seen(moved, camera.look_at);
+    EXPECT_NEAR(at.x, 0.4, 1e-9);
+    EXPECT_NEAR(at.y, 0.5, 1e-9);
+}
+
+TEST(trackball, zooming_keeps_what_is_under_the_pointer) {
+    const Camera camera = some_camera();
+    const CameraFrame f = frame_of(camera, 100, 100);
+    const ScreenPoint pointer{0.6, -0.3};
+    const double scale = 50 / f.pixels_per_unit;
+    const Vec3d under = f.eye + distance(camera) * (f.forward + (pointer.x * scale) * f.right +
+                                                    (pointer.y * scale) * f.up);
+    for (const double factor : {0.5, 0.9, 1.7}) {
+        const Camera closer = zoomed(camera, pointer, factor, 1e-6);
+        EXPECT_NEAR(seen(closer, under).x, pointer.x, 1e-9);
+        EXPECT_NEAR(seen(closer, under).y, pointer.y, 1e-9);
+        EXPECT_NEAR(distance(closer), factor * distance(camera), 1e-9);
+    }
+}
+
+TEST(trackball, zooming_goes_through_the_volume_and_out_behind) {
+    Camera camera = some_camera();
+    const Vec3d forward = normalized(camera.look_at - camera.eye);
+    for (int n = 0; n < 400; ++n) camera = zoomed(camera, {}, 0.85, 0.2);
+    EXPECT_GT(dot(camera.eye - kBox.center(), forward), kBox.radius());
+    EXPECT_NO_THROW(frame_of(camera, 10, 10));
+}
+
+TEST(trackball, rolling_turns_the_picture_clockwise) {
+    const Camera camera = some_camera();
+    const CameraFrame f = frame_of(camera, 10, 10);
+    const Vec3d above = camera.look_at + 0.1 * f.up;
+    const Camera turned = rolled(camera, std::numbers::pi / 2);
+    EXPECT_GT(seen(turned, above).x, 0);  // what was above is right
+    EXPECT_NEAR(seen(turned, above).y, 0, 1e-9);
+    EXPECT_EQ(turned.eye, camera.eye);
+}
+
+TEST(trackball, looking_around_keeps_the_eye) {
+    const Camera camera = some_camera();
+    const Camera right = looked_around(camera, 0.3, 0);
+    EXPECT_EQ(right.eye, camera.eye);
+    EXPECT_LT(seen(right, camera.look_at).x, 0);  // what was ahead is left
+    EXPECT_LT(seen(looked_around(camera, 0, 0.3), camera.look_at).y, 0);
+}
+
+TEST(trackball, fitting_shows_all_corners_and_fills_the_picture) {
+    for (const double aspect : {0.5, 1.0, 1.6}) {
+        const Camera camera = fitted(some_camera(), kBox, aspect);
+        double reach = 0;
+        for (int corner = 0; corner < 8; ++corner) {
+            const ScreenPoint p = seen(camera, {corner & 1 ? kBox.lower.x : kBox.upper.x,
+                                                corner & 2 ? kBox.lower.y : kBox.upper.y,
+                                                corner & 4 ? kBox.lower.z : kBox.upper.z});
+            reach = std::max({reach, std::abs(p.x) / std::min(1.0, aspect),
+                              std::abs(p.y) / std::min(1.0, aspect)});
+        }
+        EXPECT_LE(reach, 1 + 1e-9);
+        EXPECT_GE(reach, 0.5);
+    }
+}
+
+TEST(trackball, named_views_look_from_their_side) {
+    const Camera y = named_view("-y", kBox, 1, 40);
+    EXPECT_LT(y.eye.y, kBox.lower.y);
+    EXPECT_NEAR(y.eye.x, kBox.center().x, 1e-9);
+    EXPECT_EQ(named_view("paper", kBox, 1, 40).eye, paper_view(kBox).eye);
+    EXPECT_THROW(named_view("+w", kBox, 1, 40), Error);
+}
+
+}  // namespace vog::test
