@@ -244,6 +244,19 @@ TEST_F(cli, traces_the_picture_it_splats) {
         "--extinction 100 -o early.png");
 }
 
+TEST_F(cli, a_renderer_that_cannot_be_here_says_why_in_one_line) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o cloud.ply");
+    for (const std::string name : {"cuda", "optix"}) {
+        const Result result = run("render cloud.ply -o a.png --renderer " + name);
+        if (result.exit_code == 0) continue;  // there is a GPU
+        must_fail(1, "render cloud.ply -o a.png --renderer " + name, "vog: ");
+        EXPECT_TRUE(result.error.find("cuda: ") != std::string::npos ||
+                    result.error.find("optix: ") != std::string::npos)
+            << result.error;
+    }
+}
+
 TEST_F(cli, options_of_another_renderer_are_refused) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply");

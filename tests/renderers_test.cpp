@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "support/device_twin.h"
 #include "support/scenes.h"
 #include "vog/progress.h"
 #include "vog/render.h"
@@ -21,7 +22,7 @@ struct Renderer {
 };
 
 /// The splat on every SIMD target this machine can run, the trace with either any-hit program and
-/// with a list of hits that overflows at once.
+/// with a list of hits that overflows at once, and the GPU's splat compiled for the host.
 std::vector<Renderer> renderers() {
     std::vector<Renderer> all;
     for (const std::string& target : splat_targets())
@@ -39,6 +40,7 @@ std::vector<Renderer> renderers() {
     trace("trace_accumulate", {});
     trace("trace_collect", {.anyhit = AnyHit::collect});
     trace("trace_collect_by_16", {.anyhit = AnyHit::collect, .hits_per_slab = 16});
+    all.push_back({"tile_splat_twin", render_tile_splat_twin});
     return all;
 }
 

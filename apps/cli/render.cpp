@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +12,7 @@
 #include "terminal.h"
 #include "view.h"
 #include "vog/error.h"
+#include "vog/gpu.h"
 #include "vog/reference.h"
 #include "vog/shade.h"
 #include "vog/trace.h"
@@ -81,23 +81,46 @@ void check_renderer_options(const std::string& renderer, const CLI::App& command
                                                        option, renderer,
                                                        fmt::join(renderers, " or ")));
     };
-    only_for({"--anyhit", "--slab-hits", "--stop-transmittance"}, {"trace"});
-    only_for({"--aabb-sigma", "--kappa"}, {"splat", "trace"});
+    only_for({"--anyhit", "--slab-hits", "--stop-transmittance"}, {"trace", "optix"});
+    only_for({"--aabb-sigma"}, {"splat", "trace", "optix"});
+    only_for({"--kappa"}, {"splat", "trace", "optix", "cuda"});
 }
 
-void load_trace(const RenderArguments& arguments, const Gaussians& model, Drawing& drawing) {
+TraceOptions trace_options(const RenderArguments& arguments) {
     TraceOptions options;
     options.anyhit = arguments.anyhit == "collect" ? AnyHit::collect : AnyHit::accumulate;
     options.hits_per_slab = arguments.hits_per_slab;
     options.stop_transmittance = arguments.stop_transmittance;
     if (arguments.extinction != "auto") options.extinction = parse_extinction(arguments.extinction);
+    return options;
+}
+
+void load_trace(const RenderArguments& arguments, const Gaussians& model, Drawing& drawing) {
     drawing.traced = std::make_shared<TraceReport>();
-    drawing.draw = [scene = trace_scene(model, {arguments.aabb_sigma, arguments.kappa}), options,
+    drawing.draw = [scene = trace_scene(model, {arguments.aabb_sigma, arguments.kappa}),
+                    options = trace_options(arguments),
                     report = drawing.traced](const Camera& camera, Size size,
                                              const Progress& progress, DepthImage& depth) {
         TraceOptions now = options;
         now.progress = progress;
         depth = render_trace(scene, camera, size.width, size.height, now, report.get());
+    };
+}
+
+void load_optix(const RenderArguments& arguments, const Gaussians& model, Drawing& drawing) {
+    drawing.traced = std::make_shared<TraceReport>();
+    auto scene = std::make_shared<OptixModel>(
+        model, TraceSceneOptions{arguments.aabb_sigma, arguments.kappa});
+    drawing.draw = [scene, options = trace_options(arguments), report = drawing.traced](
+                       const Camera& camera, Size size, const Progress&, DepthImage& depth) {
+        depth = scene->render(camera, size.width, size.height, options, report.get());
+    };
+}
+
+void load_cuda(const RenderArguments& arguments, const Gaussians& model, Drawing& drawing) {
+    auto splat = std::make_shared<CudaSplat>(model, arguments.kappa);
+    drawing.draw = [splat](const Camera& camera, Size size, const Progress&, DepthImage& depth) {
+        depth = splat->render(camera, size.width, size.height);
     };
 }
 
@@ -149,12 +172,14 @@ Drawing load_drawing(const RenderArguments& arguments, FileKind kind) {
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     drawing.primitives_text = grouped(model->size()) + " Gaussians";
-    if (drawing.renderer == "trace") {
-        load_trace(arguments, *model, drawing);
+    if (drawing.renderer != "splat") {
+        const auto load = drawing.renderer == "trace"   ? load_trace
+                          : drawing.renderer == "optix" ? load_optix
+                                                        : load_cuda;
+        load(arguments, *model, drawing);
         return drawing;
     }
-    if (arguments.kappa > 0)
-        model->cutoff = static_cast<float>(std::sqrt(-2 * std::log(arguments.kappa)));
+    model->cutoff = static_cast<float>(cutoff_of_kappa(arguments.kappa, model->cutoff));
     SplatOptions options;
     options.aabb_sigma = arguments.aabb_sigma;
     auto renderer = std::make_shared<SplatRenderer>(*model, options);
@@ -261,9 +286,10 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
 void add_trace_options(CLI::App& command, RenderArguments& arguments) {
     const auto group = "Ray tracing";
     command
-        .add_option("--anyhit", arguments.anyhit,
-                    "What trace does with a hit: accumulate adds it at once; collect, as the "
-                    "paper, gathers, sorts by entry and integrates front to back")
+        .add_option(
+            "--anyhit", arguments.anyhit,
+            "What trace and optix do with a hit: accumulate adds it at once; collect, as the "
+            "paper, gathers, sorts by entry and integrates front to back")
         ->check(CLI::IsMember({"accumulate", "collect"}))
         ->capture_default_str()
         ->group(group);
@@ -306,9 +332,10 @@ void add_render(CLI::App& app) {
     command
         ->add_option("--renderer", arguments->renderer,
                      "splat: models and particles, exact, object order; trace: the same, ray by "
-                     "ray; reference: volumes, exact through the voxels. Default: splat or "
+                     "ray; cuda, optix: splat and trace on an NVIDIA GPU; reference: volumes, "
+                     "exact through the voxels. Default: splat or "
                      "reference")
-        ->check(CLI::IsMember({"splat", "trace", "reference"}));
+        ->check(CLI::IsMember({"splat", "trace", "cuda", "optix", "reference"}));
     add_trace_options(*command, *arguments);
     command
         ->add_option("--interpolation", arguments->interpolation,

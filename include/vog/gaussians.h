@@ -42,6 +42,10 @@ double mass_within(double cutoff);
 /// the truncated kernel's own variance is scale^2 times this. 0.7106 at 2.25.
 double variance_within(double cutoff);
 
+/// The cutoff at which a kernel has fallen to this share of its peak, sqrt(-2 ln kappa): the
+/// paper's kappa. `otherwise` for 0. throws vog::Error if kappa is neither 0 nor in [1.3e-14, 1)
+double cutoff_of_kappa(double kappa, double otherwise);
+
 /// Mass of Gaussian i, after truncation: density (2 pi)^(3/2) s1 s2 s3 mass_within(cutoff).
 double mass(const Gaussians& gaussians, std::size_t i);
 double mass(const Gaussians& gaussians);

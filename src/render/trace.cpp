@@ -1,16 +1,13 @@
 // trace.cpp: image order. A ray a pixel, through the hierarchy, as the OptiX programs do.
 #include "vog/trace.h"
 
-#include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <mutex>
 
 #include "render/trace_bvh.h"
-#include "vog/error.h"
+#include "render/trace_options.h"
 
 namespace vog {
 
@@ -23,27 +20,10 @@ struct TraceScene::Data {
 
 namespace {
 
-void check(const TraceOptions& options) {
-    if (options.hits_per_slab < 1 || options.hits_per_slab > device::kMaxHitsPerSlab)
-        throw Error(fmt::format("{} hits a slab, expected 1 to {}", options.hits_per_slab,
-                                device::kMaxHitsPerSlab));
-    if (!(options.stop_transmittance >= 0 && options.stop_transmittance < 1))
-        throw Error(fmt::format("rays that stop at a transmittance of {}, expected in [0, 1)",
-                                options.stop_transmittance));
-    if (options.stop_transmittance > 0 && options.anyhit != AnyHit::collect)
-        throw Error(
-            "rays that stop at a transmittance need hits in order: any-hit collect, got "
-            "accumulate");
-    if (!(options.extinction > 0 && std::isfinite(options.extinction)))
-        throw Error(fmt::format("extinction {}, expected a number above 0", options.extinction));
-}
-
 /// __raygen__ of collect: slab after slab until one is not full.
 double collected_depth(const TraceScene::Data& scene, const device::Ray& ray,
                        const TraceOptions& options, TraceReport& report) {
-    const double stop_depth = options.stop_transmittance > 0
-                                  ? -std::log(options.stop_transmittance) / options.extinction
-                                  : std::numeric_limits<double>::infinity();
+    const double opaque = stop_depth(options);
     device::HitList list;
     list.capacity = options.hits_per_slab;
     device::CollectedHit last;
@@ -58,7 +38,7 @@ double collected_depth(const TraceScene::Data& scene, const device::Ray& ray,
         last = list.hit[list.count - 1];
         report.hits += static_cast<std::uint64_t>(list.count);
         more = device::integrate(list, scene.model.gaussians.data(), ray, scene.model.cutoff2,
-                                 stop_depth, scene.model.rounding, sum);
+                                 opaque, scene.model.rounding, sum);
     }
     report.slabs += static_cast<std::uint64_t>(slabs);
     report.most_slabs = std::max(report.most_slabs, slabs);
@@ -76,7 +56,7 @@ TraceScene trace_scene(const Gaussians& gaussians, const TraceSceneOptions& opti
 
 DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width, int height,
                         const TraceOptions& options, TraceReport* report) {
-    check(options);
+    check_trace_options(options);
     const TraceScene::Data& data = scene.data();
     const device::Camera frame = scene_camera(frame_of(camera, width, height), data.model.unit);
     DepthImage image(width, height);

@@ -120,7 +120,7 @@ RTCRay float_ray(const TraceModel& model, const device::Ray& ray, float from) {
     out.org_x = origin.x, out.org_y = origin.y, out.org_z = origin.z;
     out.dir_x = direction.x, out.dir_y = direction.y, out.dir_z = direction.z;
     out.tnear = from;
-    out.tfar = ray.length + static_cast<float>(4 * kBoxSlack);
+    out.tfar = ray.length + device::kRaySlack;
     out.mask = ~0u;
     return out;
 }
@@ -173,11 +173,8 @@ std::uint32_t TraceBvh::accumulate(const device::Ray& ray, device::DepthSum& sum
 void TraceBvh::collect(const device::Ray& ray, device::HitList& list) const {
     Query query(model_, ray);
     query.list = &list;
-    // A hit of this slab enters no earlier than the last of the one before.
-    const float from = list.first_slab || model_.boxed
-                           ? 0.0f
-                           : list.last.entry - static_cast<float>(4 * kBoxSlack);
-    RTCRayHit along{float_ray(model_, ray, std::max(from, 0.0f)), {}};
+    const float from = device::slab_start(list, model_.boxed);
+    RTCRayHit along{float_ray(model_, ray, from), {}};
     along.hit.geomID = along.hit.primID = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(embree_->scene.get(), &query, &along);
 }

@@ -17,15 +17,11 @@ namespace {
 device::Double3 plain(Vec3d v) { return {v.x, v.y, v.z}; }
 device::Float3 plain_float(Vec3d v) { return device::to_float(plain(v)); }
 
-void check(const Gaussians& gaussians, double aabb_sigma, double kappa) {
+void check(const Gaussians& gaussians, double aabb_sigma) {
     validate(gaussians);
     if (!(aabb_sigma >= 0 && std::isfinite(aabb_sigma)))
         throw Error(fmt::format("bounding boxes of {} sigma, expected a number above 0, or 0: none",
                                 aabb_sigma));
-    // As in the paper's conversion: the cutoff sqrt(-2 ln kappa) is to lie within (0, 8].
-    if (kappa != 0 && !(kappa >= 1.3e-14 && kappa < 1))
-        throw Error(
-            fmt::format("kappa {}, expected in [1.3e-14, 1), or 0: the model's own cutoff", kappa));
     if (gaussians.size() >= std::numeric_limits<std::uint32_t>::max())
         throw Error(fmt::format("{} Gaussians, expected fewer than 2^32", gaussians.size()));
 }
@@ -94,8 +90,8 @@ device::SumRounding rounding_for(double bound) {
 }  // namespace
 
 TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kappa) {
-    check(gaussians, aabb_sigma, kappa);
-    const double cutoff = kappa > 0 ? std::sqrt(-2 * std::log(kappa)) : double{gaussians.cutoff};
+    check(gaussians, aabb_sigma);
+    const double cutoff = cutoff_of_kappa(kappa, gaussians.cutoff);
     TraceModel model;
     model.boxed = aabb_sigma > 0;
     model.cutoff2 = static_cast<float>(cutoff * cutoff);

@@ -90,6 +90,16 @@ VOG_HD void begin_slab(HitList& list, const CollectedHit* last) {
     if (last) list.last = *last;
 }
 
+/// Slack of the hierarchy's floats, in scene units: a ray is this much longer than it must be, and
+/// a slab's starts this much earlier.
+constexpr float kRaySlack = 0x1p-18f;
+
+/// Where a traversal for this slab may start: its hits enter no earlier than the last of the slab
+/// before. The paper's boxes may lie before the entries of what they find: no gain there.
+VOG_HD float slab_start(const HitList& list, bool boxed) {
+    return list.first_slab || boxed ? 0.0f : fmaxf(list.last.entry - kRaySlack, 0.0f);
+}
+
 /// Heap sort: nearest first.
 VOG_HD void sort_by_entry(HitList& list) {
     for (int32_t end = list.count - 1; end > 0; --end) {

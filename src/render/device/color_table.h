@@ -1,0 +1,37 @@
+// device/color_table.h: T to colour. The transfer function as a table over V in [0, 1].
+#pragma once
+
+#include "render/device/vector.h"
+
+namespace vog::device {
+
+struct Float4 {
+    float x, y, z, w;
+};
+
+/// `count` colours at V = 0, 1/(count - 1), ..., 1, straight alpha in w; linear between them.
+struct ColorTable {
+    const Float4* color;
+    int32_t count;
+    float extinction;
+    Float4 background;
+    int32_t blend;  ///< opacity is multiplied by V, the paper's blend
+};
+
+/// Colour of a pixel of optical depth T over the background.
+VOG_HD Float4 shade(const ColorTable& table, float depth) {
+    if (!(depth > 0)) return table.background;
+    const float v = -expm1f(-table.extinction * depth);
+    const float at = v * static_cast<float>(table.count - 1);
+    const int32_t cell = static_cast<int32_t>(fminf(at, static_cast<float>(table.count - 2)));
+    const float part = at - static_cast<float>(cell);
+    const Float4 a = table.color[cell], b = table.color[cell + 1];
+    const Float4 color{a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), a.z + part * (b.z - a.z),
+                       a.w + part * (b.w - a.w)};
+    const float opacity = table.blend ? color.w * v : color.w;
+    const Float4 under = table.background;
+    return {under.x + opacity * (color.x - under.x), under.y + opacity * (color.y - under.y),
+            under.z + opacity * (color.z - under.z), under.w + opacity * (1 - under.w)};
+}
+
+}  // namespace vog::device

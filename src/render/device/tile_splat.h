@@ -1,0 +1,215 @@
+// device/tile_splat.h: the splat of docs/method.md ("Splatting without approximation") for a GPU.
+// Project a Gaussian once in double precision; a pixel then costs two quadratics, a square root and
+// a polynomial in single precision.
+#pragma once
+
+#include "render/device/camera_ray.h"
+#include "render/device/gaussian_hit.h"
+#include "render/device/vector.h"
+
+namespace vog::device {
+
+/// A model's Gaussian as its file has it, in scene units.
+struct SplatGaussian {
+    Float3 mean, scale;
+    float rotation[4];  ///< w x y z
+    float density;
+};
+
+/// KernelPolynomial (kernel_polynomial.h): sqrt(pi) e^{-k²/2} P(u) in powers of slope 2u + shift,
+/// 2u = k² - m².
+struct Kernel {
+    float coefficient[41];
+    int32_t degree;
+    float slope, shift;
+    float cutoff2;
+};
+
+struct PixelRange {
+    int32_t x0, x1, y0, y1;  ///< inclusive
+    VOG_HD bool empty() const { return x1 < x0 || y1 < y0; }
+};
+
+/// With (x, y) the pixel's offset from the projected mean, and lengths in units of the whitened
+/// direction there:
+///   m² C = (ax x + ay y)² + by2 y²        C = (c0 + cx x + cy y)² + (d0 + dy y)² + e02
+/// Sums of squares, by triangular bases: nothing cancels, however elongated or far the Gaussian.
+struct TileSplat {
+    PixelRange pixels;
+    int32_t column, row;       ///< pixel nearest the projected mean
+    float offset_x, offset_y;  ///< of the projected mean from it
+    float ax, ay, by2;
+    float c0, cx, cy, d0, dy, e02;
+    float weight;
+    int32_t near;  ///< reaches the plane of the eye: each pixel takes the exact segment
+};
+
+/// Whitening W = diag(1/s) Rᵀ by rows, and A = diag(s) Rᵀ = W⁻ᵀ.
+struct Axes {
+    Double3 w[3], a[3];
+};
+VOG_HD Axes axes_of(const SplatGaussian& g) {
+    double w = g.rotation[0], x = g.rotation[1], y = g.rotation[2], z = g.rotation[3];
+    const double s = 1 / sqrt(w * w + x * x + y * y + z * z);
+    w *= s, x *= s, y *= s, z *= s;
+    // Columns of the rotation: the Gaussian's own axes in the world.
+    const Double3 axis[3] = {
+        {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
+        {2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
+        {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)},
+    };
+    const double scale[3] = {g.scale.x, g.scale.y, g.scale.z};
+    Axes out;
+    for (int n = 0; n < 3; ++n) {
+        out.w[n] = (1 / scale[n]) * axis[n];
+        out.a[n] = scale[n] * axis[n];
+    }
+    return out;
+}
+VOG_HD Double3 apply(const Double3 m[3], Double3 v) {
+    return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
+}
+VOG_HD Double3 cross(Double3 a, Double3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// For the exact segment of near ones.
+VOG_HD Gaussian whitened(const SplatGaussian& g) {
+    const Axes axes = axes_of(g);
+    Gaussian out;
+    out.mean = g.mean;
+    out.density = g.density;
+    for (int n = 0; n < 3; ++n) out.w[n] = to_float(axes.w[n]);
+    out.half = {0, 0, 0};
+    return out;
+}
+
+/// Roots of a x² + 2 b x + c, a > 0 >= c, as pixels whose centres lie between them. `at` is where
+/// x = 0.
+VOG_HD void pixels_between(double a, double b, double c, double at, int32_t size, int32_t& first,
+                           int32_t& last) {
+    const double slack = 1e-3;  // of a pixel: the pixel decides
+    const double root = sqrt(fmax(b * b - a * c, 0.0));
+    const double lower = at + (-b - root) / a - slack, upper = at + (-b + root) / a + slack;
+    first = static_cast<int32_t>(ceil(fmin(fmax(lower, 0.0), size + 1.0)));
+    last = static_cast<int32_t>(floor(fmin(fmax(upper, -2.0), size - 1.0)));
+}
+
+/// Fills the pixel form of a Gaussian whose support lies in front of the eye plane.
+/// z, v  of the mean: distance along `forward`, vector from the eye;  (x, y)  its pixel
+VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& camera, Double3 v,
+                     double z, double x, double y, TileSplat& out) {
+    const Double3 center = apply(axes.w, (1 / z) * v);
+    const double length = sqrt(dot(center, center));
+    const Double3 c = (1 / length) * center;
+    const Double3 u = (1 / length) * apply(axes.w, camera.step_x);
+    const Double3 w = (1 / length) * apply(axes.w, camera.step_y);
+    const double e = z * length;  // |W (mean - eye)|
+
+    // m² C: basis along P = c x u; what is left of Q = c x w has length |c · (u x w)| / |P|.
+    const Double3 p = cross(c, u), q = cross(c, w);
+    const double p_length = sqrt(dot(p, p));
+    const double q_across = dot(c, cross(u, w)) / p_length;
+    out.ax = static_cast<float>(e * p_length);
+    out.ay = static_cast<float>(e * (dot(p, q) / p_length));
+    out.by2 = static_cast<float>(e * e * q_across * q_across);
+
+    // C: basis along u, then across it in the plane of u and w, then their normal.
+    const double u_length = sqrt(dot(u, u));
+    const Double3 first = (1 / u_length) * u;
+    const Double3 normal = cross(u, w);
+    const Double3 third = (1 / sqrt(dot(normal, normal))) * normal;
+    const Double3 second = cross(third, first);
+    const double across = dot(c, third);
+    out.c0 = static_cast<float>(dot(c, first));
+    out.cx = static_cast<float>(u_length);
+    out.cy = static_cast<float>(dot(w, first));
+    out.d0 = static_cast<float>(dot(c, second));
+    out.dy = static_cast<float>(dot(w, second));
+    out.e02 = static_cast<float>(across * across);
+    out.weight = static_cast<float>(g.density / length);
+
+    const double column = floor(x + 0.5), row = floor(y + 0.5);
+    out.column = static_cast<int32_t>(column);
+    out.row = static_cast<int32_t>(row);
+    out.offset_x = static_cast<float>(x - column);
+    out.offset_y = static_cast<float>(y - row);
+}
+
+/// returns  whether any pixel of the image may see the Gaussian
+VOG_HD bool project(const SplatGaussian& g, const Camera& camera, double cutoff, TileSplat& out) {
+    const Axes axes = axes_of(g);
+    const Double3 forward_steps = cross(camera.step_x, camera.step_y);
+    const Double3 forward = (1 / sqrt(dot(forward_steps, forward_steps))) * forward_steps;
+    const Double3 v = to_double(g.mean) - camera.eye;
+    const Double3 reach = apply(axes.a, forward);
+    const double z = dot(v, forward), depth = cutoff * sqrt(dot(reach, reach));
+    out.pixels = {0, camera.width - 1, 0, camera.height - 1};
+    out.near = !(z > 1.001 * depth);
+    if (out.near) return z + depth > 0;
+
+    // The mean's pixel, and the planes through the eye that touch the support: a column's plane
+    // n + x n1 is at the whitened distance |(n + x n1)·v| / |A (n + x n1)| = k. About the column of
+    // the mean, where n·v = 0, the quadratic has no cancelling terms.
+    const double per_x = 1 / dot(camera.step_x, camera.step_x);
+    const double per_y = 1 / dot(camera.step_y, camera.step_y);
+    const Double3 ray = (1 / z) * v, slope = ray - camera.corner;
+    const double x = dot(slope, camera.step_x) * per_x, y = dot(slope, camera.step_y) * per_y;
+    const double farthest = 1e9;  // pixels: beyond any image, within an int
+    if (!(fabs(x) < farthest && fabs(y) < farthest)) {
+        out.near = 1;  // grazes the eye plane: rare, and exact all the same
+        return true;
+    }
+    const double k2 = cutoff * cutoff;
+    const Double3 nx = cross(camera.step_y, ray), ny = cross(camera.step_x, ray);
+    const Double3 anx = apply(axes.a, nx), any = apply(axes.a, ny);
+    const Double3 turn = cross(camera.step_y, camera.step_x);
+    const Double3 at = apply(axes.a, turn);
+    const double tv = dot(turn, v), a = tv * tv - k2 * dot(at, at);
+    pixels_between(a, -k2 * dot(anx, at), -k2 * dot(anx, anx), x, camera.width, out.pixels.x0,
+                   out.pixels.x1);
+    // Rows: their planes turn the other way, n + y step_x x step_y.
+    pixels_between(a, k2 * dot(any, at), -k2 * dot(any, any), y, camera.height, out.pixels.y0,
+                   out.pixels.y1);
+    if (out.pixels.empty()) return false;
+    fill_far(g, axes, camera, v, z, x, y, out);
+    return true;
+}
+
+/// tau / |D| of a far splat at a pixel; D is the pixel's direction of forward component 1.
+VOG_HD float far_depth(const TileSplat& s, const Kernel& kernel, int32_t column, int32_t row) {
+    const float x = static_cast<float>(column - s.column) - s.offset_x;
+    const float y = static_cast<float>(row - s.row) - s.offset_y;
+    const float a = s.ax * x + s.ay * y;
+    const float c = s.c0 + s.cx * x + s.cy * y, d = s.d0 + s.dy * y;
+    const float per_c = 1 / (c * c + d * d + s.e02);
+    const float m2 = (a * a + s.by2 * y * y) * per_c;
+    if (!(m2 < kernel.cutoff2)) return 0;
+    const float rest = kernel.cutoff2 - m2, v = kernel.slope * rest + kernel.shift;
+    float sum = kernel.coefficient[kernel.degree];
+    for (int n = kernel.degree - 1; n >= 0; --n) sum = sum * v + kernel.coefficient[n];
+    // At wide cutoffs the polynomial's error is more than the kernel's tail, and of either sign.
+    return s.weight * sqrtf(rest * per_c) * fmaxf(sum, 0.0f);
+}
+
+/// tau of a near one at a pixel.
+VOG_HD float near_depth(const SplatGaussian& g, const Camera& camera, float cutoff2, int32_t column,
+                        int32_t row) {
+    Ray ray;
+    const double far = 1e30;
+    const Bounds everywhere{{-far, -far, -far}, {far, far, far}};
+    camera_ray(camera, everywhere, column, row, ray);
+    Hit hit;
+    const Gaussian own = whitened(g);
+    return intersect(own, ray, cutoff2, hit) ? optical_depth(own, hit) : 0.0f;
+}
+
+constexpr int kSplatTile = 16;  ///< pixels of a tile's edge: one block of 256 threads
+
+/// Tiles a range of pixels touches, inclusive.
+VOG_HD PixelRange tiles_of(const PixelRange& pixels) {
+    return {pixels.x0 / kSplatTile, pixels.x1 / kSplatTile, pixels.y0 / kSplatTile,
+            pixels.y1 / kSplatTile};
+}
+
+}  // namespace vog::device

@@ -1,0 +1,168 @@
+// optix_programs.cu: the OptiX programs. Thin: what they compute is in render/device, which the CPU
+// runs and tests too. The paper's pipeline (its section 4.3) and its SciVis renderer (4.4).
+#include <optix.h>
+
+#include "render/device/launch.h"
+#include "render/device/voxel_walk.h"
+
+using namespace vog::device;
+
+extern "C" {
+__constant__ Launch launch;
+}
+
+namespace {
+
+/// A ray's own data, behind the two payload words.
+struct GaussianRay {
+    Ray ray;
+    DepthSum sum;
+    unsigned hits;
+    HitList* list;
+};
+struct VoxelRay {
+    Double3 origin, direction;  ///< in index space plus a half
+    double sum;
+};
+
+__device__ void pack(const void* data, unsigned& high, unsigned& low) {
+    const auto address = reinterpret_cast<unsigned long long>(data);
+    high = static_cast<unsigned>(address >> 32);
+    low = static_cast<unsigned>(address);
+}
+template <class Data>
+__device__ Data& payload() {
+    const unsigned long long high = optixGetPayload_0();
+    return *reinterpret_cast<Data*>(high << 32 | optixGetPayload_1());
+}
+
+__device__ void trace(GaussianRay& data, float from) {
+    const Float3 origin = to_float(data.ray.origin - launch.center);
+    const Float3 direction = to_float(data.ray.direction);
+    unsigned high, low;
+    pack(&data, high, low);
+    optixTrace(launch.traversable, make_float3(origin.x, origin.y, origin.z),
+               make_float3(direction.x, direction.y, direction.z), from,
+               data.ray.length + kRaySlack, 0.0f, OptixVisibilityMask(255),
+               OPTIX_RAY_FLAG_DISABLE_CLOSESTHIT, 0, 1, 0, high, low);
+}
+
+/// The ray of this thread's pixel; false: it misses the bounds.
+__device__ bool pixel_ray(unsigned& pixel, Ray& ray) {
+    const uint3 at = optixGetLaunchIndex();
+    pixel = at.y * static_cast<unsigned>(launch.camera.width) + at.x;
+    double dx, dy;
+    pixel_point(launch.film.subframe, dx, dy);
+    return camera_ray(launch.camera, launch.bounds, at.x + dx, at.y + dy, ray);
+}
+
+__device__ void count(unsigned hits, unsigned slabs) {
+    if (!launch.hits) return;
+    atomicAdd(launch.hits, static_cast<unsigned long long>(hits));
+    atomicAdd(launch.slabs, static_cast<unsigned long long>(slabs));
+    atomicMax(launch.most_slabs, slabs);
+}
+
+}  // namespace
+
+extern "C" __global__ void __raygen__accumulate() {
+    unsigned pixel;
+    GaussianRay data{};
+    if (pixel_ray(pixel, data.ray)) trace(data, 0);
+    count(data.hits, 0);
+    expose(launch.film, pixel, data.sum.depth());
+}
+
+extern "C" __global__ void __raygen__collect() {
+    unsigned pixel, slabs = 0;
+    GaussianRay data{};
+    HitList list;
+    list.capacity = launch.hits_per_slab;
+    data.list = &list;
+    CollectedHit last{};
+    for (bool more = pixel_ray(pixel, data.ray); more;) {
+        begin_slab(list, slabs ? &last : nullptr);
+        trace(data, slab_start(list, launch.boxed));
+        if (list.count == 0) break;
+        ++slabs;
+        sort_by_entry(list);
+        last = list.hit[list.count - 1];
+        data.hits += static_cast<unsigned>(list.count);
+        more = integrate(list, launch.gaussians, data.ray, launch.cutoff2, launch.stop_depth,
+                         launch.rounding, data.sum);
+    }
+    count(data.hits, slabs);
+    expose(launch.film, pixel, data.sum.depth());
+}
+
+extern "C" __global__ void __intersection__gaussian() {
+    const GaussianRay& data = payload<GaussianRay>();
+    const Gaussian& g = launch.gaussians[optixGetPrimitiveIndex()];
+    Hit hit;
+    if (!intersect(g, data.ray, launch.cutoff2, hit)) return;
+    if (launch.boxed && !meets_box(g, data.ray, launch.scene)) return;
+    optixReportIntersection(hit.entry(), 0, __float_as_uint(hit.nearest), __float_as_uint(hit.half),
+                            __float_as_uint(hit.m2), __float_as_uint(hit.width));
+}
+
+extern "C" __global__ void __anyhit__accumulate() {
+    GaussianRay& data = payload<GaussianRay>();
+    const Hit hit{__uint_as_float(optixGetAttribute_0()), __uint_as_float(optixGetAttribute_1()),
+                  __uint_as_float(optixGetAttribute_2()), __uint_as_float(optixGetAttribute_3())};
+    const Gaussian& g = launch.gaussians[optixGetPrimitiveIndex()];
+    add_depth(data.sum, optical_depth(g, hit), launch.rounding);
+    ++data.hits;
+    optixIgnoreIntersection();
+}
+
+extern "C" __global__ void __anyhit__collect() {
+    GaussianRay& data = payload<GaussianRay>();
+    const bool room = collect(*data.list, {optixGetRayTmax(), optixGetPrimitiveIndex()});
+    // A hit beyond a full list stands, and shortens the ray; all others are ignored.
+    if (room || launch.boxed) optixIgnoreIntersection();
+}
+
+/// Every ray ends here but one that a full list has shortened. What it met is in its payload; a
+/// pixel whose T stayed 0 is exposed as background.
+extern "C" __global__ void __miss__gaussian() {}
+
+extern "C" __global__ void __raygen__voxels() {
+    unsigned pixel;
+    Ray ray;
+    VoxelRay data{};
+    if (pixel_ray(pixel, ray)) {
+        const uint3 at = optixGetLaunchIndex();
+        double dx, dy;
+        pixel_point(launch.film.subframe, dx, dy);
+        const Camera& camera = launch.index_camera;
+        data.origin = camera.eye;
+        data.direction = camera.corner + (at.x + dx) * camera.step_x + (at.y + dy) * camera.step_y;
+        const Float3 origin = to_float(ray.origin - launch.center);
+        const Float3 direction = to_float(ray.direction);
+        unsigned high, low;
+        pack(&data, high, low);
+        optixTrace(launch.traversable, make_float3(origin.x, origin.y, origin.z),
+                   make_float3(direction.x, direction.y, direction.z), 0.0f, ray.length + kRaySlack,
+                   0.0f, OptixVisibilityMask(255), OPTIX_RAY_FLAG_DISABLE_ANYHIT, 0, 1, 0, high,
+                   low);
+        // A step of t is |D| long in the world: D is the camera's direction of this pixel.
+        const Double3 along = launch.camera.corner + (at.x + dx) * launch.camera.step_x +
+                              (at.y + dy) * launch.camera.step_y;
+        data.sum *= sqrt(dot(along, along));
+    }
+    expose(launch.film, pixel, data.sum);
+}
+
+/// The one primitive is the box of the grid, and the ray starts on it or inside.
+extern "C" __global__ void __intersection__voxels() {
+    optixReportIntersection(optixGetRayTmin(), 0);
+}
+
+/// From the closest hit to the exit of the volume, through the tree.
+extern "C" __global__ void __closesthit__voxels() {
+    VoxelRay& data = payload<VoxelRay>();
+    data.sum = walk_voxels(*static_cast<const nanovdb::NanoGrid<float>*>(launch.grid), data.origin,
+                           data.direction);
+}
+
+extern "C" __global__ void __miss__voxels() {}

@@ -1,0 +1,80 @@
+// optix_test.cpp: what can be known of the GPU renderers without a GPU: the device module has every
+// entry point the host looks for, and what is missing is said.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "render/optix_entry_points.h"
+#include "support/scenes.h"
+#include "vog/error.h"
+#include "vog/gpu.h"
+
+namespace vog::test {
+
+namespace {
+
+/// One line of an error, or nothing where `make` succeeds: there is a GPU.
+template <class Make>
+std::string refusal(const Make& make) {
+    try {
+        make();
+    } catch (const Error& error) {
+        return error.what();
+    }
+    return {};
+}
+
+}  // namespace
+
+#ifdef VOG_OPTIX
+
+TEST(optix, the_device_module_has_every_entry_point) {
+    const std::string ptx(kOptixPrograms, kOptixProgramsBytes - 1);
+    ASSERT_EQ(kOptixPrograms[kOptixProgramsBytes - 1], 0);
+    std::set<std::string> entries;
+    const std::string key = ".entry ";
+    for (std::size_t at = ptx.find(key); at != std::string::npos; at = ptx.find(key, at + 1)) {
+        const std::size_t name = at + key.size();
+        entries.insert(ptx.substr(name, ptx.find_first_of("(\n ", name) - name));
+    }
+    EXPECT_FALSE(entries.contains("__raygen__nothing"));
+    for (const OptixEntryPoints& points :
+         {kAccumulateEntryPoints, kCollectEntryPoints, kVoxelEntryPoints})
+        for (const char* name :
+             {points.raygen, points.miss, points.intersection, points.anyhit, points.closesthit}) {
+            if (name) {
+                EXPECT_TRUE(entries.contains(name)) << name;
+            }
+        }
+    // The launch parameters are found by name too.
+    EXPECT_NE(ptx.find(" launch["), std::string::npos);
+}
+
+#else
+
+TEST(optix, the_device_module_has_every_entry_point) {
+    GTEST_SKIP() << "built without VOG_OPTIX: no device code to look into";
+}
+
+#endif
+
+TEST(optix, what_is_missing_is_said_in_one_line) {
+    const Gaussians model = random_gaussians(3, 0.1, 0.2, 1);
+    const std::string lines[] = {refusal([&] { CudaSplat splat(model); }),
+                                 refusal([&] { OptixModel traced(model); })};
+    if (lines[0].empty()) GTEST_SKIP() << "there is a GPU here: nothing is missing";
+    for (const std::string& line : lines) {
+        EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+        EXPECT_TRUE(line.starts_with("cuda: ") || line.starts_with("optix: ")) << line;
+    }
+}
+
+TEST(optix, an_invalid_model_is_refused_with_or_without_a_gpu) {
+    Gaussians model = random_gaussians(3, 0.1, 0.2, 1);
+    model.density[0] = -1;
+    EXPECT_THROW(CudaSplat splat(model), Error);
+    EXPECT_THROW(OptixModel traced(model), Error);
+}
+
+}  // namespace vog::test

@@ -1,0 +1,41 @@
+// device_twin.cpp: what cuda_splat.cu does, without a GPU: project, then the splats of each tile.
+#include "support/device_twin.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "render/splat_model.h"
+#include "render/trace_model.h"
+
+namespace vog::test {
+
+DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& camera, int width,
+                                  int height) {
+    const SplatModel model = splat_model(gaussians, 0);
+    const device::Camera frame = scene_camera(frame_of(camera, width, height), model.unit);
+    DepthImage image(width, height);
+    std::vector<double> sum(image.depth.size());
+    for (const device::SplatGaussian& g : model.gaussians) {
+        device::TileSplat splat;
+        if (!device::project(g, frame, model.cutoff, splat)) continue;
+        // As on the GPU, every pixel of the tiles touched asks for its tau.
+        const device::PixelRange tiles = device::tiles_of(splat.pixels);
+        constexpr int kTile = device::kSplatTile;
+        for (int y = kTile * tiles.y0; y < std::min(kTile * (tiles.y1 + 1), height); ++y)
+            for (int x = kTile * tiles.x0; x < std::min(kTile * (tiles.x1 + 1), width); ++x) {
+                const device::Double3 d =
+                    frame.corner + double(x) * frame.step_x + double(y) * frame.step_y;
+                const auto slant = static_cast<float>(std::sqrt(device::dot(d, d)));
+                const float tau = splat.near
+                                      ? device::near_depth(g, frame, model.kernel.cutoff2, x, y)
+                                      : slant * device::far_depth(splat, model.kernel, x, y);
+                sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                    static_cast<std::size_t>(x)] += double{tau};
+            }
+    }
+    for (std::size_t n = 0; n < sum.size(); ++n) image.depth[n] = static_cast<float>(sum[n]);
+    return image;
+}
+
+}  // namespace vog::test
