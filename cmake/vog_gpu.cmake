@@ -16,6 +16,7 @@ macro(vog_find_gpu)
         # Code for Ada and Hopper, PTX for all others since Turing.
         set(CMAKE_CUDA_ARCHITECTURES 75-virtual 89-real 90-real)
     endif()
+    set(CMAKE_CUDA_STANDARD 17)  # CMake 3.25 knows no later one
     enable_language(CUDA)
     if(CMAKE_CUDA_COMPILER_VERSION VERSION_LESS 12)
         message(FATAL_ERROR "CUDA ${CMAKE_CUDA_COMPILER_VERSION}, expected 12 or newer")
@@ -43,9 +44,9 @@ function(vog_add_gpu target)
         list(APPEND cuda_options -Werror=all-warnings -Xcompiler=-Werror)
     endif()
 
-    # The tile renderer's kernels, for real devices. Device code is C++17: CMake 3.25 knows no later CUDA.
+    # The tile renderer's kernels, for real devices.
     add_library(${target}_cuda OBJECT ${render}/cuda_splat.cu)
-    set_target_properties(${target}_cuda PROPERTIES POSITION_INDEPENDENT_CODE ON CUDA_STANDARD 17)
+    set_target_properties(${target}_cuda PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_cuda PRIVATE ${own_include})
     target_compile_options(${target}_cuda PRIVATE ${cuda_options})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_cuda> ${render}/cuda_memory.cpp
@@ -59,7 +60,7 @@ function(vog_add_gpu target)
 
     # OptiX's programs to PTX: the driver compiles it for its device. The text is part of the library.
     add_library(${target}_optix OBJECT ${render}/optix_programs.cu)
-    set_target_properties(${target}_optix PROPERTIES CUDA_PTX_COMPILATION ON CUDA_ARCHITECTURES 75-virtual CUDA_STANDARD 17)
+    set_target_properties(${target}_optix PROPERTIES CUDA_PTX_COMPILATION ON CUDA_ARCHITECTURES 75-virtual)
     target_include_directories(${target}_optix PRIVATE ${own_include})
     target_include_directories(${target}_optix SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE} ${VOG_NANOVDB_INCLUDE})
     target_compile_options(${target}_optix PRIVATE ${cuda_options})

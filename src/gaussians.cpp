@@ -34,8 +34,8 @@ double cutoff_of_kappa(double kappa, double otherwise) {
     if (kappa == 0) return otherwise;
     // As for any model, the cutoff is to lie within (0, 8].
     if (!(kappa >= 1.3e-14 && kappa < 1))
-        throw Error(fmt::format("kappa {}, expected in [1.3e-14, 1), or 0: the model's own cutoff",
-                                kappa));
+        throw Error(
+            fmt::format("kappa {}, expected in [1.3e-14, 1), or 0: the model's own cutoff", kappa));
     return std::sqrt(-2 * std::log(kappa));
 }
 

@@ -75,10 +75,10 @@ TEST(device, colours_are_those_of_shade) {
         const Rgba c = evaluate(tf, static_cast<float>(n) / (kEntries - 1));
         table.push_back({c.r, c.g, c.b, c.a});
     }
-    for (const bool blend : {false, true}) {
-        const Rgba background{0.2f, 0.4f, 0.1f, 1};
+    for (const auto& [blend, clear] : {std::pair{false, 1.0f}, {true, 1.0f}, {true, 0.0f}}) {
+        const Rgba background{0.2f, 0.4f, 0.1f, clear};
         const device::ColorTable colors{
-            table.data(), kEntries, 0.5f, {0.2f, 0.4f, 0.1f, 1}, blend ? 1 : 0};
+            table.data(), kEntries, 0.5f, {0.2f, 0.4f, 0.1f, clear}, blend ? 1 : 0};
         DepthImage depth(200, 1);
         for (int n = 0; n < 200; ++n) depth.at(n, 0) = n == 0 ? 0 : std::ldexp(1.0f, n / 8 - 15);
         DepthImage extinct = depth;
@@ -89,7 +89,7 @@ TEST(device, colours_are_those_of_shade) {
             EXPECT_NEAR(c.x, expected.at(n, 0).r, 1e-3) << n;
             EXPECT_NEAR(c.y, expected.at(n, 0).g, 1e-3) << n;
             EXPECT_NEAR(c.z, expected.at(n, 0).b, 1e-3) << n;
-            EXPECT_NEAR(c.w, expected.at(n, 0).a, 1e-6) << n;
+            EXPECT_NEAR(c.w, expected.at(n, 0).a, 1e-5) << n;
         }
     }
 }

@@ -1,9 +1,9 @@
 // scenes.cpp: the shared scenes.
 #include "support/scenes.h"
 
-#include <tbb/parallel_for.h>
-
+#include <algorithm>
 #include <cmath>
+#include <thread>
 
 #include "render/ray_gaussian.h"
 
@@ -194,7 +194,7 @@ std::vector<double> exact_depth(const Scene& scene) {
     }
     std::vector<double> depth(static_cast<std::size_t>(scene.width) *
                               static_cast<std::size_t>(scene.height));
-    tbb::parallel_for(0, scene.height, [&](int row) {
+    const auto fill_row = [&](int row) {
         for (int column = 0; column < scene.width; ++column) {
             const Vec3d direction = normalized(frame.direction(column, row));
             double sum = 0;
@@ -205,7 +205,15 @@ std::vector<double> exact_depth(const Scene& scene) {
             depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(scene.width) +
                   static_cast<std::size_t>(column)] = sum;
         }
-    });
+    };
+    // Plain threads: these scenes are also built where there is nothing but CUDA.
+    const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    std::vector<std::thread> pool;
+    for (int first = 0; first < threads; ++first)
+        pool.emplace_back([&, first] {
+            for (int row = first; row < scene.height; row += threads) fill_row(row);
+        });
+    for (std::thread& thread : pool) thread.join();
     return depth;
 }
 

@@ -18,6 +18,15 @@ struct ColorTable {
     int32_t blend;  ///< opacity is multiplied by V, the paper's blend
 };
 
+/// `front`, whose alpha is its opacity, over `back`; straight alpha. An opaque back gives
+/// mix(back, front, opacity), a clear one gives front as it is.
+VOG_HD Float4 over(Float4 front, Float4 back) {
+    const float behind = back.w * (1 - front.w), alpha = front.w + behind;
+    if (!(alpha > 0)) return {back.x, back.y, back.z, 0};
+    const float f = front.w / alpha, b = behind / alpha;
+    return {f * front.x + b * back.x, f * front.y + b * back.y, f * front.z + b * back.z, alpha};
+}
+
 /// Colour of a pixel of optical depth T over the background.
 VOG_HD Float4 shade(const ColorTable& table, float depth) {
     if (!(depth > 0)) return table.background;
@@ -28,10 +37,7 @@ VOG_HD Float4 shade(const ColorTable& table, float depth) {
     const Float4 a = table.color[cell], b = table.color[cell + 1];
     const Float4 color{a.x + part * (b.x - a.x), a.y + part * (b.y - a.y), a.z + part * (b.z - a.z),
                        a.w + part * (b.w - a.w)};
-    const float opacity = table.blend ? color.w * v : color.w;
-    const Float4 under = table.background;
-    return {under.x + opacity * (color.x - under.x), under.y + opacity * (color.y - under.y),
-            under.z + opacity * (color.z - under.z), under.w + opacity * (1 - under.w)};
+    return over({color.x, color.y, color.z, table.blend ? color.w * v : color.w}, table.background);
 }
 
 }  // namespace vog::device

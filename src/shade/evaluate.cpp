@@ -1,0 +1,41 @@
+// evaluate.cpp: a transfer function at one V, and what makes one valid.
+#include <fmt/core.h>
+
+#include "shade/ramp.h"
+#include "shade/transfer_function.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+void require_points(const std::string& where, const char* what, const auto& points) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        bool valid = in_unit_range(points[i].v);
+        for (const float c : components(points[i])) valid = valid && in_unit_range(c);
+        if (!valid)
+            throw Error(fmt::format("{}: {} point {}: expected numbers in [0, 1]", where, what, i));
+        if (i > 0 && points[i].v < points[i - 1].v)
+            throw Error(fmt::format("{}: {} point {}: v = {} after {}, expected sorted points",
+                                    where, what, i, points[i].v, points[i - 1].v));
+    }
+}
+
+}  // namespace
+
+void require_valid(const std::string& where, const TransferFunction& tf) {
+    if (tf.color.empty()) throw Error(fmt::format("{}: no colour, expected at least one", where));
+    require_points(where, "colour", tf.color);
+    require_points(where, "opacity", tf.opacity);
+}
+
+Rgba evaluate(const TransferFunction& tf, float v) {
+    require_valid("transfer function " + tf.name, tf);
+    if (!in_unit_range(v))
+        throw Error(fmt::format("transfer function {} at V = {}, expected [0, 1]", tf.name, v));
+    const auto [r, g, b] = Ramp<3>(tf.color)(v);
+    const auto [opacity] = Ramp<1>(tf.opacity.empty() ? kOpaque : tf.opacity)(v);
+    return {r, g, b, opacity};
+}
+
+}  // namespace vog
