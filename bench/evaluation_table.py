@@ -1,20 +1,28 @@
 #!/usr/bin/env python3
-"""Prints one Markdown table of several evaluations, as docs/evaluation.md holds it.
+"""Prints a Markdown table of each evaluation, as docs/evaluation.md holds them.
 
-usage: bench/evaluation_table.py FOLDER...      folders that vog evaluate wrote
+usage: bench/evaluation_table.py [--all] FOLDER...      folders that vog evaluate wrote
+--all: every row; else the paper's finest and coarsest levels, and moments at the counts of 2, 4 and 8 voxels
 """
 import json
 import pathlib
 import sys
 
+SHORT = {"mean": ("lod1", "lod5"), "mass": ("lod1", "lod5"), "uniform": ("block2", "block4", "block8"),
+         "adaptive": ("block2", "block4", "block8", "lod5", "default")}
 COLUMNS = ["row", "Gaussians", "of active voxels", "V, dB", "mean", "worst", "covered: mean", "worst",
            "L2 of T", "mean", "bias"]
 
 
 def name_of(row):
-    series = {"mean": "paper", "mass": "paper, mass conserved", "uniform": "moments, uniform",
+    series = {"mean": "paper", "mass": "paper, mass conserved", "uniform": "moments, uniform cells",
               "adaptive": "moments, adaptive"}.get(row["series"], row["series"])
-    return f'{series}, {row["step"]}'
+    step = row["step"].replace("lod", "LOD ").replace("sigma", "LOD 3, boxes of σ = ")
+    if step.startswith("block"):
+        step = ("" if row["series"] == "uniform" else "count of ") + step[5:] + "³"
+    elif row["series"] == "adaptive" and step.startswith("LOD"):
+        step = "count of " + step
+    return f"{series}, {step}"
 
 
 def cells_of(row, active):
@@ -32,7 +40,7 @@ def cells_of(row, active):
             f"{covered[1]:.1f}", f'{paper["relative_l2"]:.4f}', f"{l2[0]:.4f}", f'{paper["bias"]:.3f}']
 
 
-def main(folders):
+def main(folders, every_row):
     for folder in folders:
         results = json.loads((pathlib.Path(folder) / "results.json").read_text())
         active = results["data"]["active_voxels"]
@@ -40,10 +48,14 @@ def main(folders):
         print("| " + " | ".join(COLUMNS) + " |")
         print("|" + "---|" * len(COLUMNS))
         for row in results["rows"]:
-            print("| " + " | ".join(cells_of(row, active)) + " |")
+            if every_row or row["step"] in SHORT.get(row["series"], ()):
+                print("| " + " | ".join(cells_of(row, active)) + " |")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) < 2:
+    arguments = sys.argv[1:]
+    every_row = "--all" in arguments
+    folders = [argument for argument in arguments if argument != "--all"]
+    if not folders:
         sys.exit(__doc__)
-    main(sys.argv[1:])
+    main(folders, every_row)
