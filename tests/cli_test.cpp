@@ -115,6 +115,18 @@ TEST_F(cli, particles_are_told_converted_and_rendered) {
     must("convert p.xyz p.csv -o both.ply");
     EXPECT_EQ(read_ply(dir_ / "both.ply").size(), 1000u);
 
+    // Through a PointDataGrid the same particles come back in another order.
+    must("convert p.csv -o p.vdb");
+    EXPECT_EQ(
+        nlohmann::json::parse(must("info p.vdb --json").out)["files"][0]["grids"][0]["points"],
+        500);
+    must("convert p.vdb -o v.ply --value mass");
+    EXPECT_NEAR(mass(read_ply(dir_ / "v.ply")), 1000, 1e-3);
+    must("sample particles s.xyz --size 12");
+    must("convert s.xyz -o s.ply --lod 2");
+    EXPECT_EQ(read_ply(dir_ / "s.ply").source_voxels, 1728u);
+
+    must_fail(2, "sample particles s.vdb --half", "--half");
     must_fail(1, "convert p.csv -o a.ply --value heat", "it has: count, speed, mass");
     must_fail(1, "render p.csv -o a.png --renderer reference", "holds particles");
     must_fail(1, "evaluate p.csv -o out", "holds particles");

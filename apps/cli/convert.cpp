@@ -201,9 +201,9 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
 }
 
 void convert(const ConvertArguments& arguments, const CLI::App& command) {
-    const FileKind kind = common_kind(arguments.inputs);
+    const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind == FileKind::points)
-        check_output(arguments.output, arguments.inputs, {".ply", ".xyz", ".csv", ".tsv"});
+        check_output(arguments.output, arguments.inputs, {".ply", ".vdb", ".xyz", ".csv", ".tsv"});
     else
         check_output(arguments.output, arguments.inputs, {".ply"});
     if (kind == FileKind::model)
@@ -351,11 +351,11 @@ void add_convert(CLI::App& app) {
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv); several become one model")
+            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb); several become one model")
         ->required();
     command
         ->add_option("-o,--output", arguments->output,
-                     "PLY model to write; particles also as .xyz, .csv or .tsv")
+                     "PLY model to write; particles also as .vdb, .xyz, .csv or .tsv")
         ->required();
     add_volume_options(*command, arguments->volume);
     command->add_option("--method", arguments->method, "How voxels or particles become Gaussians")

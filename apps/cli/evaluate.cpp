@@ -38,7 +38,8 @@ void print(const Evaluation& evaluation) {
 }
 
 void evaluate_files(EvaluateArguments& arguments) {
-    if (const FileKind kind = common_kind(arguments.inputs); kind != FileKind::volume)
+    if (const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
+        kind != FileKind::volume)
         throw Error(fmt::format("{}: holds {}, expected volumes: they are the reference",
                                 arguments.inputs.front(),
                                 kind == FileKind::model ? "a model" : "particles"));

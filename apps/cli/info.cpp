@@ -227,7 +227,7 @@ void info(const std::vector<std::string>& files, bool json) {
             }
             continue;
         }
-        if (kind_of(file) == FileKind::points) {
+        if (kind_of(file) == FileKind::points && !file.ends_with(".vdb")) {
             const Points points = read_points(file);
             all.push_back({{"file", file}, {"points", as_json(points)}});
             if (!json) {

@@ -89,8 +89,11 @@ Volume load_volume(const std::string& file, const VdbOptions& vdb) {
 
 }  // namespace
 
-FileKind kind_of(const fs::path& file) {
+FileKind kind_of(const fs::path& file, const std::string& grid) {
     const std::string extension = extension_of(file);
+    // A file that is not there is left to its reader.
+    if (extension == ".vdb" && fs::is_regular_file(file) && vdb_holds_points(file, grid))
+        return FileKind::points;
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
     if (extension == ".ply") return FileKind::model;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
@@ -101,10 +104,10 @@ FileKind kind_of(const fs::path& file) {
                     file.string(), extension));
 }
 
-FileKind common_kind(const std::vector<std::string>& inputs) {
-    const FileKind kind = kind_of(inputs.front());
+FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid) {
+    const FileKind kind = kind_of(inputs.front(), grid);
     for (const std::string& input : inputs)
-        if (kind_of(input) != kind)
+        if (kind_of(input, grid) != kind)
             throw Error(
                 fmt::format("{}: another kind than {}, expected volumes, particles or models alone",
                             input, inputs.front()));

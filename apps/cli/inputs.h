@@ -16,10 +16,11 @@ namespace vog::cli {
 
 enum class FileKind { volume, points, model };
 
-/// By extension; throws vog::Error listing the known ones.
-FileKind kind_of(const std::filesystem::path& file);
+/// By extension, and for .vdb by what the grids of this name hold; throws vog::Error listing the
+/// known ones.
+FileKind kind_of(const std::filesystem::path& file, const std::string& grid = {});
 /// The one kind of all inputs; throws vog::Error where they differ.
-FileKind common_kind(const std::vector<std::string>& inputs);
+FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid);
 
 struct VolumeInputOptions {
     std::string grid;  ///< name or pattern with '*' and '?'; empty: the default grid

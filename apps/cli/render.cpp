@@ -242,7 +242,7 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
 
 void render(const RenderArguments& arguments, const CLI::App& command) {
     check_arguments(arguments);
-    const FileKind kind = common_kind(arguments.inputs);
+    const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
     const Size size = parse_size(arguments.size);
     const bool automatic = arguments.extinction == "auto";
@@ -319,10 +319,10 @@ void add_render(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("render", "Render models, volumes or particles to a picture");
     command
-        ->add_option(
-            "inputs", arguments->inputs,
-            "PLY models, OpenVDB or NanoVDB volumes, or particles (.xyz, .csv, .tsv); several "
-            "become one picture")
+        ->add_option("inputs", arguments->inputs,
+                     "PLY models, OpenVDB or NanoVDB volumes, or particles (.xyz, .csv, .tsv, "
+                     ".vdb); several "
+                     "become one picture")
         ->required();
     command->add_option("-o,--output", arguments->output, "Picture to write, .png or float .exr");
     command->add_option("--depth-out", arguments->depth_output,

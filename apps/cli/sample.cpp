@@ -15,16 +15,35 @@ namespace {
 struct SampleArguments {
     std::string what, output;
     SampleOptions options;
+    int size = 0;  // 0: the sample's own default
     int threads = 0;
     bool half = false, verbose = false;
 };
 
+void sample_points(const SampleArguments& arguments) {
+    check_output(arguments.output, {}, {".xyz", ".csv", ".tsv", ".vdb"});
+    if (arguments.half) throw CLI::ValidationError("--half does not go with particles");
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    ParticleSampleOptions options;
+    options.seed = arguments.options.seed;
+    options.progress = stages.progress();
+    if (arguments.size) options.size = arguments.size;
+    const Points points = stages.run("sample", [&] { return sample_particles(options); });
+    stages.run("write", [&] { write_points(arguments.output, points); });
+    fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+}
+
 void sample(const SampleArguments& arguments) {
+    if (arguments.what == "particles") return sample_points(arguments);
     check_output(arguments.output, {}, {".vdb"});
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
     SampleOptions options = arguments.options;
     options.progress = stages.progress();
+    if (arguments.size) options.size = arguments.size;
+    if (options.size < 64 || options.size > 1024)
+        throw CLI::ValidationError(fmt::format("--size {}: expected 64 to 1024", options.size));
     const std::vector<Volume> volumes = stages.run("sample", [&]() -> std::vector<Volume> {
         if (arguments.what == "amr") return sample_levels(options);
         return {arguments.what == "cloud" ? sample_cloud(options) : sample_explosion(options)};
@@ -47,14 +66,21 @@ void add_sample(CLI::App& app) {
         ->add_option(
             "what", arguments->what,
             "cloud: a cumulus with soft edges and a constant core; explosion: a turbulent, "
-            "hollow fireball; amr: halos and filaments on three nested levels, one grid each")
+            "hollow fireball; amr: halos and filaments on three nested levels, one grid each; "
+            "particles: a box of a universe, with velocities")
         ->required()
-        ->check(CLI::IsMember({"cloud", "explosion", "amr"}));
-    command->add_option("output", arguments->output, "OpenVDB file to write")->required();
+        ->check(CLI::IsMember({"cloud", "explosion", "amr", "particles"}));
     command
-        ->add_option("--size", arguments->options.size, "Voxels across; amr: of the finest level")
-        ->check(CLI::Range(64, 1024))
-        ->capture_default_str();
+        ->add_option("output", arguments->output,
+                     "OpenVDB file to write; particles also as .xyz, .csv or .tsv")
+        ->required();
+    command
+        ->add_option("--size", arguments->size,
+                     fmt::format("Voxels across, 64 to 1024 (default {}); amr: of the finest "
+                                 "level; particles: the cube root of their number, 8 to 512 "
+                                 "(default {})",
+                                 SampleOptions{}.size, ParticleSampleOptions{}.size))
+        ->check(CLI::Range(8, 1024));
     command->add_option("--seed", arguments->options.seed, "Another number, another shape")
         ->capture_default_str();
     command->add_flag("--half", arguments->half, "Store values as half floats");

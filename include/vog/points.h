@@ -55,18 +55,26 @@ struct PointReadOptions {
     std::string grid{};  ///< of .vdb: name; empty: the only PointDataGrid
 };
 
+/// Whether a .vdb has PointDataGrids and nothing else, among the grids of this name if one is
+/// given. throws vog::Error for a missing, foreign or truncated file
+bool vdb_holds_points(const std::filesystem::path& file, const std::string& grid = {});
+
 /// Reads .xyz, .txt and .dat (fields between blanks), .csv (commas, or semicolons), .tsv (tabs) and
 /// the PointDataGrids of .vdb. In text, '#' and '%' begin comments, lines without a number before
 /// the first particle are headers, and the last comment before it may name the columns too; .xyz
 /// may begin with the number of particles and a title, as chemists have it. Columns that are
 /// neither position nor velocity become attributes; those that hold text are left out.
-/// throws vog::Error for a missing or foreign file, no particles, unknown columns, and every line
+/// Of .vdb a PointDataGrid, whatever the codecs of its attributes: P, a vector called velocity or
+/// v, other numbers as attributes, other vectors by their length; leaf by leaf. throws vog::Error
+/// for a missing or foreign file, no particles, unknown columns, and every line
 ///        that does not have as many numbers as the first: file and line, got, expected
 /// cost   1 M lines of six numbers in about 0.2 s on two cores
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {});
 
 /// Writes text by extension (.xyz: "# x y z ..." and blanks between; .csv; .tsv) that reads back
-/// bit for bit. Written beside the file and renamed.
+/// bit for bit, or a PointDataGrid "points" (.vdb) of point_voxel_size with P, velocity and the
+/// attributes; its positions are single precision within a voxel. Written beside the file and
+/// renamed.
 /// throws vog::Error as validate does, and if the file cannot be written
 void write_points(const std::filesystem::path& file, const Points& points);
 

@@ -8,4 +8,7 @@ namespace vog {
 Points read_points_text(const std::filesystem::path& file, const PointReadOptions& options);
 void write_points_text(const std::filesystem::path& file, const Points& points);
 
+Points read_points_vdb(const std::filesystem::path& file, const PointReadOptions& options);
+void write_points_vdb(const std::filesystem::path& file, const Points& points);
+
 }  // namespace vog

@@ -219,6 +219,18 @@ Volume volume_from_grid(const openvdb::FloatGrid& grid) {
     return volume;
 }
 
+void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
+                   const std::string& where) {
+    with_vdb_errors(where, [&] {
+        const std::string bytes = transform_bytes(world_from_index);
+        MemoryStream stream(bytes);
+        openvdb::io::setCurrentVersion(stream);
+        const auto transform = openvdb::math::Transform::createLinearTransform();
+        transform->read(stream);
+        grid.setTransform(transform);
+    });
+}
+
 openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
     using openvdb::FloatGrid;
     using LeafT = FloatGrid::TreeType::LeafNodeType;
@@ -228,15 +240,7 @@ openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
     grid->setName(volume.name.empty() ? "density" : volume.name);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
 
-    with_vdb_errors(volume.source.empty() ? "volume" : volume.source, [&] {
-        const std::string bytes = transform_bytes(volume.world_from_index);
-        MemoryStream stream(bytes);
-        openvdb::io::setCurrentVersion(stream);
-        const auto transform = openvdb::math::Transform::createLinearTransform();
-        transform->read(stream);
-        grid->setTransform(transform);
-    });
-
+    set_transform(*grid, volume.world_from_index, volume.source.empty() ? "volume" : volume.source);
     for (const Tile& tile : volume.tiles) {
         const auto level = std::ranges::find(kTileEdge, tile.edge) - kTileEdge.begin();
         grid->tree().addTile(static_cast<openvdb::Index>(level), to_coord(tile.origin), tile.value,

@@ -62,7 +62,7 @@ class TreeWalk {
     void node(Vec3i origin, const NodeKind& kind);
     void leaf_buffer(WalkedTree::LeafSpot& leaf);
     void point_leaves();
-    std::uint64_t point_descriptor();
+    std::vector<PointColumn> point_descriptor();
     void values(std::uint32_t count, std::uint32_t active);
     void block(std::uint64_t bytes);
     Vec3i origin();
@@ -199,51 +199,69 @@ void TreeWalk::block(std::uint64_t bytes) {
 
 /// The passes over the leaves of a PointDataGrid, as far as the sizes of the attributes.
 void TreeWalk::point_leaves() {
-    enum { kStrided = 1 };
+    enum { kStrided = 1, kUniform = 2, kPaged = 8 };
     const auto passes = in_.number<std::uint16_t>();
+    if (tree_.leaves.empty()) return;
     if (passes < 4)
         in_.fail(fmt::format("corrupt: {} passes over points, expected 4 or more", passes));
     in_.take(2 * tree_.leaves.size());  // pass 0: size of each leaf's voxel block
 
-    std::uint64_t attributes = 0;  // pass 1: attributes
-    bool shared_descriptor = false;
+    bool shared_descriptor = false;  // pass 1: attributes
     for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
         if (!shared_descriptor) {
             const auto flags = in_.number<std::uint8_t>();
-            attributes = point_descriptor();
+            const std::vector<PointColumn> columns = point_descriptor();
+            if (leaf == 0) tree_.columns = columns;
+            if (columns != tree_.columns)
+                in_.fail("has leaves with different attributes, expected the same in all");
             shared_descriptor = flags & 1;
             if (flags & 2) in_.take(in_.number<std::uint64_t>());
         }
-        for (std::uint64_t i = 0; i < attributes; ++i) {
-            const auto bytes = in_.number<std::uint64_t>();
+        for (std::size_t i = 0; i < tree_.columns.size(); ++i) {
+            constexpr std::uint64_t kFlagsAndSize = 6;  // counted with the bytes
+            PointArray array;
+            array.bytes = in_.number<std::uint64_t>();
+            tree_.attribute_bytes += array.bytes;
+            array.bytes = array.bytes < kFlagsAndSize ? 0 : array.bytes - kFlagsAndSize;
             in_.take(1);
             const auto flags = in_.number<std::uint8_t>();
-            const auto size = in_.number<std::uint32_t>();
-            if (flags & kStrided) in_.take(4);
-            tree_.attribute_bytes += bytes;
-            if (i == 0) tree_.points += size;  // every attribute has as many
+            array.size = in_.number<std::uint32_t>();
+            if (flags & kStrided) array.stride = in_.number<std::uint32_t>();
+            array.uniform = flags & kUniform;
+            array.paged = flags & kPaged;
+            if (i == 0) tree_.points += array.size;  // every attribute has as many
+            tree_.arrays.push_back(array);
         }
     }
+    if (passes != 2 * tree_.columns.size() + 4)
+        in_.fail(
+            fmt::format("corrupt: {} passes over {} attributes", passes, tree_.columns.size()));
 }
 
-/// Names and types of the attributes; returns their number.
-std::uint64_t TreeWalk::point_descriptor() {
+/// Names and types of the attributes.
+std::vector<PointColumn> TreeWalk::point_descriptor() {
     const auto attributes = in_.number<std::uint64_t>();
-    const auto strings = [&](std::uint64_t count) {  // each takes at least 4 bytes, so this ends
-        for (std::uint64_t i = 0; i < count; ++i) in_.string();
-    };
-    const auto named_offsets = [&](std::uint64_t count) {
-        for (std::uint64_t i = 0; i < count; ++i) {
-            in_.string();
-            in_.take(8);
-        }
-    };
-    if (attributes > 1u << 16) in_.fail(fmt::format("corrupt: {} attributes", attributes));
-    strings(2 * attributes);
-    named_offsets(attributes);
-    named_offsets(in_.number<std::uint64_t>());  // groups
+    if (attributes > 1u << 14) in_.fail(fmt::format("corrupt: {} attributes", attributes));
+    std::vector<PointColumn> columns;
+    for (std::uint64_t i = 0; i < attributes; ++i) {  // each takes at least 8 bytes, so this ends
+        PointColumn column;
+        column.type = in_.string();
+        column.codec = in_.string();
+        columns.push_back(column);
+    }
+    for (std::uint64_t i = 0; i < attributes; ++i) {
+        const std::string name = in_.string();
+        const auto at = in_.number<std::uint64_t>();
+        if (at >= attributes) in_.fail(fmt::format("corrupt: attribute {} of {}", at, attributes));
+        columns[at].name = name;
+    }
+    const auto groups = in_.number<std::uint64_t>();
+    for (std::uint64_t i = 0; i < groups; ++i) {
+        in_.string();
+        in_.take(8);
+    }
     read_vdb_metadata(in_);
-    return attributes;
+    return columns;
 }
 
 }  // namespace

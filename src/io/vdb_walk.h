@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "io/vdb_stream.h"
@@ -34,6 +35,19 @@ struct TreeStorage {
     bool half_stored = false;
 };
 
+/// An attribute of points: "P", "vec3s", "fxpt16".
+struct PointColumn {
+    std::string name, type, codec;
+    friend bool operator==(const PointColumn&, const PointColumn&) = default;
+};
+/// How one leaf stores one attribute.
+struct PointArray {
+    std::uint64_t bytes = 0;  ///< decoded, where paged
+    std::uint32_t size = 0;   ///< points
+    std::uint32_t stride = 1;
+    bool uniform = false, paged = false;
+};
+
 struct WalkedTree {
     struct LeafSpot {
         Vec3i origin;
@@ -42,9 +56,12 @@ struct WalkedTree {
     };
     std::vector<LeafSpot> leaves;
     std::uint64_t points = 0, attribute_bytes = 0;  ///< of a tree of points
+    std::vector<PointColumn> columns;               ///< of points
+    std::vector<PointArray> arrays;                 ///< [leaf][column]
 };
 
-/// Walks the tree that `in` stands at, to the end of `in`.
+/// Walks the tree that `in` stands at, to the end of `in`; of points to the end of what describes
+/// their attributes, whose bytes io/vdb_points.cpp reads.
 /// throws vog::Error naming the first byte that cannot be
 WalkedTree walk_tree(MemoryBytes& in, const TreeStorage& storage);
 

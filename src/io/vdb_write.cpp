@@ -57,6 +57,9 @@ void write_header(std::ostream& out, std::size_t grids) {
 
 void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
+    // Points are written in passes, which the stream's metadata counts.
+    openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata), none;
+    openvdb::io::setStreamMetadataPtr(out, metadata, false);
     openvdb::io::setDataCompression(out, compression);
     openvdb::writeString(out, grid.getName());
     openvdb::writeString(out, grid.type() + (grid.saveFloatAsHalf() ? "_HalfFloat" : ""));
@@ -75,9 +78,34 @@ void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     out.seekp(positions);
     for (const std::int64_t position : {begin, voxels, end}) put(out, position);
     out.seekp(end);
+    openvdb::io::setStreamMetadataPtr(out, none, false);
 }
 
 }  // namespace
+
+void write_vdb_grids(const std::filesystem::path& file, std::size_t count,
+                     const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
+    const std::string where = file.string();
+    with_vdb_errors(where, [&] {
+        write_beside_and_rename(file, [&](const std::filesystem::path& path) {
+            errno = 0;
+            try {
+                std::ofstream out(path, std::ios::binary);
+                out.exceptions(std::ios::failbit | std::ios::badbit);
+                write_header(out, count);
+                for (std::size_t n = 0; n < count; ++n) {
+                    const openvdb::GridBase::Ptr grid = grid_of(n);
+                    grid->setCreator("vog");
+                    write_grid(out, *grid);
+                }
+                out.close();
+            } catch (const std::ios_base::failure&) {
+                throw Error(fmt::format("{}: cannot write: {}", where,
+                                        std::generic_category().message(errno ? errno : EIO)));
+            }
+        });
+    });
+}
 
 void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
     write_vdb(file, std::span(&volume, 1), half);
@@ -91,26 +119,11 @@ void write_vdb(const std::filesystem::path& file, std::span<const Volume> volume
         if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
         if (half) require_half_range(volume, where);
     }
-    with_vdb_errors(where, [&] {
-        write_beside_and_rename(file, [&](const std::filesystem::path& path) {
-            errno = 0;
-            try {
-                std::ofstream out(path, std::ios::binary);
-                out.exceptions(std::ios::failbit | std::ios::badbit);
-                write_header(out, volumes.size());
-                for (const Volume& volume : volumes) {
-                    const openvdb::FloatGrid::Ptr grid = grid_from_volume(volume);
-                    grid->setSaveFloatAsHalf(half);
-                    grid->setCreator("vog");
-                    grid->addStatsMetadata();
-                    write_grid(out, *grid);
-                }
-                out.close();
-            } catch (const std::ios_base::failure&) {
-                throw Error(fmt::format("{}: cannot write: {}", where,
-                                        std::generic_category().message(errno ? errno : EIO)));
-            }
-        });
+    write_vdb_grids(file, volumes.size(), [&](std::size_t n) {
+        const openvdb::FloatGrid::Ptr grid = grid_from_volume(volumes[n]);
+        grid->setSaveFloatAsHalf(half);
+        grid->addStatsMetadata();
+        return grid;
     });
 }
 
