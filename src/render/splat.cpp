@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <span>
 
 #include "render/kernel_polynomial.h"
@@ -63,7 +62,8 @@ struct SplatRenderer::State {
     }
     void cut(std::size_t first, std::size_t last);
     void project(const CameraFrame& frame);
-    void draw_tile(int t, const CameraFrame& frame, bool add, DepthImage& image) const;
+    void draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
+                   DepthImage& image) const;
 };
 
 /// Cuts Gaussians first ... last - 1 into chunks. How many depends on the Gaussians alone: the
@@ -104,8 +104,9 @@ void SplatRenderer::State::project(const CameraFrame& frame) {
         near.insert(near.end(), chunks[n].near.begin(), chunks[n].near.end());
 }
 
-/// Draws one tile, over the image or added to it; where nothing is, it only clears.
-void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add,
+/// Draws tile number t, over the image or added to it; where nothing is, it only clears.
+/// tile  room to draw in, pixels 0
+void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
                                      DepthImage& image) const {
     const int column = t % bins.columns() * kTileWidth, row = t / bins.columns() * kTileHeight;
     const int right = std::min(column + kTileWidth, frame.width) - 1;
@@ -114,18 +115,12 @@ void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add,
     constexpr std::size_t kAtOnce = 64;
     std::uint32_t wide[kAtOnce];
     std::size_t wide_count = 0;
-    TilePixels tile;
-    bool touched = false;
-    const auto touch = [&] {
-        if (touched) return;
-        touched = true;
-        tile.column = column;
-        tile.row = row;
-        std::memset(tile.depth, 0, sizeof tile.depth);
-    };
+    tile.column = column;
+    tile.row = row;
+    bool touched = !near.empty();
     const auto add_far = [&](const std::uint32_t* index, std::size_t count) {
         if (count == 0) return;
-        touch();
+        touched = true;
         kernels->add_far(far.data(), index, count, kernel, tile);
     };
     for (const std::uint32_t n : bins.wide()) {
@@ -139,10 +134,7 @@ void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add,
     }
     add_far(wide, wide_count);
     add_far(bins.of_tile(t).data(), bins.of_tile(t).size());
-    for (const NearSplat& splat : near) {
-        touch();
-        add_near(splat, model.gaussians->cutoff, tile);
-    }
+    for (const NearSplat& splat : near) add_near(splat, model.gaussians->cutoff, tile);
     if (touched) {
         kernels->finish_tile(tile, frame, model.unit, add, image.depth.data());
     } else if (!add) {
@@ -188,8 +180,18 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
         const std::size_t last = std::min(first + batch, size);
         s.cut(first, last);
         s.project(frame);
-        tbb::parallel_for(0, s.bins.tiles(),
-                          [&](int t) { s.draw_tile(t, frame, first > 0, image); });
+        // Some dozens of tasks: full tiles lie together, and eight shares a frame, TBB's own choice
+        // for two threads, left one of them idle for a third of a small model's time.
+        constexpr int kTasks = 64;
+        const int grain = std::max(1, s.bins.tiles() / kTasks);
+        tbb::parallel_for(
+            tbb::blocked_range<int>(0, s.bins.tiles(), static_cast<std::size_t>(grain)),
+            [&](const tbb::blocked_range<int>& range) {
+                TilePixels tile;
+                for (int t = range.begin(); t < range.end(); ++t)
+                    s.draw_tile(t, frame, first > 0, tile, image);
+            },
+            tbb::simple_partitioner());
         const Progress& report = progress ? progress : s.options.progress;
         if (report) report(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
         first = last;

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <numbers>
 #include <span>
@@ -241,7 +240,6 @@ void render_boxes(const SplatKernels& kernels, const SplatModel& model,
             TilePixels tile;
             tile.column = column;
             tile.row = row;
-            std::memset(tile.depth, 0, sizeof tile.depth);
             const TileRays rays = tile_rays(frame, tile);
             add_tile(splats.far, far_index, rays, tile,
                      [&](const FarSplat& splat, TilePixels& alone) {

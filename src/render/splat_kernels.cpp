@@ -73,6 +73,7 @@ std::vector<const SplatKernels*> runnable_kernels() {
     for (const auto entry : HWY_DISPATCH_TABLE(wide_kernels)) {
         if (entry == nullptr || entry == HWY_DISPATCH_TABLE(wide_kernels)[0]) continue;
         const SplatKernels* kernels = &entry();
+        if (kernels->target == HWY_SCALAR) continue;  // that is one lane
         if ((kernels->target & supported) &&
             std::find(all.begin(), all.end(), kernels) == all.end())
             all.push_back(kernels);

@@ -65,12 +65,12 @@ struct SplatRun {
 /// Pixels of a tile. 64 x 32 is the best of the sizes tried (docs/performance.md).
 inline constexpr int kTileWidth = 64, kTileHeight = 32;
 
-/// T over |D| of one tile's pixels, so far.
+/// T over |D| of one tile's pixels, so far. What lies in the padding is never read.
 struct TilePixels {
     /// Rows and columns are padded so that a vector of any shape may start at any pixel.
     static constexpr int kMaxLanes = 16, kStride = kTileWidth + kMaxLanes, kMaxRows = 4;
     std::int32_t column = 0, row = 0;  ///< of the first pixel
-    alignas(64) float depth[kTileHeight + kMaxRows - 1][kStride];
+    alignas(64) float depth[kTileHeight + kMaxRows - 1][kStride] = {};
 };
 
 /// Pixels of a tile that a splat touches, inclusive, from the tile's first.
@@ -92,8 +92,8 @@ struct SplatKernels {
     void (*add_far)(const FarSplat* splats, const std::uint32_t* index, std::size_t count,
                     const KernelPolynomial& kernel, TilePixels& tile);
     /// T of a tile's pixels: depth times |D| times unit, to the rows of an image; added to what is
-    /// there if `add`.
-    void (*finish_tile)(const TilePixels& tile, const CameraFrame& frame, double unit, bool add,
+    /// there if `add`. Leaves the tile's pixels 0, for the next tile: they are in the cache now.
+    void (*finish_tile)(TilePixels& tile, const CameraFrame& frame, double unit, bool add,
                         float* image);
 };
 

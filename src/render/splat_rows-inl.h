@@ -1,8 +1,8 @@
 // splat_rows-inl.h: splats to pixels, a vector of pixels at a time, in single precision: included
 // once per SIMD target by splat_kernels.cpp, inside its namespace.
 
-/// Reciprocal and square root to 3e-7 relative or better. Estimate and one Newton step where that
-/// is faster: the divider has a tenth of the throughput of multiplication.
+/// 1 / v to 2e-7 relative or better. An estimate and a Newton step beat the divider where there are
+/// estimates of 11 bits, unless it is idle: the square root keeps it busy (docs/performance.md).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V reciprocal(D d, V v) {
     if constexpr (kEstimates && hn::MaxLanes(D()) > 1) {
@@ -10,17 +10,6 @@ HWY_INLINE V reciprocal(D d, V v) {
         return hn::MulAdd(r, hn::NegMulAdd(v, r, hn::Set(d, 1.0f)), r);
     } else {
         return hn::Div(hn::Set(d, 1.0f), v);
-    }
-}
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V square_root(D d, V v) {
-    if constexpr (kEstimates && hn::MaxLanes(D()) > 1) {
-        // 0 stays exactly 0: its estimate is finite.
-        const V r = hn::ApproximateReciprocalSqrt(hn::Max(v, hn::Set(d, 1e-30f)));
-        const V s = hn::Mul(v, r), half = hn::Mul(hn::Set(d, 0.5f), s);
-        return hn::MulAdd(half, hn::NegMulAdd(s, r, hn::Set(d, 1.0f)), s);
-    } else {
-        return hn::Sqrt(v);
     }
 }
 
@@ -48,24 +37,52 @@ HWY_INLINE RowLanes<V> row_lanes(const SplatLanes<V>& s, V y) {
             hn::MulAdd(across, across, s.e02)};
 }
 
-/// depth plus sqrt(F) / C · KernelPolynomial(F / C), F = max(0, f - a²), C = c² + n: nothing
-/// outside the support. kDegree < 0: any degree.
+/// The kernel's polynomial in every lane. kDegree < 0: any degree, read term by term.
+template <int kDegree, class V>
+struct KernelLanes {
+    V c[kDegree < 0 ? 1 : kDegree + 1];
+    const KernelPolynomial* kernel;
+};
 template <int kDegree, class D, class V = hn::Vec<D>>
-HWY_INLINE V add_tau(D d, const KernelPolynomial& kernel, V a, V f, V c, V n, V depth) {
+HWY_INLINE KernelLanes<kDegree, V> kernel_lanes(D d, const KernelPolynomial& kernel) {
+    KernelLanes<kDegree, V> lanes;
+    lanes.kernel = &kernel;
+    for (int power = 0; power <= kDegree; ++power)
+        lanes.c[power] = hn::Set(d, kernel.coefficient[static_cast<std::size_t>(power)]);
+    return lanes;
+}
+
+/// KernelPolynomial(ratio).
+template <int kDegree, class D, class V = hn::Vec<D>>
+HWY_INLINE V kernel_at(D d, const KernelLanes<kDegree, V>& lanes, V ratio) {
+    if constexpr (kDegree < 0) {
+        const std::vector<float>& coefficient = lanes.kernel->coefficient;
+        const V v =
+            hn::MulAdd(ratio, hn::Set(d, lanes.kernel->slope), hn::Set(d, lanes.kernel->shift));
+        V sum = hn::Set(d, coefficient.back());
+        for (std::size_t power = coefficient.size() - 1; power-- > 0;)
+            sum = hn::MulAdd(sum, v, hn::Set(d, coefficient[power]));
+        return hn::Max(sum, hn::Zero(d));  // the fit's error must not make T negative
+    } else {
+        // Estrin's scheme: one multiplication more than Horner's and half the latency, which is
+        // what fills the processor's queues.
+        const V r2 = hn::Mul(ratio, ratio);
+        V sum = kDegree % 2 == 0 ? lanes.c[kDegree]
+                                 : hn::MulAdd(lanes.c[kDegree], ratio, lanes.c[kDegree - 1]);
+        for (int power = kDegree - (kDegree % 2 == 0 ? 2 : 3); power >= 0; power -= 2)
+            sum = hn::MulAdd(sum, r2, hn::MulAdd(lanes.c[power + 1], ratio, lanes.c[power]));
+        return sum;
+    }
+}
+
+/// depth plus sqrt(F) / C · KernelPolynomial(F / C), F = max(0, f - a²), C = c² + n: nothing
+/// outside the support.
+template <int kDegree, class D, class V = hn::Vec<D>>
+HWY_INLINE V add_tau(D d, const KernelLanes<kDegree, V>& kernel, V a, V f, V c, V n, V depth) {
     const V big_f = hn::Max(hn::NegMulAdd(a, a, f), hn::Zero(d));
     const V inverse_c = reciprocal(d, hn::MulAdd(c, c, n));
-    const V ratio = hn::Mul(big_f, inverse_c);
-    const int degree = kDegree < 0 ? static_cast<int>(kernel.coefficient.size()) - 1 : kDegree;
-    const float* coefficient = kernel.coefficient.data();
-    V v = ratio;
-    if constexpr (kDegree < 0)
-        v = hn::MulAdd(ratio, hn::Set(d, kernel.slope), hn::Set(d, kernel.shift));
-    V sum = hn::Set(d, coefficient[degree]);
-    for (int power = degree - 1; power >= 0; --power)
-        sum = hn::MulAdd(sum, v, hn::Set(d, coefficient[power]));
-    // The fit's error must not make T negative; in powers of F / C it does not.
-    if constexpr (kDegree < 0) sum = hn::Max(sum, hn::Zero(d));
-    return hn::MulAdd(hn::Mul(square_root(d, big_f), inverse_c), sum, depth);
+    const V sum = kernel_at<kDegree>(d, kernel, hn::Mul(big_f, inverse_c));
+    return hn::MulAdd(hn::Mul(hn::Sqrt(big_f), inverse_c), sum, depth);
 }
 
 /// kRows rows of pixels in one vector.
@@ -93,7 +110,7 @@ requires(kRows > 1) struct Rows<kRows, D> {
 /// A splat so narrow that kRows of its rows fit one vector.
 template <int kDegree, int kRows, class D>
 HWY_INLINE void add_narrow(D d, const FarSplat& s, const TileRange& range,
-                           const KernelPolynomial& kernel, TilePixels& tile) {
+                           const KernelLanes<kDegree, hn::Vec<D>>& kernel, TilePixels& tile) {
     using V = hn::Vec<D>;
     constexpr int kColumns = static_cast<int>(hn::MaxLanes(D())) / kRows;
     const SplatLanes<V> lanes = splat_lanes(d, s);
@@ -109,18 +126,23 @@ HWY_INLINE void add_narrow(D d, const FarSplat& s, const TileRange& range,
     }();
     const V x = hn::Add(hn::Load(d, kX.data()),
                         hn::Set(d, static_cast<float>(tile.column + range.x0 - s.column)));
-    V y = hn::Add(hn::Load(d, kY.data()),
-                  hn::Set(d, static_cast<float>(tile.row + range.y0 - s.row)));
-    const V ax = hn::Mul(lanes.ax, x), cx = hn::Mul(lanes.cx, x);
+    const V y = hn::Add(hn::Load(d, kY.data()),
+                        hn::Set(d, static_cast<float>(tile.row + range.y0 - s.row)));
+    // From block to block the four linear forms grow by a constant: additions leave the
+    // multipliers, which bound this loop, to the rest. Their rounding adds up over at most 32 rows.
+    V a = hn::MulAdd(lanes.ax, x, hn::MulAdd(lanes.ay, y, lanes.a0));
+    V c = hn::MulAdd(lanes.cx, x, hn::MulAdd(lanes.cy, y, lanes.c0));
+    V b = hn::MulAdd(lanes.by, y, lanes.b0), across = hn::MulAdd(lanes.dy, y, lanes.d0);
+    const V rows = hn::Set(d, static_cast<float>(kRows));
+    const V a_step = hn::Mul(lanes.ay, rows), c_step = hn::Mul(lanes.cy, rows);
+    const V b_step = hn::Mul(lanes.by, rows), across_step = hn::Mul(lanes.dy, rows);
     using Block = Rows<kRows, D>;
     for (int row = range.y0; row <= range.y1; row += kRows) {
-        const RowLanes<V> r = row_lanes(lanes, y);
         float* at = tile.depth[row] + range.x0;
-        Block::store(d,
-                     add_tau<kDegree>(d, kernel, hn::Add(ax, r.a), r.f, hn::Add(cx, r.c), r.n,
-                                      Block::load(d, at)),
-                     at);
-        y = hn::Add(y, hn::Set(d, static_cast<float>(kRows)));
+        const V f = hn::NegMulAdd(b, b, lanes.f0), n = hn::MulAdd(across, across, lanes.e02);
+        Block::store(d, add_tau<kDegree>(d, kernel, a, f, c, n, Block::load(d, at)), at);
+        a = hn::Add(a, a_step), c = hn::Add(c, c_step);
+        b = hn::Add(b, b_step), across = hn::Add(across, across_step);
     }
 }
 
@@ -167,30 +189,35 @@ HWY_INLINE void row_forms(D d, const FarSplat& s, const TileRange& range, int co
 /// pixel: F is negative there.
 template <int kDegree, class D>
 HWY_INLINE void add_wide(D d, const FarSplat& s, const TileRange& range,
-                         const KernelPolynomial& kernel, TilePixels& tile) {
+                         const KernelLanes<kDegree, hn::Vec<D>>& kernel, TilePixels& tile) {
     using V = hn::Vec<D>;
     RowForms rows;
     row_forms(d, s, range, tile.column, tile.row, rows);
     const V ax = hn::Set(d, s.ax), cx = hn::Set(d, s.cx);
     const auto step = static_cast<int>(hn::Lanes(d));
+    const V a_step = hn::Set(d, s.ax * static_cast<float>(step));
+    const V c_step = hn::Set(d, s.cx * static_cast<float>(step));
     const V origin = hn::Iota(d, static_cast<float>(tile.column - s.column));
     for (int n = 0; n <= range.y1 - range.y0; ++n) {
-        const V a = hn::Set(d, rows.a[n]), f = hn::Set(d, rows.f[n]);
-        const V c = hn::Set(d, rows.c[n]), m = hn::Set(d, rows.n[n]);
+        const int first = rows.first[n], last = rows.last[n];
+        const V x = hn::Add(origin, hn::Set(d, static_cast<float>(first)));
+        V a = hn::MulAdd(ax, x, hn::Set(d, rows.a[n])),
+          c = hn::MulAdd(cx, x, hn::Set(d, rows.c[n]));
+        const V f = hn::Set(d, rows.f[n]), m = hn::Set(d, rows.n[n]);
         float* depth = tile.depth[range.y0 + n];
-        for (int column = rows.first[n]; column <= rows.last[n]; column += step) {
-            const V x = hn::Add(origin, hn::Set(d, static_cast<float>(column)));
-            hn::StoreU(add_tau<kDegree>(d, kernel, hn::MulAdd(ax, x, a), f, hn::MulAdd(cx, x, c), m,
-                                        hn::LoadU(d, depth + column)),
-                       d, depth + column);
+        for (int column = first; column <= last; column += step) {
+            hn::StoreU(add_tau<kDegree>(d, kernel, a, f, c, m, hn::LoadU(d, depth + column)), d,
+                       depth + column);
+            a = hn::Add(a, a_step), c = hn::Add(c, c_step);
         }
     }
 }
 
 template <int kDegree, class Tags>
 void add_far_degree(const FarSplat* splats, const std::uint32_t* index, std::size_t count,
-                    const KernelPolynomial& kernel, TilePixels& tile) {
+                    const KernelPolynomial& polynomial, TilePixels& tile) {
     const typename Tags::Floats d;
+    const auto kernel = kernel_lanes<kDegree>(d, polynomial);
     constexpr auto kLanes = static_cast<int>(hn::MaxLanes(typename Tags::Floats()));
     constexpr std::size_t kAhead = 8;  // splats of a tile lie apart in memory
     for (std::size_t n = 0; n < count; ++n) {
@@ -224,8 +251,7 @@ void add_far(const FarSplat* splats, const std::uint32_t* index, std::size_t cou
 }
 
 template <class Tags>
-void finish_tile(const TilePixels& tile, const CameraFrame& frame, double unit, bool add,
-                 float* image) {
+void finish_tile(TilePixels& tile, const CameraFrame& frame, double unit, bool add, float* image) {
     const typename Tags::Floats d;
     using V = hn::Vec<typename Tags::Floats>;
     const auto step = static_cast<int>(hn::Lanes(d));
@@ -237,7 +263,7 @@ void finish_tile(const TilePixels& tile, const CameraFrame& frame, double unit, 
     for (int y = 0; y < height; ++y) {
         const double slope_y = (tile.row + y - 0.5 * (frame.height - 1)) * pixel;
         const V rest = hn::Set(d, static_cast<float>(1 + slope_y * slope_y));
-        const float* depth = tile.depth[y];
+        float* depth = tile.depth[y];
         float* row =
             image + static_cast<std::size_t>(tile.row + y) * static_cast<std::size_t>(frame.width) +
             tile.column;
@@ -247,6 +273,7 @@ void finish_tile(const TilePixels& tile, const CameraFrame& frame, double unit, 
                                          hn::Set(d, static_cast<float>(left)));
             const V length = hn::Sqrt(hn::MulAdd(slope_x, slope_x, rest));
             const V t = hn::Mul(hn::Mul(hn::Load(d, depth + x), length), scale);
+            hn::Store(hn::Zero(d), d, depth + x);
             if (x + step <= width) {
                 hn::StoreU(add ? hn::Add(t, hn::LoadU(d, row + x)) : t, d, row + x);
                 continue;

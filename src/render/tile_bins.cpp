@@ -19,6 +19,13 @@ TileRect tiles_of(const PixelBounds& b) {
 
 template <class Visit>
 void for_each_tile(const TileRect& r, int columns, const Visit& visit) {
+    // Most splats touch one tile or its neighbour: without loops, whose ends are guessed wrong.
+    const auto at = static_cast<std::size_t>(r.y0 * columns + r.x0);
+    if (r.y0 == r.y1 && r.x1 - r.x0 <= 1) {
+        visit(at);
+        if (r.x1 != r.x0) visit(at + 1);
+        return;
+    }
     for (int row = r.y0; row <= r.y1; ++row)
         for (int column = r.x0; column <= r.x1; ++column)
             visit(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
