@@ -1,0 +1,108 @@
+// io_bench.cpp: reading a .vdb, writing and reading a model as PLY. Files lie in the system's
+// temporary folder and in its cache: this times our code, not a disk.
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "vog/moments.h"
+#include "vog/ply.h"
+#include "vog/sample.h"
+#include "vog/vdb.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder that goes when the bench ends.
+struct Folder {
+    fs::path path = fs::temp_directory_path() / ("vog_io_bench_" + std::to_string(::getpid()));
+    Folder() { fs::create_directories(path); }
+    ~Folder() {
+        std::error_code ignored;
+        fs::remove_all(path, ignored);
+    }
+};
+const fs::path& folder() {
+    static const Folder folder;
+    return folder.path;
+}
+
+/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
+const fs::path& vdb_file() {
+    static const fs::path file = [] {
+        const char* named = std::getenv("VOG_DATA");
+        const fs::path data =
+            named ? fs::path(named) : fs::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
+        if (fs::exists(data / "smoke.vdb")) return data / "smoke.vdb";
+        const fs::path sample = folder() / "cloud.vdb";
+        vog::write_vdb(sample, vog::sample_cloud({.size = 128}));
+        return sample;
+    }();
+    return file;
+}
+
+const vog::Gaussians& model() {
+    static const vog::Gaussians model =
+        vog::convert_moments(vog::read_vdb(vdb_file()), {.block_voxels = 2});
+    return model;
+}
+
+void rate(benchmark::State& state, const fs::path& file) {
+    state.SetBytesProcessed(state.iterations() * static_cast<std::int64_t>(fs::file_size(file)));
+    state.counters["bytes"] = static_cast<double>(fs::file_size(file));
+}
+
+void read_vdb(benchmark::State& state) {
+    if (vog::active_voxels(vog::read_vdb(vdb_file())) == 0) {
+        state.SkipWithError("no voxels were read");
+        return;
+    }
+    for (auto _ : state) {
+        const vog::Volume volume = vog::read_vdb(vdb_file());
+        benchmark::DoNotOptimize(volume.leaves.data());
+    }
+    rate(state, vdb_file());
+}
+
+void write_ply(benchmark::State& state) {
+    const fs::path file = folder() / "model.ply";
+    for (auto _ : state) vog::write_ply(file, model());
+    if (vog::read_ply(file).density != model().density) {
+        state.SkipWithError("the model is not what was written");
+        return;
+    }
+    rate(state, file);
+}
+
+void read_ply(benchmark::State& state) {
+    const fs::path file = folder() / "model.ply";
+    vog::write_ply(file, model());
+    if (vog::read_ply(file).mean != model().mean) {
+        state.SkipWithError("the model is not what was written");
+        return;
+    }
+    for (auto _ : state) {
+        const vog::Gaussians read = vog::read_ply(file);
+        benchmark::DoNotOptimize(read.mean.data());
+    }
+    rate(state, file);
+}
+
+double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
+double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
+
+void measure(benchmark::internal::Benchmark* bench) {
+    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
+}
+
+BENCHMARK(read_vdb)->Apply(measure);
+BENCHMARK(write_ply)->Apply(measure);
+BENCHMARK(read_ply)->Apply(measure);
+
+}  // namespace
