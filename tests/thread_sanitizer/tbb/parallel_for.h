@@ -1,0 +1,2 @@
+// the stand-in of fork_join.h
+#include "tbb/fork_join.h"
