@@ -109,6 +109,7 @@ void append(Gaussians& gaussians, const Gaussians& other) {
     if (gaussians.source != other.source) gaussians.source += " + " + other.source;
     if (gaussians.method != other.method) gaussians.method += " + " + other.method;
     if (gaussians.options != other.options) gaussians.options += " + " + other.options;
+    if (gaussians.reached != other.reached) gaussians.reached += " + " + other.reached;
 }
 
 void validate(const Gaussians& gaussians) {

@@ -35,41 +35,53 @@ Quat quat_from_matrix(const Mat3& m) {
     return {float(w * norm), float(x * norm), float(y * norm), float(z * norm)};
 }
 
-Eigen3 symmetric_eigen(const Mat3& symmetric) {
-    Mat3 a = symmetric, axes;
-    // Cyclic Jacobi: each rotation zeroes one off-diagonal pair; convergence is quadratic, so a
-    // dozen sweeps leave nothing in double precision.
-    constexpr int kSweeps = 12;
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-        const double off = std::abs(a(0, 1)) + std::abs(a(0, 2)) + std::abs(a(1, 2));
-        if (off == 0) break;
-        for (const auto& [p, q] : {std::pair{0, 1}, std::pair{0, 2}, std::pair{1, 2}}) {
-            if (a(p, q) == 0) continue;
-            const double theta = (a(q, q) - a(p, p)) / (2 * a(p, q));
-            const double t =
-                (theta < 0 ? -1.0 : 1.0) / (std::abs(theta) + std::sqrt(theta * theta + 1));
-            const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-            for (int k = 0; k < 3; ++k) {
-                const double akp = a(k, p), akq = a(k, q);
-                a(k, p) = c * akp - s * akq, a(k, q) = s * akp + c * akq;
-            }
-            for (int k = 0; k < 3; ++k) {
-                const double apk = a(p, k), aqk = a(q, k);
-                a(p, k) = c * apk - s * aqk, a(q, k) = s * apk + c * aqk;
-            }
-            a(p, q) = a(q, p) = 0;
-            for (int k = 0; k < 3; ++k) {
-                const double vkp = axes(k, p), vkq = axes(k, q);
-                axes(k, p) = c * vkp - s * vkq, axes(k, q) = s * vkp + c * vkq;
-            }
-        }
+namespace {
+
+/// One Jacobi rotation: zeroes `pq`, the element between axes p and q, and turns what they have
+/// with the third axis, `rp` and `rq`.
+void rotate(double& pp, double& qq, double& pq, double& rp, double& rq, Mat3& axes, int p, int q) {
+    // What does not change the larger of both in double precision is nothing.
+    constexpr double kNothing = 1e-17;
+    if (std::abs(pq) <= kNothing * (std::abs(pp) + std::abs(qq))) {
+        pq = 0;
+        return;
     }
+    const double theta = (qq - pp) / (2 * pq);
+    const double t = (theta < 0 ? -1.0 : 1.0) / (std::abs(theta) + std::sqrt(theta * theta + 1));
+    const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+    pp -= t * pq, qq += t * pq, pq = 0;
+    const double old_rp = rp, old_rq = rq;
+    rp = c * old_rp - s * old_rq, rq = s * old_rp + c * old_rq;
+    for (Vec3d& row : axes.row) {
+        const double vp = row[p], vq = row[q];
+        row[p] = c * vp - s * vq, row[q] = s * vp + c * vq;
+    }
+}
+
+}  // namespace
+
+Eigen3 symmetric_eigen(const Mat3& symmetric) {
+    const Mat3& m = symmetric;
+    Mat3 axes;
+    // Cyclic Jacobi: each rotation zeroes one off-diagonal element; convergence is quadratic, so a
+    // dozen sweeps leave nothing in double precision.
+    double xx = m(0, 0), yy = m(1, 1), zz = m(2, 2), xy = m(0, 1), xz = m(0, 2), yz = m(1, 2);
+    constexpr int kSweeps = 12;
+    for (int sweep = 0; sweep < kSweeps && (xy != 0 || xz != 0 || yz != 0); ++sweep) {
+        rotate(xx, yy, xy, xz, yz, axes, 0, 1);
+        rotate(xx, zz, xz, xy, yz, axes, 0, 2);
+        rotate(yy, zz, yz, xy, xz, axes, 1, 2);
+    }
+    const std::array<double, 3> value{xx, yy, zz};
     // Largest first, then right-handed.
     std::array<int, 3> order{0, 1, 2};
-    std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return a(i, i) > a(j, j); });
+    const auto before = [&](int i, int j) {
+        if (value[order[j]] > value[order[i]]) std::swap(order[i], order[j]);
+    };
+    before(0, 1), before(1, 2), before(0, 1);
     Eigen3 result;
     for (int c = 0; c < 3; ++c) {
-        result.values[c] = a(order[c], order[c]);
+        result.values[c] = value[order[c]];
         for (int r = 0; r < 3; ++r) result.axes(r, c) = axes(r, order[c]);
     }
     if (determinant(result.axes) < 0)

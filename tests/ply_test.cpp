@@ -43,6 +43,7 @@ Gaussians labelled(Gaussians model) {
     model.source_voxels = 1049275;
     model.method = "paper";
     model.options = "--strategy smart --dense-block 2";
+    model.reached = "mass ratio 1.00000";
     return model;
 }
 
@@ -80,6 +81,7 @@ TEST(ply, models_come_back_bit_for_bit) {
         EXPECT_EQ(back.source_voxels, model.source_voxels);
         EXPECT_EQ(back.method, model.method);
         EXPECT_EQ(back.options, model.options);
+        EXPECT_EQ(back.reached, model.reached);
         EXPECT_EQ(std::filesystem::file_size(dir / "m.ply"), ply_bytes(model));
     }
 }
@@ -91,7 +93,8 @@ TEST(ply, header_says_every_convention) {
     for (const char* line : {"comment kernel ", "comment cutoff 2.25\n", "comment units ",
                              "comment source smoke.vdb density\n", "comment method paper\n",
                              "comment options --strategy smart --dense-block 2\n",
-                             "property float rot_0\n", "property float density\n"})
+                             "comment reached mass ratio 1.00000\n", "property float rot_0\n",
+                             "property float density\n"})
         EXPECT_NE(text.find(line), std::string::npos) << line;
 }
 

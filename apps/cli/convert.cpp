@@ -4,7 +4,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -31,7 +30,7 @@ struct ConvertArguments {
     PaperOptions paper;
     MomentOptions moments;
     int threads = 0;
-    bool json = false, verbose = false;
+    bool stamp = false, json = false, verbose = false;
 };
 
 PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command) {
@@ -83,7 +82,7 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
         if (option->count() && option->get_group() == kPaperGroup &&
             option->get_name() != "--kappa")
             throw CLI::ValidationError(option->get_name() + " does not go with particles");
-    for (const char* option : {"--spread", "--level-set-to-fog", "--mask", "--no-mask"})
+    for (const char* option : {"--spread", "--refine", "--level-set-to-fog", "--mask", "--no-mask"})
         if (command.count(option))
             throw CLI::ValidationError(fmt::format("{} does not go with particles", option));
     if (arguments.method == "paper" && arguments.lod)
@@ -94,35 +93,64 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
 struct MomentTotals {
     double cells_mass = 0, dropped_mass = 0, worst_error = -1;
     std::size_t dropped_cells = 0;
-    std::map<std::string, double> stage_ms;
+    std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 
     void add(const MomentReport& one, double volume_mass) {
         cells_mass += one.mass_ratio * volume_mass;
         dropped_mass += one.dropped_mass_share * volume_mass;
         dropped_cells += one.dropped_cells;
         worst_error = std::max(worst_error, one.measured_error);
-        for (const auto& [name, ms] : one.stage_ms) stage_ms[name] += ms;
+        for (const auto& [name, ms] : one.stage_ms) {
+            const auto known = std::find_if(stage_ms.begin(), stage_ms.end(),
+                                            [&](const auto& stage) { return stage.first == name; });
+            if (known == stage_ms.end())
+                stage_ms.emplace_back(name, ms);
+            else
+                known->second += ms;
+        }
     }
 };
+
+double share_of_voxels(const Gaussians& model) {
+    return model.source_voxels
+               ? static_cast<double>(model.size()) / static_cast<double>(model.source_voxels)
+               : 0;
+}
+
+/// Times by name: "octree 98 ms, search 1200 ms".
+std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms) {
+    std::string text;
+    for (const auto& [name, ms] : stage_ms)
+        text += fmt::format("{}{} {:.3g} ms", text.empty() ? "" : ", ", name, ms);
+    return text;
+}
+
+/// What the conversion reached, in words: printed, and kept in the model's header.
+std::string reached_text(const Gaussians& model, FileKind kind, double volume_mass,
+                         const MomentTotals& moments) {
+    std::string text = fmt::format("{} Gaussians, {:.4g} % of the {}, mass ratio {:.6f}",
+                                   model.size(), 100 * share_of_voxels(model),
+                                   kind == FileKind::points ? "particles" : "active voxels",
+                                   moments.cells_mass / volume_mass);
+    text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",
+                        moments.dropped_cells, moments.dropped_mass / volume_mass);
+    if (moments.worst_error >= 0)
+        text += fmt::format(", measured error {:.4g} (relative L2 of T, 8 views of 256x256)",
+                            moments.worst_error);
+    return text;
+}
 
 void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& model,
             double volume_mass, const MomentTotals& moments, const Stages& stages) {
     const double mass_ratio = volume_mass > 0 ? mass(model) / volume_mass : 1;
     const bool by_moments = arguments.method == "moments";
-    const double share = model.source_voxels ? static_cast<double>(model.size()) /
-                                                   static_cast<double>(model.source_voxels)
-                                             : 0;
+    const double share = share_of_voxels(model);
     if (!arguments.json) {
         fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
                    grouped(model.size()), 100 * share, grouped(model.source_voxels),
                    kind == FileKind::points ? "particles" : "active voxels",
                    bytes_text(ply_bytes(model)), mass_ratio);
-        if (moments.dropped_cells)
-            fmt::print("{} cells with {:.2g} of the mass dropped\n", grouped(moments.dropped_cells),
-                       moments.dropped_mass / volume_mass);
-        if (moments.worst_error >= 0)
-            fmt::print("measured error {:.4g} (relative L2 of T, 8 views of 256x256)\n",
-                       moments.worst_error);
+        if (by_moments) fmt::print("{}\n{}\n", model.reached, times_text(moments.stage_ms));
         return;
     }
     nlohmann::ordered_json json = {
@@ -139,7 +167,7 @@ void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& m
         json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
         json["dropped_cells"] = moments.dropped_cells;
         if (moments.worst_error >= 0) json["measured_error"] = moments.worst_error;
-        json["convert_ms"] = moments.stage_ms;
+        for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     fmt::print("{}\n", json.dump(2));
@@ -185,7 +213,7 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
         return;
     }
     MomentReport one;
-    const Gaussians model = stages.run("convert", [&] {
+    Gaussians model = stages.run("convert", [&] {
         return paper ? convert_points_paper(points, options.value, options.radius,
                                             arguments.paper.kappa)
                      : convert_points(points, options, &one);
@@ -196,6 +224,8 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
     totals.add(one, sum);
     if (options.error > 0 && one.measured_error > options.error)
         note_missed(arguments.inputs.front(), one.measured_error, options.error);
+    if (!paper) model.reached = reached_text(model, FileKind::points, sum, totals);
+    if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     stages.run("save", [&] { write_ply(arguments.output, model); });
     report(arguments, FileKind::points, model, sum, totals, stages);
 }
@@ -245,6 +275,8 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
         model.box = mesh.box;
         model.source_voxels = mesh.voxels;
     });
+    if (by_moments) model.reached = reached_text(model, kind, volume_mass, totals);
+    if (by_moments && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     stages.run("save", [&] { write_ply(arguments.output, model); });
     report(arguments, kind, model, volume_mass, totals, stages);
 }
@@ -327,6 +359,9 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         fmt::format("Steps from hard cells to soft ones; default: none for uniform cells, else {}",
                     kSoftSteps))
         ->check(CLI::Range(0, 1000));
+    add("--refine", moments.refine_seconds,
+        "Spend this many seconds on more soft steps, as long as the measured error falls")
+        ->check(CLI::Range(0.0, 1e6));
     add("--spread", moments.spread, "Widen every standard deviation at constant mass")
         ->check(CLI::Range(0.5, 2.0))
         ->capture_default_str();
@@ -337,6 +372,10 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     command
         .add_flag("--axis-aligned", moments.axis_aligned,
                   "No rotations: 28 bytes a Gaussian, not 44")
+        ->group(kMomentGroup);
+    command
+        .add_flag("--stamp", arguments.stamp,
+                  "Keep the times of the stages in the file: no more the same bytes each time")
         ->group(kMomentGroup);
     command.add_flag("--measure", moments.measure, "Measure the error of any cut")
         ->group(kMomentGroup);

@@ -149,7 +149,8 @@ Json as_json(const Gaussians& model) {
             {"source", model.source},
             {"source_voxels", model.source_voxels},
             {"method", model.method},
-            {"options", model.options}};
+            {"options", model.options},
+            {"reached", model.reached}};
 }
 
 void print(const Gaussians& model) {
@@ -173,6 +174,7 @@ void print(const Gaussians& model) {
                                       static_cast<double>(model.source_voxels),
                                   grouped(model.source_voxels)));
     if (!model.method.empty()) line("method", model.method + " " + model.options);
+    if (!model.reached.empty()) line("reached", model.reached);
     line("size", bytes_text(ply_bytes(model)));
 }
 

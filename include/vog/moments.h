@@ -31,11 +31,13 @@ struct MomentOptions {
                              ///< uniform cut, kSoftSteps for the others
     float spread = 1;        ///< widens each standard deviation at constant mass, [0.5, 2]
     double mass_threshold = 1e-4;  ///< the lightest cells go, up to this share of the mass, [0, 1)
-    bool axis_aligned = false;     ///< variances along the world axes only: 28 bytes, not 44
-    bool measure = false;          ///< measure the error of a uniform cut or a budget too
+    double refine_seconds = 0;  ///< goes on softening that long while the error falls: no more the
+                                ///< same bytes each time; [0, 1e6]
+    bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
+    bool measure = false;       ///< measure the error of a uniform cut or a budget too
     Progress progress{};
 };
-inline constexpr int kSoftSteps = 8;
+inline constexpr int kSoftSteps = 12;
 
 /// What the conversion did and reached.
 struct MomentReport {
@@ -57,7 +59,7 @@ MomentOptions moment_lod(int lod);
 /// throws   vog::Error if an option is out of range, both a block and a budget are asked for, the
 ///          volume has no mass, a value is negative or not finite
 /// cost     O(active voxels) time for a uniform cut, with the memory of its result; the others take
-///          as much again for each soft step, the search for an error a dozen times that
+///          as much again for each soft step, the search for an error a few times that
 [[nodiscard]] Gaussians convert_moments(const Volume& volume, const MomentOptions& options = {},
                                         MomentReport* report = nullptr);
 

@@ -30,7 +30,7 @@ double overlap(const Moments& a, const Moments& b) {
 
 // An error in space is seen through the edge of the cell, along a column of its depth: without
 // the division the densest columns get everything. docs/moments.md has the scan of both powers.
-constexpr double kEdgePower = 2, kDepthPower = 0.75;
+constexpr double kEdgePower = 2.5, kDepthPower = 0.75;
 
 }  // namespace
 

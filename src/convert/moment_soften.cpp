@@ -2,7 +2,9 @@
 // share.
 #include "convert/moment_soften.h"
 
+#include <hwy/aligned_allocator.h>
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -10,33 +12,20 @@
 #include <limits>
 #include <tuple>
 
-// The inner loops, also compiled for AVX2 and chosen at run time: the same operations in the same
-// order, so the same bytes.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define VOG_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define VOG_WIDE
-#endif
+#include "convert/moment_share.h"
 
 namespace vog {
 
 namespace {
 
-/// Gaussians reach this many standard deviations. Wider costs its cube and moves no figure.
-constexpr double kReach = 3;
-constexpr float kHalfReach2 = 0.5f * static_cast<float>(kReach * kReach);
-
 /// Cells of less variance than this along an axis, in samples squared, feel a sample's own box.
-constexpr double kFineVariance = 2.5;
-
-using Row = std::array<float, kLeafEdge>;
+constexpr double kFineVariance = 1;
 
 /// A cell's Gaussian, ready for samples.
 struct Kernel {
-    Vec3d mean;
+    Vec3d mean, reach;                    ///< half extents of the box it reaches
     std::array<float, 6> half_inverse{};  ///< half the inverse covariance
-    float peak = 0;
+    double peak = 0;
 };
 
 Kernel kernel_of(const Moments& m) {
@@ -50,24 +39,11 @@ Kernel kernel_of(const Moments& m) {
     const std::array<double, 6> inverse{xx, xy, xz, yy, yz, zz};
     for (std::size_t n = 0; n < 6; ++n)
         kernel.half_inverse[n] = static_cast<float>(0.5 * inverse[n] / det);
-    kernel.peak = static_cast<float>(m.mass / std::sqrt(det));  // any common factor cancels
+    kernel.peak = m.mass / std::sqrt(det);  // any common factor cancels
+    kernel.reach = {kShareReach * std::sqrt(c[0]), kShareReach * std::sqrt(c[3]),
+                    kShareReach * std::sqrt(c[5])};
     return kernel;
 }
-
-/// exp(-x) for x in [0, kHalfReach2], 1e-6 relative: (exp(-x/16))^16 with five terms of the series.
-inline float exp_minus(float x) {
-    const float t = x * 0.0625f;
-    float y = 1 - t * (1 - t * 0.5f * (1 - t * (1.0f / 3) * (1 - t * 0.25f * (1 - t * 0.2f))));
-    y *= y, y *= y, y *= y;
-    return y * y;
-}
-
-/// The rows of a brick (8 samples along z) that a Gaussian reaches.
-struct Reach {
-    std::uint32_t cell = 0;
-    int x0 = 0, x1 = -1, y0 = 0, y1 = -1;
-    std::size_t first_row = 0;  ///< of its values
-};
 
 /// One point in each sample of a brick, all at the same place of it.
 struct Points {
@@ -77,90 +53,53 @@ struct Points {
 
 /// What a thread needs for a brick.
 struct Scratch {
-    std::vector<Reach> reaches;
-    std::vector<Row> values;
-    std::array<float, kLeafVoxels> sum;
+    std::vector<RunKernel> runs;
+    hwy::AlignedFreeUniquePtr<float[]> values;
+    std::size_t capacity = 0;  ///< runs of values
+    alignas(64) BrickFloats sum;
+    BrickFloats tile;  ///< values, where there is no leaf
 };
 
-/// First and last of the samples first, first + spacing, ... (8 of them) within [lower, upper].
-std::pair<int, int> sample_range(double lower, double upper, double first, double spacing) {
-    const double low = std::ceil((lower - first) / spacing);
-    const double high = std::floor((upper - first) / spacing);
-    return {static_cast<int>(std::clamp(low, 0.0, 8.0)),
-            static_cast<int>(std::clamp(high, -1.0, 7.0))};
+/// First and last of the places 0, 1, ... 7 in [low, high].
+std::pair<int, int> places_between(float low, float high) {
+    const float from = std::clamp(low, 0.0f, 8.0f), to = std::clamp(high, -1.0f, 7.0f) + 1;
+    const int first = static_cast<int>(from), last = static_cast<int>(to) - 1;
+    return {first + (static_cast<float>(first) < from), last};
 }
 
-Vec3d half_extent(const Moments& m) {
-    return {kReach * std::sqrt(m.covariance[0]), kReach * std::sqrt(m.covariance[3]),
-            kReach * std::sqrt(m.covariance[5])};
-}
-
-/// Values of one Gaussian at the samples it reaches, added to the sum of all.
-VOG_WIDE void add_values(const Kernel& k, const Vec3d& first, double spacing, const Reach& reach,
-                         Scratch& scratch) {
-    const auto step = static_cast<float>(spacing);
-    const auto dz0 = static_cast<float>(first.z - k.mean.z);
-    Row* row = scratch.values.data() + reach.first_row;
-    for (int x = reach.x0; x <= reach.x1; ++x)
-        for (int y = reach.y0; y <= reach.y1; ++y, ++row) {
-            const auto dx = static_cast<float>(first.x - k.mean.x) + step * static_cast<float>(x);
-            const auto dy = static_cast<float>(first.y - k.mean.y) + step * static_cast<float>(y);
-            const float c0 = k.half_inverse[0] * dx * dx + 2 * k.half_inverse[1] * dx * dy +
-                             k.half_inverse[3] * dy * dy;
-            const float c1 = 2 * (k.half_inverse[2] * dx + k.half_inverse[4] * dy);
-            float* sum = scratch.sum.data() + leaf_offset(x, y, 0);
-            for (int z = 0; z < kLeafEdge; ++z) {
-                const float dz = dz0 + step * static_cast<float>(z);
-                const float e = c0 + dz * (c1 + k.half_inverse[5] * dz);
-                const float inside = e < kHalfReach2 ? k.peak : 0.0f;
-                const float value = inside * exp_minus(std::min(std::max(e, 0.0f), kHalfReach2));
-                (*row)[static_cast<std::size_t>(z)] = value;
-                sum[z] += value;
-            }
-        }
-}
-
-/// Adds the shares one Gaussian has of the samples to `to`, about its mean. Each of the eight lanes
-/// along z sums for itself: powers of x and y; those of z follow at the end.
-VOG_WIDE void take_shares(const Kernel& k, const Vec3d& first, double spacing, const Reach& reach,
-                          const Scratch& scratch, MomentSums& to) {
-    Row s0{}, sx{}, sy{}, sxx{}, sxy{}, syy{};
-    const auto step = static_cast<float>(spacing);
-    const Row* row = scratch.values.data() + reach.first_row;
-    for (int x = reach.x0; x <= reach.x1; ++x)
-        for (int y = reach.y0; y <= reach.y1; ++y, ++row) {
-            const auto dx = static_cast<float>(first.x - k.mean.x) + step * static_cast<float>(x);
-            const auto dy = static_cast<float>(first.y - k.mean.y) + step * static_cast<float>(y);
-            const float xx = dx * dx, xy = dx * dy, yy = dy * dy;
-            const float* weight = scratch.sum.data() + leaf_offset(x, y, 0);
-            for (std::size_t z = 0; z < kLeafEdge; ++z) {
-                const float share = (*row)[z] * weight[z];
-                s0[z] += share, sx[z] += share * dx, sy[z] += share * dy;
-                sxx[z] += share * xx, sxy[z] += share * xy, syy[z] += share * yy;
-            }
-        }
-    for (std::size_t z = 0; z < kLeafEdge; ++z) {
-        const double dz = first.z - k.mean.z + spacing * static_cast<double>(z);
-        to.mass += double{s0[z]};
-        to.first = to.first + Vec3d{double{sx[z]}, double{sy[z]}, s0[z] * dz};
-        to.second[0] += double{sxx[z]}, to.second[1] += double{sxy[z]};
-        to.second[2] += sx[z] * dz, to.second[3] += double{syy[z]};
-        to.second[4] += sy[z] * dz, to.second[5] += s0[z] * dz * dz;
-    }
+/// Where a Gaussian lies among the points of a brick.
+RunKernel run_kernel(const Kernel& kernel, const Points& points, double spacing) {
+    RunKernel run;
+    const Vec3f d = vec_cast<float>(points.first - kernel.mean);
+    run.dx = d.x, run.dy = d.y, run.dz = d.z, run.step = static_cast<float>(spacing);
+    const auto& h = kernel.half_inverse;
+    constexpr float kPart = 1.0f / 16;
+    run.xx = kPart * h[0], run.yy = kPart * h[3], run.zz = kPart * h[5];
+    run.xy = 2 * kPart * h[1], run.xz = 2 * kPart * h[2], run.yz = 2 * kPart * h[4];
+    run.peak = static_cast<float>(kernel.peak);
+    const float per_step = 1 / run.step;
+    const Vec3f half = vec_cast<float>(kernel.reach);
+    std::tie(run.x0, run.x1) =
+        places_between(per_step * (-half.x - d.x), per_step * (half.x - d.x));
+    std::tie(run.y0, run.y1) =
+        places_between(per_step * (-half.y - d.y), per_step * (half.y - d.y));
+    if (run.y1 < run.y0) run.x1 = run.x0 - 1;
+    run.y0 /= 2, run.y1 /= 2;
+    return run;
 }
 
 /// Samples that no Gaussian reaches go whole to the one nearest in its own standard deviations.
-void take_orphans(const Brick& brick, const Points& points, std::span<const Kernel> kernels,
-                  const Scratch& scratch, const std::array<bool, kLeafVoxels>& orphan,
+void take_orphans(const Brick& brick, const Points& points, std::span<const std::uint32_t> list,
+                  std::span<const Kernel> kernels, const BrickFloats& weight,
                   std::span<MomentSums> parts) {
     for (int n = 0; n < kLeafVoxels; ++n) {
-        if (!orphan[static_cast<std::size_t>(n)]) continue;
+        if (brick.sample(n) <= 0 || weight[static_cast<std::size_t>(n)] > 0) continue;
         const Vec3d at =
             points.first + brick.spacing * Vec3d{double(n >> 6), double(n >> 3 & 7), double(n & 7)};
         std::size_t nearest = 0;
         double least = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < scratch.reaches.size(); ++i) {
-            const Kernel& k = kernels[scratch.reaches[i].cell];
+        for (std::size_t i = 0; i < list.size(); ++i) {
+            const Kernel& k = kernels[list[i]];
             const Vec3d d = at - k.mean;
             const auto& h = k.half_inverse;
             const double e = h[0] * d.x * d.x + h[3] * d.y * d.y + h[5] * d.z * d.z +
@@ -168,7 +107,7 @@ void take_orphans(const Brick& brick, const Points& points, std::span<const Kern
             if (e < least) least = e, nearest = i;
         }
         const double mass = brick.sample(n) * points.volume;
-        const Vec3d d = at - kernels[scratch.reaches[nearest].cell].mean;
+        const Vec3d d = at - kernels[list[nearest]].mean;
         add_shifted(parts[nearest], {mass, {}, {}}, d);
     }
 }
@@ -176,42 +115,25 @@ void take_orphans(const Brick& brick, const Points& points, std::span<const Kern
 /// What each Gaussian of the list takes of the points of one brick, added to parts[i] about its
 /// mean.
 void share_points(const Brick& brick, const Points& points, std::span<const std::uint32_t> list,
-                  std::span<const Moments> cells, std::span<const Kernel> kernels, Scratch& scratch,
-                  std::span<MomentSums> parts) {
-    const Vec3d first = points.first;
-    scratch.reaches.clear();
-    std::size_t rows = 0;
+                  std::span<const Kernel> kernels, Scratch& scratch, std::span<MomentSums> parts) {
+    scratch.runs.clear();
+    std::size_t count = 0;
     for (const std::uint32_t cell : list) {
-        const Vec3d mean = cells[cell].mean, half = half_extent(cells[cell]);
-        Reach reach{cell, 0, -1, 0, -1, rows};
-        std::tie(reach.x0, reach.x1) =
-            sample_range(mean.x - half.x, mean.x + half.x, first.x, brick.spacing);
-        std::tie(reach.y0, reach.y1) =
-            sample_range(mean.y - half.y, mean.y + half.y, first.y, brick.spacing);
-        if (reach.x1 >= reach.x0 && reach.y1 >= reach.y0)
-            rows += static_cast<std::size_t>((reach.x1 - reach.x0 + 1) * (reach.y1 - reach.y0 + 1));
-        scratch.reaches.push_back(reach);
+        scratch.runs.push_back(run_kernel(kernels[cell], points, brick.spacing));
+        scratch.runs.back().first_run = count;
+        count += scratch.runs.back().run_count();
     }
-    scratch.values.resize(std::max(rows, scratch.values.size()));
+    if (count > scratch.capacity) {
+        scratch.capacity = 2 * count;
+        scratch.values = hwy::AllocateAligned<float>(kRun * scratch.capacity);
+    }
     scratch.sum.fill(0);
-    for (const Reach& reach : scratch.reaches)
-        add_values(kernels[reach.cell], first, brick.spacing, reach, scratch);
+    add_values(scratch.runs, scratch.values.get(), scratch.sum);
 
-    // From sums to the weight of each share: the point's mass over the sum.
-    std::array<bool, kLeafVoxels> orphan{};
-    bool any_orphan = false;
-    for (int n = 0; n < kLeafVoxels; ++n) {
-        float& sum = scratch.sum[static_cast<std::size_t>(n)];
-        const float mass = brick.sample(n) * static_cast<float>(points.volume);
-        const float weight = sum > 0 ? mass / sum : 0;
-        const bool shared = sum > 0 && std::isfinite(weight);
-        if (mass > 0 && !shared) orphan[static_cast<std::size_t>(n)] = any_orphan = true;
-        sum = shared ? weight : 0;
-    }
-    for (std::size_t i = 0; i < scratch.reaches.size(); ++i)
-        take_shares(kernels[scratch.reaches[i].cell], first, brick.spacing, scratch.reaches[i],
-                    scratch, parts[i]);
-    if (any_orphan) take_orphans(brick, points, kernels, scratch, orphan, parts);
+    const float* value = brick.leaf ? brick.leaf->value.data() : scratch.tile.data();
+    const bool any_orphan = weights_of(value, static_cast<float>(points.volume), scratch.sum);
+    take_shares(scratch.runs, scratch.values.get(), scratch.sum, parts);
+    if (any_orphan) take_orphans(brick, points, list, kernels, scratch.sum, parts);
 }
 
 /// What each Gaussian of the list takes of one brick: parts[i] for list[i], about its mean.
@@ -220,6 +142,7 @@ void share_brick(const Brick& brick, std::span<const std::uint32_t> list,
                  std::span<MomentSums> parts) {
     const Vec3d center = brick_cell_center(brick, 0, 1);
     const double box = kBoxVariance * brick.spacing * brick.spacing;
+    if (!brick.leaf) scratch.tile.fill(brick.value);
     bool fine = false;
     for (const std::uint32_t cell : list) {
         const std::array<double, 6>& c = cells[cell].covariance;
@@ -228,29 +151,36 @@ void share_brick(const Brick& brick, std::span<const std::uint32_t> list,
     if (!fine) {
         // Samples at their centres, their own variance added to what is taken. Where all densities
         // are even this widens a cell by as much at every step, which a large one does not feel.
-        share_points(brick, {center, brick.sample_volume()}, list, cells, kernels, scratch, parts);
+        share_points(brick, {center, brick.sample_volume()}, list, kernels, scratch, parts);
         for (MomentSums& part : parts)
             for (const std::size_t n : {0, 3, 5}) part.second[n] += box * part.mass;
         return;
     }
-    // Four points in each sample, the corners of a tetrahedron with the variance of the box: 1.5 dB
-    // better for cells of two voxels.
-    constexpr double kPoints = 4;
-    const double offset = std::sqrt(box);
+    // Four points in each sample, the corners of a tetrahedron with half of the box's variance, the
+    // rest added to what is taken. With all of it in the points the cells of single voxels start to
+    // follow them (smoke at 13.5 %: L2 0.012 against 0.009); with less, cells of two widen.
+    constexpr double kPoints = 4, kPointShare = 0.5;
+    const double offset = std::sqrt(kPointShare * box);
     for (const Vec3d& corner :
          {Vec3d{1, 1, 1}, Vec3d{1, -1, -1}, Vec3d{-1, 1, -1}, Vec3d{-1, -1, 1}})
         share_points(brick, {center + offset * corner, brick.sample_volume() / kPoints}, list,
-                     cells, kernels, scratch, parts);
+                     kernels, scratch, parts);
+    for (MomentSums& part : parts)
+        for (const std::size_t n : {0, 3, 5}) part.second[n] += (1 - kPointShare) * box * part.mass;
+}
+
+/// Whether the variance is more than `least` in every direction: Sylvester's criterion.
+bool wider_than(const std::array<double, 6>& c, double least) {
+    const double xx = c[0] - least, yy = c[3] - least, zz = c[5] - least;
+    const double minor = xx * yy - c[1] * c[1];
+    const double det = xx * (yy * zz - c[4] * c[4]) - c[1] * (c[1] * zz - c[4] * c[2]) +
+                       c[2] * (c[1] * c[4] - yy * c[2]);
+    return xx > 0 && minor > 0 && det > 0;
 }
 
 /// Raises the variance to a voxel's own in every direction: what shares of single points lack.
 void widen_to_voxel(std::array<double, 6>& c) {
-    // Sylvester: c - kBoxVariance I is positive definite for nearly all.
-    const double xx = c[0] - kBoxVariance, yy = c[3] - kBoxVariance, zz = c[5] - kBoxVariance;
-    const double minor = xx * yy - c[1] * c[1];
-    const double det = xx * (yy * zz - c[4] * c[4]) - c[1] * (c[1] * zz - c[4] * c[2]) +
-                       c[2] * (c[1] * c[4] - yy * c[2]);
-    if (xx > 0 && minor > 0 && det > 0) return;
+    if (wider_than(c, kBoxVariance)) return;
     Eigen3 eigen = symmetric_eigen(
         {{Vec3d{c[0], c[1], c[2]}, Vec3d{c[1], c[3], c[4]}, Vec3d{c[2], c[4], c[5]}}});
     Mat3 scaled = eigen.axes;
@@ -259,6 +189,18 @@ void widen_to_voxel(std::array<double, 6>& c) {
             scaled(row, axis) *= std::max(eigen.values[axis], kBoxVariance);
     const Mat3 wide = scaled * transpose(eigen.axes);
     c = {wide(0, 0), wide(0, 1), wide(0, 2), wide(1, 1), wide(1, 2), wide(2, 2)};
+}
+
+/// As far again, times `momentum`, as the cell has come from `last`; where it is if that is no
+/// ellipsoid.
+Moments ahead(const Moments& cell, const Moments& last, double momentum) {
+    Moments moved;
+    moved.mass = std::max(cell.mass + momentum * (cell.mass - last.mass), 0.5 * cell.mass);
+    moved.mean = cell.mean + momentum * (cell.mean - last.mean);
+    for (std::size_t n = 0; n < 6; ++n)
+        moved.covariance[n] =
+            cell.covariance[n] + momentum * (cell.covariance[n] - last.covariance[n]);
+    return wider_than(moved.covariance, 0.5 * kBoxVariance) ? moved : cell;
 }
 
 /// For a brick out of everyone's reach: the cell whose mean is nearest.
@@ -316,7 +258,7 @@ void Softener::find_bricks(const Vec3d& lower, const Vec3d& upper, std::uint32_t
     }
 }
 
-void Softener::step(std::vector<Moments>& cells) const {
+void Softener::share(std::vector<Moments>& cells) const {
     // Gaussians, and the bricks each one reaches.
     constexpr std::size_t kCellChunk = 1024;
     std::vector<Kernel> kernels(cells.size());
@@ -325,11 +267,14 @@ void Softener::step(std::vector<Moments>& cells) const {
         const std::size_t end = std::min((chunk + 1) * kCellChunk, cells.size());
         for (std::size_t i = chunk * kCellChunk; i < end; ++i) {
             kernels[i] = kernel_of(cells[i]);
-            const Vec3d half = half_extent(cells[i]);
-            find_bricks(cells[i].mean - half, cells[i].mean + half, static_cast<std::uint32_t>(i),
-                        found[chunk]);
+            find_bricks(cells[i].mean - kernels[i].reach, cells[i].mean + kernels[i].reach,
+                        static_cast<std::uint32_t>(i), found[chunk]);
         }
     });
+
+    double highest = 0;
+    for (const Kernel& kernel : kernels) highest = std::max(highest, kernel.peak);
+    for (Kernel& kernel : kernels) kernel.peak /= highest;
 
     // Each brick's Gaussians, in order: a counting sort.
     std::vector<std::size_t> first(bricks_.size() + 1);
@@ -349,6 +294,7 @@ void Softener::step(std::vector<Moments>& cells) const {
 
     // Shares, batch by batch: the parts of a batch are held apart, then added in order.
     constexpr std::size_t kBatch = 512;
+    tbb::enumerable_thread_specific<Scratch> scratches;
     std::vector<MomentSums> sums(cells.size()), parts;
     for (std::size_t batch = 0; batch < bricks_.size(); batch += kBatch) {
         const std::size_t end = std::min(batch + kBatch, bricks_.size());
@@ -356,7 +302,7 @@ void Softener::step(std::vector<Moments>& cells) const {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(batch, end, 4),
             [&](const tbb::blocked_range<std::size_t>& range) {
-                Scratch scratch;
+                Scratch& scratch = scratches.local();
                 for (std::size_t b = range.begin(); b != range.end(); ++b) {
                     const std::size_t count = first[b + 1] - first[b];
                     if (list[first[b]] == kNone)
@@ -380,6 +326,27 @@ void Softener::step(std::vector<Moments>& cells) const {
         widen_to_voxel(cells[i].covariance);
     });
     std::erase_if(cells, [](const Moments& cell) { return !(cell.mass > 0); });
+}
+
+void Softener::step(std::vector<Moments>& cells, SoftSteps& steps) const {
+    // Nesterov's momentum: from 0 at the start to 0.8. Whatever Gaussians the shares are taken by,
+    // they add up to the whole, so that mass is conserved all the same.
+    constexpr double kMostMomentum = 0.8;
+    const double momentum = std::min(kMostMomentum, steps.taken / (steps.taken + 3.0));
+    const bool moving = steps.taken > 0 && steps.last.size() == cells.size();
+    std::vector<Moments> from = cells;
+    if (moving)
+        tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+            cells[i] = ahead(cells[i], steps.last[i], momentum);
+        });
+    steps.last = std::move(from);
+    ++steps.taken;
+    share(cells);
+}
+
+void Softener::soften(std::vector<Moments>& cells, int steps) const {
+    SoftSteps taken;
+    for (int n = 0; n < steps; ++n) step(cells, taken);
 }
 
 }  // namespace vog

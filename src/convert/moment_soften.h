@@ -12,13 +12,21 @@
 
 namespace vog {
 
-/// One step a call: replaces each cell's moments by those of its soft cell.
+/// What a run of steps remembers: where the cells were.
+struct SoftSteps {
+    std::vector<Moments> last;
+    int taken = 0;
+};
+
 class Softener {
   public:
     /// bricks  every sample of the volume; kept by reference
     explicit Softener(std::span<const Brick> bricks);
+    /// Replaces each cell's moments by those of its soft cell, seen from a little further along the
+    /// way of the last step: twelve such steps go as far as thirty that start where the last ended.
     /// cells  means as indices; those that get no mass are removed
-    void step(std::vector<Moments>& cells) const;
+    void step(std::vector<Moments>& cells, SoftSteps& steps) const;
+    void soften(std::vector<Moments>& cells, int steps) const;
 
   private:
     struct Place {
@@ -32,6 +40,7 @@ class Softener {
     struct Pair {
         std::uint32_t brick, cell;
     };
+    void share(std::vector<Moments>& cells) const;
     void find_bricks(const Vec3d& lower, const Vec3d& upper, std::uint32_t cell,
                      std::vector<Pair>& found) const;
 

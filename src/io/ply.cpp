@@ -185,6 +185,7 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
     if (comment(header, "source", value)) model.source = value;
     if (comment(header, "method", value)) model.method = value;
     if (comment(header, "options", value)) model.options = value;
+    if (comment(header, "reached", value)) model.reached = value;
 }
 
 /// Turns the neighbours' conventions into ours, in place.
@@ -236,6 +237,7 @@ std::string header_text(const Gaussians& model) {
     if (!model.source.empty()) text += "comment source " + one_line(model.source) + "\n";
     if (!model.method.empty()) text += "comment method " + one_line(model.method) + "\n";
     if (!model.options.empty()) text += "comment options " + one_line(model.options) + "\n";
+    if (!model.reached.empty()) text += "comment reached " + one_line(model.reached) + "\n";
     text += fmt::format("element vertex {}\n", model.size());
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
         text += fmt::format("property float {}\n", name);

@@ -1,0 +1,157 @@
+// moments_bench.cpp: the moment conversion, without file reading: uniform cuts, the octree, a
+// budget, an error, one soft step. Items per second are active voxels per second; peak_over_volume
+// is the most memory a conversion held, the volume included, over the volume itself.
+#include <benchmark/benchmark.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <new>
+#include <vector>
+
+#include "vog/convert.h"
+#include "vog/moments.h"
+#include "vog/sample.h"
+#include "vog/vdb.h"
+
+namespace {
+
+// Every operator new of the process is counted, the library's among them: the size that malloc
+// gave, so that delete can take off the same.
+std::atomic<std::size_t> held{0}, peak{0};
+
+void* counted(void* memory) {
+    if (!memory) throw std::bad_alloc();
+    const std::size_t now = held += malloc_usable_size(memory);
+    std::size_t most = peak.load();
+    while (now > most && !peak.compare_exchange_weak(most, now)) {
+    }
+    return memory;
+}
+void discounted(void* memory) {
+    held -= malloc_usable_size(memory);
+    std::free(memory);
+}
+
+}  // namespace
+
+void* operator new(std::size_t size) { return counted(std::malloc(size)); }
+void* operator new(std::size_t size, std::align_val_t align) {
+    const auto a = static_cast<std::size_t>(align);
+    return counted(std::aligned_alloc(a, (size + a - 1) / a * a));
+}
+void operator delete(void* memory) noexcept { discounted(memory); }
+void operator delete(void* memory, std::size_t) noexcept { discounted(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { discounted(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { discounted(memory); }
+
+namespace {
+
+/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
+const vog::Volume& input() {
+    static const vog::Volume volume = [] {
+        const char* named = std::getenv("VOG_DATA");
+        const std::filesystem::path folder =
+            named ? std::filesystem::path(named)
+                  : std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
+        const std::filesystem::path file = folder / "smoke.vdb";
+        if (std::filesystem::exists(file)) return vog::read_vdb(file);
+        return vog::sample_cloud({.size = 256});
+    }();
+    return volume;
+}
+
+double volume_bytes() {
+    return static_cast<double>(input().leaves.size() * sizeof(vog::Leaf) +
+                               input().tiles.size() * sizeof(vog::Tile));
+}
+
+/// Active voxels per second, the model's size, the memory.
+void tell(benchmark::State& state, std::size_t count, std::size_t before) {
+    state.SetItemsProcessed(state.iterations() *
+                            static_cast<std::int64_t>(vog::active_voxels(input())));
+    state.SetLabel(std::filesystem::path(input().source).filename().string());
+    state.counters["gaussians"] = static_cast<double>(count);
+    state.counters["threads"] = vog::thread_count();
+    state.counters["peak_over_volume"] = 1 + static_cast<double>(peak - before) / volume_bytes();
+}
+
+/// Whether the conversion is right: all cells together weigh what the volume does.
+bool conserves_mass(const vog::MomentReport& report, const vog::Gaussians& model) {
+    const double ratio = vog::mass(model) / vog::mass(input()) + report.dropped_mass_share;
+    return std::abs(report.mass_ratio - 1) < 1e-5 && std::abs(ratio - 1) < 1e-5;
+}
+
+void convert(benchmark::State& state, const vog::MomentOptions& options) {
+    input();
+    const std::size_t before = held;
+    peak = before;
+    std::size_t count = 0;
+    {
+        vog::MomentReport report;
+        const vog::Gaussians model = vog::convert_moments(input(), options, &report);
+        count = model.size();
+        if (count == 0 || !conserves_mass(report, model) ||
+            (options.budget && count > options.budget)) {
+            state.SkipWithError("the conversion loses mass, gives no Gaussians or too many");
+            return;
+        }
+    }
+    const std::size_t peak_before = before;
+    for (auto _ : state) {
+        const vog::Gaussians model = vog::convert_moments(input(), options);
+        benchmark::DoNotOptimize(model.mean.data());
+    }
+    tell(state, count, peak_before);
+}
+
+void octree(benchmark::State& state) {
+    input();
+    const std::size_t before = held;
+    peak = before;
+    std::size_t cells = 0;
+    for (auto _ : state) {
+        const vog::MomentOctree tree = vog::moment_octree(input());
+        cells = tree.levels.front().cells.size();
+        const double mass = double{tree.levels.back().cells[0].mass} * vog::voxel_volume(input());
+        if (std::abs(mass / vog::mass(input()) - 1) > 1e-5) state.SkipWithError("mass is lost");
+    }
+    tell(state, cells, before);
+}
+
+vog::MomentOptions block(int voxels, int soft_steps = 0) {
+    vog::MomentOptions options;
+    options.block_voxels = voxels;
+    options.soft_steps = soft_steps;
+    return options;
+}
+vog::MomentOptions budget(std::size_t count) {
+    vog::MomentOptions options;
+    options.budget = count;
+    return options;
+}
+
+double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
+double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
+
+void measure(benchmark::internal::Benchmark* bench) {
+    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
+    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
+}
+
+BENCHMARK_CAPTURE(convert, block1, block(1))->Apply(measure);
+BENCHMARK_CAPTURE(convert, block2, block(2))->Apply(measure);
+BENCHMARK_CAPTURE(convert, block4, block(4))->Apply(measure);
+BENCHMARK_CAPTURE(convert, block8, block(8))->Apply(measure);
+BENCHMARK_CAPTURE(convert, block32, block(32))->Apply(measure);
+BENCHMARK_CAPTURE(convert, block4_one_soft_step, block(4, 1))->Apply(measure);
+BENCHMARK(octree)->Apply(measure);
+BENCHMARK_CAPTURE(convert, budget3148, budget(3148))->Apply(measure);
+BENCHMARK_CAPTURE(convert, budget19936, budget(19936))->Apply(measure);
+BENCHMARK_CAPTURE(convert, budget141652, budget(141652))->Apply(measure);
+BENCHMARK_CAPTURE(convert, error0_03, vog::MomentOptions{})->Apply(measure);
+
+}  // namespace

@@ -1,0 +1,93 @@
+// moment_share_test.cpp: the SIMD loops of soft cells against sums in double precision.
+#include "convert/moment_share.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace vog {
+namespace {
+
+struct alignas(64) Aligned {
+    BrickFloats sum{};
+    std::array<float, 64 * kRun> values{};
+};
+
+/// A slanted Gaussian near the middle of a brick of points, over some of its runs.
+RunKernel slanted() {
+    RunKernel k;
+    k.dx = -3.2f, k.dy = -4.1f, k.dz = -2.7f, k.step = 1;
+    k.xx = 0.011f, k.yy = 0.02f, k.zz = 0.03f, k.xy = 0.004f, k.xz = -0.007f, k.yz = 0.009f;
+    k.peak = 0.8f;
+    k.x0 = 1, k.x1 = 6, k.y0 = 0, k.y1 = 3;
+    return k;
+}
+
+Vec3d offset(const RunKernel& k, int n) {
+    return {double{k.dx} + (n >> 6), double{k.dy} + (n >> 3 & 7), double{k.dz} + (n & 7)};
+}
+
+TEST(moment_share, values_are_those_of_a_gaussian_cut_at_its_reach) {
+    const RunKernel k = slanted();
+    Aligned data;
+    data.sum.fill(0.25f);
+    add_values(std::span(&k, 1), data.values.data(), data.sum);
+    int inside = 0;
+    for (int n = 0; n < kLeafVoxels; ++n) {
+        const Vec3d d = offset(k, n);
+        const double u = double{k.xx} * d.x * d.x + double{k.yy} * d.y * d.y +
+                         double{k.zz} * d.z * d.z + double{k.xy} * d.x * d.y +
+                         double{k.xz} * d.x * d.z + double{k.yz} * d.y * d.z;
+        const bool reached = 32 * u < kShareReach * kShareReach && n >> 6 >= 1 && n >> 6 <= 6;
+        const double exact = reached ? double{k.peak} * std::exp(-16 * u) : 0;
+        // exp(-u) to the second order: u³/6 too much, sixteen times.
+        EXPECT_NEAR(data.sum[static_cast<std::size_t>(n)], 0.25 + exact,
+                    exact * 16 * std::exp(u) * u * u * u / 6 + 1e-6);
+        inside += reached;
+    }
+    EXPECT_GT(inside, 100);
+}
+
+TEST(moment_share, shares_have_the_moments_of_what_they_take) {
+    const RunKernel k = slanted();
+    Aligned data;
+    add_values(std::span(&k, 1), data.values.data(), data.sum);
+    const BrickFloats values = data.sum;
+    alignas(64) BrickFloats weight;
+    for (int n = 0; n < kLeafVoxels; ++n)
+        weight[static_cast<std::size_t>(n)] = 0.5f + 0.3f * static_cast<float>(n % 7);
+    MomentSums part;
+    take_shares(std::span(&k, 1), data.values.data(), weight, {&part, 1});
+    MomentSums exact;
+    for (int n = 0; n < kLeafVoxels; ++n) {
+        const auto at = static_cast<std::size_t>(n);
+        add_shifted(exact, {double{values[at]} * double{weight[at]}, {}, {}}, offset(k, n));
+    }
+    const double tolerance = 1e-5 * exact.mass;
+    EXPECT_NEAR(part.mass, exact.mass, tolerance);
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(part.first[axis], exact.first[axis], 4 * tolerance);
+    for (std::size_t n = 0; n < 6; ++n)
+        EXPECT_NEAR(part.second[n], exact.second[n], 16 * tolerance);
+}
+
+TEST(moment_share, weights_are_mass_over_sum_and_orphans_are_told) {
+    Aligned data;
+    data.sum.fill(2);
+    std::array<float, kLeafVoxels> value;
+    value.fill(3);
+    value[5] = 0;
+    data.sum[5] = 0;  // no mass, reached by none: nothing is lost
+    BrickFloats sum = data.sum;
+    EXPECT_FALSE(weights_of(value.data(), 0.25f, data.sum));
+    EXPECT_EQ(data.sum[0], 0.375f);
+    EXPECT_EQ(data.sum[5], 0);
+    value[5] = 1e-3f;
+    alignas(64) BrickFloats again = sum;
+    EXPECT_TRUE(weights_of(value.data(), 0.25f, again));
+    EXPECT_EQ(again[5], 0);
+}
+
+}  // namespace
+}  // namespace vog
