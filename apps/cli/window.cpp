@@ -34,7 +34,7 @@ struct WindowArguments {
 viewer::Content read_content(const std::vector<std::string>& files,
                              const WindowArguments& arguments) {
     viewer::Content content;
-    switch (common_kind(files)) {
+    switch (common_kind(files, arguments.volume.grid)) {
         case FileKind::model:
             content.model = load_models(files);
             break;
@@ -51,7 +51,7 @@ viewer::Content read_content(const std::vector<std::string>& files,
 
 void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     // Told before a window opens.
-    if (!arguments.inputs.empty()) common_kind(arguments.inputs);
+    if (!arguments.inputs.empty()) common_kind(arguments.inputs, arguments.volume.grid);
     for (const std::string& input : arguments.inputs)
         if (!std::filesystem::exists(input)) throw Error(fmt::format("{}: no such file", input));
     if (arguments.headless && arguments.script.empty())
