@@ -82,7 +82,8 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
         if (option->count() && option->get_group() == kPaperGroup &&
             option->get_name() != "--kappa")
             throw CLI::ValidationError(option->get_name() + " does not go with particles");
-    for (const char* option : {"--spread", "--refine", "--level-set-to-fog", "--mask", "--no-mask"})
+    for (const char* option :
+         {"--spread", "--soft-steps", "--refine", "--level-set-to-fog", "--mask", "--no-mask"})
         if (command.count(option))
             throw CLI::ValidationError(fmt::format("{} does not go with particles", option));
     if (arguments.method == "paper" && arguments.lod)
@@ -194,7 +195,6 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
     options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
     options.budget = cut.budget;
     options.error = cut_option(command) == "--error" ? cut.error : 0;
-    options.soft_steps = cut.soft_steps;
     if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;

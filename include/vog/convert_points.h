@@ -23,8 +23,6 @@ struct PointOptions {
     std::size_t budget = 0;     ///< best cut with at most this many Gaussians; 0: no
     double error = 0;           ///< smallest cut with a measured error up to this, (0, 1); 0: no.
                                 ///< None of the three: one Gaussian a particle
-    int soft_steps = -1;        ///< steps from hard cells to soft ones, 0 to 1000; -1: none for a
-                                ///< uniform cut, kSoftSteps for the others
     double mass_threshold = 0;  ///< the lightest go, up to this share of the mass, [0, 1)
     bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
     bool measure = false;       ///< measure the error of a uniform cut or a budget too

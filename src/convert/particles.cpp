@@ -36,10 +36,6 @@ struct PointConversion {
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
     bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
-    int soft_steps() const {
-        if (options.soft_steps >= 0) return options.soft_steps;
-        return options.budget || options.error > 0 ? kSoftSteps : 0;
-    }
     void end_stage(const char* name, double fraction) {
         const auto now = std::chrono::steady_clock::now();
         const double ms = std::chrono::duration<double, std::milli>(now - last).count();
@@ -62,8 +58,6 @@ void check(const PointOptions& options) {
         refuse(fmt::format("radius {}, expected more than 0, or 0 for adaptive", options.radius));
     if (options.neighbours < 1 || options.neighbours > kMostNeighbours)
         refuse(fmt::format("neighbour {}, expected 1 to {}", options.neighbours, kMostNeighbours));
-    if (options.soft_steps < -1 || options.soft_steps > 1000)
-        refuse(fmt::format("{} soft steps, expected 0 to 1000", options.soft_steps));
     if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
 }
