@@ -140,9 +140,7 @@ void change_map(Session& session, int step) {
     const int count = static_cast<int>(names.size());
     const auto found = std::find(names.begin(), names.end(), session.look.map);
     const int now = found == names.end() ? 0 : static_cast<int>(found - names.begin());
-    const std::vector<OpacityPoint> opacity = session.look.opacity;
     load_map(session.look, names[static_cast<std::size_t>((now + step + count) % count)]);
-    session.look.opacity = opacity;  // the user's, not the map's
     session.look_changed();
 }
 

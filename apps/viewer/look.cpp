@@ -11,7 +11,8 @@ namespace vog::viewer {
 void load_map(Look& look, const std::string& name_or_file) {
     look.base = load_transfer_function(name_or_file);
     look.map = name_or_file;
-    look.opacity = look.base.opacity;
+    // Named maps have none: the points that are there stay.
+    if (!look.base.opacity.empty()) look.opacity = look.base.opacity;
 }
 
 TransferFunction transfer_function(const Look& look) {

@@ -20,7 +20,7 @@ struct Look {
     double extinction = 1;
 };
 
-/// Takes a map by name or from a file, and the file's opacity with it.
+/// Takes the colours of a map by name, or from a file, and that file's opacity with them.
 /// throws vog::Error as load_transfer_function does; the look is then as it was
 void load_map(Look& look, const std::string& name_or_file);
 

@@ -38,9 +38,7 @@ bool choose_map(Session& session, Gui& gui) {
             const ImVec2 at = ImGui::GetCursorScreenPos();
             const float height = ImGui::GetTextLineHeight();
             if (ImGui::Selectable(("      " + name).c_str(), name == session.look.map)) {
-                const std::vector<OpacityPoint> opacity = session.look.opacity;
                 load_map(session.look, name);
-                session.look.opacity = opacity;  // the user's, not the map's
                 changed = true;
             }
             draw_strip(named_transfer_function(name), at, {1.6f * height, height});

@@ -143,7 +143,8 @@ void draw_file_section(Session& session, Gui& gui, float ui, Wishes& wishes) {
                 [&] { session.start_turntable(gui.turntable_path, gui.turntable_frames); });
     ImGui::InputTextWithHint("##open", "a file, or drop one here", &gui.open_path);
     ImGui::SameLine(0, 4 * ui);
-    if (ImGui::Button("open") && !gui.open_path.empty()) session.open({gui.open_path});
+    if (ImGui::Button("open") && !gui.open_path.empty())
+        attempt(session, [&] { session.open({gui.open_path}); });
 }
 
 void draw_status(const Session& session, const Layout& layout) {

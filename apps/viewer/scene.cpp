@@ -169,7 +169,7 @@ void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
     scene.facts = grouped(data.voxels) + " active voxels";
     if (count > 1) scene.facts += fmt::format(" in {} {}", count, is_mesh ? "levels" : "volumes");
     show(std::move(scene));
-    convert_levels(data.parts, data.box, data.voxels);
+    convert_levels(data, is_mesh);
     data.parts.clear();
     measure_levels();
 }
@@ -208,13 +208,12 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
     measure_levels();
 }
 
-void SceneLoader::convert_levels(const std::vector<Volume>& parts, const Box& box,
-                                 std::uint64_t voxels) {
-    const auto all_voxels = static_cast<double>(voxels);
+void SceneLoader::convert_levels(const Composite& data, bool is_mesh) {
+    const auto voxels = static_cast<double>(data.voxels);
     double per_voxel = 1;  // Gaussians of the latest even cut, for what a finer one will have
     for (const Cut& cut : kCuts) {
-        const double budget = cut.share * all_voxels;
-        const double expected = cut.block_voxels ? 8 * per_voxel * all_voxels : budget;
+        const double budget = cut.share * voxels;
+        const double expected = cut.block_voxels ? 8 * per_voxel * voxels : budget;
         if (cut.block_voxels == 2 && expected > kMostGaussians) continue;
         if (!cut.block_voxels && (budget < 64 || expected > kMostGaussians)) continue;
         const std::string name = cut.block_voxels
@@ -222,21 +221,24 @@ void SceneLoader::convert_levels(const std::vector<Volume>& parts, const Box& bo
                                      : fmt::format("best cut, {} %", 100 * cut.share);
         begin("converting: " + name);
 
+        MomentOptions options;
+        options.block_voxels = cut.block_voxels;
         Gaussians all;
-        for (std::size_t n = 0; n < parts.size(); ++n) {
-            MomentOptions options;
-            options.block_voxels = cut.block_voxels;
-            // Several parts share a budget by their voxels.
+        const auto parts = static_cast<double>(is_mesh ? 1 : data.parts.size());
+        for (std::size_t n = 0; n < data.parts.size(); ++n) {
+            const Volume& volume = data.parts[n];
+            options.progress =
+                progress(static_cast<double>(n) / parts, (static_cast<double>(n) + 1) / parts);
+            // Volumes that are no mesh share a budget by their voxels.
+            const double of = is_mesh ? voxels : static_cast<double>(active_voxels(volume));
             if (!cut.block_voxels)
-                options.budget = std::max<std::size_t>(
-                    1, static_cast<std::size_t>(cut.share *
-                                                static_cast<double>(active_voxels(parts[n]))));
-            const auto count = static_cast<double>(parts.size()), at = static_cast<double>(n);
-            options.progress = progress(at / count, (at + 1) / count);
-            append(all, convert_moments(parts[n], options));
+                options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(cut.share * of));
+            append(all,
+                   is_mesh ? convert_moments(data, options) : convert_moments(volume, options));
+            if (is_mesh) break;
         }
-        all.box = box;
-        const double share = static_cast<double>(all.size()) / all_voxels;
+        all.box = data.box;
+        const double share = static_cast<double>(all.size()) / voxels;
         if (cut.block_voxels) per_voxel = share;
         add_level(name, std::move(all), share);
     }

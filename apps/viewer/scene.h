@@ -78,7 +78,7 @@ class SceneLoader {
     void show_volumes(Levels volumes, bool is_mesh, Scene scene);
     void show_points(const Points& points, PointOptions options, Scene scene);
     void show_model(Gaussians model, Scene scene);
-    void convert_levels(const std::vector<Volume>& parts, const Box& box, std::uint64_t voxels);
+    void convert_levels(const Composite& data, bool is_mesh);
     void measure_levels();
     void add_level(const std::string& name, Gaussians model, double share,
                    const std::string& made_by = {});

@@ -75,7 +75,8 @@ class EglContext {
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
         if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-        eglTerminate(display_);
+        // The display is the process's, not ours: ending it would take it from other contexts, and
+        // unloads Mesa's driver before it has freed its memory.
         display_ = EGL_NO_DISPLAY;
         surface_ = EGL_NO_SURFACE;
         context_ = EGL_NO_CONTEXT;

@@ -206,6 +206,8 @@ void ScriptPlayer::play(Stage& stage) {
             if (!stage.session.loading.error.empty()) throw Error(stage.session.loading.error);
             // What the program was started with comes before the first action.
             if (!started_ && stage.session.opening()) return;
+            // Numbers and names of levels are those of all of them.
+            if (!started_ && action.verb == "level" && !stage.session.loaded()) return;
             if (!started_) {
                 started_ = true;
                 started_s_ = now_s();
@@ -240,8 +242,8 @@ bool ScriptPlayer::waits(const Action& action, Stage& stage) {
     }
     if (action.verb == "open") return session.opening();
     if (action.verb == "turntable") return session.turning();
-    // What is drawn follows a frame later.
-    return frames_ < 2 && action.verb != "picture" && action.verb != "depth";
+    // The layout follows a frame later, and the picture one after that.
+    return frames_ < 3 && action.verb != "picture" && action.verb != "depth";
 }
 
 void ScriptPlayer::after_frame(const Stage& stage) {

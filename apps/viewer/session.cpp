@@ -52,6 +52,7 @@ std::vector<float> histogram_of(const DepthImage& depth, double extinction) {
 Session::Session(ReadFiles read) : loader_(std::move(read)) {}
 
 void Session::open(const std::vector<std::string>& files) {
+    if (files.front().ends_with(".json")) return open_json(files.front());
     loader_.open(files);
     opening_ = true;
     loading = loader_.status();
@@ -82,7 +83,15 @@ void Session::take_scene() {
         opening_ = false;
     }
     const int opened = scene.opened;
-    if (!loader_.take(scene) || scene.opened == opened) return;
+    const Level* chosen = settings.level < 0 ? nullptr : level_at(settings.level);
+    const std::shared_ptr<const Gaussians> model = chosen ? chosen->model : nullptr;
+    if (!loader_.take(scene)) return;
+    if (scene.opened == opened) {
+        // New levels come between the others: the chosen one stays chosen.
+        for (std::size_t n = 0; model && n < scene.levels.size(); ++n)
+            if (scene.levels[n].model == model) settings.level = static_cast<int>(n);
+        return;
+    }
     // Another set of files: another place to look at.
     opening_ = false;
     models_.clear();
@@ -95,12 +104,16 @@ void Session::take_scene() {
     say(scene.title);
 }
 
-const Level* Session::shown_level() const {
+const Level* Session::level_at(int level) const {
     if (scene.levels.empty()) return nullptr;
     const int last = static_cast<int>(scene.levels.size()) - 1;
-    int level = settings.level < 0 ? last : std::min(settings.level, last);
-    if (moving_ && moving_level_ >= 0) level = std::min(level, moving_level_);
-    return &scene.levels[static_cast<std::size_t>(level)];
+    return &scene.levels[static_cast<std::size_t>(level < 0 ? last : std::min(level, last))];
+}
+
+const Level* Session::shown_level() const {
+    const bool coarser =
+        moving_ && moving_level_ >= 0 && (settings.level < 0 || moving_level_ < settings.level);
+    return level_at(coarser ? moving_level_ : settings.level);
 }
 
 void Session::choose_moving_level() {

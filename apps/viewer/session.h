@@ -39,8 +39,8 @@ class Session {
     // What may be changed at will between frames.
     Settings settings;
     Camera camera;
-    Look look;                                       ///< changes take effect with look_changed()
-    std::function<Camera(const Box&)> first_camera;  ///< of every set of files
+    Look look;  ///< changes take effect with look_changed()
+    std::function<Camera(const Box&)> first_camera = paper_view;  ///< of every set of files
     // What is shown.
     Measured measured;
     Scene scene;
@@ -49,6 +49,7 @@ class Session {
     std::string message;              ///< the latest thing done, or what failed
     bool failed = false;              ///< the message is of a failure
 
+    /// Data, or a JSON file that is a look or a camera. throws vog::Error if that is neither
     void open(const std::vector<std::string>& files);
     void say(const std::string& text);
     void fail(const std::string& text);
@@ -93,6 +94,8 @@ class Session {
     const Picture& right() const { return right_; }
     /// The level that is drawn now, coarser while moving; null: none yet.
     const Level* shown_level() const;
+    /// Of the scene; -1: the finest; null where there is none.
+    const Level* level_at(int level) const;
     bool moving() const { return moving_; }
     double aspect() const;
     /// Of the data's box; 1 where it has no extent.
@@ -106,6 +109,7 @@ class Session {
         Camera start;
         int frames = 0, next = 0;
     };
+    void open_json(const std::string& file);
     void take_scene();
     void choose_moving_level();
     double ms_per_ray(Renderer renderer) const;

@@ -12,6 +12,21 @@ namespace vog::viewer {
 
 namespace fs = std::filesystem;
 
+void Session::open_json(const std::string& file) {
+    try {
+        load_map(look, file);
+        look_changed();
+    } catch (const Error& no_look) {
+        try {
+            camera = read_camera(file);
+        } catch (const Error& no_camera) {
+            throw Error(
+                fmt::format("no look and no camera: {}; {}", no_look.what(), no_camera.what()));
+        }
+    }
+    say("opened " + file);
+}
+
 void Session::set_view(const std::string& name) {
     camera = named_view(name, scene.box, aspect(), camera.fov_degrees);
 }

@@ -76,7 +76,7 @@ class Program {
         session_.look = options.look;
         session_.look_changed();
         if (options.extinction > 0) session_.set_first_exposure(options.extinction);
-        session_.first_camera = options.camera ? options.camera : paper_view;
+        if (options.camera) session_.first_camera = options.camera;
         if (!options.files.empty()) session_.open(options.files);
     }
 
@@ -125,7 +125,8 @@ class Program {
             script_->feed(io);
         }
         ImGui::NewFrame();
-        if (const auto files = screen_->take_dropped_files(); !files.empty()) session_.open(files);
+        if (const auto files = screen_->take_dropped_files(); !files.empty())
+            attempt(session_, [&] { session_.open(files); });
         attempt_or_throw([&] { apply_input(session_, hand_, layout.picture, wishes_); });
 
         const auto to_pixels = [&](float points) {

@@ -1,0 +1,96 @@
+// accumulation_test.cpp: what starts the picture anew, what does not, and what is drawn meanwhile.
+#include <chrono>
+#include <thread>
+
+#include "session.h"
+#include "support/scenes.h"
+#include "viewer/headless.h"
+
+namespace vog::test {
+
+using namespace viewer;
+
+class accumulation : public headless {
+  protected:
+    void SetUp() override {
+        headless::SetUp();
+        if (IsSkipped()) return;
+        session_.emplace([](const std::vector<std::string>&) {
+            Content content;
+            content.model = random_gaussians(300, 0.01, 0.2, 41);
+            return content;
+        });
+        session_->settings.subframes = 8;
+        session_->open({"random"});
+        rest();
+    }
+    void TearDown() override { session_.reset(); }
+    void frame() { session_->update({80, 60}); }
+    /// Frames until nothing would change.
+    void rest() {
+        for (int n = 0; n < 2000 && (n < 2 || !session_->at_rest()); ++n) {
+            frame();
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        ASSERT_TRUE(session_->at_rest());
+    }
+    std::optional<Session> session_;
+};
+
+TEST_F(accumulation, sub_frames_add_up_to_their_mean) {
+    EXPECT_EQ(session_->left().subframes(), 8);
+    const DepthImage mean =
+        render_gl(random_gaussians(300, 0.01, 0.2, 41), session_->camera, 80, 60, 8);
+    const DepthImage shown = session_->left().read();
+    for (std::size_t n = 0; n < mean.depth.size(); ++n)
+        ASSERT_NEAR(shown.depth[n], mean.depth[n], 1e-6);
+}
+
+TEST_F(accumulation, colours_render_nothing) {
+    const int revision = session_->left().revision();
+    load_map(session_->look, "viridis");
+    session_->look.extinction *= 3;
+    session_->look.gamma = 2;
+    session_->look_changed();
+    frame();
+    frame();
+    EXPECT_EQ(session_->left().revision(), revision);
+}
+
+TEST_F(accumulation, a_moved_camera_begins_anew) {
+    session_->settings.coarse_moving = false;
+    session_->camera = orbited(session_->camera, 0.1, 0);
+    frame();
+    EXPECT_EQ(session_->left().subframes(), 1);
+    frame();
+    EXPECT_EQ(session_->left().subframes(), 2);
+    rest();
+    EXPECT_EQ(session_->left().subframes(), 8);
+}
+
+TEST_F(accumulation, a_moving_camera_has_one_sub_frame_until_it_rests) {
+    for (int n = 0; n < 5; ++n) {
+        session_->camera = orbited(session_->camera, 0.01, 0);
+        frame();
+        frame();
+        EXPECT_TRUE(session_->moving());
+        EXPECT_EQ(session_->left().subframes(), 1);
+    }
+    rest();
+    EXPECT_EQ(session_->left().subframes(), 8);
+}
+
+TEST_F(accumulation, rays_of_the_cpu_are_refined_in_squares) {
+    session_->settings.renderer = Renderer::splat;
+    session_->settings.subframes = 16;
+    rest();
+    EXPECT_EQ(session_->left().subframes(), 16);
+    // 4 x 4 rays: the mean of the picture with four times the pixels a side.
+    const DepthImage fine =
+        render_gl(random_gaussians(300, 0.01, 0.2, 41), session_->camera, 320, 240);
+    const DepthImage mean = shrunk(fine, 4), shown = session_->left().read();
+    for (std::size_t n = 0; n < mean.depth.size(); ++n)
+        ASSERT_NEAR(shown.depth[n], mean.depth[n], 1e-5);
+}
+
+}  // namespace vog::test
