@@ -105,8 +105,11 @@ TEST(moment_levels, coarse_bricks_have_the_moments_of_their_voxels) {
 TEST(moment_levels, constant_field_is_constant_across_seams) {
     MomentOptions options;
     options.budget = 3000;
+    // Kernels cut at 2.25 leave ripples in any constant: of 1 % of the chord, after soft steps.
+    // With one octree the seams add little to them; without, each side is softened alone.
+    constexpr double kPlain = 0.015, kOneOctree = 0.02, kOctreesOfTheirOwn = 0.045;
     const Volume cube = test::cube_of(20, 0.7f, {});
-    const double plain = relative_error(convert_moments(cube, options), cube, 20);
+    EXPECT_LT(relative_error(convert_moments(cube, options), cube, 20), kPlain);
     for (const test::NestedScene& scene : test::nested_scenes()) {
         SCOPED_TRACE(scene.name);
         const Levels levels = test::nested_cubes(20, scene.outer, scene.inner);
@@ -119,12 +122,9 @@ TEST(moment_levels, constant_field_is_constant_across_seams) {
         EXPECT_NEAR(mass(model) / total_mass(data), 1, 2e-4) << "1e-4 may be dropped";
         EXPECT_EQ(model.source_voxels, data.voxels);
         EXPECT_EQ(model.box, data.box);
-        // Kernels cut at 2.25 leave ripples of some percent in any constant. With one octree the
-        // seams add nothing to those of the plain cube; without, each side of a seam is softened
-        // alone.
-        const double error = relative_error(model, outer, 20);
         const bool one_octree = moment_fields(data.parts).size() == 1;
-        EXPECT_LT(error, (one_octree ? 1.2 : 1.8) * plain);
+        const double error = relative_error(model, outer, 20);
+        EXPECT_LT(error, one_octree ? kOneOctree : kOctreesOfTheirOwn);
 
         Composite unmasked;
         unmasked.parts = levels.volumes;
