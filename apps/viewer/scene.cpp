@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 
 #include "vog/camera.h"
 #include "vog/compare.h"
@@ -17,15 +18,17 @@ namespace vog::viewer {
 
 namespace {
 
-/// A cut through the moment octree: cells of one size, or the best for a share of the voxels.
+/// A cut through the moment octree: cells of one size, or the best with as many Gaussians as those.
 struct Cut {
-    int block_voxels = 0;
-    double share = 0;
+    int block_voxels;
+    bool best;
 };
-// In the order they are made: first what is quick, to have something to look at. The shares are
-// those of blocks of 8, 4 and 2 voxels in the paper's smoke, so that best and even cuts compare.
-constexpr Cut kCuts[] = {{16, 0},     {32, 0},    {8, 0}, {4, 0},
-                         {0, 0.0029}, {0, 0.019}, {2, 0}, {0, 0.135}};
+// In the order they are made: first what is quick, to have something to look at.
+constexpr Cut kCuts[] = {{16, false}, {32, false}, {8, false}, {4, false},
+                         {8, true},   {4, true},   {2, false}, {2, true}};
+// The lightest cells are dropped from a budget: with this much more it ends at about the even cut's
+// count, and the best level is the last.
+constexpr double kBudget = 1.05;
 constexpr double kMostGaussians = 6e6;  ///< of a level: 270 MB on the device
 
 std::string title_of(const std::vector<std::string>& files) {
@@ -210,37 +213,37 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
 
 void SceneLoader::convert_levels(const Composite& data, bool is_mesh) {
     const auto voxels = static_cast<double>(data.voxels);
-    double per_voxel = 1;  // Gaussians of the latest even cut, for what a finer one will have
+    std::map<int, double> share_of;  // Gaussians a voxel, of even cuts by their blocks
     for (const Cut& cut : kCuts) {
-        const double budget = cut.share * voxels;
-        const double expected = cut.block_voxels ? 8 * per_voxel * voxels : budget;
-        if (cut.block_voxels == 2 && expected > kMostGaussians) continue;
-        if (!cut.block_voxels && (budget < 64 || expected > kMostGaussians)) continue;
-        const std::string name = cut.block_voxels
-                                     ? fmt::format("blocks of {} voxels", cut.block_voxels)
-                                     : fmt::format("best cut, {} %", 100 * cut.share);
+        if (cut.best && !share_of.count(cut.block_voxels)) continue;
+        // Blocks of half the edge: up to eight times as many.
+        if (cut.block_voxels == 2 && 8 * share_of[4] * voxels > kMostGaussians) continue;
+        const double share = cut.best ? kBudget * share_of[cut.block_voxels] : 0;
+        if (cut.best && share * voxels < 64) continue;
+        const std::string name = cut.best ? fmt::format("best cut, {:.2g} %", 100 * share)
+                                          : fmt::format("blocks of {} voxels", cut.block_voxels);
         begin("converting: " + name);
 
         MomentOptions options;
-        options.block_voxels = cut.block_voxels;
+        if (!cut.best) options.block_voxels = cut.block_voxels;
         Gaussians all;
         const auto parts = static_cast<double>(is_mesh ? 1 : data.parts.size());
         for (std::size_t n = 0; n < data.parts.size(); ++n) {
             const Volume& volume = data.parts[n];
-            options.progress =
-                progress(static_cast<double>(n) / parts, (static_cast<double>(n) + 1) / parts);
+            const auto at = static_cast<double>(n);
+            options.progress = progress(at / parts, (at + 1) / parts);
             // Volumes that are no mesh share a budget by their voxels.
             const double of = is_mesh ? voxels : static_cast<double>(active_voxels(volume));
-            if (!cut.block_voxels)
-                options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(cut.share * of));
+            if (cut.best)
+                options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(share * of));
             append(all,
                    is_mesh ? convert_moments(data, options) : convert_moments(volume, options));
             if (is_mesh) break;
         }
         all.box = data.box;
-        const double share = static_cast<double>(all.size()) / voxels;
-        if (cut.block_voxels) per_voxel = share;
-        add_level(name, std::move(all), share);
+        const double reached = static_cast<double>(all.size()) / voxels;
+        if (!cut.best) share_of[cut.block_voxels] = reached;
+        add_level(name, std::move(all), reached);
     }
 }
 

@@ -55,7 +55,8 @@ void Session::open(const std::vector<std::string>& files) {
     if (files.front().ends_with(".json")) return open_json(files.front());
     loader_.open(files);
     opening_ = true;
-    loading = loader_.status();
+    // Its status is asked for with each frame: errors are told once.
+    loading = {true, {}, 0, {}};
 }
 
 void Session::say(const std::string& text) {
