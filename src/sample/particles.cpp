@@ -25,7 +25,7 @@ namespace {
 constexpr double kBoxEdge = 100;         ///< world units, as Mpc/h
 constexpr double kSpeed = 300;           ///< root mean square of the flow, as km/s
 constexpr int kModes = 240;              ///< plane waves
-constexpr int kShortestWave = 9;        ///< waves across the box
+constexpr int kShortestWave = 9;         ///< waves across the box
 constexpr double kLinearContrast = 1.4;  ///< rms of the linear density: past the first crossings
 constexpr std::size_t kHalos = 120;
 
