@@ -4,6 +4,7 @@
 #include <chrono>
 #include <utility>
 
+#include "vog/gpu.h"
 #include "vog/render.h"
 #include "vog/trace.h"
 
@@ -20,6 +21,8 @@ struct CpuRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
     std::optional<SplatRenderer> splat;
     std::optional<TraceScene> trace;
+    std::optional<CudaSplat> cuda;
+    std::optional<OptixModel> optix;
 };
 
 DepthImage shrunk(const DepthImage& image, int factor) {
@@ -93,6 +96,37 @@ void CpuRenderer::work() {
     }
 }
 
+void CpuRenderer::draw_model(const CpuRequest& request, int width, int height,
+                             const Progress& progress, DepthImage& image) {
+    Prepared& with = *prepared_;
+    if (request.model != with.model) {
+        with = Prepared{};
+        with.model = request.model;
+    }
+    const Gaussians& model = *request.model;
+    const Camera& camera = request.camera;
+    switch (request.renderer) {
+        case Renderer::trace: {
+            if (!with.trace) with.trace = trace_scene(model);
+            TraceOptions options;
+            options.progress = progress;
+            image = render_trace(*with.trace, camera, width, height, options);
+            break;
+        }
+        case Renderer::cuda:
+            if (!with.cuda) with.cuda.emplace(model);
+            image = with.cuda->render(camera, width, height);
+            break;
+        case Renderer::optix:
+            if (!with.optix) with.optix.emplace(model);
+            image = with.optix->render(camera, width, height);
+            break;
+        default:
+            if (!with.splat) with.splat.emplace(model);
+            with.splat->render(camera, width, height, image, progress);
+    }
+}
+
 CpuPicture CpuRenderer::render(const CpuRequest& request) {
     const auto progress = [this](double fraction) {
         const std::lock_guard lock(mutex_);
@@ -102,18 +136,10 @@ CpuPicture CpuRenderer::render(const CpuRequest& request) {
     const auto start = std::chrono::steady_clock::now();
     const int width = request.width * request.rays, height = request.height * request.rays;
     DepthImage image;
-    if (request.model && request.model != prepared_->model) *prepared_ = {request.model, {}, {}};
-    if (request.voxels) {
+    if (request.voxels)
         image = request.voxels->draw(request.camera, width, height, progress);
-    } else if (request.trace) {
-        if (!prepared_->trace) prepared_->trace = trace_scene(*request.model);
-        TraceOptions options;
-        options.progress = progress;
-        image = render_trace(*prepared_->trace, request.camera, width, height, options);
-    } else {
-        if (!prepared_->splat) prepared_->splat.emplace(*request.model);
-        prepared_->splat->render(request.camera, width, height, image, progress);
-    }
+    else
+        draw_model(request, width, height, progress, image);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
     return {request.key, request.rays, shrunk(image, request.rays), ms.count(), {}};
 }

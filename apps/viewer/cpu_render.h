@@ -1,5 +1,5 @@
-// cpu_render.h: pictures that take longer than a frame: splat and rays on the CPU, and the voxels,
-// in a thread of their own, so that the window stays alive.
+// cpu_render.h: pictures that take longer than a frame: splat, rays, their GPU twins and the
+// voxels, in a thread of their own, so that the window stays alive.
 #pragma once
 
 #include <condition_variable>
@@ -10,9 +10,11 @@
 #include <thread>
 #include <vector>
 
+#include "renderer.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
+#include "vog/progress.h"
 #include "voxels.h"
 
 namespace vog::viewer {
@@ -20,7 +22,7 @@ namespace vog::viewer {
 /// Either a model or voxels.
 struct CpuRequest {
     std::uint64_t key = 0;  ///< the asker's name for it
-    bool trace = false;     ///< a model by rays, not by splatting
+    Renderer renderer = Renderer::splat;
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Voxels> voxels;
     Camera camera;
@@ -54,6 +56,8 @@ class CpuRenderer {
   private:
     void work();
     CpuPicture render(const CpuRequest& request);
+    void draw_model(const CpuRequest& request, int width, int height, const Progress& progress,
+                    DepthImage& image);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< the thread's own: what the latest model needs
 

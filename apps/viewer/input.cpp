@@ -153,11 +153,10 @@ void change_level(Session& session, int step) {
 }
 
 void next_renderer(Session& session) {
-    Renderer& r = session.settings.renderer;
-    r = r == Renderer::gl                              ? Renderer::splat
-        : r == Renderer::splat                         ? Renderer::trace
-        : r == Renderer::trace && session.scene.voxels ? Renderer::voxels
-                                                       : Renderer::gl;
+    std::vector<Renderer> all = renderers();
+    if (!session.scene.voxels) std::erase(all, Renderer::voxels);
+    const auto now = std::find(all.begin(), all.end(), session.settings.renderer);
+    session.settings.renderer = now == all.end() || now + 1 == all.end() ? all.front() : now[1];
 }
 
 void apply_view_keys(Session& session) {

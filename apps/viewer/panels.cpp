@@ -20,8 +20,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_N
 /// A combo of the renderers that can show what is open.
 void choose_renderer(Session& session, Gui& gui, const char* label, Renderer& renderer) {
     if (ImGui::BeginCombo(label, name_of(renderer))) {
-        for (const Renderer r :
-             {Renderer::gl, Renderer::splat, Renderer::trace, Renderer::voxels}) {
+        for (const Renderer r : renderers()) {
             if (r == Renderer::voxels && !session.scene.voxels) continue;
             if (ImGui::Selectable(name_of(r), r == renderer)) renderer = r;
         }

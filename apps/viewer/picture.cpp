@@ -1,35 +1,9 @@
 // picture.cpp: sub-frames and requests.
 #include "picture.h"
 
-#include <fmt/core.h>
-
 #include <tuple>
 
-#include "vog/error.h"
-
 namespace vog::viewer {
-
-const char* name_of(Renderer renderer) {
-    switch (renderer) {
-        case Renderer::gl:
-            return "OpenGL";
-        case Renderer::splat:
-            return "CPU splat";
-        case Renderer::trace:
-            return "CPU rays";
-        default:
-            return "voxels";
-    }
-}
-
-Renderer renderer_from(const std::string& name) {
-    if (name == "gl") return Renderer::gl;
-    if (name == "splat") return Renderer::splat;
-    if (name == "trace") return Renderer::trace;
-    if (name == "reference") return Renderer::voxels;
-    throw Error(fmt::format(
-        "no renderer '{}' in the window (there are: gl, splat, trace, reference)", name));
-}
 
 bool operator==(const PictureKey& a, const PictureKey& b) {
     const auto tie = [](const PictureKey& k) {
@@ -89,7 +63,7 @@ void Picture::ask(int rays) {
     if (!cpu_) cpu_ = std::make_unique<CpuRenderer>();
     rays_asked_ = rays;
     const bool voxels = key_.renderer == Renderer::voxels;
-    cpu_->ask({++cpu_key_, key_.renderer == Renderer::trace, voxels ? nullptr : key_.model,
+    cpu_->ask({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
                voxels ? key_.voxels : nullptr, key_.camera, key_.size.width, key_.size.height,
                rays});
 }

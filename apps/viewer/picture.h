@@ -9,17 +9,12 @@
 #include <string>
 
 #include "cpu_render.h"
+#include "renderer.h"
 #include "screen.h"
 #include "shade_gl.h"
 #include "splat_gl.h"
 
 namespace vog::viewer {
-
-enum class Renderer { gl, splat, trace, voxels };
-/// "OpenGL", "CPU splat", "CPU rays", "voxels".
-const char* name_of(Renderer renderer);
-/// "gl", "splat", "trace" or "reference", as scripts have it. throws vog::Error
-Renderer renderer_from(const std::string& name);
 
 /// What is to be seen. Two equal ones have the same T.
 struct PictureKey {
