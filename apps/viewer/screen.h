@@ -16,6 +16,9 @@ struct PixelSize {
     friend bool operator==(const PixelSize&, const PixelSize&) = default;
 };
 
+/// throws vog::Error unless both sides are 1 to 16384, what OpenGL's textures take
+void require_size(PixelSize size);
+
 class Screen {
   public:
     virtual ~Screen() = default;

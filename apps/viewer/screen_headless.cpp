@@ -125,6 +125,13 @@ class HeadlessScreen : public Screen {
 
 }  // namespace
 
+void require_size(PixelSize size) {
+    constexpr int kMost = 16384;
+    if (size.width < 1 || size.height < 1 || size.width > kMost || size.height > kMost)
+        throw Error(fmt::format("a window of {}x{} pixels, expected 1x1 to {}x{}", size.width,
+                                size.height, kMost, kMost));
+}
+
 std::unique_ptr<Screen> open_headless(PixelSize size) {
     return std::make_unique<HeadlessScreen>(size);
 }

@@ -263,9 +263,14 @@ void ScriptPlayer::start(const Action& action, Stage& stage) {
     Settings& s = stage.session.settings;
     const std::string& verb = action.verb;
     const std::string first = action.words.empty() ? "" : action.words[0];
-    if (verb == "size")
-        stage.screen.resize(
-            {static_cast<int>(number(first)), static_cast<int>(number(action.words[1]))});
+    if (verb == "size") {
+        const auto side = [](const std::string& word) {
+            return static_cast<int>(std::clamp(number(word), 0.0, 1e6));
+        };
+        const PixelSize size{side(first), side(action.words[1])};
+        require_size(size);
+        stage.screen.resize(size);
+    }
     if (verb == "scale") s.scale = std::clamp(number(first), 0.1, 4.0);
     if (verb == "panels") s.panels = on(first);
     if (verb == "overlay") s.overlay = on(first);

@@ -208,6 +208,9 @@ class Program {
 
 }  // namespace
 
-void run(const ViewerOptions& options) { Program(options).run(); }
+void run(const ViewerOptions& options) {
+    require_size(options.size);
+    Program(options).run();
+}
 
 }  // namespace vog::viewer

@@ -220,6 +220,7 @@ TEST_F(view_command, bad_scripts_are_refused_by_line) {
     refuses("wait\ngamma much\n", "play.vog:2: 'gamma much', expected: gamma EXPONENT");
     refuses("wait\ntf nosuchmap\n", "play.vog:2: nosuchmap");
     refuses("wait\nlevel 77\n", "play.vog:2: no level '77'");
+    refuses("size 0 100\n", "play.vog:1: a window of 0x100 pixels");
     refuses("renderer raster\n", "play.vog:1: no renderer 'raster'");
     refuses("wait\npress nothing\n", "play.vog:2: no widget 'nothing'");
     refuses("key hyper\n", "play.vog:1: no key 'hyper'");
