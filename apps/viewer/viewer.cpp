@@ -12,7 +12,7 @@
 
 #include "gui_gl.h"
 #include "panels.h"
-#include "script.h"
+#include "script_player.h"
 #include "vog/error.h"
 
 namespace vog::viewer {
