@@ -47,6 +47,7 @@ template <int kDegree, class D, class V = hn::Vec<D>>
 HWY_INLINE KernelLanes<kDegree, V> kernel_lanes(D d, const KernelPolynomial& kernel) {
     KernelLanes<kDegree, V> lanes;
     lanes.kernel = &kernel;
+    if constexpr (kDegree < 0) lanes.c[0] = hn::Zero(d);
     for (int power = 0; power <= kDegree; ++power)
         lanes.c[power] = hn::Set(d, kernel.coefficient[static_cast<std::size_t>(power)]);
     return lanes;
