@@ -1,0 +1,120 @@
+// moment_properties_test.cpp: what must hold for any volume and any cut.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/moment_volumes.h"
+#include "vog/moments.h"
+#include "vog/reference.h"
+#include "vog/render.h"
+#include "vog/sample.h"
+
+namespace vog {
+namespace {
+
+// Masses are float32 in the model and summed over at most some ten thousand cells.
+constexpr double kMassTolerance = 1e-5;
+
+MomentOptions cut(int block, std::size_t budget, int soft_steps) {
+    MomentOptions options;
+    options.block_voxels = block;
+    options.budget = budget;
+    options.soft_steps = soft_steps;
+    return options;
+}
+
+TEST(moment_properties, mass_is_conserved_for_random_grids_and_all_cuts) {
+    for (const std::uint64_t seed : {101, 102, 103, 104}) {
+        const Volume volume = test::random_volume(seed, 0.002 * std::pow(4, double(seed - 101)));
+        std::vector<MomentOptions> all;
+        for (const int edge : {1, 4, 32}) all.push_back(cut(edge, 0, seed & 1 ? 0 : 3));
+        for (const std::size_t budget : {3, 90, 1000}) all.push_back(cut(0, budget, 5));
+        all.emplace_back();
+        all.back().error = 0.2;
+        for (MomentOptions options : all)
+            for (const double threshold : {0.0, 1e-3}) {
+                options.mass_threshold = threshold;
+                MomentReport report;
+                const Gaussians model = convert_moments(volume, options, &report);
+                EXPECT_NEAR(report.mass_ratio, 1, kMassTolerance) << seed << model.options;
+                EXPECT_LE(report.dropped_mass_share, threshold);
+                EXPECT_NEAR(mass(model) / mass(volume), 1 - report.dropped_mass_share,
+                            kMassTolerance)
+                    << seed << model.options;
+            }
+    }
+}
+
+TEST(moment_properties, a_budget_is_never_exceeded_soft_or_hard) {
+    for (const std::uint64_t seed : {111, 112, 113}) {
+        const Volume volume = test::random_volume(seed, 0.03);
+        for (std::size_t budget = 1; budget < 5000; budget = 3 * budget + seed % 3)
+            for (const int steps : {0, 2})
+                EXPECT_LE(convert_moments(volume, cut(0, budget, steps)).size(), budget);
+    }
+}
+
+/// Relative L2 of T over some views that the search does not use.
+double other_error(const Volume& volume, const Gaussians& model) {
+    const std::vector<VoxelGrid> grids{voxel_grid(volume)};
+    double error2 = 0, norm2 = 0;
+    for (int view = 0; view < 5; ++view) {
+        const Camera camera =
+            orbit_view(model.box, 0.9 + 1.3 * view, 0.7 - 0.35 * view, 2.4 + 0.3 * view, 42);
+        const DepthImage exact = render_reference(grids, camera, 150, 150);
+        const DepthImage image = render_splat(model, camera, 150, 150);
+        for (std::size_t n = 0; n < exact.depth.size(); ++n) {
+            error2 += std::pow(double{image.depth[n]} - exact.depth[n], 2);
+            norm2 += std::pow(double{exact.depth[n]}, 2);
+        }
+    }
+    return std::sqrt(error2 / norm2);
+}
+
+TEST(moment_properties, an_error_holds_from_other_sides) {
+    for (const double target : {0.15, 0.05}) {
+        for (const Volume& volume : {sample_cloud({.size = 64}), sample_explosion({.size = 64})}) {
+            MomentOptions options;
+            options.error = target;
+            MomentReport report;
+            const Gaussians model = convert_moments(volume, options, &report);
+            EXPECT_LE(report.measured_error, target);
+            EXPECT_NEAR(other_error(volume, model) / report.measured_error, 1, 0.2);
+        }
+    }
+}
+
+TEST(moment_properties, refining_lowers_the_error_at_the_same_count) {
+    const Volume volume = sample_cloud({.size = 64});
+    MomentOptions options = cut(0, 200, 2);
+    options.measure = true;
+    options.mass_threshold = 0;
+    MomentReport plain, refined;
+    const Gaussians before = convert_moments(volume, options, &plain);
+    options.refine_seconds = 0.5;
+    const Gaussians after = convert_moments(volume, options, &refined);
+    EXPECT_EQ(before.size(), after.size());
+    EXPECT_LT(refined.measured_error, 0.95 * plain.measured_error);
+    EXPECT_NEAR(mass(after) / mass(volume), 1, kMassTolerance);
+    EXPECT_NE(after.options.find("--refine 0.5"), std::string::npos);
+}
+
+TEST(moment_properties, densities_of_any_magnitude_give_the_same_shapes) {
+    // Cosmology writes 1e-30 g/cm³, counts go to 1e9: the unit must not matter, nor overflow.
+    const Volume volume = test::random_volume(121, 0.03);
+    const Gaussians model = convert_moments(volume, cut(4, 0, 3));
+    for (const float unit : {0x1p-90f, 0x1p60f}) {
+        Volume scaled = volume;
+        for (Leaf& leaf : scaled.leaves)
+            for (float& value : leaf.value) value *= unit;
+        for (Tile& tile : scaled.tiles) tile.value *= unit;
+        const Gaussians same = convert_moments(scaled, cut(4, 0, 3));
+        ASSERT_EQ(same.size(), model.size());
+        EXPECT_EQ(same.mean, model.mean);
+        EXPECT_EQ(same.scale, model.scale);
+        EXPECT_NEAR(mass(same) / mass(model) / double{unit}, 1, 1e-6);
+    }
+}
+
+}  // namespace
+}  // namespace vog
