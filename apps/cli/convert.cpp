@@ -133,8 +133,9 @@ std::string reached_text(const Gaussians& model, FileKind kind, double volume_ma
                                    model.size(), 100 * share_of_voxels(model),
                                    kind == FileKind::points ? "particles" : "active voxels",
                                    moments.cells_mass / volume_mass);
-    text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",
-                        moments.dropped_cells, moments.dropped_mass / volume_mass);
+    if (moments.dropped_cells)
+        text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",
+                            moments.dropped_cells, moments.dropped_mass / volume_mass);
     if (moments.worst_error >= 0)
         text += fmt::format(", measured error {:.4g} (relative L2 of T, 8 views of 256x256)",
                             moments.worst_error);
