@@ -3,7 +3,8 @@
 
 namespace vog::test {
 
-/// Calls of operator new so far, by anyone in this process. TBB's tasks come from its own pool.
+/// Calls of operator new so far, by anyone in this process; TBB's tasks come from its own pool.
+/// Below 0: nobody counts, for the address sanitizer has an operator new of its own.
 long allocations();
 
 }  // namespace vog::test
