@@ -16,6 +16,9 @@
 #include "support/scenes.h"
 #include "vog/convert.h"
 #include "vog/error.h"
+#include "vog/moments.h"
+#include "vog/reference.h"
+#include "vog/sample.h"
 #include "vog/vdb.h"
 
 namespace vog::test {
@@ -121,6 +124,41 @@ TEST(evaluate, adaptive_rows_keep_to_the_count_of_the_row_they_are_held_against)
     // A budget taken from a row that is not there.
     options.conversions = {moment_conversions()[4]};
     EXPECT_THROW((void)evaluate(volumes, dir / "none", options), Error);
+}
+
+TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
+    const TempDir dir;
+    Levels levels;
+    levels.volumes = sample_levels({.size = 64});
+    const Composite data = composite(levels);
+    EvaluateOptions options = quick();
+    options.conversions = moment_conversions();
+    std::erase_if(options.conversions, [](const Conversion& c) { return c.step != "block4"; });
+    const Evaluation evaluation = evaluate(levels, dir / "out", options);
+    EXPECT_EQ(evaluation.active_voxels, data.voxels);
+    // Levels are cut under one budget, which parts converted apart would not give these counts.
+    MomentOptions uniform;
+    uniform.block_voxels = 4;
+    const std::size_t cells = convert_moments(data, uniform).size();
+    MomentOptions adaptive;
+    adaptive.budget = cells;
+    EXPECT_EQ(find_row(evaluation, "uniform", "block4")->gaussians, cells);
+    EXPECT_EQ(find_row(evaluation, "adaptive", "block4")->gaussians,
+              convert_moments(data, adaptive).size());
+    // The extinction comes from the reference: that of the levels, each piece of a ray once.
+    const EvaluationView& paper = evaluation.views.front();
+    const DepthImage depth =
+        render_reference(level_grids(levels), paper.camera, options.width, options.height);
+    EXPECT_EQ(paper.extinction, auto_extinction(depth));
+    for (const EvaluationRow& row : evaluation.rows) {
+        EXPECT_NEAR(row.mass_ratio, 1, 1e-3) << row.series;
+        EXPECT_GT(find_view(row, "paper")->psnr_v_db, 25) << row.series;
+    }
+    // Masks that hide everything leave nothing to evaluate.
+    levels.masks.resize(levels.volumes.size());
+    for (std::size_t n = 0; n < levels.masks.size(); ++n)
+        levels.masks[n].world_from_index = levels.volumes[n].world_from_index;
+    EXPECT_THROW((void)evaluate(levels, dir / "none", options), Error);
 }
 
 TEST(evaluate, results_hold_every_row_and_view_and_the_pages_stand_alone) {

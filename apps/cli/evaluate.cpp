@@ -52,13 +52,13 @@ void evaluate_files(EvaluateArguments& arguments) {
     Stages stages(arguments.verbose);
     arguments.options.progress = stages.progress();
 
-    const std::vector<Volume> volumes = stages.run("load", [&] {
-        Levels levels = load_levels(arguments.inputs, arguments.volume);
-        if (!are_levels(levels, arguments.volume)) return std::move(levels.volumes);
-        return composite(levels).parts;
+    const Levels levels =
+        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
+    const Evaluation evaluation = stages.run("evaluate", [&] {
+        return are_levels(levels, arguments.volume)
+                   ? evaluate(levels, arguments.folder, arguments.options)
+                   : evaluate(levels.volumes, arguments.folder, arguments.options);
     });
-    const Evaluation evaluation = stages.run(
-        "evaluate", [&] { return evaluate(volumes, arguments.folder, arguments.options); });
 
     const std::filesystem::path folder = arguments.folder;
     if (arguments.json) {

@@ -12,6 +12,7 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/levels.h"
 #include "vog/progress.h"
 #include "vog/shade.h"
 #include "vog/volume.h"
@@ -28,6 +29,8 @@ struct Conversion {
     /// 0
     std::function<Gaussians(const Volume&, std::size_t budget)> convert;
     std::string budget_series{}, budget_step{};  ///< an earlier row
+    /// Levels of a mesh as one model; none: each of their parts by `convert`
+    std::function<Gaussians(const Composite&, std::size_t budget)> convert_levels{};
 };
 
 /// The paper's rows, with its amplitude (mean) and with the amplitude that conserves mass: levels
@@ -85,7 +88,7 @@ Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is
 /// Everything the reports are made of.
 struct Evaluation {
     std::string title;                  ///< source and grid of every volume
-    std::uint64_t active_voxels = 0;    ///< tiles counted by the voxels they stand for
+    std::uint64_t active_voxels = 0;    ///< tiles by the voxels they stand for; of levels: seen
     std::uint64_t bounding_voxels = 0;  ///< of the boxes around the active voxels
     std::uint64_t leaves = 0, dense_leaves = 0, tiles = 0;
     std::uint64_t reference_bytes = 0;  ///< of the NanoVDB grids
@@ -116,6 +119,10 @@ struct EvaluateOptions {
 ///          that are of other data or settings
 /// cost     conversions * views * (repeats + 1) renders
 Evaluation evaluate(std::span<const Volume> volumes, const std::filesystem::path& folder,
+                    const EvaluateOptions& options = {});
+/// The same for levels of a mesh: the reference counts each piece of a ray in the finest level
+/// that is there, the conversions take what finer levels leave.
+Evaluation evaluate(const Levels& levels, const std::filesystem::path& folder,
                     const EvaluateOptions& options = {});
 
 }  // namespace vog

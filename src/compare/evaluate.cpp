@@ -83,13 +83,10 @@ std::uint64_t box_voxels(const Volume& volume) {
 Evaluation begin(std::span<const Volume> volumes, const EvaluateOptions& options) {
     Evaluation evaluation;
     for (const Volume& volume : volumes) {
-        validate(volume);
-        if (volume.empty())
-            throw Error(fmt::format("{}: nothing active, expected a volume", volume.source));
         evaluation.title += evaluation.title.empty() ? "" : ", ";
         evaluation.title += fs::path(volume.source).filename().string() + " " + volume.name;
         evaluation.active_voxels += active_voxels(volume);
-        evaluation.bounding_voxels += box_voxels(volume);
+        if (!volume.empty()) evaluation.bounding_voxels += box_voxels(volume);
         evaluation.leaves += volume.leaves.size();
         for (const Leaf& leaf : volume.leaves) evaluation.dense_leaves += leaf.dense();
         evaluation.tiles += volume.tiles.size();
@@ -128,13 +125,28 @@ struct References {
 
 class Run {
   public:
-    Run(std::span<const Volume> volumes, fs::path folder, const EvaluateOptions& options)
+    /// levels: those whose volumes these are, or null: volumes that add up
+    Run(std::span<const Volume> volumes, const Levels* levels, fs::path folder,
+        const EvaluateOptions& options)
         : volumes_(volumes),
+          levels_(levels),
           folder_(std::move(folder)),
           options_(options),
           tf_(load_transfer_function(options.tf)),
           evaluation_(begin(volumes, options)) {
-        for (const Volume& volume : volumes) box_.include(world_box(volume));
+        if (levels) {
+            mesh_ = composite(*levels);
+            if (mesh_.parts.empty())
+                throw Error(fmt::format("{}: nothing is seen, expected active voxels inside masks",
+                                        evaluation_.title));
+            volumes_ = mesh_.parts;
+            evaluation_.active_voxels = mesh_.voxels;
+            evaluation_.mass = 0;
+            for (const Volume& part : volumes_) evaluation_.mass += mass(part);
+            box_ = mesh_.box;
+        } else {
+            for (const Volume& volume : volumes) box_.include(world_box(volume));
+        }
         evaluation_.views = evaluation_views(box_);
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
     }
@@ -169,9 +181,19 @@ class Run {
     }
 
     void render_references() {
+        if (levels_) {
+            const LevelGrids grids = level_grids(*levels_);
+            evaluation_.reference_bytes = grids.memory_bytes();
+            return render_references_of(grids);
+        }
         std::vector<VoxelGrid> grids;
         for (const Volume& volume : volumes_) grids.push_back(voxel_grid(volume));
         for (const VoxelGrid& grid : grids) evaluation_.reference_bytes += grid.memory_bytes();
+        render_references_of(grids);
+    }
+
+    template <class Grids>
+    void render_references_of(const Grids& grids) {
         for (EvaluationView& view : evaluation_.views) {
             DepthImage depth;
             view.reference = time_repeated(options_.repeats, [&] {
@@ -209,29 +231,34 @@ class Run {
             conversion.series, conversion.step, conversion.budget_series, conversion.budget_step));
     }
 
-    /// All volumes converted into one model. Repeated while it is quick, so that its time is a
-    /// median too.
+    /// All data as one model.
+    Gaussians converted(const Conversion& conversion, std::size_t budget) const {
+        if (levels_ && conversion.convert_levels) return conversion.convert_levels(mesh_, budget);
+        std::uint64_t all_voxels = 0;
+        for (const Volume& volume : volumes_) all_voxels += active_voxels(volume);
+        Gaussians model;
+        for (const Volume& volume : volumes_) {
+            const double share =
+                static_cast<double>(active_voxels(volume)) / static_cast<double>(all_voxels);
+            const auto part_budget = static_cast<std::size_t>(static_cast<double>(budget) * share);
+            Gaussians part = conversion.convert(volume, part_budget);
+            if (model.size() == 0)
+                model = std::move(part);
+            else
+                append(model, part);
+        }
+        return model;
+    }
+
+    /// Repeated while it is quick, so that the time of a conversion is a median too.
     Gaussians convert(const Conversion& conversion, Timing& timing) const {
         constexpr double kQuickMs = 1000;
         constexpr std::size_t kMostRuns = 3;
-        const auto budget = static_cast<double>(budget_of(conversion));
-        const auto all_voxels = static_cast<double>(evaluation_.active_voxels);
+        const std::size_t budget = budget_of(conversion);
         Gaussians model;
         std::vector<double> ms;
-        do {
-            ms.push_back(milliseconds([&] {
-                model = {};
-                for (const Volume& volume : volumes_) {
-                    const double share = static_cast<double>(active_voxels(volume)) / all_voxels;
-                    Gaussians part =
-                        conversion.convert(volume, static_cast<std::size_t>(budget * share));
-                    if (model.size() == 0)
-                        model = std::move(part);
-                    else
-                        append(model, part);
-                }
-            }));
-        } while (ms.size() < kMostRuns && ms.back() < kQuickMs);
+        do ms.push_back(milliseconds([&] { model = converted(conversion, budget); }));
+        while (ms.size() < kMostRuns && ms.back() < kQuickMs);
         timing = timing_of(std::move(ms));
         model.box = box_;
         return model;
@@ -292,7 +319,9 @@ class Run {
         return result;
     }
 
-    std::span<const Volume> volumes_;
+    std::span<const Volume> volumes_;  ///< what is converted; of levels, the parts of mesh_
+    const Levels* levels_;
+    Composite mesh_;
     fs::path folder_;
     const EvaluateOptions& options_;
     TransferFunction tf_;
@@ -302,8 +331,7 @@ class Run {
     double done_ = 0, steps_ = 1;
 };
 
-void check(std::span<const Volume> volumes, const EvaluateOptions& options) {
-    if (volumes.empty()) throw Error("evaluate: no volume, expected at least one");
+void check(const EvaluateOptions& options) {
     if (options.repeats < 1)
         throw Error(fmt::format("evaluate: {} repeats, expected at least 1", options.repeats));
     if (!(options.extinction >= 0))
@@ -315,8 +343,20 @@ void check(std::span<const Volume> volumes, const EvaluateOptions& options) {
 
 Evaluation evaluate(std::span<const Volume> volumes, const fs::path& folder,
                     const EvaluateOptions& options) {
-    check(volumes, options);
-    return Run(volumes, folder, options).all();
+    check(options);
+    if (volumes.empty()) throw Error("evaluate: no volume, expected at least one");
+    for (const Volume& volume : volumes) {
+        validate(volume);
+        if (volume.empty())
+            throw Error(fmt::format("{}: nothing active, expected a volume", volume.source));
+    }
+    return Run(volumes, nullptr, folder, options).all();
+}
+
+Evaluation evaluate(const Levels& levels, const fs::path& folder, const EvaluateOptions& options) {
+    check(options);
+    validate(levels);
+    return Run(levels.volumes, &levels, folder, options).all();
 }
 
 }  // namespace vog

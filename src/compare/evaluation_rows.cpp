@@ -52,31 +52,43 @@ std::vector<Conversion> paper_conversions() {
 
 std::vector<Conversion> moment_conversions() {
     std::vector<Conversion> conversions;
+    /// options_of(budget): what is asked of convert_moments.
+    const auto add = [&](const char* series, const std::string& step, const std::string& label,
+                         const auto& options_of) -> Conversion& {
+        Conversion row{series, step, label, 0, {}};
+        row.convert = [options_of](const Volume& volume, std::size_t budget) {
+            return convert_moments(volume, options_of(budget));
+        };
+        row.convert_levels = [options_of](const Composite& data, std::size_t budget) {
+            return convert_moments(data, options_of(budget));
+        };
+        return conversions.emplace_back(std::move(row));
+    };
     const int blocks[] = {2, 4, 8, 16};
     for (const int block : blocks)
-        conversions.push_back({"uniform", fmt::format("block{}", block),
-                               fmt::format("cells of {} voxels", block), 0,
-                               [block](const Volume& volume, std::size_t) {
-                                   MomentOptions options;
-                                   options.block_voxels = block;
-                                   return convert_moments(volume, options);
-                               }});
-    const auto with_budget = [](const Volume& volume, std::size_t budget) {
-        MomentOptions options;
-        options.budget = std::max<std::size_t>(budget, 1);
-        return convert_moments(volume, options);
+        add("uniform", fmt::format("block{}", block), fmt::format("cells of {} voxels", block),
+            [block](std::size_t) {
+                MomentOptions options;
+                options.block_voxels = block;
+                return options;
+            });
+    const auto add_budget = [&](const std::string& step, const std::string& label,
+                                const char* of_series) {
+        Conversion& row = add("adaptive", step, label, [](std::size_t budget) {
+            MomentOptions options;
+            options.budget = std::max<std::size_t>(budget, 1);
+            return options;
+        });
+        row.budget_series = of_series;
+        row.budget_step = step;
     };
-    for (const int block : blocks) {
-        const std::string step = fmt::format("block{}", block);
-        conversions.push_back({"adaptive", step, fmt::format("as many as cells of {}³", block), 0,
-                               with_budget, "uniform", step});
-    }
-    for (const std::string step : {"lod1", "lod5"})
-        conversions.push_back(
-            {"adaptive", step, "as many as the paper's recipe", 0, with_budget, "mass", step});
-    conversions.push_back(
-        {"adaptive", "default", fmt::format("error at most {}", MomentOptions{}.error), 0,
-         [](const Volume& volume, std::size_t) { return convert_moments(volume); }});
+    for (const int block : blocks)
+        add_budget(fmt::format("block{}", block), fmt::format("as many as cells of {}³", block),
+                   "uniform");
+    for (const char* step : {"lod1", "lod5"})
+        add_budget(step, "as many as the paper's recipe", "mass");
+    add("adaptive", "default", fmt::format("error at most {}", MomentOptions{}.error),
+        [](std::size_t) { return MomentOptions{}; });
     return conversions;
 }
 
