@@ -2,54 +2,39 @@
 // reading. Items per second are active voxels per second.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
-#include <vector>
 
+#include "support.h"
 #include "vog/convert.h"
-#include "vog/sample.h"
-#include "vog/vdb.h"
 
 namespace {
 
-/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
-const vog::Volume& input() {
-    static const vog::Volume volume = [] {
-        const char* named = std::getenv("VOG_DATA");
-        const std::filesystem::path folder =
-            named ? std::filesystem::path(named)
-                  : std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
-        const std::filesystem::path file = folder / "smoke.vdb";
-        if (std::filesystem::exists(file)) return vog::read_vdb(file);
-        return vog::sample_cloud({.size = 128});
-    }();
-    return volume;
-}
+using vog::bench::measure;
+using vog::bench::volume;
 
 /// Whether the conversion is right: with the mass amplitude and no threshold the model weighs what
 /// the volume does, to the rounding of float32.
 bool conserves_mass(vog::PaperOptions options) {
     options.amplitude = vog::Amplitude::mass;
     options.opacity_threshold = 0;
-    const double ratio = vog::mass(vog::convert_paper(input(), options)) / vog::mass(input());
+    const double ratio = vog::mass(vog::convert_paper(volume(), options)) / vog::mass(volume());
     return std::abs(ratio - 1) < 1e-5;
 }
 
 void convert(benchmark::State& state, const vog::PaperOptions& options) {
-    const std::size_t count = vog::convert_paper(input(), options).size();
+    const std::size_t count = vog::convert_paper(volume(), options).size();
     if (count == 0 || !conserves_mass(options)) {
         state.SkipWithError("the conversion loses mass or gives no Gaussians");
         return;
     }
     for (auto _ : state) {
-        const vog::Gaussians model = vog::convert_paper(input(), options);
+        const vog::Gaussians model = vog::convert_paper(volume(), options);
         benchmark::DoNotOptimize(model.mean.data());
     }
     state.SetItemsProcessed(state.iterations() *
-                            static_cast<std::int64_t>(vog::active_voxels(input())));
-    state.SetLabel(std::filesystem::path(input().source).filename().string());
+                            static_cast<std::int64_t>(vog::active_voxels(volume())));
+    state.SetLabel(std::filesystem::path(volume().source).filename().string());
     state.counters["gaussians"] = static_cast<double>(count);
     state.counters["threads"] = vog::thread_count();
 }
@@ -58,14 +43,6 @@ vog::PaperOptions companion(vog::Strategy strategy) {
     vog::PaperOptions options;
     options.strategy = strategy;
     return options;
-}
-
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
-void measure(benchmark::internal::Benchmark* bench) {
-    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
 }
 
 BENCHMARK_CAPTURE(convert, lod1, vog::paper_lod(1))->Apply(measure);

@@ -3,18 +3,18 @@
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cstdlib>
-#include <filesystem>
 #include <string>
-#include <vector>
 
+#include "support.h"
 #include "vog/moments.h"
 #include "vog/ply.h"
-#include "vog/sample.h"
 #include "vog/vdb.h"
 
 namespace {
+
+using vog::bench::measure;
+using vog::bench::volume;
+using vog::bench::volume_file;
 
 namespace fs = std::filesystem;
 
@@ -32,15 +32,12 @@ const fs::path& folder() {
     return folder.path;
 }
 
-/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
+/// The benches' volume as a file.
 const fs::path& vdb_file() {
     static const fs::path file = [] {
-        const char* named = std::getenv("VOG_DATA");
-        const fs::path data =
-            named ? fs::path(named) : fs::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
-        if (fs::exists(data / "smoke.vdb")) return data / "smoke.vdb";
+        if (const fs::path named = volume_file(); !named.empty()) return named;
         const fs::path sample = folder() / "cloud.vdb";
-        vog::write_vdb(sample, vog::sample_cloud({.size = 128}));
+        vog::write_vdb(sample, volume());
         return sample;
     }();
     return file;
@@ -91,14 +88,6 @@ void read_ply(benchmark::State& state) {
         benchmark::DoNotOptimize(read.mean.data());
     }
     rate(state, file);
-}
-
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
-void measure(benchmark::internal::Benchmark* bench) {
-    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
 }
 
 BENCHMARK(read_vdb)->Apply(measure);

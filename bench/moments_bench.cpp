@@ -4,18 +4,15 @@
 #include <benchmark/benchmark.h>
 #include <malloc.h>
 
-#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <new>
-#include <vector>
 
+#include "support.h"
 #include "vog/convert.h"
 #include "vog/moments.h"
-#include "vog/sample.h"
-#include "vog/vdb.h"
 
 namespace {
 
@@ -50,30 +47,19 @@ void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { dis
 
 namespace {
 
-/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
-const vog::Volume& input() {
-    static const vog::Volume volume = [] {
-        const char* named = std::getenv("VOG_DATA");
-        const std::filesystem::path folder =
-            named ? std::filesystem::path(named)
-                  : std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
-        const std::filesystem::path file = folder / "smoke.vdb";
-        if (std::filesystem::exists(file)) return vog::read_vdb(file);
-        return vog::sample_cloud({.size = 256});
-    }();
-    return volume;
-}
+using vog::bench::measure;
+using vog::bench::volume;
 
 double volume_bytes() {
-    return static_cast<double>(input().leaves.size() * sizeof(vog::Leaf) +
-                               input().tiles.size() * sizeof(vog::Tile));
+    return static_cast<double>(volume().leaves.size() * sizeof(vog::Leaf) +
+                               volume().tiles.size() * sizeof(vog::Tile));
 }
 
 /// Active voxels per second, the model's size, the memory.
 void tell(benchmark::State& state, std::size_t count, std::size_t before) {
     state.SetItemsProcessed(state.iterations() *
-                            static_cast<std::int64_t>(vog::active_voxels(input())));
-    state.SetLabel(std::filesystem::path(input().source).filename().string());
+                            static_cast<std::int64_t>(vog::active_voxels(volume())));
+    state.SetLabel(std::filesystem::path(volume().source).filename().string());
     state.counters["gaussians"] = static_cast<double>(count);
     state.counters["threads"] = vog::thread_count();
     state.counters["peak_over_volume"] = 1 + static_cast<double>(peak - before) / volume_bytes();
@@ -81,18 +67,18 @@ void tell(benchmark::State& state, std::size_t count, std::size_t before) {
 
 /// Whether the conversion is right: all cells together weigh what the volume does.
 bool conserves_mass(const vog::MomentReport& report, const vog::Gaussians& model) {
-    const double ratio = vog::mass(model) / vog::mass(input()) + report.dropped_mass_share;
+    const double ratio = vog::mass(model) / vog::mass(volume()) + report.dropped_mass_share;
     return std::abs(report.mass_ratio - 1) < 1e-5 && std::abs(ratio - 1) < 1e-5;
 }
 
 void convert(benchmark::State& state, const vog::MomentOptions& options) {
-    input();
+    volume();
     const std::size_t before = held;
     peak = before;
     std::size_t count = 0;
     {
         vog::MomentReport report;
-        const vog::Gaussians model = vog::convert_moments(input(), options, &report);
+        const vog::Gaussians model = vog::convert_moments(volume(), options, &report);
         count = model.size();
         if (count == 0 || !conserves_mass(report, model) ||
             (options.budget && count > options.budget)) {
@@ -102,22 +88,22 @@ void convert(benchmark::State& state, const vog::MomentOptions& options) {
     }
     const std::size_t peak_before = before;
     for (auto _ : state) {
-        const vog::Gaussians model = vog::convert_moments(input(), options);
+        const vog::Gaussians model = vog::convert_moments(volume(), options);
         benchmark::DoNotOptimize(model.mean.data());
     }
     tell(state, count, peak_before);
 }
 
 void octree(benchmark::State& state) {
-    input();
+    volume();
     const std::size_t before = held;
     peak = before;
     std::size_t cells = 0;
     for (auto _ : state) {
-        const vog::MomentOctree tree = vog::moment_octree(input());
+        const vog::MomentOctree tree = vog::moment_octree(volume());
         cells = tree.levels.front().cells.size();
-        const double mass = double{tree.levels.back().cells[0].mass} * vog::voxel_volume(input());
-        if (std::abs(mass / vog::mass(input()) - 1) > 1e-5) state.SkipWithError("mass is lost");
+        const double mass = double{tree.levels.back().cells[0].mass} * vog::voxel_volume(volume());
+        if (std::abs(mass / vog::mass(volume()) - 1) > 1e-5) state.SkipWithError("mass is lost");
     }
     tell(state, cells, before);
 }
@@ -132,14 +118,6 @@ vog::MomentOptions budget(std::size_t count) {
     vog::MomentOptions options;
     options.budget = count;
     return options;
-}
-
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
-void measure(benchmark::internal::Benchmark* bench) {
-    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
 }
 
 BENCHMARK_CAPTURE(convert, block1, block(1))->Apply(measure);

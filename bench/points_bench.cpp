@@ -4,17 +4,18 @@
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
-#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <vector>
 
+#include "support.h"
 #include "vog/convert_points.h"
 #include "vog/progress.h"
 #include "vog/sample.h"
 
 namespace {
+
+using vog::bench::repeat;
 
 const vog::Points& particles(std::int64_t edge) {
     static std::map<std::int64_t, vog::Points> made;
@@ -73,17 +74,12 @@ void convert(benchmark::State& state, std::size_t reduction) {
     count(state, points.size());
 }
 
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
-void measure(benchmark::internal::Benchmark* bench) {
-    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Arg(100)->Arg(216)->Iterations(1);
-    bench->Repetitions(3)->ReportAggregatesOnly();
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
+void edges(benchmark::internal::Benchmark* bench) {
+    repeat(bench, 3)->Iterations(1)->Arg(100)->Arg(216);
 }
 
-BENCHMARK(read)->Apply(measure);
-BENCHMARK_CAPTURE(convert, one_each, 1)->Apply(measure);
-BENCHMARK_CAPTURE(convert, one_in_100, 100)->Apply(measure);
+BENCHMARK(read)->Apply(edges);
+BENCHMARK_CAPTURE(convert, one_each, 1)->Apply(edges);
+BENCHMARK_CAPTURE(convert, one_in_100, 100)->Apply(edges);
 
 }  // namespace

@@ -3,40 +3,17 @@
 // smoke.vdb; where that is absent, a cloud from nothing.
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <sstream>
-#include <vector>
 
 #include "../tests/support/ray_voxels.h"
+#include "support.h"
 #include "vog/reference.h"
-#include "vog/sample.h"
-#include "vog/vdb.h"
 
 namespace {
 
-std::string variable(const char* name) {
-    const char* value = std::getenv(name);
-    return value ? value : "";
-}
-
-const vog::Volume& input() {
-    static const vog::Volume volume = [] {
-        const std::filesystem::path data =
-            variable("VOG_DATA").empty()
-                ? std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data"
-                : std::filesystem::path(variable("VOG_DATA"));
-        const std::filesystem::path named = variable("VOG_BENCH_VOLUME");
-        const std::filesystem::path file = named.empty() ? data / "smoke.vdb" : named;
-        vog::VdbOptions options;
-        options.grid = variable("VOG_BENCH_GRID");
-        if (!named.empty() || std::filesystem::exists(file)) return vog::read_vdb(file, options);
-        return vog::sample_cloud({.size = 128});
-    }();
-    return volume;
-}
+using vog::bench::measure;
+using vog::bench::volume;
 
 /// Whether 64 pixels agree with the brute force in double precision: a relative 1e-5 for constant
 /// voxels; for the trilinear field, which is another field, the mean within a percent.
@@ -49,7 +26,7 @@ bool is_right(const vog::VoxelGrid& grid, const vog::Camera& camera, bool linear
         for (int column = 0; column < kEdge; ++column) {
             const double depth = image.at(column, row);
             const double expected =
-                vog::test::brute_depth(input(), frame.eye, frame.direction(column, row));
+                vog::test::brute_depth(volume(), frame.eye, frame.direction(column, row));
             if (!linear && std::abs(depth - expected) > 1e-5 * expected) return false;
             mean += depth, expected_mean += expected;
         }
@@ -59,8 +36,8 @@ bool is_right(const vog::VoxelGrid& grid, const vog::Camera& camera, bool linear
 void render(benchmark::State& state, const vog::VoxelGridOptions& options) {
     const auto size = static_cast<int>(state.range(0));
     const vog::ThreadLimit limit(static_cast<int>(state.range(1)));
-    const vog::VoxelGrid grid = vog::voxel_grid(input(), options);
-    const vog::Camera camera = vog::paper_view(vog::world_box(input()));
+    const vog::VoxelGrid grid = vog::voxel_grid(volume(), options);
+    const vog::Camera camera = vog::paper_view(vog::world_box(volume()));
     if (!is_right(grid, camera, options.interpolation == vog::Interpolation::linear)) {
         state.SkipWithError("the picture does not agree with the brute force");
         return;
@@ -75,27 +52,20 @@ void render(benchmark::State& state, const vog::VoxelGridOptions& options) {
     view.precision(9);
     const auto [eye, at] = std::pair(camera.eye, camera.look_at);
     view << "-translate " << eye.x << ',' << eye.y << ',' << eye.z << " -lookat " << at.x << ','
-         << at.y << ',' << at.z << " -fov " << camera.fov_degrees << " -name " << input().name;
+         << at.y << ',' << at.z << " -fov " << camera.fov_degrees << " -name " << volume().name;
     state.SetLabel(view.str());
     state.counters["threads"] = vog::thread_count();
 }
 
 void build(benchmark::State& state, const vog::VoxelGridOptions& options) {
     std::size_t bytes = 0;
-    for (auto _ : state) bytes = vog::voxel_grid(input(), options).memory_bytes();
+    for (auto _ : state) bytes = vog::voxel_grid(volume(), options).memory_bytes();
     state.SetItemsProcessed(state.iterations() *
-                            static_cast<std::int64_t>(vog::active_voxels(input())));
+                            static_cast<std::int64_t>(vog::active_voxels(volume())));
     state.counters["bytes"] = static_cast<double>(bytes);
     state.counters["threads"] = vog::thread_count();
 }
 
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
-void measure(benchmark::internal::Benchmark* bench) {
-    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
-}
 void sizes(benchmark::internal::Benchmark* bench) {
     measure(bench);
     bench->ArgNames({"size", "threads"})->Args({512, 1})->Args({512, 0})->Args({1024, 0});

@@ -31,13 +31,17 @@ if [[ ${#quick[@]} -gt 0 ]]; then
     bench reference --benchmark_filter='render/constant/size:512/threads:0'
     bench trace --benchmark_filter='trace/accumulate/block:8'
     bench convert --benchmark_filter='lod1'
+    bench moments --benchmark_filter='block8$|budget3148'
     bench io --benchmark_filter='ply'
+    bench points --benchmark_filter='/100/'
 else
     bench splat
     bench reference --benchmark_filter='render/constant|build'
     bench trace --benchmark_filter='trace|build'
     bench convert
+    bench moments
     bench io
+    bench points --benchmark_filter='/100/'
 fi
 
 # Other people's renderers, where they are installed.

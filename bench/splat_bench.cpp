@@ -7,39 +7,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "render/splat_kernels.h"
+#include "support.h"
 #include "vog/convert.h"
 #include "vog/moments.h"
 #include "vog/reference.h"
 #include "vog/render.h"
-#include "vog/sample.h"
-#include "vog/vdb.h"
 
 namespace {
+
+using vog::bench::repeat;
+using vog::bench::volume;
 
 struct Size {
     int width, height;
 };
-
-const vog::Volume& volume() {
-    static const vog::Volume volume = [] {
-        const char* named = std::getenv("VOG_DATA");
-        const std::filesystem::path folder =
-            named ? std::filesystem::path(named)
-                  : std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
-        const std::filesystem::path file = folder / "smoke.vdb";
-        if (std::filesystem::exists(file)) return vog::read_vdb(file);
-        return vog::sample_cloud({.size = 128});
-    }();
-    return volume;
-}
 
 /// 64 splitmix bits a call (Steele, Lea & Flood 2014), as a number in [-1, 1).
 double uniform(std::uint64_t& state) {
@@ -227,15 +214,10 @@ void rows(benchmark::State& state, const std::string& target) {
     state.SetItemsProcessed(state.iterations() * vog::kTileHeight * vog::kTileWidth / 16);
 }
 
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
 template <class Run>
 void add(const std::string& name, bool quick, const Run& run) {
     auto* bench = benchmark::RegisterBenchmark(name.c_str(), run);
-    bench->UseRealTime()->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
-    bench->Repetitions(quick ? 3 : 5)->ReportAggregatesOnly()->MinTime(quick ? 0.01 : 0.06);
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most);
+    repeat(bench, quick ? 3 : 5)->MeasureProcessCPUTime()->MinTime(quick ? 0.01 : 0.06);
 }
 
 void add_splat(const std::string& name, const std::string& target, Size size, int threads,

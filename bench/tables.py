@@ -142,8 +142,11 @@ def main():
     tables += others(results, reference_ms, splat_ms)
     for name, title, rate in (("reference", "The reference.", "items_per_second"),
                               ("trace", "The ray tracer, 1024x1024.", "items_per_second"),
-                              ("convert", "Conversion, without reading the file.", "items_per_second"),
-                              ("io", "Files, from the system's cache.", "bytes_per_second")):
+                              ("convert", "The paper's conversion, without reading the file.", "items_per_second"),
+                              ("moments", "Moments, without reading the file.", "items_per_second"),
+                              ("io", "Files, from the system's cache.", "bytes_per_second"),
+                              ("points", "A million particles (`points_bench` alone: also 10 million).",
+                               "items_per_second")):
         tables.append(plain_table(title, Runs(results / f"{name}.json"), rate))
     text = (f"`bench/run.sh` at commit {context['commit']}: {cpu_name()}, {context['num_cpus']} cores; "
             f"{context['date'][:10]}.\n\n" + "\n".join(tables))

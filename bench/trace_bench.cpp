@@ -4,37 +4,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <filesystem>
 #include <map>
-#include <vector>
 
+#include "support.h"
 #include "vog/moments.h"
 #include "vog/render.h"
-#include "vog/sample.h"
 #include "vog/trace.h"
-#include "vog/vdb.h"
 
 namespace {
 
-/// smoke.vdb from VOG_DATA or ../shared/data; where it is absent, a cloud from nothing.
-const vog::Volume& input() {
-    static const vog::Volume volume = [] {
-        const char* named = std::getenv("VOG_DATA");
-        const std::filesystem::path folder =
-            named ? std::filesystem::path(named)
-                  : std::filesystem::path(VOG_SOURCE_DIR) / ".." / "shared" / "data";
-        const std::filesystem::path file = folder / "smoke.vdb";
-        if (std::filesystem::exists(file)) return vog::read_vdb(file);
-        return vog::sample_cloud({.size = 128});
-    }();
-    return volume;
-}
+using vog::bench::repeat;
+using vog::bench::volume;
 
 const vog::Gaussians& moments(int block_voxels) {
     static std::map<int, vog::Gaussians> models;
     if (!models.contains(block_voxels))
-        models[block_voxels] = vog::convert_moments(input(), {.block_voxels = block_voxels});
+        models[block_voxels] = vog::convert_moments(volume(), {.block_voxels = block_voxels});
     return models[block_voxels];
 }
 
@@ -94,18 +79,13 @@ void build(benchmark::State& state) {
     state.counters["threads"] = vog::thread_count();
 }
 
-double least(const std::vector<double>& all) { return *std::min_element(all.begin(), all.end()); }
-double most(const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); }
-
-void measure(benchmark::internal::Benchmark* bench) {
-    bench->UseRealTime()->Unit(benchmark::kMillisecond)->Repetitions(5)->ReportAggregatesOnly();
-    bench->ComputeStatistics("min", least)->ComputeStatistics("max", most)->MinTime(0.01);
-    bench->ArgName("block")->Arg(8)->Arg(4)->Arg(2);
+void blocks(benchmark::internal::Benchmark* bench) {
+    repeat(bench, 5)->MinTime(0.01)->ArgName("block")->Arg(8)->Arg(4)->Arg(2);
 }
 
-BENCHMARK(splat)->Apply(measure);
-BENCHMARK_CAPTURE(trace, accumulate, {})->Apply(measure);
-BENCHMARK_CAPTURE(trace, collect, {.anyhit = vog::AnyHit::collect})->Apply(measure);
-BENCHMARK(build)->Apply(measure);
+BENCHMARK(splat)->Apply(blocks);
+BENCHMARK_CAPTURE(trace, accumulate, {})->Apply(blocks);
+BENCHMARK_CAPTURE(trace, collect, {.anyhit = vog::AnyHit::collect})->Apply(blocks);
+BENCHMARK(build)->Apply(blocks);
 
 }  // namespace
