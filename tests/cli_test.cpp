@@ -259,10 +259,11 @@ TEST_F(cli, traces_the_picture_it_splats) {
 TEST_F(cli, a_renderer_that_cannot_be_here_says_why_in_one_line) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply");
-    for (const std::string name : {"cuda", "optix"}) {
-        const Result result = run("render cloud.ply -o a.png --renderer " + name);
+    for (const std::string what : {"cloud.ply --renderer cuda", "cloud.ply --renderer optix",
+                                   "cloud.vdb --renderer optix"}) {
+        const Result result = run("render -o a.png " + what);
         if (result.exit_code == 0) continue;  // there is a GPU
-        must_fail(1, "render cloud.ply -o a.png --renderer " + name, "vog: ");
+        must_fail(1, "render -o a.png " + what, "vog: ");
         EXPECT_TRUE(result.error.find("cuda: ") != std::string::npos ||
                     result.error.find("optix: ") != std::string::npos)
             << result.error;
@@ -281,6 +282,10 @@ TEST_F(cli, options_of_another_renderer_are_refused) {
               "--extinction 2",
               "collect");
     must_fail(1, "render cloud.vdb -o a.png --renderer trace", "convert it first");
+    must_fail(2, "render cloud.vdb -o a.png --renderer optix --anyhit collect", "not for voxels");
+    must_fail(2, "render cloud.ply -o a.png --interpolation linear", "expected reference");
+    must("sample amr amr.vdb --size 64");
+    must_fail(1, "render amr.vdb --grid 'density_L*' -o a.png --renderer optix", "--no-mask");
 }
 
 }  // namespace vog::test

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "color.h"
 #include "commands.h"
 #include "inputs.h"
 #include "view.h"
@@ -19,12 +20,12 @@ namespace {
 
 struct WindowArguments {
     std::vector<std::string> inputs;
-    std::string size = "1280x800", script, extinction = "auto", tf = "inferno";
-    std::string background = "black";
+    std::string size = "1280x800", script;
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
-    bool headless = false, blend = false;
+    ColorArguments color;
+    bool headless = false;
     double scale = 1, ui_scale = 0;
     int threads = 0;
 };
@@ -71,9 +72,9 @@ void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
         if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
         return camera;
     };
-    if (arguments.extinction != "auto") options.extinction = parse_extinction(arguments.extinction);
-    viewer::load_map(options.look, arguments.tf);
-    options.look.shading = {parse_background(arguments.background), arguments.blend};
+    options.extinction = asked_extinction(arguments.color).value_or(options.extinction);
+    viewer::load_map(options.look, arguments.color.tf);
+    options.look.shading = shading_of(arguments.color);
     options.read = [&](const std::vector<std::string>& files) {
         return read_content(files, arguments);
     };
@@ -114,23 +115,7 @@ void add_view(CLI::App& app) {
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
-    const auto group = "Colour";
-    command
-        ->add_option("--extinction", arguments->extinction,
-                     "Factor on density, or auto: by the first picture")
-        ->capture_default_str()
-        ->group(group);
-    command->add_option("--tf", arguments->tf, "Transfer function: a name or a JSON file")
-        ->capture_default_str()
-        ->group(group);
-    command
-        ->add_option("--background", arguments->background,
-                     "R,G,B in [0, 1], black, white or transparent")
-        ->capture_default_str()
-        ->group(group);
-    command
-        ->add_flag("--blend", arguments->blend, "Colours fade into the background as V goes to 0")
-        ->group(group);
+    add_color_options(*command, arguments->color);
     command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

@@ -37,8 +37,10 @@ class VoxelGrid {
     struct Data;
     explicit VoxelGrid(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }
-    /// Bytes of the NanoVDB grid.
-    std::size_t memory_bytes() const;
+    /// The NanoVDB grid of floats (version 32) in whole, its first byte at a multiple of 32; as
+    /// long as this lives.
+    std::span<const std::byte> bytes() const;
+    std::size_t memory_bytes() const { return bytes().size(); }
 
   private:
     std::shared_ptr<const Data> data_;

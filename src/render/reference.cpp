@@ -83,7 +83,9 @@ void check_ray(Vec3d origin, Vec3d direction) {
 
 }  // namespace
 
-std::size_t VoxelGrid::memory_bytes() const { return data_->tree.buffer.size(); }
+std::span<const std::byte> VoxelGrid::bytes() const {
+    return {data_->tree.buffer.data(), data_->tree.buffer.size()};
+}
 
 VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
     // Shorter steps change no digit that a float keeps, and would take hours.

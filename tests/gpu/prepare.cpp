@@ -6,7 +6,6 @@
 #include <cstring>
 
 #include "pfm.h"
-#include "render/reference_grid.h"
 #include "vog/convert.h"
 #include "vog/moments.h"
 #include "vog/ply.h"
@@ -30,7 +29,7 @@ void write_model(const std::filesystem::path& folder, const std::string& name,
 
 void write_voxels(const std::filesystem::path& folder, const Volume& volume) {
     const VoxelGrid grid = voxel_grid(volume);
-    const auto& bytes = grid.data().tree.buffer;
+    const std::span<const std::byte> bytes = grid.bytes();
     auto buffer = nanovdb::HostBuffer::create(bytes.size());
     std::memcpy(buffer.data(), bytes.data(), bytes.size());
     nanovdb::GridHandle<nanovdb::HostBuffer> handle(std::move(buffer));

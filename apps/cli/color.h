@@ -1,0 +1,26 @@
+// color.h: how T becomes colour: the options that render and view share.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "vog/shade.h"
+
+namespace vog::cli {
+
+struct ColorArguments {
+    std::string extinction = "auto", tf = "inferno", background = "black";
+    bool blend = false;
+};
+
+/// Adds --extinction, --tf, --background and --blend.
+void add_color_options(CLI::App& command, ColorArguments& arguments);
+
+/// The number of --extinction; none for auto.
+/// throws CLI::ValidationError for anything else
+std::optional<double> asked_extinction(const ColorArguments& arguments);
+/// --background and --blend. throws CLI::ValidationError
+ShadeOptions shading_of(const ColorArguments& arguments);
+
+}  // namespace vog::cli
