@@ -2,7 +2,6 @@
 #include "vog/levels.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <numeric>
 
 #include "level_clip.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -92,7 +92,7 @@ class LevelCut {
         std::vector<LeafPart> cut;
         for (std::size_t first = 0; first < leaves.size(); first += kBatch) {
             cut.assign(std::min(kBatch, leaves.size() - first), {});
-            tbb::parallel_for(std::size_t{0}, cut.size(),
+            vog::parallel_for(std::size_t{0}, cut.size(),
                               [&](std::size_t n) { cut_leaf(leaves[first + n], cut[n]); });
             for (LeafPart& leaf : cut) {
                 if (leaf.whole.active_count() > 0) part.whole.leaves.push_back(leaf.whole);

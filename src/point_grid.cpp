@@ -1,12 +1,13 @@
 // point_grid.cpp: the spacing of particles, their Morton keys, their order.
 #include "point_grid.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+
+#include "parallel.h"
 
 namespace vog {
 
@@ -31,7 +32,7 @@ void sort_by_key(std::size_t count, const KeyOf& key_of, std::vector<std::uint64
         std::uint32_t index;
     };
     std::vector<Entry> entries(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
         entries[n] = {key_of(n), static_cast<std::uint32_t>(n)};
     });
     tbb::parallel_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
@@ -39,7 +40,7 @@ void sort_by_key(std::size_t count, const KeyOf& key_of, std::vector<std::uint64
     });
     key.resize(count);
     index.resize(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
         key[n] = entries[n].key;
         index[n] = entries[n].index;
     });

@@ -1,6 +1,5 @@
 // diff_image.cpp: heat maps of the difference of two pictures, with their colour scale.
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "compare/bitmap_font.h"
 #include "compare/grey.h"
+#include "parallel.h"
 #include "vog/compare.h"
 #include "vog/error.h"
 
@@ -77,7 +77,7 @@ Image paint(const Differences& differences, const DifferenceMapOptions& options)
     Image image(width + (options.bar ? kBarMargin : 0),
                 options.bar ? std::max(height, kLeastBarHeight) : height);
     std::fill(image.pixel.begin(), image.pixel.end(), Rgba{1, 1, 1, 1});
-    tbb::parallel_for(0, height, [&](int y) {
+    vog::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             const std::size_t n = static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                                   static_cast<std::size_t>(x);

@@ -3,9 +3,9 @@
 
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include "io/image_files.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -23,7 +23,7 @@ void require_same(const AnyImage& reference, const AnyImage& image) {
 
 template <class Pixel>
 void for_pixels(std::size_t count, const Pixel& pixel) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1 << 14),
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, count, 1 << 14),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t n = range.begin(); n < range.end(); ++n) pixel(n);
                       });

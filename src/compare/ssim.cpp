@@ -1,13 +1,13 @@
 // ssim.cpp: structural similarity, its windows filtered along the rows, then down the columns.
 #include "compare/ssim.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
+
+#include "parallel.h"
 
 namespace vog {
 
@@ -84,7 +84,7 @@ double structural_similarity(const std::vector<float>& reference, const std::vec
     // threads.
     constexpr int kBandRows = 32;
     std::vector<double> band_sum(static_cast<std::size_t>((rows + kBandRows - 1) / kBandRows));
-    tbb::parallel_for(std::size_t{0}, band_sum.size(), [&](std::size_t band) {
+    vog::parallel_for(std::size_t{0}, band_sum.size(), [&](std::size_t band) {
         const int top = static_cast<int>(band) * kBandRows;
         band_sum[band] = similarity_of_band(reference.data(), image.data(), width, top,
                                             std::min(kBandRows, rows - top));

@@ -1,12 +1,13 @@
 // moment_cut.cpp: priorities of splitting, top down, and the cut above a priority.
 #include "convert/moment_cut.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "parallel.h"
 
 namespace vog {
 
@@ -57,7 +58,7 @@ void set_cell_priorities(CutTree& tree, std::size_t level, double scale) {
     const auto& levels = tree.octree.levels;
     const std::vector<MomentCell>& cells = levels[level].cells;
     std::vector<float>& priority = tree.cell_priority[level];
-    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
         const MomentCell& cell = cells[n];
         if (cell.child_count == 0) return;
         const MomentLevel& finer = levels[level - 1];
@@ -121,6 +122,7 @@ struct CutWalk {
         if (moments.mass > 0) cut.push_back(moments);
     }
     void take_cell(std::size_t level, std::size_t n) {
+        look_in();
         if (const std::uint32_t b = tree.brick_of[level][n]; b != kNoBrick)
             return take_brick_node(b, brick_sums(tree.bricks[b]), 0);
         const MomentLevel& at = tree.octree.levels[level];
@@ -158,7 +160,7 @@ CutTree cut_tree(const MomentField& field, double priority_scale) {
     tree.brick_priority.resize(tree.bricks.size());
     std::vector<std::vector<CutTree::Split>> splits((tree.bricks.size() + kNodeChunk - 1) /
                                                     kNodeChunk);
-    tbb::parallel_for(std::size_t{0}, splits.size(), [&](std::size_t chunk) {
+    vog::parallel_for(std::size_t{0}, splits.size(), [&](std::size_t chunk) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, tree.bricks.size());
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b)
             set_brick_priorities(tree.bricks[b], above[b], priority_scale, tree.brick_priority[b],

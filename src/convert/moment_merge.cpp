@@ -3,8 +3,6 @@
 // mixtures likewise, by a bound on their divergence).
 #include "convert/moment_merge.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include <queue>
 
 #include "convert/moment_cut.h"
+#include "parallel.h"
 
 namespace vog {
 
@@ -57,6 +56,7 @@ class Merging {
     void merge_until(std::size_t count) {
         std::size_t left = nodes_.size();
         while (left > count && !pairs_.empty()) {
+            look_in();
             const Pair pair = pairs_.top();
             pairs_.pop();
             Node &a = nodes_[pair.a], &b = nodes_[pair.b];
@@ -122,7 +122,7 @@ class Merging {
     void find_pairs() {
         constexpr std::size_t kChunk = 1024;
         std::vector<std::vector<Pair>> parts((nodes_.size() + kChunk - 1) / kChunk);
-        tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+        vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
             const std::size_t end = std::min((part + 1) * kChunk, nodes_.size());
             for (std::size_t n = part * kChunk; n < end; ++n) {
                 const auto a = static_cast<std::uint32_t>(n);

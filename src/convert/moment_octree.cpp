@@ -1,6 +1,5 @@
 // moment_octree.cpp: bottom up, every node's moments from its children's.
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
@@ -10,6 +9,7 @@
 #include "convert/moment_cells.h"
 #include "convert/moment_nodes.h"
 #include "convert/moment_sums.h"
+#include "parallel.h"
 #include "vog/error.h"
 #include "vog/moments.h"
 
@@ -91,7 +91,7 @@ std::vector<BuildCell> tile_cells(const Volume& volume, const std::vector<Moment
 std::vector<BuildCell> leaf_cells(const Volume& volume, const std::vector<MomentNode>& nodes,
                                   int edge) {
     std::vector<std::vector<BuildCell>> parts((nodes.size() + kNodeChunk - 1) / kNodeChunk);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
         const std::size_t last = std::min((part + 1) * kNodeChunk, nodes.size());
         for (std::size_t n = part * kNodeChunk; n < last; ++n)
             if (!nodes[n].tile)
@@ -112,7 +112,7 @@ std::vector<BuildCell> brick_cells(std::span<const Brick> bricks, double spacing
     for (const Brick& brick : bricks)
         if (brick.spacing == spacing) some.push_back(&brick);
     std::vector<BuildCell> cells(some.size());
-    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
         const MomentSums sums = brick_sums(*some[n]).whole;
         cells[n] = {packed(some[n]->origin, sums), sums};
     });
@@ -209,7 +209,7 @@ Gaussians cell_gaussians(const MomentOctree& octree, std::size_t level,
     resize(model, cells.size(), false);
     const MomentFrame frame = moment_frame(octree.world_from_index, false, 1);
     const MomentLevel& from = octree.levels[level];
-    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
         set_gaussian(model, i, cell_moments(from.cells[cells[i]], from.edge_log2), frame);
     });
     return model;

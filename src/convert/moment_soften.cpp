@@ -5,7 +5,6 @@
 #include <hwy/aligned_allocator.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include <tuple>
 
 #include "convert/moment_share.h"
+#include "parallel.h"
 
 namespace vog {
 
@@ -263,7 +263,7 @@ void Softener::share(std::vector<Moments>& cells) const {
     constexpr std::size_t kCellChunk = 1024;
     std::vector<Kernel> kernels(cells.size());
     std::vector<std::vector<Pair>> found((cells.size() + kCellChunk - 1) / kCellChunk);
-    tbb::parallel_for(std::size_t{0}, found.size(), [&](std::size_t chunk) {
+    vog::parallel_for(std::size_t{0}, found.size(), [&](std::size_t chunk) {
         const std::size_t end = std::min((chunk + 1) * kCellChunk, cells.size());
         for (std::size_t i = chunk * kCellChunk; i < end; ++i) {
             kernels[i] = kernel_of(cells[i]);
@@ -299,7 +299,7 @@ void Softener::share(std::vector<Moments>& cells) const {
     for (std::size_t batch = 0; batch < bricks_.size(); batch += kBatch) {
         const std::size_t end = std::min(batch + kBatch, bricks_.size());
         parts.assign(first[end] - first[batch], {});
-        tbb::parallel_for(
+        vog::parallel_for(
             tbb::blocked_range<std::size_t>(batch, end, 4),
             [&](const tbb::blocked_range<std::size_t>& range) {
                 Scratch& scratch = scratches.local();
@@ -317,7 +317,7 @@ void Softener::share(std::vector<Moments>& cells) const {
     }
 
     // The new moments.
-    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
         const Vec3d mean = cells[i].mean;
         cells[i].mass = 0;
         if (!(sums[i].mass > 0)) return;
@@ -336,7 +336,7 @@ void Softener::step(std::vector<Moments>& cells, SoftSteps& steps) const {
     const bool moving = steps.taken > 0 && steps.last.size() == cells.size();
     std::vector<Moments> from = cells;
     if (moving)
-        tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+        vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
             cells[i] = ahead(cells[i], steps.last[i], momentum);
         });
     steps.last = std::move(from);

@@ -3,7 +3,6 @@
 #include "vog/moments.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
@@ -21,6 +20,7 @@
 #include "convert/moment_field.h"
 #include "convert/moment_merge.h"
 #include "convert/moment_soften.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -101,7 +101,7 @@ std::size_t chunk_count(const std::vector<MomentNode>& nodes) {
 Gaussians small_blocks(Conversion& job) {
     const std::vector<MomentNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<float>> masses(chunk_count(nodes));
-    tbb::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
+    vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
             masses[chunk].push_back(static_cast<float>(sums.mass));
         });
@@ -122,7 +122,7 @@ Gaussians small_blocks(Conversion& job) {
     Gaussians model;
     resize(model, first.back(), job.options.axis_aligned);
     const MomentFrame frame = job.frame(job.volume().world_from_index);
-    tbb::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
+    vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         std::size_t i = first[chunk];
         for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
             if (static_cast<float>(sums.mass) < least) return;
@@ -155,7 +155,7 @@ std::vector<Moments> volume_cells(const Conversion& job) {
                             std::countr_zero(unsigned(job.options.block_voxels)));
     const std::vector<MomentNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<Moments>> parts(chunk_count(nodes));
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
+    vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
         for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
             parts[chunk].push_back(moments_of(sums));
             parts[chunk].back().mean = parts[chunk].back().mean + center;
@@ -176,7 +176,7 @@ std::vector<Moments> field_cells(const MomentField& field, int block) {
         return octree_cells(brick_octree(field.bricks, field.world_from_index),
                             std::countr_zero(unsigned(block)) + std::ilogb(largest));
     std::vector<std::vector<Moments>> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
+    vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b) {
             const Brick& brick = field.bricks[b];
@@ -224,7 +224,7 @@ Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields,
     resize(model, kept.size(), job.options.axis_aligned);
     std::vector<MomentFrame> frames;
     for (const MomentField& field : fields) frames.push_back(job.frame(field.world_from_index));
-    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
         set_gaussian(model, i, cells[kept[i].field][kept[i].cell], frames[kept[i].field]);
     });
     return model;

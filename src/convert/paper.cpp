@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -17,6 +16,7 @@
 #include <utility>
 
 #include "convert/paper_groups.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -141,7 +141,7 @@ void append_leaves(const std::vector<Leaf>& leaves, const GroupFit& fit, const P
     for (std::size_t begin = 0; begin < leaves.size(); begin += kBatch) {
         runs.assign(std::min(kBatch, leaves.size() - begin), {});
         for (auto& buffer : buffers) buffer.clear();
-        tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+        vog::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
             auto& buffer = buffers.local();
             const std::size_t first = buffer.size();
             add_leaf(leaves[begin + i], buffer);
@@ -150,7 +150,7 @@ void append_leaves(const std::vector<Leaf>& leaves, const GroupFit& fit, const P
         std::size_t count = 0;
         for (Run& run : runs) run.place = std::exchange(count, count + run.count);
         const std::size_t first = extend(model, count, fit);
-        tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+        vog::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
             const Run& run = runs[i];
             store(std::span(*run.buffer).subspan(run.first, run.count), first + run.place, model);
         });

@@ -2,7 +2,6 @@
 // neighbouring leaves, and by the nodes of the tree. Source: arXiv 2504.04857, section 4; what its
 // text leaves open is decided in docs/paper_conversion.md.
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 
 #include "convert/leaf_blocks.h"
 #include "convert/paper_groups.h"
+#include "parallel.h"
 
 namespace vog {
 
@@ -180,7 +180,7 @@ void add_variance_clusters(const GroupFit& fit, const Leaf& leaf, double varianc
 
 std::vector<Group> leaf_groups(const Volume& volume) {
     std::vector<Group> groups(volume.leaves.size());
-    tbb::parallel_for(std::size_t{0}, groups.size(),
+    vog::parallel_for(std::size_t{0}, groups.size(),
                       [&](std::size_t i) { groups[i] = leaf_group(volume.leaves[i]); });
     return groups;
 }

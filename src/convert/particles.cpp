@@ -1,7 +1,6 @@
 // particles.cpp: the conversion of particles: masses and widths, then one Gaussian each, or cells
 // with the moments of several.
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
@@ -15,6 +14,7 @@
 #include "convert/moment_error.h"
 #include "convert/point_neighbours.h"
 #include "convert/point_tree.h"
+#include "parallel.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 
@@ -80,7 +80,7 @@ std::vector<double> adaptive_radii(const PointConversion& job) {
     constexpr double kShare = 0.5;
     const PointGrid& grid = job.grid;
     std::vector<Vec3f> places(grid.size());
-    tbb::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
         places[n] = vec_cast<float>(grid.place(job.points, n));
     });
     const std::vector<float> distance = neighbour_distances(places, job.options.neighbours);
@@ -96,7 +96,7 @@ std::vector<double> adaptive_radii(const PointConversion& job) {
     // Where more than k particles coincide: what single precision resolves in the whole.
     const double least = std::ldexp(1.0, grid.root_log2 - 20);
     std::vector<double> radius(grid.size());
-    tbb::parallel_for(std::size_t{0}, radius.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, radius.size(), [&](std::size_t n) {
         radius[grid.index[n]] =
             std::max(kShare * static_cast<double>(distance[n]), least) * grid.voxel_size;
     });
@@ -119,7 +119,7 @@ Gaussians all_particles(const PointConversion& job) {
     model.box = view_box_of(job.points);
     resize(model, kept.size(), true);
     const MomentFrame frame = moment_frame({}, true, 1);
-    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
         const std::size_t n = kept[i];
         const double variance = job.radius[n] * job.radius[n];
         set_gaussian(model, i,
@@ -187,7 +187,7 @@ Gaussians gaussians_of(PointConversion& job, const std::vector<Moments>& cells, 
     model.cutoff = kMomentCutoff;
     model.box = view_box_of(job.points);
     resize(model, kept.size(), job.options.axis_aligned);
-    tbb::parallel_for(std::size_t{0}, kept.size(),
+    vog::parallel_for(std::size_t{0}, kept.size(),
                       [&](std::size_t i) { set_gaussian(model, i, cells[kept[i]], frame); });
     return model;
 }

@@ -4,12 +4,13 @@
 #include "convert/point_neighbours.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "parallel.h"
 
 // The inner loops, also compiled for AVX2 and chosen at run time: the same operations in the same
 // order, so the same bytes.
@@ -72,7 +73,7 @@ struct Tree {
 template <class Thing>
 std::vector<Boxes> boxes_of(const std::vector<Thing>& things) {
     std::vector<Boxes> boxes((things.size() + kGroup - 1) / kGroup);
-    tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t n) {
         for (std::size_t lane = 0; lane < kGroup; ++lane) {
             const std::size_t thing = n * kGroup + lane;
             const Bounds bounds = thing < things.size() ? bounds_of(things[thing]) : Bounds{};
@@ -188,7 +189,7 @@ std::vector<float> neighbour_distances(const std::vector<Vec3f>& places, int k) 
     if (k < 1) return distances;
     const Tree tree = tree_of(places);
     constexpr std::size_t kGroupsPerTask = 64;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tree.groups.size(), kGroupsPerTask),
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, tree.groups.size(), kGroupsPerTask),
                       [&](const auto& range) {
                           for (std::size_t group = range.begin(); group < range.end(); ++group) {
                               const GroupSearch search(tree, group, k);

@@ -2,11 +2,11 @@
 // up; priorities top down.
 #include "convert/point_tree.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "parallel.h"
 
 namespace vog {
 
@@ -78,7 +78,7 @@ std::vector<std::size_t> build_nodes(PointTree& tree) {
     tree.nodes.push_back(root);
     while (generations.back() < tree.nodes.size()) {
         const std::size_t begin = generations.back(), end = tree.nodes.size();
-        tbb::parallel_for(begin, end, [&](std::size_t n) { part(tree.particles, tree.nodes[n]); });
+        vog::parallel_for(begin, end, [&](std::size_t n) { part(tree.particles, tree.nodes[n]); });
         for (std::size_t n = begin; n < end; ++n) {
             tree.nodes[n].first_child = static_cast<std::uint32_t>(tree.nodes.size());
             for (const Half& half : halves(tree.nodes[n]))
@@ -207,7 +207,7 @@ PointTree point_tree(std::vector<Particle> particles) {
     const std::vector<std::size_t> generations = build_nodes(tree);
     std::vector<SplitGroup> groups(tree.nodes.size());
     for (std::size_t g = generations.size() - 1; g-- > 0;)
-        tbb::parallel_for(generations[g], generations[g + 1],
+        vog::parallel_for(generations[g], generations[g + 1],
                           [&](std::size_t n) { set_moments(tree, groups, n); });
 
     if (!tree.nodes.empty()) tree.nodes.front().priority = std::numeric_limits<float>::infinity();

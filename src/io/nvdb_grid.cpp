@@ -2,13 +2,13 @@
 #include "io/nvdb_grid.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <cstdint>
 #include <type_traits>
 #include <vector>
 
 #include "io/nvdb_file.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -145,7 +145,7 @@ class NanoReader {
     template <class TreeT>
     void add_leaves(TreeT& tree) const {
         std::vector<LeafT*> leaves(leaves_.size());
-        tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
+        vog::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t i) {
             const auto& [from, origin] = leaves_[i];
             leaves[i] = new LeafT(to_coord(origin), tree.background(), false);
             for (std::uint32_t n = 0; n < NanoLeafT::SIZE; ++n) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "io/points_columns.h"
 #include "io/points_files.h"
 #include "io/text_fields.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -234,7 +234,7 @@ Points read_points_text(const std::filesystem::path& path, const PointReadOption
     constexpr std::uint64_t kHeadBytes = std::uint64_t{1} << 20;
     const PointColumns columns =
         find_columns(path, file.size() ? file.lines(0, kHeadBytes, head) : "", options);
-    tbb::parallel_for(std::size_t{0}, chunks.size(),
+    vog::parallel_for(std::size_t{0}, chunks.size(),
                       [&](std::size_t n) { chunks[n].line_count = count_lines(lines_of(n)); });
     for (std::size_t n = 1; n < chunks.size(); ++n)
         chunks[n].first_line = chunks[n - 1].first_line + chunks[n - 1].line_count;
@@ -245,7 +245,7 @@ Points read_points_text(const std::filesystem::path& path, const PointReadOption
     for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
     resize(points, lines - columns.first_line, columns);
     const ChunkReader reader(columns, points);
-    tbb::parallel_for(std::size_t{0}, chunks.size(),
+    vog::parallel_for(std::size_t{0}, chunks.size(),
                       [&](std::size_t n) { reader.read(lines_of(n), chunks[n]); });
     std::uint64_t particles = 0;
     for (const Chunk& chunk : chunks) {

@@ -1,6 +1,5 @@
 // points_text_write.cpp: particles as text, the shortest that reads back bit for bit.
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <cerrno>
 #include <charconv>
@@ -10,6 +9,7 @@
 #include "io/atomic_file.h"
 #include "io/points_columns.h"
 #include "io/points_files.h"
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -63,7 +63,7 @@ void write_points_text(const std::filesystem::path& file, const Points& points) 
             constexpr std::size_t kChunk = 1 << 14, kChunks = 16;
             for (std::size_t first = 0; first < points.size(); first += kChunk * kChunks) {
                 std::vector<std::string> text(kChunks);
-                tbb::parallel_for(std::size_t{0}, kChunks, [&](std::size_t n) {
+                vog::parallel_for(std::size_t{0}, kChunks, [&](std::size_t n) {
                     const std::size_t from = std::min(first + n * kChunk, points.size());
                     text[n] =
                         lines_of(points, from, std::min(from + kChunk, points.size()), separator);

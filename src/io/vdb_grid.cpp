@@ -2,13 +2,13 @@
 #include "io/vdb_grid.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <optional>
 #include <string_view>
 
 #include "io/vdb_walk.h"
+#include "parallel.h"
 
 namespace vog {
 
@@ -63,7 +63,7 @@ template <class GridT>
 void read_leaves(const WalkedBytes& walked, GridT& grid) {
     auto& tree = grid.tree();
     const auto& leaves = walked.tree.leaves;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 64),
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 64),
                       [&](const auto& range) {
                           MemoryStream stream(walked.bytes);
                           tag(stream, walked.version, walked.storage.compression);

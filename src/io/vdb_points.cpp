@@ -3,7 +3,6 @@
 // StreamCompression.h.
 #include <blosc.h>
 #include <fmt/ranges.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 #include "io/vdb_point_codecs.h"
 #include "io/vdb_volume.h"
 #include "io/vdb_walk.h"
+#include "parallel.h"
 
 namespace vog {
 
@@ -34,7 +34,7 @@ struct StoredColumn {
 };
 
 void unpack(const std::vector<Packed>& packed, std::vector<char>& bytes, const MemoryBytes& in) {
-    tbb::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t n) {
         const Packed& p = packed[n];
         if (!p.blosc) {
             std::copy(p.from.begin(), p.from.end(), bytes.begin() + std::ptrdiff_t(p.to));
@@ -225,7 +225,7 @@ class PointGridReader {
     }
     template <class Run>
     void for_each_leaf(const Run& run) const {
-        tbb::parallel_for(std::size_t{0}, tree_.leaves.size(), run);
+        vog::parallel_for(std::size_t{0}, tree_.leaves.size(), run);
     }
     Vec3d value(const Numbers& from, std::size_t leaf, std::size_t n) const {
         const std::size_t at = passes_.array(leaf, from.column).uniform ? 0 : n;

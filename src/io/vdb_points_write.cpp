@@ -2,10 +2,10 @@
 // about one particle, the position in its voxel as P, then the attributes leaf by leaf. The only
 // source with OpenVDB's point headers.
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 
 #include "io/points_files.h"
 #include "io/vdb_volume.h"
+#include "parallel.h"
 #include "point_grid.h"
 
 namespace vog {
@@ -100,7 +100,7 @@ void write_points_vdb(const std::filesystem::path& file, const Points& points) {
     set_transform(*grid, {{{Vec3d{h, 0, 0}, {0, h, 0}, {0, 0, h}}}, order.origin}, file.string());
     const std::vector<Descriptor::Ptr> descriptors = describe(points);
     std::vector<LeafT*> leaves(first.size() - 1);
-    tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
         leaves[n] = make_leaf(points, order, h, first[n], first[n + 1], descriptors);
     });
     for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // which takes them over

@@ -4,7 +4,6 @@
 
 #include <openvdb/tools/LevelSetUtil.h>
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <tuple>
 
 #include "io/vdb_transform.h"
+#include "parallel.h"
 #include "vog/openvdb.h"
 
 namespace vog {
@@ -247,7 +247,7 @@ openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
                              true);
     }
     std::vector<LeafT*> leaves(volume.leaves.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask),
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask),
                       [&](const auto& range) {
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
                               const Leaf& from = volume.leaves[i];

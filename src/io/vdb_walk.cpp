@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "io/vdb_file.h"
+#include "parallel.h"
 
 namespace vog {
 
@@ -51,7 +52,10 @@ class TreeWalk {
         if (storage_.layout.leaf == LeafData::points) {
             point_leaves();
         } else {
-            for (WalkedTree::LeafSpot& leaf : tree_.leaves) leaf_buffer(leaf);
+            for (WalkedTree::LeafSpot& leaf : tree_.leaves) {
+                look_in();
+                leaf_buffer(leaf);
+            }
             if (!in_.at_end()) in_.fail("corrupt: the tree ends before its grid does");
         }
         return std::move(tree_);

@@ -2,11 +2,11 @@
 #include "vog/reference.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <mutex>
 
+#include "parallel.h"
 #include "render/reference_grid.h"
 #include "render/reference_levels.h"
 #include "render/reference_linear.h"
@@ -61,7 +61,7 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
     const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
     std::mutex report;
     int done = 0;
-    tbb::parallel_for(0, tiles, [&](int tile) {
+    vog::parallel_for(0, tiles, [&](int tile) {
         const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
         for (int row = top; row < std::min(top + kTileEdge, height); ++row)
             for (int column = left; column < std::min(left + kTileEdge, width); ++column) {

@@ -1,13 +1,12 @@
 // reference_levels_field.cpp: the layer around a level.
 #include "render/reference_levels_field.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <deque>
 #include <tuple>
 
+#include "parallel.h"
 #include "voxel_lookup.h"
 
 namespace vog {
@@ -133,7 +132,7 @@ Volume extended_field(const Levels& levels, std::size_t level) {
     for (std::size_t first = 0; first < blocks.size(); first += kBatch) {
         std::vector<Leaf> batch(std::min(kBatch, blocks.size() - first));
         std::vector<char> holds(batch.size());
-        tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t n) {
+        vog::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t n) {
             batch[n].origin = blocks[first + n];
             if (lookup.in_tile(batch[n].origin)) return;
             holds[n] = extend_block(lookup, volume.world_from_index, sampler, batch[n]);

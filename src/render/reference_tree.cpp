@@ -3,11 +3,11 @@
 #include "render/reference_tree.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <tuple>
 
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -319,13 +319,13 @@ NanoTree nano_tree(const Volume& volume, bool with_border) {
     auto* leaves = reinterpret_cast<NanoLeaf*>(bytes + leaves_at);
 
     // Bottom up, since every node's box is made of its children's.
-    tbb::parallel_for(std::size_t{0}, layout.leaves.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, layout.leaves.size(), [&](std::size_t i) {
         write_leaf(*layout.leaves[i], with_border, leaves[i]);
     });
-    tbb::parallel_for(std::size_t{0}, layout.lowers.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, layout.lowers.size(), [&](std::size_t i) {
         write_node(layout.lowers[i], layout.lower_cells, leaves, lowers[i]);
     });
-    tbb::parallel_for(std::size_t{0}, layout.uppers.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, layout.uppers.size(), [&](std::size_t i) {
         write_node(layout.uppers[i], layout.upper_cells, lowers, uppers[i]);
     });
     write_root(layout.root_cells, uppers, root);

@@ -1,13 +1,13 @@
 // splat.cpp: object order. Project every Gaussian, bin the splats to tiles, then tile by tile add
 // their line integrals row by row. No sorting by depth: T is a sum.
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
+#include "parallel.h"
 #include "render/kernel_polynomial.h"
 #include "render/near_splats.h"
 #include "render/splat_boxes.h"
@@ -87,7 +87,7 @@ void SplatRenderer::State::cut(std::size_t first, std::size_t last) {
 /// Projects and bins the chunks.
 void SplatRenderer::State::project(const CameraFrame& frame) {
     bins.start(frame.width, frame.height, chunk_count);
-    tbb::parallel_for(std::size_t{0}, chunk_count, [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, chunk_count, [&](std::size_t n) {
         Chunk& chunk = chunks[n];
         chunk.near.clear();
         SplatRun run{far.data() + chunk.slot, bounds.data() + chunk.slot, 0, &chunk.near};
@@ -96,7 +96,7 @@ void SplatRenderer::State::project(const CameraFrame& frame) {
         bins.count(n, bounds_of(chunk));
     });
     bins.place();
-    tbb::parallel_for(std::size_t{0}, chunk_count, [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, chunk_count, [&](std::size_t n) {
         bins.fill(n, bounds_of(chunks[n]), static_cast<std::uint32_t>(chunks[n].slot));
     });
     near.clear();
@@ -184,7 +184,7 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
         // for two threads, left one of them idle for a third of a small model's time.
         constexpr int kTasks = 64;
         const int grain = std::max(1, s.bins.tiles() / kTasks);
-        tbb::parallel_for(
+        vog::parallel_for(
             tbb::blocked_range<int>(0, s.bins.tiles(), static_cast<std::size_t>(grain)),
             [&](const tbb::blocked_range<int>& range) {
                 TilePixels tile;

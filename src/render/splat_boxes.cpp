@@ -1,8 +1,6 @@
 // splat_boxes.cpp: splats whose pixels are those of rays that meet a box.
 #include "render/splat_boxes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "parallel.h"
 #include "render/near_splats.h"
 #include "render/tile_bins.h"
 
@@ -120,7 +119,7 @@ BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
     constexpr std::size_t kChunk = 4096;
     const Box scene = view_box(*model.gaussians);
     std::vector<BoxedSplats> parts((last - first + kChunk - 1) / kChunk);
-    tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t n) {
         const std::size_t begin = first + n * kChunk, end = std::min(begin + kChunk, last);
         FarSplat far;
         PixelBounds bounds;
@@ -231,7 +230,7 @@ void render_boxes(const SplatKernels& kernels, const SplatModel& model,
         const BoxedSplats splats =
             project_boxed(kernels, model, frame, aabb_sigma, first, std::min(first + batch, size));
         const TileBins far = bin(splats.far, frame), near = bin(splats.near, frame);
-        tbb::parallel_for(0, far.tiles(), [&](int t) {
+        vog::parallel_for(0, far.tiles(), [&](int t) {
             const int column = t % far.columns() * kTileWidth;
             const int row = t / far.columns() * kTileHeight;
             const auto far_index = touching(splats.far, far, t, column, row);

@@ -1,11 +1,10 @@
 // trace.cpp: image order. A ray a pixel, through the hierarchy, as the OptiX programs do.
 #include "vog/trace.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <mutex>
 
+#include "parallel.h"
 #include "render/trace_bvh.h"
 #include "render/trace_options.h"
 
@@ -71,7 +70,7 @@ DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width
     const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
     std::mutex gather;
     int done = 0;
-    tbb::parallel_for(0, tiles, [&](int tile) {
+    vog::parallel_for(0, tiles, [&](int tile) {
         const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
         TraceReport part;
         for (int row = top; row < std::min(top + kTileEdge, height); ++row)

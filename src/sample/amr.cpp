@@ -2,12 +2,12 @@
 // A level is refined where it is dense, in blocks of 4^3 cells, as Enzo and its kin do it; the
 // cells below a refined block stay in their level, for the finer one to hide.
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <vector>
 
+#include "parallel.h"
 #include "sample/noise.h"
 #include "vog/error.h"
 #include "vog/sample.h"
@@ -169,7 +169,7 @@ std::vector<Volume> sample_levels(const SampleOptions& options) {
         volume.source = "sample amr";
         volume.world_from_index = cells_of(across);
         volume.leaves.resize(origins.size());
-        tbb::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t n) {
+        vog::parallel_for(std::size_t{0}, origins.size(), [&](std::size_t n) {
             volume.leaves[n] = evaluated(universe, volume.world_from_index, across, origins[n]);
         });
         if (level + 1 < kLevels)

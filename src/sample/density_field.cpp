@@ -3,13 +3,13 @@
 #include "sample/density_field.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <vector>
 
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -70,7 +70,7 @@ Plan plan_blocks(const DensityField& field, const Affine& world_from_index, int 
     const int across = 2 * reach;
     std::vector<Plan> blocks(static_cast<std::size_t>(across * across * across));
     const Planner planner(field, world_from_index);
-    tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    vog::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         const int n = static_cast<int>(i);
         const Vec3i block{n / (across * across) - reach, n / across % across - reach,
                           n % across - reach};
@@ -142,7 +142,7 @@ Volume sample_field(const DensityField& field, const std::string& source,
     std::vector<Leaf> batch;
     for (std::size_t begin = 0; begin < plan.leaves.size(); begin += kBatch) {
         batch.resize(std::min(kBatch, plan.leaves.size() - begin));
-        tbb::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) {
+        vog::parallel_for(std::size_t{0}, batch.size(), [&](std::size_t i) {
             batch[i] = evaluated(field, plan.leaves[begin + i], volume.world_from_index);
         });
         for (const Leaf& leaf : batch) {

@@ -4,7 +4,6 @@
 // "An analytical model for spherical galaxies and bulges" (1990): M(r) = r^2 / (r + a)^2. Plain
 // arithmetic and sqrt only: the same bits on every machine.
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include <numbers>
 #include <vector>
 
+#include "parallel.h"
 #include "sample/noise.h"
 #include "vog/error.h"
 #include "vog/points.h"
@@ -136,7 +136,7 @@ double nearest_image(double d) { return d - std::floor(d + 0.5); }
 std::vector<Halo> find_halos(const FlowField& field, int size) {
     const int blocks = std::min(size, 12);
     std::vector<Halo> halos(static_cast<std::size_t>(blocks * blocks * blocks));
-    tbb::parallel_for(std::size_t{0}, halos.size(), [&](std::size_t n) {
+    vog::parallel_for(std::size_t{0}, halos.size(), [&](std::size_t n) {
         const auto block = static_cast<int>(n);
         const std::array<int, 3> place{block / blocks / blocks, block / blocks % blocks,
                                        block % blocks};
@@ -190,7 +190,7 @@ Points sample_particles(const ParticleSampleOptions& options) {
 
     const auto rows = static_cast<std::size_t>(size) * static_cast<std::size_t>(size);
     std::vector<Placed> placed(rows * static_cast<std::size_t>(size));
-    tbb::parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
+    vog::parallel_for(std::size_t{0}, rows, [&](std::size_t row) {
         const int i = static_cast<int>(row) / size, j = static_cast<int>(row) % size;
         for (int k = 0; k < size; ++k) {
             const std::size_t n =

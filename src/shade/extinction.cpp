@@ -2,13 +2,13 @@
 // in it.
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "io/image_files.h"
+#include "parallel.h"
 #include "vog/error.h"
 #include "vog/image.h"
 
@@ -41,7 +41,7 @@ void set_extinction(DepthImage& image, double extinction) {
         throw Error(fmt::format("extinction {}: the optical depth {} would become infinite",
                                 extinction, deepest));
 
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, image.depth.size(), 1 << 16),
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, image.depth.size(), 1 << 16),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t i = range.begin(); i != range.end(); ++i)
                               image.depth[i] = static_cast<float>(image.depth[i] * factor);

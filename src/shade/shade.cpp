@@ -3,12 +3,12 @@
 
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "io/image_files.h"
+#include "parallel.h"
 #include "shade/ramp.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
@@ -44,7 +44,7 @@ Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOpti
     const Ramp<3> color(tf.color);
     const Ramp<1> opacity(opaque ? kOpaque : tf.opacity);
     Image image(depth.width, depth.height);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, depth.depth.size(), 1 << 14),
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, depth.depth.size(), 1 << 14),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t i = range.begin(); i != range.end(); ++i) {
                               const float t = depth.depth[i];

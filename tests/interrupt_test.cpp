@@ -1,0 +1,151 @@
+// interrupt_test.cpp: a call is ended by what its thread's InterruptCheck throws, wherever it is.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include "support/data.h"
+#include "vog/vog.h"
+
+namespace vog {
+namespace {
+
+struct Stop {};  // no std::exception: nothing in the library may take it for one of its own
+
+/// Looks of a call that nobody ends.
+int looks_of(const std::function<void()>& call) {
+    int looks = 0;
+    const InterruptCheck check([&] { ++looks; }, 0);
+    call();
+    return looks;
+}
+
+/// Ends the call at its look number `at`: it must throw Stop, and no later look may follow.
+void expect_ends_at(const std::string& name, int at, const std::function<void()>& call) {
+    int looks = 0;
+    const InterruptCheck check(
+        [&] {
+            if (++looks == at) throw Stop{};
+        },
+        0);
+    EXPECT_THROW(call(), Stop) << name << ", look " << at;
+    EXPECT_EQ(looks, at) << name;
+}
+
+void expect_ends_anywhere(const std::string& name, const std::function<void()>& call) {
+    expect_ends_at(name, 1, call);
+    // Looks can be counted where one thread does all of the work.
+    const ThreadLimit limit(1);
+    const int all = looks_of(call);
+    ASSERT_GT(all, 2) << name;
+    for (const int at : {2, 1 + all / 4, 1 + all / 2, all}) expect_ends_at(name, at, call);
+}
+
+const Volume& cloud() {
+    static const Volume volume = sample_cloud({.size = 64});
+    return volume;
+}
+
+TEST(interrupt, ends_every_long_call_wherever_it_is) {
+    const Points points = sample_particles({.size = 12});
+    const Gaussians model = convert_moments(cloud(), {.block_voxels = 2});
+    const Camera camera = paper_view(model.box);
+    const VoxelGrid grid = voxel_grid(cloud());
+    const TraceScene scene = trace_scene(model);
+    const Levels levels{sample_levels({.size = 64}), {}};
+    const test::TempDir dir;
+    write_vdb(dir / "cloud.vdb", cloud());
+
+    expect_ends_anywhere("sample", [] { (void)sample_cloud({.size = 64}); });
+    expect_ends_anywhere("read", [&] { (void)read_vdb(dir / "cloud.vdb"); });
+    expect_ends_anywhere("block", [&] { (void)convert_moments(cloud(), {.block_voxels = 4}); });
+    expect_ends_anywhere("budget", [&] { (void)convert_moments(cloud(), {.budget = 500}); });
+    expect_ends_anywhere("error", [&] { (void)convert_moments(cloud(), {.error = 0.1}); });
+    expect_ends_anywhere("paper", [&] { (void)convert_paper(cloud()); });
+    expect_ends_anywhere("composite", [&] { (void)composite(levels); });
+    expect_ends_anywhere("levels",
+                         [&] { (void)convert_moments(composite(levels), {.budget = 500}); });
+    expect_ends_anywhere("particles", [&] { (void)convert_points(points); });
+    expect_ends_anywhere("fewer", [&] { (void)convert_points(points, {.budget = 300}); });
+    expect_ends_anywhere("splat", [&] { (void)render_splat(model, camera, 256, 256); });
+    expect_ends_anywhere("trace", [&] { (void)render_trace(scene, camera, 64, 64); });
+    expect_ends_anywhere("reference", [&] { (void)render_reference({&grid, 1}, camera, 64, 64); });
+}
+
+TEST(interrupt, leaves_the_renderer_usable) {
+    const Gaussians model = convert_moments(cloud(), {.block_voxels = 2});
+    const Camera camera = paper_view(model.box);
+    const DepthImage expected = render_splat(model, camera, 200, 100);
+    SplatRenderer renderer(model);
+    for (int at = 1; at < 40; at += 3) {
+        int looks = 0;
+        const InterruptCheck check(
+            [&] {
+                if (++looks == at) throw Stop{};
+            },
+            0);
+        try {
+            (void)renderer.render(camera, 200, 100);
+        } catch (const Stop&) {
+        }
+    }
+    EXPECT_EQ(renderer.render(camera, 200, 100).depth, expected.depth);
+}
+
+TEST(interrupt, leaves_no_file_half_written) {
+    const test::TempDir dir;
+    int looks = 0;
+    const InterruptCheck check(
+        [&] {
+            if (++looks == 40) throw Stop{};
+        },
+        0);
+    EvaluateOptions options{.width = 32, .height = 32, .repeats = 1};
+    EXPECT_THROW((void)evaluate(std::span(&cloud(), 1), dir / "out", options), Stop);
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(dir / ""))
+        EXPECT_TRUE(entry.is_directory()) << entry.path();
+}
+
+TEST(interrupt, is_of_its_thread_and_its_time_alone) {
+    std::atomic<int> looks{0};
+    {
+        const InterruptCheck outer([&] { looks += 1000000; }, 0);
+        {
+            const InterruptCheck check([&] { ++looks; }, 0);
+            std::thread([] { (void)sample_cloud({.size = 64}); }).join();
+            EXPECT_EQ(looks, 0) << "another thread's call looked in here";
+            (void)sample_cloud({.size = 64});
+        }
+        EXPECT_GT(looks, 0);
+        EXPECT_LT(looks, 1000000) << "the inner check hides the outer one";
+        (void)sample_cloud({.size = 64});
+        EXPECT_GE(looks, 1000000) << "which is there again after it";
+    }
+    const int before = looks;
+    (void)sample_cloud({.size = 64});
+    EXPECT_EQ(looks, before);
+}
+
+TEST(interrupt, check_may_call_the_library) {
+    const DepthImage black(8, 8);
+    int looks = 0;
+    const InterruptCheck check(
+        [&] {
+            ++looks;
+            (void)shade(black, named_transfer_function("gray"));
+        },
+        0);
+    (void)sample_cloud({.size = 64});
+    EXPECT_GT(looks, 2);
+}
+
+TEST(interrupt, looks_in_no_more_often_than_asked) {
+    int looks = 0;
+    const InterruptCheck check([&] { ++looks; }, 1e6);
+    (void)convert_moments(cloud(), {.budget = 500});
+    EXPECT_EQ(looks, 0);
+}
+
+}  // namespace
+}  // namespace vog
