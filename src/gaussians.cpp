@@ -112,6 +112,27 @@ void append(Gaussians& gaussians, const Gaussians& other) {
     if (gaussians.reached != other.reached) gaussians.reached += " + " + other.reached;
 }
 
+Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index) {
+    for (const std::size_t i : index)
+        if (i >= gaussians.size())
+            throw Error(fmt::format("Gaussian {}, expected below {}", i, gaussians.size()));
+    Gaussians some;
+    some.cutoff = gaussians.cutoff;
+    some.box = gaussians.box;
+    some.source = gaussians.source;
+    some.method = gaussians.method;
+    some.options = gaussians.options;
+    const auto take = [&](auto& to, const auto& from) {
+        to.reserve(index.size());
+        for (const std::size_t i : index) to.push_back(from[i]);
+    };
+    take(some.mean, gaussians.mean);
+    take(some.scale, gaussians.scale);
+    take(some.density, gaussians.density);
+    if (!gaussians.axis_aligned()) take(some.rotation, gaussians.rotation);
+    return some;
+}
+
 void validate(const Gaussians& gaussians) {
     const auto fail = [&](const std::string& what) {
         throw Error(

@@ -81,6 +81,25 @@ TEST(gaussians, append_keeps_mass_and_gives_rotations_to_all) {
     EXPECT_THROW(append(both, other), Error);
 }
 
+TEST(gaussians, select_takes_any_in_any_order_and_keeps_the_view) {
+    Gaussians model;
+    for (int i = 0; i < 5; ++i)
+        add(model, {float(i), 0, 0}, {1, 2, 3}, 1 + float(i), {1, float(i), 0, 0});
+    model.box = {{-1, -1, -1}, {9, 9, 9}};
+    model.cutoff = 3;
+    const std::size_t index[] = {4, 0, 4};
+    const Gaussians some = select(model, index);
+    EXPECT_EQ(some.density, (std::vector<float>{5, 1, 5}));
+    EXPECT_EQ(some.rotation[2], model.rotation[4]);
+    EXPECT_EQ(some.box, model.box);
+    EXPECT_EQ(some.cutoff, 3);
+    EXPECT_EQ(select(model, {}).size(), 0u);
+    model.rotation.clear();
+    EXPECT_TRUE(select(model, index).axis_aligned());
+    const std::size_t beyond[] = {5};
+    EXPECT_THROW((void)select(model, beyond), Error);
+}
+
 TEST(gaussians, validate_names_the_first_offence) {
     const auto message = [](auto&& spoil) {
         Gaussians model = random_gaussians(3, 0.1, 0.2, 7);

@@ -34,6 +34,26 @@ TEST(png, components_are_rounded_and_clamped) {
     EXPECT_EQ(read.at(2, 0), (Rgba{1, 0, 0, 1}));
 }
 
+TEST(png, bytes_in_memory_are_those_of_the_file) {
+    const TempDir dir;
+    Image image = small_image();
+    for (const float alpha : {1.0f, 0.4f}) {
+        image.at(1, 0).a = alpha;
+        write_png(dir / "a.png", image);
+        const std::vector<std::uint8_t> bytes = png_bytes(image);
+        EXPECT_EQ(std::string(bytes.begin(), bytes.end()), read_bytes(dir / "a.png"));
+        EXPECT_EQ(opaque(image), alpha == 1);
+    }
+    const std::vector<std::uint8_t> rgb = image_bytes(image, false),
+                                    rgba = image_bytes(image, true);
+    ASSERT_EQ(rgb.size(), 3 * image.pixel.size());
+    ASSERT_EQ(rgba.size(), 4 * image.pixel.size());
+    EXPECT_EQ(rgba[4 * 1 + 3], 102);
+    EXPECT_EQ(rgb[3 * 1 + 2], rgba[4 * 1 + 2]);
+    image.pixel.front().g = kNan;
+    EXPECT_THROW((void)png_bytes(image), Error);
+}
+
 TEST(png, every_8_bit_value_survives_a_round_trip) {
     Image image(256, 1);
     for (int i = 0; i < 256; ++i) {

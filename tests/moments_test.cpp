@@ -11,6 +11,7 @@
 #include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/render.h"
+#include "vog/sample.h"
 
 namespace vog {
 namespace {
@@ -248,6 +249,35 @@ TEST(moments, the_threshold_drops_no_more_than_its_share_and_says_so) {
         EXPECT_NEAR(mass(model) / mass(volume), 1 - report.dropped_mass_share, 1e-5);
         EXPECT_NEAR(report.mass_ratio, 1, 1e-5);
     }
+}
+
+TEST(moments, one_way_to_choose_cells_is_taken_and_two_are_refused) {
+    const auto options = [](const Cut& cut) {
+        MomentOptions chosen;
+        choose(chosen, cut);
+        return chosen;
+    };
+    EXPECT_EQ(options({.block_voxels = 4}).block_voxels, 4);
+    EXPECT_EQ(options({.budget = 7}).budget, 7u);
+    EXPECT_EQ(options({.error = 0.2}).error, 0.2);
+    EXPECT_EQ(options({.lod = 3}).block_voxels, moment_lod(3).block_voxels);
+    EXPECT_EQ(options({}).error, MomentOptions{}.error);
+    EXPECT_THROW((void)options({.block_voxels = 4, .budget = 7}), Error);
+    EXPECT_THROW((void)options({.error = 0.2, .lod = 1}), Error);
+    EXPECT_THROW((void)options({.lod = 6}), Error);
+}
+
+TEST(moments, the_model_says_what_was_reached) {
+    const Volume volume = sample_cloud({.size = 64});
+    MomentReport report;
+    const Gaussians model =
+        convert_moments(volume, {.budget = 300, .mass_threshold = 0.01, .measure = true}, &report);
+    EXPECT_EQ(model.reached, reached_text(model, report, "active voxels"));
+    EXPECT_EQ(model.reached.find(std::to_string(model.size()) + " Gaussians, "), 0u);
+    EXPECT_NE(model.reached.find(" % of the active voxels, mass ratio 1.0000"), std::string::npos);
+    EXPECT_NE(model.reached.find("with 0.0"), std::string::npos)
+        << "a share, not a mass: " << model.reached;
+    EXPECT_NE(model.reached.find("measured error 0.0"), std::string::npos) << model.reached;
 }
 
 TEST(moments, bad_options_and_volumes_throw) {

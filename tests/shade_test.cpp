@@ -250,6 +250,22 @@ TEST(color_maps, are_found_in_any_case_and_listed_where_not_found) {
         EXPECT_NO_THROW((void)shade(depths({1}), named_transfer_function(name))) << name;
 }
 
+TEST(color_maps, samples_of_other_programs_are_even_and_alpha_is_opacity) {
+    const Rgba colors[] = {{0, 0, 0, 1}, {1, 0, 0.5f, 1}, {1, 1, 1, 1}};
+    const TransferFunction tf = sampled_transfer_function("mine", colors);
+    EXPECT_EQ(tf.name, "mine");
+    EXPECT_TRUE(tf.opacity.empty());
+    EXPECT_EQ(evaluate(tf, 0.5f), (Rgba{1, 0, 0.5f, 1}));
+    EXPECT_EQ(evaluate(tf, 0.25f), (Rgba{0.5f, 0, 0.25f, 1}));
+    const Rgba clear[] = {{0, 0, 0, 0}, {1, 1, 1, 0.5f}};
+    EXPECT_EQ(evaluate(sampled_transfer_function("clear", clear), 0.5f),
+              (Rgba{0.5f, 0.5f, 0.5f, 0.25f}));
+    EXPECT_EQ(evaluate(sampled_transfer_function("one", {colors + 1, 1}), 0.7f), colors[1]);
+    EXPECT_THROW((void)sampled_transfer_function("none", {}), Error);
+    const Rgba bright[] = {{2, 0, 0, 1}};
+    EXPECT_THROW((void)sampled_transfer_function("bright", bright), Error);
+}
+
 TEST(color_maps, picture_in_the_docs_is_current) {
     // One strip a map, V from 0 to 1, in the order of the names. VOG_UPDATE_DOCS=1 writes it anew.
     constexpr int kWidth = 512, kStrip = 24, kGap = 4;

@@ -110,6 +110,11 @@ struct MomentTotals {
                 known->second += ms;
         }
     }
+    /// Of all of them as of one.
+    MomentReport report(double data_mass) const {
+        return {data_mass > 0 ? cells_mass / data_mass : 1,
+                data_mass > 0 ? dropped_mass / data_mass : 0, dropped_cells, worst_error, stage_ms};
+    }
 };
 
 double share_of_voxels(const Gaussians& model) {
@@ -123,22 +128,6 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
     std::string text;
     for (const auto& [name, ms] : stage_ms)
         text += fmt::format("{}{} {:.3g} ms", text.empty() ? "" : ", ", name, ms);
-    return text;
-}
-
-/// What the conversion reached, in words: printed, and kept in the model's header.
-std::string reached_text(const Gaussians& model, FileKind kind, double volume_mass,
-                         const MomentTotals& moments) {
-    std::string text = fmt::format("{} Gaussians, {:.4g} % of the {}, mass ratio {:.6f}",
-                                   model.size(), 100 * share_of_voxels(model),
-                                   kind == FileKind::points ? "particles" : "active voxels",
-                                   moments.cells_mass / volume_mass);
-    if (moments.dropped_cells)
-        text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",
-                            moments.dropped_cells, moments.dropped_mass / volume_mass);
-    if (moments.worst_error >= 0)
-        text += fmt::format(", measured error {:.4g} (relative L2 of T, 8 views of 256x256)",
-                            moments.worst_error);
     return text;
 }
 
@@ -225,7 +214,7 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
     totals.add(one, sum);
     if (options.error > 0 && one.measured_error > options.error)
         note_missed(arguments.inputs.front(), one.measured_error, options.error);
-    if (!paper) model.reached = reached_text(model, FileKind::points, sum, totals);
+    if (!paper) model.reached = reached_text(model, totals.report(sum), "particles");
     if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     stages.run("save", [&] { write_ply(arguments.output, model); });
     report(arguments, FileKind::points, model, sum, totals, stages);
@@ -276,7 +265,8 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
         model.box = mesh.box;
         model.source_voxels = mesh.voxels;
     });
-    if (by_moments) model.reached = reached_text(model, kind, volume_mass, totals);
+    if (by_moments)
+        model.reached = reached_text(model, totals.report(volume_mass), "active voxels");
     if (by_moments && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     stages.run("save", [&] { write_ply(arguments.output, model); });
     report(arguments, kind, model, volume_mass, totals, stages);

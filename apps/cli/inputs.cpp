@@ -10,8 +10,9 @@
 
 #include "terminal.h"
 #include "vog/error.h"
-#include "vog/nvdb.h"
+#include "vog/files.h"
 #include "vog/ply.h"
+#include "vog/shade.h"
 #include "vog/vdb.h"
 
 namespace vog::cli {
@@ -40,51 +41,6 @@ std::vector<double> numbers(const std::string& text) {
         if (*stop != ',') return {};
         at = stop + 1;
     }
-}
-
-bool is_pattern(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
-
-/// Whether a name is of a pattern, where * is any text and ? any letter.
-bool matches(std::string_view pattern, std::string_view name) {
-    if (pattern.empty()) return name.empty();
-    if (pattern.front() == '*')
-        return matches(pattern.substr(1), name) ||
-               (!name.empty() && matches(pattern, name.substr(1)));
-    return !name.empty() && (pattern.front() == '?' || pattern.front() == name.front()) &&
-           matches(pattern.substr(1), name.substr(1));
-}
-
-/// What the first * of a pattern stands for in a name of it: the shortest text that does.
-std::string star_text(const std::string& pattern, const std::string& name) {
-    const std::size_t star = pattern.find('*');
-    if (star == std::string::npos) return {};
-    const std::string_view after = std::string_view(pattern).substr(star + 1);
-    std::size_t end = star;
-    while (!matches(after, std::string_view(name).substr(end))) ++end;
-    return name.substr(star, end - star);
-}
-
-bool is_nvdb(const std::string& file) { return extension_of(file) == ".nvdb"; }
-
-std::vector<std::string> matching_grids(const std::string& file, const std::string& pattern) {
-    const std::vector<std::string> all =
-        is_nvdb(file) ? nvdb_grid_names(file) : vdb_grid_names(file);
-    std::vector<std::string> some;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(some),
-                 [&](const std::string& name) { return matches(pattern, name); });
-    if (some.empty())
-        throw Error(fmt::format("{}: no grid matches '{}' (it has: {})", file, pattern,
-                                fmt::join(all, ", ")));
-    return some;
-}
-
-Volume load_volume(const std::string& file, const VdbOptions& vdb) {
-    VdbNotes notes;
-    Volume volume = is_nvdb(file) ? read_nvdb(file, vdb, &notes) : read_vdb(file, vdb, &notes);
-    if (notes.clamped_negative)
-        note(fmt::format("{}: {} negative values of '{}' set to zero", file,
-                         grouped(notes.clamped_negative), volume.name));
-    return volume;
 }
 
 }  // namespace
@@ -129,28 +85,18 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
 }
 
 Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options) {
+    const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
     if (!options.mask.empty() && options.no_mask)
         throw CLI::ValidationError("--mask and --no-mask exclude each other");
-    const bool pattern = is_pattern(options.grid);
-    const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
-    if (!options.mask.empty() && (pattern || has_star(options.mask)) &&
-        !(has_star(options.grid) && has_star(options.mask)))
+    if (!options.mask.empty() && has_star(options.mask) != has_star(options.grid))
         throw CLI::ValidationError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or no pattern",
                         options.grid, options.mask));
-    Levels levels;
-    for (const std::string& file : files) {
-        std::vector<std::string> grids{options.grid};
-        if (pattern) grids = matching_grids(file, options.grid);
-        for (const std::string& grid : grids) {
-            levels.volumes.push_back(load_volume(file, {grid, options.level_set_to_fog, false}));
-            if (options.mask.empty()) continue;
-            std::string mask = options.mask;
-            if (const std::size_t star = mask.find('*'); star != std::string::npos)
-                mask.replace(star, 1, star_text(options.grid, grid));
-            levels.masks.push_back(load_volume(file, {mask, false, true}));
-        }
-    }
+    const std::vector<fs::path> paths(files.begin(), files.end());
+    std::vector<std::string> notes;
+    Levels levels =
+        read_levels(paths, {options.grid, options.mask, options.level_set_to_fog}, &notes);
+    for (const std::string& text : notes) note(text);
     return levels;
 }
 
@@ -237,10 +183,12 @@ Size parse_size(const std::string& text) {
 }
 
 Rgba parse_background(const std::string& text) {
-    if (text == "black") return {0, 0, 0, 1};
-    if (text == "white") return {1, 1, 1, 1};
-    if (text == "transparent") return {0, 0, 0, 0};
     const auto c = numbers(text);
+    try {
+        if (c.empty()) return named_background(text);
+    } catch (const Error&) {
+        // Said below, with what else would do.
+    }
     if (c.size() != 3 ||
         !std::all_of(c.begin(), c.end(), [](double v) { return v >= 0 && v <= 1; }))
         throw CLI::ValidationError(fmt::format(

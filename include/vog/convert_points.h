@@ -33,6 +33,8 @@ struct PointOptions {
 /// throws vog::Error outside 1..5
 PointOptions point_lod(int lod);
 
+void choose(PointOptions& options, const Cut& cut);
+
 /// Gaussians whose masses, after the cut of their kernel at kMomentCutoff, sum to the particles'
 /// values. One a particle: isotropic, in the order of the particles, those of value 0 left out.
 /// Fewer: each with the mass, mean and covariance of several, cut from a tree of moments. The same

@@ -9,7 +9,9 @@
 // `cutoff` standard deviations and the cut is part of the model: mass and spread account for it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,6 +62,9 @@ Mat3 whitening(const Gaussians& gaussians, std::size_t i);
 /// Appends `other`. Rotations appear when either has them.
 /// throws vog::Error if the cutoffs differ
 void append(Gaussians& gaussians, const Gaussians& other);
+/// The Gaussians of these numbers, in that order; the box stays, so that views do too.
+/// throws vog::Error for a number that is not below size()
+[[nodiscard]] Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index);
 /// Checks lengths, finiteness, positive scales, non-negative densities, the cutoff.
 /// throws vog::Error naming `gaussians.source` and the first offending Gaussian
 void validate(const Gaussians& gaussians);

@@ -61,6 +61,12 @@ double auto_extinction(const DepthImage& image);
 /// throws vog::Error unless extinction is finite and > 0 and every T stays finite
 void set_extinction(DepthImage& image, double extinction);
 
+/// Whether no alpha is below 1: what decides between RGB and RGBA.
+bool opaque(const Image& image);
+/// round(255 c), clamped, by pixels: 3 a pixel, or 4 with alpha.
+std::vector<std::uint8_t> image_bytes(const Image& image, bool with_alpha);
+/// The file that write_png writes. throws vog::Error as it does
+std::vector<std::uint8_t> png_bytes(const Image& image);
 /// 8 bits a channel, round(255 c), clamped; RGB, or RGBA if any alpha is below 1.
 /// Every writer writes beside the file and renames. throws vog::Error if it cannot, and for an
 /// image without pixels, with NaN, or above 65536 pixels a side or 2^28 in all (readers refuse

@@ -39,6 +39,17 @@ struct MomentOptions {
 };
 inline constexpr int kSoftSteps = 12;
 
+/// One way to choose cells, as commands and bindings are asked for it; 0: not asked. None of them:
+/// what the conversion does unasked.
+struct Cut {
+    int block_voxels = 0;
+    std::size_t budget = 0;
+    double error = 0;
+    int lod = 0;  ///< moment_lod or point_lod
+};
+/// throws vog::Error where two are asked for: "block and budget exclude each other"
+void choose(MomentOptions& options, const Cut& cut);
+
 /// What the conversion did and reached.
 struct MomentReport {
     double mass_ratio = 1;          ///< of all cells to the volume, before any is dropped
@@ -49,6 +60,10 @@ struct MomentReport {
     double measured_error = -1;
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 };
+
+/// What convert_moments and convert_points say in Gaussians::reached: counts, mass, measured error.
+/// of  what the model stands for: "active voxels", "particles"
+std::string reached_text(const Gaussians& model, const MomentReport& report, const std::string& of);
 
 /// Levels of detail 1 (finest) to 5: uniform cells of 2, 4, 8, 16, 32 voxels.
 /// throws vog::Error outside 1..5

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -46,6 +47,13 @@ TransferFunction read_transfer_function(const std::filesystem::path& file);
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf);
 /// `name_or_file`: a name, or else the path of a JSON file.
 TransferFunction load_transfer_function(const std::string& name_or_file);
+
+/// Colours at evenly spaced v from 0 to 1, as other programs' maps are: their alpha is opacity,
+/// left out where all are 1. throws vog::Error for none, or a component off [0, 1]
+TransferFunction sampled_transfer_function(const std::string& name, std::span<const Rgba> colors);
+
+/// "black", "white" or "transparent". throws vog::Error listing them
+Rgba named_background(const std::string& name);
 
 struct ShadeOptions {
     Rgba background{0, 0, 0, 1};  ///< a = 0 for a picture to lay over others

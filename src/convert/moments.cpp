@@ -435,6 +435,7 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     Conversion job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = active_voxels(volume);
+    model.reached = reached_text(model, job.report, "active voxels");
     return model;
 }
 
@@ -447,6 +448,7 @@ Gaussians convert_moments(const Composite& data, const MomentOptions& options,
     Conversion job{data.parts, data.box, true, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = data.voxels;
+    model.reached = reached_text(model, job.report, "active voxels");
     return model;
 }
 

@@ -271,6 +271,7 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     describe(model, points, options.value);
     model.method = job.cuts() ? "moments" : "particles";
     model.options = option_text(job);
+    model.reached = reached_text(model, job.report, "particles");
     return model;
 }
 

@@ -11,7 +11,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <memory>
+#include <new>
 #include <vector>
 
 #include "io/atomic_file.h"
@@ -67,8 +67,13 @@ void read_bytes(png_structp png, png_bytep bytes, std::size_t count) {
 }
 
 void write_bytes(png_structp png, png_bytep bytes, std::size_t count) {
-    auto* stream = static_cast<std::FILE*>(png_get_io_ptr(png));
-    if (std::fwrite(bytes, 1, count, stream) != count) png_error(png, std::strerror(errno));
+    auto& content = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(png));
+    try {
+        content.insert(content.end(), bytes, bytes + count);
+        return;
+    } catch (const std::bad_alloc&) {
+    }
+    png_error(png, "out of memory");
 }
 
 void flush_bytes(png_structp) {}
@@ -97,11 +102,11 @@ bool read_pixels(PngReader& reader, png_bytepp rows) {
     return true;
 }
 
-bool write_all(PngWriter& writer, std::FILE* stream, int width, int height, int color_type,
-               png_bytepp rows) {
+bool write_all(PngWriter& writer, std::vector<std::uint8_t>* content, int width, int height,
+               int color_type, png_bytepp rows) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
     writer.complaint.armed = true;
-    png_set_write_fn(writer.png, stream, write_bytes, flush_bytes);
+    png_set_write_fn(writer.png, content, write_bytes, flush_bytes);
     png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width),
                  static_cast<png_uint_32>(height), 8, color_type, PNG_INTERLACE_NONE,
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
@@ -132,18 +137,6 @@ std::vector<png_bytep> row_pointers(std::vector<std::uint8_t>& bytes, std::size_
 
 std::uint8_t to_byte(float component) {
     return static_cast<std::uint8_t>(std::lround(255 * std::clamp(component, 0.0f, 1.0f)));
-}
-
-std::vector<std::uint8_t> to_bytes(const Image& image, bool with_alpha) {
-    std::vector<std::uint8_t> bytes(image.pixel.size() * (with_alpha ? 4 : 3));
-    auto* out = bytes.data();
-    for (const Rgba& pixel : image.pixel) {
-        *out++ = to_byte(pixel.r);
-        *out++ = to_byte(pixel.g);
-        *out++ = to_byte(pixel.b);
-        if (with_alpha) *out++ = to_byte(pixel.a);
-    }
-    return bytes;
 }
 
 }  // namespace
@@ -192,30 +185,49 @@ Image read_png(const std::filesystem::path& file) {
     return image;
 }
 
+bool opaque(const Image& image) {
+    return std::none_of(image.pixel.begin(), image.pixel.end(),
+                        [](const Rgba& pixel) { return pixel.a < 1; });
+}
+
+std::vector<std::uint8_t> image_bytes(const Image& image, bool with_alpha) {
+    std::vector<std::uint8_t> bytes(image.pixel.size() * (with_alpha ? 4 : 3));
+    auto* out = bytes.data();
+    for (const Rgba& pixel : image.pixel) {
+        *out++ = to_byte(pixel.r);
+        *out++ = to_byte(pixel.g);
+        *out++ = to_byte(pixel.b);
+        if (with_alpha) *out++ = to_byte(pixel.a);
+    }
+    return bytes;
+}
+
+std::vector<std::uint8_t> png_bytes(const Image& image) {
+    require_valid("picture", image);
+    const bool with_alpha = !opaque(image);
+    std::vector<std::uint8_t> bytes = image_bytes(image, with_alpha), content;
+    std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(image.height));
+    PngWriter writer;
+    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_complaint,
+                                         on_complaint);
+    if (writer.png) writer.info = png_create_info_struct(writer.png);
+    if (!writer.info ||
+        !write_all(writer, &content, image.width, image.height,
+                   with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, rows.data()))
+        throw Error(fmt::format("picture: cannot be a PNG: {}", writer.complaint.text));
+    return content;
+}
+
 void write_png(const std::filesystem::path& file, const Image& image) {
     require_valid(file.string(), image);
-    const bool with_alpha = std::any_of(image.pixel.begin(), image.pixel.end(),
-                                        [](const Rgba& pixel) { return pixel.a < 1; });
-    std::vector<std::uint8_t> bytes = to_bytes(image, with_alpha);
-    std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(image.height));
-
+    const std::vector<std::uint8_t> content = png_bytes(image);
     write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        const auto fail = [&](const char* why) -> Error {
-            return Error(fmt::format("{}: cannot write: {}", file.string(), why));
-        };
-        const auto close = [](std::FILE* open) { std::fclose(open); };
-        std::unique_ptr<std::FILE, decltype(close)> stream(std::fopen(beside.c_str(), "wb"), close);
-        if (!stream) throw fail(std::strerror(errno));
-        PngWriter writer;
-        writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_complaint,
-                                             on_complaint);
-        if (writer.png) writer.info = png_create_info_struct(writer.png);
-        if (!writer.info ||
-            !write_all(writer, stream.get(), image.width, image.height,
-                       with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, rows.data()))
-            throw fail(writer.complaint.text);
-        // What stdio still holds is written now: a full disk shows here at the latest.
-        if (std::fclose(stream.release()) != 0) throw fail(std::strerror(errno));
+        std::ofstream out(beside, std::ios::binary);
+        out.write(reinterpret_cast<const char*>(content.data()),
+                  static_cast<std::streamsize>(content.size()));
+        // A full disk shows when the last of it is written.
+        if (!out.flush())
+            throw Error(fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
     });
 }
 

@@ -9,6 +9,7 @@
 #include <cctype>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include "shade/color_spaces.h"
 #include "shade/transfer_function.h"
@@ -143,6 +144,29 @@ TransferFunction named_transfer_function(const std::string& name) {
         throw Error(fmt::format("no transfer function named '{}' (there are: {})", name,
                                 transfer_function_name_list()));
     return {map->name, map->make(), {}};
+}
+
+TransferFunction sampled_transfer_function(const std::string& name, std::span<const Rgba> colors) {
+    TransferFunction tf{name, {}, {}};
+    const bool clear = std::ranges::any_of(colors, [](const Rgba& c) { return c.a != 1; });
+    for (std::size_t i = 0; i < colors.size(); ++i) {
+        const float v = colors.size() > 1
+                            ? static_cast<float>(static_cast<double>(i) /
+                                                 static_cast<double>(colors.size() - 1))
+                            : 0;
+        tf.color.push_back({v, colors[i].r, colors[i].g, colors[i].b});
+        if (clear) tf.opacity.push_back({v, colors[i].a});
+    }
+    require_valid("transfer function " + name, tf);
+    return tf;
+}
+
+Rgba named_background(const std::string& name) {
+    if (name == "black") return {0, 0, 0, 1};
+    if (name == "white") return {1, 1, 1, 1};
+    if (name == "transparent") return {0, 0, 0, 0};
+    throw Error(
+        fmt::format("no background named '{}' (there are: black, white, transparent)", name));
 }
 
 }  // namespace vog

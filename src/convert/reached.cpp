@@ -1,0 +1,61 @@
+// reached.cpp: what conversions by moments are asked for and what they say of themselves.
+#include <fmt/core.h>
+
+#include <array>
+#include <string>
+#include <utility>
+
+#include "vog/convert_points.h"
+#include "vog/error.h"
+#include "vog/moments.h"
+
+namespace vog {
+
+namespace {
+
+void require_one(const Cut& cut) {
+    const std::array<std::pair<const char*, bool>, 4> ways{{{"block", cut.block_voxels != 0},
+                                                            {"budget", cut.budget != 0},
+                                                            {"error", cut.error != 0},
+                                                            {"lod", cut.lod != 0}}};
+    const char* asked = nullptr;
+    for (const auto& [name, given] : ways) {
+        if (given && asked) throw Error(fmt::format("{} and {} exclude each other", asked, name));
+        if (given) asked = name;
+    }
+}
+
+}  // namespace
+
+void choose(MomentOptions& options, const Cut& cut) {
+    require_one(cut);
+    options.block_voxels = cut.lod ? moment_lod(cut.lod).block_voxels : cut.block_voxels;
+    options.budget = cut.budget;
+    if (cut.error != 0) options.error = cut.error;
+}
+
+void choose(PointOptions& options, const Cut& cut) {
+    require_one(cut);
+    options.block_voxels = cut.lod ? point_lod(cut.lod).block_voxels : cut.block_voxels;
+    options.budget = cut.budget;
+    options.error = cut.error;
+}
+
+std::string reached_text(const Gaussians& model, const MomentReport& report,
+                         const std::string& of) {
+    std::string text = fmt::format("{} Gaussians", model.size());
+    if (model.source_voxels)
+        text += fmt::format(
+            ", {:.4g} % of the {}",
+            100 * static_cast<double>(model.size()) / static_cast<double>(model.source_voxels), of);
+    text += fmt::format(", mass ratio {:.6f}", report.mass_ratio);
+    if (report.dropped_cells)
+        text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",
+                            report.dropped_cells, report.dropped_mass_share);
+    if (report.measured_error >= 0)
+        text += fmt::format(", measured error {:.4g} (relative L2 of T, 8 views of 256x256)",
+                            report.measured_error);
+    return text;
+}
+
+}  // namespace vog

@@ -1,0 +1,101 @@
+// volume_files.cpp: which reader a file is for, which of its grids a pattern names.
+#include "vog/files.h"
+
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <iterator>
+#include <string_view>
+
+#include "vog/error.h"
+#include "vog/nvdb.h"
+
+namespace vog {
+
+namespace {
+
+bool is_nvdb(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".nvdb";
+}
+
+bool is_pattern(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
+bool has_star(const std::string& name) { return name.find('*') != std::string::npos; }
+
+/// Whether a name is of a pattern, where * is any text and ? any letter.
+bool matches(std::string_view pattern, std::string_view name) {
+    if (pattern.empty()) return name.empty();
+    if (pattern.front() == '*')
+        return matches(pattern.substr(1), name) ||
+               (!name.empty() && matches(pattern, name.substr(1)));
+    return !name.empty() && (pattern.front() == '?' || pattern.front() == name.front()) &&
+           matches(pattern.substr(1), name.substr(1));
+}
+
+/// What the first * of a pattern stands for in a name of it: the shortest text that does.
+std::string star_text(const std::string& pattern, const std::string& name) {
+    const std::size_t star = pattern.find('*');
+    if (star == std::string::npos) return {};
+    const std::string_view after = std::string_view(pattern).substr(star + 1);
+    std::size_t end = star;
+    while (!matches(after, std::string_view(name).substr(end))) ++end;
+    return name.substr(star, end - star);
+}
+
+std::vector<std::string> matching_grids(const std::filesystem::path& file,
+                                        const std::string& pattern) {
+    const std::vector<std::string> all = grid_names(file);
+    std::vector<std::string> some;
+    std::ranges::copy_if(all, std::back_inserter(some),
+                         [&](const std::string& name) { return matches(pattern, name); });
+    if (some.empty())
+        throw Error(fmt::format("{}: no grid matches '{}' (it has: {})", file.string(), pattern,
+                                fmt::join(all, ", ")));
+    return some;
+}
+
+}  // namespace
+
+Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
+                   std::vector<std::string>* notes) {
+    VdbNotes found;
+    Volume volume =
+        is_nvdb(file) ? read_nvdb(file, options, &found) : read_vdb(file, options, &found);
+    if (notes && found.clamped_negative)
+        notes->push_back(fmt::format("{}: {} negative values of '{}' set to zero", file.string(),
+                                     found.clamped_negative, volume.name));
+    return volume;
+}
+
+std::vector<std::string> grid_names(const std::filesystem::path& file) {
+    return is_nvdb(file) ? nvdb_grid_names(file) : vdb_grid_names(file);
+}
+
+Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options,
+                   std::vector<std::string>* notes) {
+    const bool pattern = is_pattern(options.grid);
+    if (!options.mask.empty() && (pattern || has_star(options.mask)) &&
+        !(has_star(options.grid) && has_star(options.mask)))
+        throw Error(fmt::format("grid '{}' and mask '{}': expected a * in both, or no pattern",
+                                options.grid, options.mask));
+    Levels levels;
+    for (const std::filesystem::path& file : files) {
+        std::vector<std::string> grids{options.grid};
+        if (pattern) grids = matching_grids(file, options.grid);
+        for (const std::string& grid : grids) {
+            levels.volumes.push_back(
+                read_volume(file, {grid, options.level_set_to_fog, false}, notes));
+            if (options.mask.empty()) continue;
+            std::string mask = options.mask;
+            if (const std::size_t star = mask.find('*'); star != std::string::npos)
+                mask.replace(star, 1, star_text(options.grid, grid));
+            levels.masks.push_back(read_volume(file, {mask, false, true}, notes));
+        }
+    }
+    return levels;
+}
+
+}  // namespace vog
