@@ -23,12 +23,15 @@ using test::set_voxel;
 using test::TempDir;
 using test::write_grids;
 
-/// Writes `grids` and reads one of them back through the file.
+/// Writes `grids` and reads one of them back through the file, whole and in parts.
 Volume through_file(const openvdb::GridPtrVec& grids, const VdbOptions& options = {},
                     VdbNotes* notes = nullptr) {
     const TempDir dir;
     write_grids(dir / "grid.vdb", grids);
-    return read_vdb(dir / "grid.vdb", options, notes);
+    const Volume whole = read_vdb(dir / "grid.vdb", options, notes);
+    VdbReader reader(dir / "grid.vdb", options);
+    for (int n = 0; n < 3; ++n) expect_same_volume(reader.read({n, 3}), part_of(whole, {n, 3}));
+    return whole;
 }
 
 TEST(vdb, voxels_and_tiles_of_every_level_arrive_as_what_they_are) {

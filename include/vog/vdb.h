@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "vog/volume.h"
+#include "vog/volume_part.h"
 
 namespace vog {
 
@@ -31,6 +33,28 @@ struct VdbNotes {
 /// values (their count and the first index)
 Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {},
                 VdbNotes* notes = nullptr);
+
+/// A grid of a file whose values are still there: what it holds is known, and parts of it are read
+/// as asked. Holds about 100 bytes for each leaf (a level set that is to be fog: all of it).
+class VdbReader {
+  public:
+    /// throws vog::Error as read_vdb does, but for what values alone can show
+    explicit VdbReader(const std::filesystem::path& file, const VdbOptions& options = {});
+    ~VdbReader();
+    VdbReader(VdbReader&&) noexcept;
+    VdbReader& operator=(VdbReader&&) noexcept;
+
+    std::uint64_t active_voxels() const;  ///< of the whole, as stored
+    std::size_t leaf_count() const;       ///< of the whole: those with active voxels
+    Box world_box() const;                ///< of the whole, as world_box(Volume) has it
+    /// throws vog::Error for values that are not finite, for bytes that are not sound, for a mask
+    ///        without a value above 0 (of the whole)
+    Volume read(const VolumePart& part = {}, VdbNotes* notes = nullptr);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
 
 /// Names of the grids of a file, in file order; "density[1]" where two have one name.
 /// throws vog::Error for a missing, foreign or truncated file

@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "convert/moment_sums.h"
+#include "morton.h"
 #include "vog/moments.h"
 #include "vog/volume.h"
 
 namespace vog {
-
-/// Morton order of voxel indices: x before y before z where the highest differing bit is shared.
-bool morton_less(Vec3i a, Vec3i b);
 
 struct MomentNode {
     Vec3i origin;

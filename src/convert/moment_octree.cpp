@@ -34,11 +34,6 @@ MomentCell packed(Vec3i origin, const MomentSums& sums) {
     return cell;
 }
 
-Vec3i aligned(Vec3i origin, int edge_log2) {
-    for (int axis = 0; axis < 3; ++axis) origin[axis] = origin[axis] >> edge_log2 << edge_log2;
-    return origin;
-}
-
 /// Joins two lists of cells of one size.
 std::vector<BuildCell> in_order(const std::vector<BuildCell>& a, const std::vector<BuildCell>& b) {
     std::vector<BuildCell> both(a.size() + b.size());

@@ -41,7 +41,14 @@ class VdbFile {
     std::uint32_t version() const { return version_; }
     const std::vector<VdbEntry>& entries() const { return entries_; }
     /// The bytes of a grid: head, tree topology, voxel values.
-    std::vector<char> bytes(const VdbEntry& entry) { return file_.range(entry.begin, entry.end); }
+    std::vector<char> bytes(const VdbEntry& entry) { return bytes(entry.begin, entry.end); }
+    std::vector<char> bytes(std::uint64_t begin, std::uint64_t end) {
+        return file_.range(begin, end);
+    }
+    /// The same, read as needed. One at a time, and no bytes() meanwhile.
+    FileRange range(const VdbEntry& entry) {
+        return FileRange(file_, entry.begin, entry.end, where(entry));
+    }
     /// What messages about a grid start with: "smoke.vdb: grid 'density'".
     std::string where(const VdbEntry& entry) const;
 

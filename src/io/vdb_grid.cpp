@@ -30,62 +30,33 @@ TreeLayout layout_of() {
     return layout;
 }
 
-/// What OpenVDB's readers look up in the stream they read.
-void tag(std::istream& stream, std::uint32_t version, std::uint32_t compression) {
-    openvdb::io::setVersion(
-        stream, {openvdb::OPENVDB_LIBRARY_MAJOR_VERSION, openvdb::OPENVDB_LIBRARY_MINOR_VERSION},
-        std::min(version, openvdb::OPENVDB_FILE_VERSION));
-    openvdb::io::setDataCompression(stream, compression);
-}
-
 /// The bytes of a grid that has been walked.
 struct WalkedBytes {
     std::span<const char> bytes;
+    std::uint64_t begin = 0;   // position in the file
     std::size_t topology = 0;  // offset
     TreeStorage storage;
     std::uint32_t version = 0;
     WalkedTree tree;
 };
 
-/// Reads the topology of the tree. The grid comes from OpenVDB's registry: naming the constructor
-/// of a grid type compiles the whole of it, 12 seconds for each.
-openvdb::GridBase::Ptr read_topology(const WalkedBytes& walked, const std::string& tree_type) {
-    openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(tree_type);
-    grid->setSaveFloatAsHalf(walked.storage.half_stored);
-    MemoryStream stream(walked.bytes.subspan(walked.topology));
-    tag(stream, walked.version, walked.storage.compression);
-    grid->readTopology(stream);
-    return grid;
-}
-
 /// Reads the voxels of the leaves, in parallel.
 template <class GridT>
 void read_leaves(const WalkedBytes& walked, GridT& grid) {
     auto& tree = grid.tree();
     const auto& leaves = walked.tree.leaves;
-    vog::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), 64),
-                      [&](const auto& range) {
-                          MemoryStream stream(walked.bytes);
-                          tag(stream, walked.version, walked.storage.compression);
-                          openvdb::io::setGridBackgroundValuePtr(stream, &tree.background());
-                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                              const Vec3i origin = leaves[i].origin;
-                              stream.seekg(static_cast<std::streamoff>(leaves[i].buffer));
-                              tree.probeLeaf({origin.x, origin.y, origin.z})
-                                  ->readBuffers(stream, walked.storage.half_stored);
-                          }
-                      });
-}
-
-/// The entry whose tree `entry` has: itself, or the grid it shares a tree with.
-const VdbEntry& tree_owner(const VdbFile& file, const VdbEntry& entry) {
-    if (entry.parent.empty()) return entry;
-    for (const VdbEntry& other : file.entries())
-        if (other.unique_name == entry.parent && other.parent.empty() &&
-            other.tree_type == entry.tree_type)
-            return other;
-    throw Error(
-        fmt::format("{}: shares the tree of a grid that is not in the file", file.where(entry)));
+    vog::parallel_for(
+        tbb::blocked_range<std::size_t>(0, leaves.size(), 64), [&](const auto& range) {
+            MemoryStream stream(walked.bytes);
+            tag_vdb_stream(stream, walked.version, walked.storage.compression);
+            openvdb::io::setGridBackgroundValuePtr(stream, &tree.background());
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const Vec3i origin = leaves[i].origin;
+                stream.seekg(static_cast<std::streamoff>(leaves[i].buffer - walked.begin));
+                tree.probeLeaf({origin.x, origin.y, origin.z})
+                    ->readBuffers(stream, walked.storage.half_stored);
+            }
+        });
 }
 
 /// How trees of `tree_type` are stored, if that is one of these types.
@@ -105,17 +76,16 @@ LoadedGrid load_own_tree(VdbFile& file, const VdbEntry& entry) {
 
     const std::string tree_type =
         loaded.has_points ? openvdb::Int32Grid::gridType() : entry.tree_type;
-    std::optional<TreeLayout> layout = layout_of(tree_type, KnownGrids());
+    std::optional<TreeLayout> layout = tree_layout(tree_type);
     if (!layout) return loaded;
     if (loaded.has_points) layout->leaf = LeafData::points;
 
-    WalkedBytes walked{bytes,
-                       in.offset(),
-                       {*layout, loaded.head.compression, entry.half_stored},
-                       file.version(),
-                       {}};
+    WalkedBytes walked{bytes,          entry.begin,
+                       in.offset(),    {*layout, loaded.head.compression, entry.half_stored},
+                       file.version(), {}};
     walked.tree = walk_tree(in, walked.storage);
-    loaded.grid = read_topology(walked, tree_type);
+    loaded.grid = read_vdb_topology(walked.bytes.subspan(walked.topology), tree_type,
+                                    file.version(), walked.storage);
     if (loaded.has_points) {
         loaded.points = walked.tree.points;
         loaded.point_bytes =
@@ -127,6 +97,39 @@ LoadedGrid load_own_tree(VdbFile& file, const VdbEntry& entry) {
 }
 
 }  // namespace
+
+std::optional<TreeLayout> tree_layout(const std::string& tree_type) {
+    return layout_of(tree_type, KnownGrids());
+}
+
+const VdbEntry& tree_owner(const VdbFile& file, const VdbEntry& entry) {
+    if (entry.parent.empty()) return entry;
+    for (const VdbEntry& other : file.entries())
+        if (other.unique_name == entry.parent && other.parent.empty() &&
+            other.tree_type == entry.tree_type)
+            return other;
+    throw Error(
+        fmt::format("{}: shares the tree of a grid that is not in the file", file.where(entry)));
+}
+
+void tag_vdb_stream(std::istream& stream, std::uint32_t version, std::uint32_t compression) {
+    openvdb::io::setVersion(
+        stream, {openvdb::OPENVDB_LIBRARY_MAJOR_VERSION, openvdb::OPENVDB_LIBRARY_MINOR_VERSION},
+        std::min(version, openvdb::OPENVDB_FILE_VERSION));
+    openvdb::io::setDataCompression(stream, compression);
+}
+
+openvdb::GridBase::Ptr read_vdb_topology(std::span<const char> bytes, const std::string& tree_type,
+                                         std::uint32_t version, const TreeStorage& storage) {
+    // The grid comes from OpenVDB's registry: naming the constructor of a grid type compiles the
+    // whole of it, 12 seconds for each.
+    openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(tree_type);
+    grid->setSaveFloatAsHalf(storage.half_stored);
+    MemoryStream stream(bytes);
+    tag_vdb_stream(stream, version, storage.compression);
+    grid->readTopology(stream);
+    return grid;
+}
 
 bool is_scalar(const std::string& tree_type) {
     return tree_type == openvdb::FloatGrid::gridType() ||

@@ -5,6 +5,8 @@
 
 #include <array>
 #include <new>
+#include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -12,6 +14,7 @@
 #include <fmt/core.h>
 
 #include "io/vdb_file.h"
+#include "io/vdb_walk.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -25,6 +28,17 @@ using KnownGrids = DensityGrids::Append<openvdb::BoolGrid, openvdb::MaskGrid>;
 bool is_scalar(const std::string& tree_type);
 /// "float" for "Tree_float_5_4_3", "points" for a PointDataGrid; other trees as they stand.
 std::string short_type(const std::string& tree_type);
+
+/// How trees of this type are stored; none: it is not known.
+std::optional<TreeLayout> tree_layout(const std::string& tree_type);
+/// The entry whose tree `entry` has: itself, or the grid it shares a tree with.
+const VdbEntry& tree_owner(const VdbFile& file, const VdbEntry& entry);
+/// What OpenVDB's readers look up in the stream they read.
+void tag_vdb_stream(std::istream& stream, std::uint32_t version, std::uint32_t compression);
+/// Reads the topology of a tree that has been walked; its leaves are without voxels.
+/// bytes  from the tree's first on, to the end of its topology or beyond
+openvdb::GridBase::Ptr read_vdb_topology(std::span<const char> bytes, const std::string& tree_type,
+                                         std::uint32_t version, const TreeStorage& storage);
 
 struct LoadedGrid {
     /// Null if the type is not known. Its transform is not set: that is in the head. For points an

@@ -1,6 +1,9 @@
 // vdb_read.cpp: one grid of a .vdb file as density: which one, what is refused, what is said.
 #include <fmt/ranges.h>
 
+#include <optional>
+
+#include "io/vdb_leaves.h"
 #include "io/vdb_volume.h"
 #include "vog/vdb.h"
 
@@ -51,6 +54,11 @@ const VdbEntry& default_entry(const VdbFile& file) {
                     file.name(), scalar.size(), names(file.entries())));
 }
 
+const VdbEntry& chosen_entry(const VdbFile& file, const std::string& name) {
+    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
+    return name.empty() ? default_entry(file) : entry_named(file, name);
+}
+
 }  // namespace
 
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
@@ -60,37 +68,82 @@ std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
     return list;
 }
 
-Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
-    openvdb::initialize();
-    VdbFile file(path);
-    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
-    const VdbEntry& entry =
-        options.grid.empty() ? default_entry(file) : entry_named(file, options.grid);
-    const std::string where = file.where(entry);
+struct VdbReader::State {
+    VdbOptions options;
+    VdbFile file;
+    const VdbEntry& entry;
+    std::string where;
+    std::optional<VdbLeaves> leaves;  ///< else: all of it is read
+    Volume fog;
+    VdbNotes notes;
 
+    State(const std::filesystem::path& path, const VdbOptions& asked);
+    void read_level_set();
+};
+
+VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& asked)
+    : options(asked),
+      file(path),
+      entry(chosen_entry(file, options.grid)),
+      where(file.where(entry)) {
+    if (options.level_set_to_fog) {
+        read_level_set();
+        return;
+    }
+    leaves.emplace(file, entry, options.mask);
+    if (leaves->grid_class() == openvdb::GRID_LEVEL_SET)
+        throw Error(fmt::format(
+            "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+    if (leaves->empty()) throw Error(fmt::format("{}: no active voxels", where));
+}
+
+void VdbReader::State::read_level_set() {
     const LoadedGrid loaded = load_grid(file, entry);
-    if (!loaded.grid || loaded.has_points)
-        throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
-                                short_type(entry.tree_type)));
-    return with_vdb_errors(where, [&] {
-        openvdb::GridBase& grid = *loaded.grid;
-        if (options.level_set_to_fog)
-            level_set_to_fog(grid, where);
-        else if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
-            throw Error(fmt::format(
-                "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+    if (!loaded.grid || loaded.has_points) throw_not_density(where, entry.tree_type);
+    with_vdb_errors(where, [&] {
+        level_set_to_fog(*loaded.grid, where);
+        fog = density_from_grid(*loaded.grid, loaded.head.world_from_index, where, notes,
+                                options.mask);
+        if (fog.empty()) throw Error(fmt::format("{}: no active voxels", where));
+    });
+}
 
-        VdbNotes found;
-        Volume volume =
-            density_from_grid(grid, loaded.head.world_from_index, where, found, options.mask);
-        if (volume.empty())
-            throw Error(fmt::format("{}: no active voxels{}", where,
-                                    options.mask ? " above 0, expected a mask" : ""));
-        volume.name = entry.plain_name;
-        volume.source = file.name();
+VdbReader::VdbReader(const std::filesystem::path& path, const VdbOptions& options) {
+    openvdb::initialize();
+    state_ = std::make_unique<State>(path, options);
+}
+VdbReader::~VdbReader() = default;
+VdbReader::VdbReader(VdbReader&&) noexcept = default;
+VdbReader& VdbReader::operator=(VdbReader&&) noexcept = default;
+
+std::uint64_t VdbReader::active_voxels() const {
+    return state_->leaves ? state_->leaves->active_voxels() : vog::active_voxels(state_->fog);
+}
+
+std::size_t VdbReader::leaf_count() const {
+    return state_->leaves ? state_->leaves->count() : state_->fog.leaves.size();
+}
+
+Box VdbReader::world_box() const {
+    return state_->leaves ? state_->leaves->world_box() : vog::world_box(state_->fog);
+}
+
+Volume VdbReader::read(const VolumePart& part, VdbNotes* notes) {
+    State& s = *state_;
+    return with_vdb_errors(s.where, [&] {
+        VdbNotes found = s.notes;
+        Volume volume = s.leaves ? s.leaves->read(part, found) : part_of(s.fog, part);
+        if (s.options.mask && part.whole() && volume.empty())
+            throw Error(fmt::format("{}: no active voxels above 0, expected a mask", s.where));
+        volume.name = s.entry.plain_name;
+        volume.source = s.file.name();
         if (notes) *notes = found;
         return volume;
     });
+}
+
+Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
+    return VdbReader(path, options).read({}, notes);
 }
 
 }  // namespace vog

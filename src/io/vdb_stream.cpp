@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+
 #include "io/atomic_file.h"
 #include "vog/error.h"
 
@@ -48,6 +50,24 @@ std::vector<char> FileBytes::range(std::uint64_t begin, std::uint64_t end) {
     seek(begin);
     take(end - begin);
     return std::move(taken_);
+}
+
+const char* FileRange::take(std::uint64_t count) {
+    constexpr std::uint64_t kWindow = 1 << 20;
+    check(count);
+    if (position_ < window_begin_ || position_ + count > window_begin_ + window_.size()) {
+        window_begin_ = position_;
+        window_ = file_.range(position_,
+                              position_ + std::min(std::max(count, kWindow), end_ - position_));
+    }
+    const char* bytes = window_.data() + (position_ - window_begin_);
+    position_ += count;
+    return bytes;
+}
+
+void FileRange::skip(std::uint64_t count) {
+    check(count);
+    position_ += count;
 }
 
 const char* MemoryBytes::take(std::uint64_t count) {

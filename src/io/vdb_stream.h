@@ -20,7 +20,10 @@ class ByteSource {
     virtual ~ByteSource() = default;
     /// The next `count` bytes, valid until the next call.
     virtual const char* take(std::uint64_t count) = 0;
+    /// Passes over the next `count` bytes.
+    virtual void skip(std::uint64_t count) { take(count); }
     virtual std::uint64_t position() const = 0;  ///< in the file
+    virtual bool at_end() const = 0;
 
     template <class T>
     T number() {
@@ -47,6 +50,7 @@ class FileBytes : public ByteSource {
     explicit FileBytes(const std::filesystem::path& file);
     const char* take(std::uint64_t count) override;
     std::uint64_t position() const override { return position_; }
+    bool at_end() const override { return position_ == size_; }
     std::uint64_t size() const { return size_; }
     void seek(std::uint64_t position);
     std::vector<char> range(std::uint64_t begin, std::uint64_t end);
@@ -55,6 +59,27 @@ class FileBytes : public ByteSource {
     std::ifstream stream_;
     std::uint64_t size_ = 0, position_ = 0;
     std::vector<char> taken_;
+};
+
+/// A part of a file, read through a window that moves along; what is skipped beyond it is not read.
+class FileRange : public ByteSource {
+  public:
+    /// file  must outlive this, and is left to it alone meanwhile
+    FileRange(FileBytes& file, std::uint64_t begin, std::uint64_t end, std::string where)
+        : ByteSource(std::move(where)), file_(file), position_(begin), end_(end) {}
+    const char* take(std::uint64_t count) override;
+    void skip(std::uint64_t count) override;
+    std::uint64_t position() const override { return position_; }
+    bool at_end() const override { return position_ == end_; }
+
+  private:
+    void check(std::uint64_t count) const {
+        if (count > end_ - position_) fail_short(count, end_ - position_);
+    }
+    FileBytes& file_;
+    std::uint64_t position_, end_;
+    std::uint64_t window_begin_ = 0;
+    std::vector<char> window_;
 };
 
 /// Bytes in memory that lay at `file_offset` of a file.
@@ -66,7 +91,7 @@ class MemoryBytes : public ByteSource {
     std::uint64_t position() const override { return file_offset_ + offset_; }
     std::size_t offset() const { return offset_; }  ///< in `bytes`
     const char* at(std::size_t offset) const { return bytes_.data() + offset; }
-    bool at_end() const { return offset_ == bytes_.size(); }
+    bool at_end() const override { return offset_ == bytes_.size(); }
 
   private:
     std::span<const char> bytes_;

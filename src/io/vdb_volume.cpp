@@ -11,6 +11,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "io/vdb_density.h"
 #include "io/vdb_transform.h"
 #include "parallel.h"
 #include "vog/openvdb.h"
@@ -24,49 +25,6 @@ constexpr std::size_t kLeavesPerTask = 64;
 /// Edge of a tile by the level of the node that holds it: 1 lower, 2 upper, 3 root.
 constexpr std::array<std::int32_t, 4> kTileEdge{0, 8, 128, 4096};
 
-template <class Value>
-float density(const Value& value) {
-    if constexpr (openvdb::VecTraits<Value>::IsVec) {
-        const openvdb::Vec3d v(value);
-        return density(std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z()));
-    } else if constexpr (std::is_same_v<Value, double>) {
-        // Out of float's range, the conversion is undefined: infinite here.
-        constexpr double kLargest = std::numeric_limits<float>::max();
-        if (std::abs(value) > kLargest) return std::numeric_limits<float>::infinity();
-        return static_cast<float>(value);
-    } else {
-        return static_cast<float>(value);
-    }
-}
-
-/// What was found among active values; a tile is one value.
-struct Census {
-    std::uint64_t negative = 0, not_finite = 0;
-    std::uint64_t first_not_finite = std::numeric_limits<std::uint64_t>::max();
-
-    /// Counts a value and returns it as a volume may hold it.
-    float admit(float value, std::uint64_t place) {
-        if (!std::isfinite(value)) {
-            ++not_finite;
-            first_not_finite = std::min(first_not_finite, place);
-            return 0;
-        }
-        if (value < 0) {
-            ++negative;
-            return 0;
-        }
-        return value;
-    }
-    static Census sum(Census a, const Census& b) {
-        a.negative += b.negative;
-        a.not_finite += b.not_finite;
-        a.first_not_finite = std::min(a.first_not_finite, b.first_not_finite);
-        return a;
-    }
-};
-
-Vec3i from_coord(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
-openvdb::Coord to_coord(Vec3i v) { return {v.x, v.y, v.z}; }
 constexpr auto kByOrigin = [](const auto& node) {
     return std::tuple(node.origin.x, node.origin.y, node.origin.z);
 };
@@ -84,16 +42,8 @@ Census convert_leaves(const GridT& grid, Volume& volume) {
     return tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask), Census{},
         [&](const auto& range, Census census) {
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                const LeafT& from = *leaves[i];
-                Leaf& to = volume.leaves[i];
-                to.origin = from_coord(from.origin());
-                for (openvdb::Index word = 0; word < to.mask.size(); ++word)
-                    to.mask[word] = from.valueMask().template getWord<openvdb::Index64>(word);
-                for (auto voxel = from.cbeginValueOn(); voxel; ++voxel)
-                    to.value[voxel.pos()] =
-                        census.admit(density(*voxel), i * kLeafVoxels + voxel.pos());
-            }
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                take_leaf(*leaves[i], i, volume.leaves[i], census);
             return census;
         },
         Census::sum);
@@ -115,39 +65,10 @@ Census convert_tiles(const GridT& grid, Volume& volume) {
     return census;
 }
 
-[[noreturn]] void throw_not_finite(const std::string& where, std::uint64_t count, Vec3i first) {
-    throw Error(fmt::format("{}: {} active values are not finite, the first at index [{}, {}, {}]",
-                            where, count, first.x, first.y, first.z));
-}
-
 template <class GridT>
 void convert(const GridT& grid, const std::string& where, Volume& volume, VdbNotes& notes) {
     const Census leaves = convert_leaves(grid, volume);
-    const Census tiles = convert_tiles(grid, volume);
-    notes.clamped_negative = leaves.negative + tiles.negative;
-    const std::uint64_t not_finite = leaves.not_finite + tiles.not_finite;
-    if (leaves.not_finite > 0) {
-        const auto offset = static_cast<int>(leaves.first_not_finite % kLeafVoxels);
-        const Leaf& leaf = volume.leaves[leaves.first_not_finite / kLeafVoxels];
-        throw_not_finite(where, not_finite,
-                         leaf.origin + Vec3i{offset >> 6, (offset >> 3) & 7, offset & 7});
-    }
-    if (tiles.not_finite > 0)
-        throw_not_finite(where, not_finite, volume.tiles[tiles.first_not_finite].origin);
-}
-
-/// Values above 0 become 1, others inactive.
-void keep_positive(Volume& volume) {
-    for (Leaf& leaf : volume.leaves) {
-        Leaf kept;
-        kept.origin = leaf.origin;
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (leaf.value[static_cast<std::size_t>(n)] > 0) kept.set(n, 1);
-        leaf = kept;
-    }
-    std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
-    std::erase_if(volume.tiles, [](const Tile& tile) { return tile.value <= 0; });
-    for (Tile& tile : volume.tiles) tile.value = 1;
+    check_census(leaves, convert_tiles(grid, volume), volume.leaves, volume.tiles, where, notes);
 }
 
 template <class GridT>
@@ -164,16 +85,55 @@ void sdf_to_fog(GridT& grid, const std::string& where) {
 
 }  // namespace
 
-Volume density_from_grid(const openvdb::GridBase& grid,
-                         const std::optional<Affine>& world_from_index, const std::string& where,
-                         VdbNotes& notes, bool mask) {
+void check_census(const Census& leaves, const Census& tiles, std::span<const Leaf> volume_leaves,
+                  std::span<const Tile> volume_tiles, const std::string& where, VdbNotes& notes) {
+    notes.clamped_negative = leaves.negative + tiles.negative;
+    const std::uint64_t not_finite = leaves.not_finite + tiles.not_finite;
+    if (not_finite == 0) return;
+    Vec3i first;
+    if (leaves.not_finite > 0) {
+        const auto offset = static_cast<int>(leaves.first_not_finite % kLeafVoxels);
+        const Leaf& leaf = volume_leaves[leaves.first_not_finite / kLeafVoxels];
+        first = leaf.origin + Vec3i{offset >> 6, (offset >> 3) & 7, offset & 7};
+    } else {
+        first = volume_tiles[tiles.first_not_finite].origin;
+    }
+    throw Error(fmt::format("{}: {} active values are not finite, the first at index [{}, {}, {}]",
+                            where, not_finite, first.x, first.y, first.z));
+}
+
+void check_transform(const std::optional<Affine>& world_from_index, const std::string& where) {
     if (!world_from_index)
         throw Error(fmt::format("{}: its transform is a frustum, expected an affine one", where));
     const double det = determinant(world_from_index->linear);
     const Vec3d shift = world_from_index->translation;
     if (!std::isfinite(det) || det == 0 || !std::isfinite(shift.x + shift.y + shift.z))
         throw Error(fmt::format("{}: its transform is singular or not finite", where));
+}
 
+void keep_positive(Volume& volume) {
+    for (Leaf& leaf : volume.leaves) {
+        Leaf kept;
+        kept.origin = leaf.origin;
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.value[static_cast<std::size_t>(n)] > 0) kept.set(n, 1);
+        leaf = kept;
+    }
+    std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
+    std::erase_if(volume.tiles, [](const Tile& tile) { return tile.value <= 0; });
+    for (Tile& tile : volume.tiles) tile.value = 1;
+}
+
+Census tiles_from_grid(const openvdb::GridBase& grid, Volume& volume) {
+    Census census;
+    grid.apply<KnownGrids>([&](const auto& typed) { census = convert_tiles(typed, volume); });
+    return census;
+}
+
+Volume density_from_grid(const openvdb::GridBase& grid,
+                         const std::optional<Affine>& world_from_index, const std::string& where,
+                         VdbNotes& notes, bool mask) {
+    check_transform(world_from_index, where);
     Volume volume;
     volume.world_from_index = *world_from_index;
     const auto fill = [&](const auto& typed) { convert(typed, where, volume, notes); };

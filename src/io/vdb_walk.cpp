@@ -18,7 +18,7 @@ namespace {
 // Flags of a grid's compression.
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
-constexpr std::uint64_t kLeafMaskBytes = 64;
+constexpr std::uint64_t kLeafMaskBytes = sizeof(WalkedTree::LeafSpot::mask);
 constexpr std::int32_t kRootChildEdge = 4096;
 
 /// The inner nodes: 32^3 children of 128 voxels, 16^3 of 8.
@@ -31,7 +31,7 @@ constexpr NodeKind kUpper{5, 128}, kLower{4, 8};
 
 using Mask = std::vector<std::uint64_t>;
 
-Mask read_mask(MemoryBytes& in, std::uint32_t bits) {
+Mask read_mask(ByteSource& in, std::uint32_t bits) {
     Mask mask(bits / 64);
     std::memcpy(mask.data(), in.take(bits / 8), bits / 8);
     return mask;
@@ -45,10 +45,11 @@ std::uint32_t count_on(const Mask& mask) {
 
 class TreeWalk {
   public:
-    TreeWalk(MemoryBytes& in, const TreeStorage& storage) : in_(in), storage_(storage) {}
+    TreeWalk(ByteSource& in, const TreeStorage& storage) : in_(in), storage_(storage) {}
 
     WalkedTree walk() {
         root();
+        tree_.topology_end = in_.position();
         if (storage_.layout.leaf == LeafData::points) {
             point_leaves();
         } else {
@@ -71,7 +72,7 @@ class TreeWalk {
     void block(std::uint64_t bytes);
     Vec3i origin();
 
-    MemoryBytes& in_;
+    ByteSource& in_;
     TreeStorage storage_;
     WalkedTree tree_;
 };
@@ -130,27 +131,27 @@ void TreeWalk::node(Vec3i origin, const NodeKind& kind) {
         if (kind.child_edge == kUpper.child_edge) {
             node(child, kLower);
         } else {
-            tree_.leaves.push_back({child, in_.offset(), 0});
-            in_.take(kLeafMaskBytes);
+            WalkedTree::LeafSpot& leaf = tree_.leaves.emplace_back();
+            leaf.origin = child;
+            std::memcpy(leaf.mask.data(), in_.take(kLeafMaskBytes), kLeafMaskBytes);
         }
     }
 }
 
 void TreeWalk::leaf_buffer(WalkedTree::LeafSpot& leaf) {
-    leaf.buffer = in_.offset();
-    const char* mask = in_.take(kLeafMaskBytes);
-    if (std::memcmp(mask, in_.at(leaf.mask), kLeafMaskBytes) != 0)
+    leaf.buffer = in_.position();
+    if (std::memcmp(in_.take(kLeafMaskBytes), leaf.mask.data(), kLeafMaskBytes) != 0)
         in_.fail("corrupt: the two masks of a leaf differ");
     if (storage_.layout.leaf == LeafData::values) {
         std::uint32_t active = 0;
-        for (std::uint64_t i = 0; i < kLeafMaskBytes; ++i)
-            active +=
-                static_cast<std::uint32_t>(std::popcount(static_cast<unsigned char>(mask[i])));
+        for (const std::uint64_t word : leaf.mask)
+            active += static_cast<std::uint32_t>(std::popcount(word));
         values(512, active);
-        return;
+    } else {
+        if (origin() != leaf.origin) in_.fail("corrupt: a leaf is not where its parent has it");
+        if (storage_.layout.leaf == LeafData::bits) in_.skip(kLeafMaskBytes);
     }
-    if (origin() != leaf.origin) in_.fail("corrupt: a leaf is not where its parent has it");
-    if (storage_.layout.leaf == LeafData::bits) in_.take(kLeafMaskBytes);
+    leaf.bytes = in_.position() - leaf.buffer;
 }
 
 /// `count` values of which `active` are on: io/Compression.h, readCompressedValues.
@@ -175,27 +176,31 @@ void TreeWalk::values(std::uint32_t count, std::uint32_t active) {
 /// A block that decodes to `bytes` bytes: io/Compression.cc, bloscFromStream and unzipFromStream.
 void TreeWalk::block(std::uint64_t bytes) {
     if (!(storage_.compression & (kZip | kBlosc))) {
-        in_.take(bytes);
+        in_.skip(bytes);
         return;
     }
     const auto size = in_.number<std::int64_t>();  // negative: stored as it is
     if (size <= 0) {
         if (size != -static_cast<std::int64_t>(bytes))
             in_.fail(fmt::format("corrupt: a block of {} bytes, expected {}", size, bytes));
-        in_.take(bytes);
+        in_.skip(bytes);
         return;
     }
     const auto stored = static_cast<std::uint64_t>(size);
-    const char* data = in_.take(stored);
-    if (!(storage_.compression & kBlosc)) return;
-
+    if (!(storage_.compression & kBlosc)) {
+        in_.skip(stored);
+        return;
+    }
     // blosc's header: versions and flags in 4 bytes, then decoded, block and encoded size.
     constexpr std::uint64_t kBloscHeaderBytes = 16;
     std::uint32_t decoded = 0, encoded = 0;
-    if (stored >= kBloscHeaderBytes) {
+    const std::uint64_t head = std::min(stored, kBloscHeaderBytes);
+    const char* data = in_.take(head);
+    if (head == kBloscHeaderBytes) {
         std::memcpy(&decoded, data + 4, sizeof decoded);
         std::memcpy(&encoded, data + 12, sizeof encoded);
     }
+    in_.skip(stored - head);
     if (decoded != bytes || encoded != stored)
         in_.fail(fmt::format("corrupt: a blosc block of {} for {} bytes, expected {} for {}",
                              encoded, decoded, stored, bytes));
@@ -270,7 +275,7 @@ std::vector<PointColumn> TreeWalk::point_descriptor() {
 
 }  // namespace
 
-WalkedTree walk_tree(MemoryBytes& in, const TreeStorage& storage) {
+WalkedTree walk_tree(ByteSource& in, const TreeStorage& storage) {
     return TreeWalk(in, storage).walk();
 }
 

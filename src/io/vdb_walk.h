@@ -5,6 +5,7 @@
 // value; what passes it can be read by OpenVDB safely, and leaf by leaf in parallel.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -51,18 +52,20 @@ struct PointArray {
 struct WalkedTree {
     struct LeafSpot {
         Vec3i origin;
-        std::size_t mask = 0;    ///< offset of its mask in the topology
-        std::size_t buffer = 0;  ///< offset of its voxels
+        std::uint64_t bytes = 0;   ///< of its voxels, in the file
+        std::uint64_t buffer = 0;  ///< position of its voxels in the file
+        std::array<std::uint64_t, 8> mask{};
     };
     std::vector<LeafSpot> leaves;
+    std::uint64_t topology_end = 0;                 ///< position where the voxels begin
     std::uint64_t points = 0, attribute_bytes = 0;  ///< of a tree of points
     std::vector<PointColumn> columns;               ///< of points
     std::vector<PointArray> arrays;                 ///< [leaf][column]
 };
 
-/// Walks the tree that `in` stands at, to the end of `in`; of points to the end of what describes
-/// their attributes, whose bytes io/vdb_points.cpp reads.
-/// throws vog::Error naming the first byte that cannot be
-WalkedTree walk_tree(MemoryBytes& in, const TreeStorage& storage);
+/// Walks the tree that `in` stands at, to the end of `in`, passing over voxels without reading
+/// them; of points to the end of what describes their attributes, whose bytes io/vdb_points.cpp
+/// reads. throws vog::Error naming the first byte that cannot be
+WalkedTree walk_tree(ByteSource& in, const TreeStorage& storage);
 
 }  // namespace vog
