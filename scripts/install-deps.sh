@@ -13,6 +13,8 @@ packages=(
     libembree-dev
     # window: OpenGL, also without a display or a graphics card
     libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libgl1-mesa-dri libegl-mesa0 fonts-dejavu-core xvfb xauth
+    # tests of the page for browsers
+    chromium python3
     # tests, benches, format check
     libgtest-dev libbenchmark-dev clang-format
 )

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
     vog::cli::add_compare(app);
     vog::cli::add_evaluate(app);
     vog::cli::add_view(app);
+    vog::cli::add_export(app);
 
     try {
         // CLI11 alone would only say that a subcommand is missing.

@@ -3,12 +3,14 @@
 #pragma once
 
 #include "vog/camera.h"
+#include "vog/coarsen.h"
 #include "vog/compare.h"
 #include "vog/convert.h"
 #include "vog/convert_points.h"
 #include "vog/dense.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
+#include "vog/export_html.h"
 #include "vog/files.h"
 #include "vog/gaussians.h"
 #include "vog/gpu.h"

@@ -11,6 +11,7 @@
 #include "compare/paper_figures.h"
 #include "compare/svg_plot.h"
 #include "io/atomic_file.h"
+#include "io/html_text.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -67,21 +68,6 @@ std::string read_bytes(const fs::path& file) {
     std::ostringstream bytes;
     bytes << in.rdbuf();
     return bytes.str();
-}
-
-std::string base64(const std::string& bytes) {
-    constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t n = 0; n < bytes.size(); n += 3) {
-        const std::size_t count = std::min<std::size_t>(3, bytes.size() - n);
-        std::uint32_t group = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            group = group << 8 | (k < count ? static_cast<unsigned char>(bytes[n + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            out += k <= count ? kDigits[group >> (18 - 6 * k) & 63] : '=';
-    }
-    return out;
 }
 
 std::string table_html(const ReportTable& table) {

@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 
+#include "io/html_text.h"
+
 namespace vog {
 
 namespace {
@@ -201,23 +203,6 @@ std::string draw(const Plot& plot, const Frame& frame, const PlotSeries& series,
 }
 
 }  // namespace
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '"')
-            out += "&quot;";
-        else
-            out += c;
-    }
-    return out;
-}
 
 std::string svg(const Plot& plot) {
     const std::vector<LegendEntry> legend = legend_of(plot);

@@ -28,7 +28,4 @@ struct Plot {
 /// An <svg> element, coloured for colour-blind eyes, with axes, round ticks and a legend.
 std::string svg(const Plot& plot);
 
-/// &, <, > and quotes made safe for text and attributes.
-std::string escaped(const std::string& text);
-
 }  // namespace vog

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "vog/moments.h"
-
 namespace vog {
 
 Moments moments_of(const MomentSums& sums) {
@@ -75,14 +73,15 @@ LeafSums<2 * edge> merge_eight(const LeafSums<edge>& fine) {
 template LeafSums<4> merge_eight<2>(const LeafSums<2>&);
 template LeafSums<8> merge_eight<4>(const LeafSums<4>&);
 
-MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, double spread) {
+MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, double spread,
+                         double cutoff) {
     MomentFrame frame;
     frame.world_from_index = world_from_index;
     frame.voxel_volume = std::abs(determinant(world_from_index.linear));
     frame.axis_aligned = axis_aligned;
     frame.spread = spread;
-    frame.widening2 = 1 / variance_within(kMomentCutoff);
-    frame.density_factor = 1 / (std::pow(2 * std::numbers::pi, 1.5) * mass_within(kMomentCutoff));
+    frame.widening2 = 1 / variance_within(cutoff);
+    frame.density_factor = 1 / (std::pow(2 * std::numbers::pi, 1.5) * mass_within(cutoff));
     return frame;
 }
 

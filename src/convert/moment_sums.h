@@ -5,6 +5,7 @@
 #include <array>
 
 #include "vog/gaussians.h"
+#include "vog/moments.h"
 #include "vog/volume.h"
 
 namespace vog {
@@ -76,7 +77,9 @@ struct MomentFrame {
     double widening2 = 1;       ///< kernel variance per variance of the mass it replaces: P3/P5
     double density_factor = 1;  ///< 1 / ((2 pi)^(3/2) P3)
 };
-MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, double spread);
+/// cutoff  of the model that the Gaussians are for
+MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, double spread,
+                         double cutoff = kMomentCutoff);
 
 /// Writes Gaussian i: mass, mean and covariance as given, after the cut. `moments.mean` is an
 /// index.

@@ -140,9 +140,10 @@ std::vector<Particle> grid_particles(const PointConversion& job, double mass_uni
         const std::uint32_t from = grid.index[n];
         if (!(job.values[from] > 0)) continue;
         const double radius = job.radius[from] / grid.voxel_size;
+        const auto variance = static_cast<float>(radius * radius);
         particles.push_back({grid.place(job.points, n),
                              static_cast<float>(job.values[from] / mass_unit),
-                             static_cast<float>(radius * radius)});
+                             {variance, 0, 0, variance, 0, variance}});
     }
     return particles;
 }

@@ -179,8 +179,9 @@ struct PointCutWalk {
 }  // namespace
 
 Moments particle_moments(const Particle& particle) {
-    const double v = particle.variance;
-    return {particle.mass, particle.place, {v, 0, 0, v, 0, v}};
+    Moments moments{particle.mass, particle.place, {}};
+    std::ranges::copy(particle.covariance, moments.covariance.begin());
+    return moments;
 }
 
 Moments joined_moments(std::span<const Moments> parts) {

@@ -1,8 +1,7 @@
-// point_tree.h: particles as a tree of moments, and cuts through it.
-// A particle is a Gaussian of its own: value as mass, a variance the same along all axes. A node is
-// cut in two at its mean, across the longest axis of its covariance. Cells of an octree know
-// nothing of the halos and filaments they cut: at 8:1 they are worth 2.9 dB less
-// (docs/particles.md).
+// point_tree.h: particles, or the Gaussians of a model, as a tree of moments, and cuts through it.
+// Each has a mass and a covariance of its own. A node is cut in two at its mean, across the longest
+// axis of its covariance. Cells of an octree know nothing of the halos and filaments they cut: at
+// 8:1 they are worth 2.9 dB less (docs/particles.md).
 #pragma once
 
 #include <array>
@@ -17,9 +16,9 @@ namespace vog {
 
 /// A particle as the tree sees it.
 struct Particle {
-    Vec3d place;         ///< voxels from the grid's origin
-    float mass = 0;      ///< > 0
-    float variance = 0;  ///< voxels squared, > 0
+    Vec3d place;                        ///< voxels from the grid's origin
+    float mass = 0;                     ///< > 0
+    std::array<float, 6> covariance{};  ///< xx xy xz yy yz zz, voxels squared
 };
 Moments particle_moments(const Particle& particle);
 /// Moments of the sum.
@@ -42,7 +41,7 @@ struct PointTree {
 };
 
 /// The same for any number of threads.
-/// cost  O(N log N) time, 100 bytes a particle
+/// cost  O(N log N) time, 120 bytes a particle
 PointTree point_tree(std::vector<Particle> particles);
 
 /// At most `budget` nodes and particles, in the order of the tree; means in voxels from the grid's

@@ -1,0 +1,248 @@
+// export.cpp: vog export: models, or volumes and particles converted as they come, to one page for
+// a browser, or to one PLY.
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "inputs.h"
+#include "terminal.h"
+#include "view.h"
+#include "vog/coarsen.h"
+#include "vog/error.h"
+#include "vog/export_html.h"
+#include "vog/moments.h"
+#include "vog/ply.h"
+
+namespace vog::cli {
+
+namespace {
+
+constexpr const char* kPageGroup = "Page (.html)";
+
+struct ExportArguments {
+    std::vector<std::string> inputs, names;
+    std::string output, title, description, extinction = "auto", tf = "inferno";
+    std::string background = "black";
+    VolumeInputOptions volume;
+    PointInputOptions points;
+    ViewArguments view;
+    std::size_t budget = 0, levels = 8;
+    int threads = 0;
+    bool blend = false, json = false, verbose = false;
+};
+
+std::string stem_of(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+
+/// Volumes, or one mesh of them, by moments: levels of detail are conversions of their own, some
+/// 4 dB better than what could be made of the finest (docs/web.md).
+std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
+                                       const Progress& progress) {
+    const Levels levels = load_levels(arguments.inputs, arguments.volume);
+    const bool meshed = are_levels(levels, arguments.volume);
+    if (!meshed && levels.volumes.size() > 1 && arguments.budget)
+        throw CLI::ValidationError(
+            "--budget takes one input or levels: it is the size of one model");
+    const Composite mesh = meshed ? composite(levels) : Composite{};
+    if (meshed && mesh.parts.empty()) throw Error("every voxel lies outside the masks");
+    const auto convert = [&](std::size_t budget) {
+        MomentOptions options;
+        options.budget = budget;
+        options.progress = progress;
+        if (!meshed) return convert_moments(levels.volumes.front(), options);
+        Gaussians model = convert_moments(mesh, options);
+        model.box = mesh.box;
+        return model;
+    };
+    if (!meshed && levels.volumes.size() > 1) {
+        Gaussians sum;
+        for (const Volume& volume : levels.volumes) append(sum, convert_moments(volume));
+        return detail_levels(std::move(sum), most);
+    }
+    std::vector<Gaussians> models{convert(arguments.budget)};
+    for (const std::size_t budget : detail_budgets(models.front().size(), most))
+        models.push_back(convert(budget));
+    return models;
+}
+
+Gaussians convert_particles(const ExportArguments& arguments, const Progress& progress) {
+    PointOptions options = point_options(arguments.points);
+    options.budget = arguments.budget;
+    options.progress = progress;
+    return convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
+                          options);
+}
+
+/// Models as they are, one entry each; volumes and particles converted by default, as one.
+/// most  levels of detail
+std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind kind,
+                                    std::size_t most, Stages& stages) {
+    std::vector<HtmlModel> entries;
+    if (kind == FileKind::model) {
+        for (const std::string& input : arguments.inputs) {
+            Gaussians model = stages.run("load", [&] { return read_ply(input); });
+            stages.run("levels", [&] {
+                if (arguments.budget) model = coarsen(model, arguments.budget);
+                entries.push_back({stem_of(input), detail_levels(std::move(model), most)});
+            });
+        }
+        return entries;
+    }
+    entries.push_back({stem_of(arguments.inputs.front()), {}});
+    HtmlModel& entry = entries.front();
+    stages.run("convert", [&] {
+        entry.levels = kind == FileKind::volume
+                           ? convert_volumes(arguments, most, stages.progress())
+                           : detail_levels(convert_particles(arguments, stages.progress()), most);
+    });
+    note(fmt::format("{}: converted as vog convert does by default: {} Gaussians",
+                     arguments.inputs.front(), grouped(entry.levels.front().size())));
+    return entries;
+}
+
+void write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
+                  Stages& stages) {
+    Gaussians model;
+    for (const HtmlModel& entry : entries) append(model, entry.levels.front());
+    stages.run("save", [&] { write_ply(arguments.output, model); });
+    if (!arguments.json) {
+        fmt::print("{}: {} Gaussians, {}\n", arguments.output, grouped(model.size()),
+                   bytes_text(ply_bytes(model)));
+        return;
+    }
+    const nlohmann::ordered_json json = {
+        {"output", arguments.output}, {"gaussians", model.size()}, {"bytes", ply_bytes(model)}};
+    fmt::print("{}\n", json.dump(2));
+}
+
+void report_page(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
+                 const HtmlReport& report, const Stages& stages) {
+    if (!arguments.json) {
+        for (const HtmlModel& entry : entries) {
+            std::string counts;
+            for (const Gaussians& level : entry.levels)
+                counts += (counts.empty() ? "" : ", ") + grouped(level.size());
+            fmt::print("{}: {} Gaussians\n", entry.name, counts);
+        }
+        fmt::print("{}: {}, of which the viewer {}\n", arguments.output, bytes_text(report.bytes),
+                   bytes_text(report.viewer_bytes));
+        return;
+    }
+    nlohmann::ordered_json json = {{"output", arguments.output},
+                                   {"bytes", report.bytes},
+                                   {"viewer_bytes", report.viewer_bytes},
+                                   {"gaussians", report.gaussians}};
+    for (const HtmlModel& entry : entries) {
+        nlohmann::ordered_json counts = nlohmann::ordered_json::array();
+        for (const Gaussians& level : entry.levels) counts.push_back(level.size());
+        json["models"].push_back({{"name", entry.name}, {"levels", counts}});
+    }
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    fmt::print("{}\n", json.dump(2));
+}
+
+void write_page(const ExportArguments& arguments, const CLI::App& command,
+                std::vector<HtmlModel> entries, Stages& stages) {
+    if (!arguments.names.empty() && arguments.names.size() != entries.size())
+        throw CLI::ValidationError(fmt::format("{} names for {} models, expected one each",
+                                               arguments.names.size(), entries.size()));
+    for (std::size_t n = 0; n < arguments.names.size(); ++n) entries[n].name = arguments.names[n];
+    HtmlOptions options;
+    options.title = command.count("--title") ? arguments.title : entries.front().name;
+    options.description = arguments.description;
+    options.tf = load_transfer_function(arguments.tf);
+    options.system_background = arguments.background == "system";
+    options.shading.blend = arguments.blend;
+    if (!options.system_background)
+        options.shading.background = parse_background(arguments.background);
+    if (arguments.extinction != "auto") options.extinction = parse_extinction(arguments.extinction);
+    // Without a word about the view each model has its own.
+    for (const char* option : {"--azimuth", "--elevation", "--distance", "--fov", "--eye",
+                               "--look-at", "--up", "--camera", "--save-camera"})
+        if (command.count(option))
+            options.camera = camera_from(arguments.view, command, view_box(entries[0].levels[0]));
+    if (options.camera && !arguments.view.save_camera.empty())
+        write_camera(arguments.view.save_camera, *options.camera);
+
+    const HtmlReport report =
+        stages.run("save", [&] { return write_html(arguments.output, entries, options); });
+    report_page(arguments, entries, report, stages);
+}
+
+void export_files(const ExportArguments& arguments, const CLI::App& command) {
+    check_output(arguments.output, arguments.inputs, {".html", ".ply"});
+    const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
+    if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
+    const bool page = !arguments.output.ends_with(".ply");
+    if (!page) {
+        refuse_group(command, kPageGroup, "-o " + arguments.output);
+        refuse_group(command, "View", "-o " + arguments.output);
+    }
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    std::vector<HtmlModel> entries =
+        load_entries(arguments, kind, page ? arguments.levels : 1, stages);
+    if (page)
+        write_page(arguments, command, std::move(entries), stages);
+    else
+        write_joined(arguments, entries, stages);
+}
+
+void add_page_options(CLI::App& command, ExportArguments& arguments) {
+    const auto add = [&](const std::string& name, auto& value, const std::string& text) {
+        return command.add_option(name, value, text)->group(kPageGroup);
+    };
+    add("--title", arguments.title, "Title; default: the first model's name");
+    add("--description", arguments.description, "A sentence or more below the title");
+    add("--name", arguments.names,
+        "What the switch calls a model, once for each; default: its file's name")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    add("--levels", arguments.levels,
+        "Levels of detail to offer at most: the model, then a quarter as many Gaussians each time; "
+        "1: the model alone")
+        ->check(CLI::Range(1, 32))
+        ->capture_default_str();
+    add("--extinction", arguments.extinction,
+        "Factor on density, or auto: by the first view of each model")
+        ->capture_default_str();
+    add("--tf", arguments.tf, "Transfer function to begin with: a name or a JSON file")
+        ->capture_default_str();
+    add("--background", arguments.background,
+        "R,G,B in [0, 1], black, white or transparent; system: black or white, as the reader's is")
+        ->capture_default_str();
+    command.add_flag("--blend", arguments.blend, "Colours fade into the background as V goes to 0")
+        ->group(kPageGroup);
+}
+
+}  // namespace
+
+void add_export(CLI::App& app) {
+    auto arguments = std::make_shared<ExportArguments>();
+    CLI::App* command = app.add_subcommand(
+        "export", "Write models as one page for a browser, self-contained, or as one PLY");
+    command
+        ->add_option("inputs", arguments->inputs,
+                     "PLY models, which the page offers in a switch; or volumes or particles, "
+                     "which are converted as vog convert does by default")
+        ->required();
+    command->add_option("-o,--output", arguments->output, "Page to write (.html), or model (.ply)")
+        ->required();
+    command
+        ->add_option("--budget", arguments->budget,
+                     "At most this many Gaussians a model; more are joined with their neighbours")
+        ->check(CLI::PositiveNumber);
+    add_page_options(*command, *arguments);
+    add_volume_options(*command, arguments->volume);
+    add_point_options(*command, arguments->points);
+    add_view_options(*command, arguments->view);
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->callback([arguments, command] { export_files(*arguments, *command); });
+}
+
+}  // namespace vog::cli

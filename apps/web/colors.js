@@ -1,0 +1,48 @@
+// colors.js: transfer functions {name, colors: [[v, r, g, b], ...], opacity: [[v, a], ...]}, as
+// vog::evaluate has them: piecewise linear, constant beyond the ends.
+
+/** A function of v that must not fall from call to call. */
+function walker(points) {
+  let n = 0;
+  return (v) => {
+    while (n < points.length && v >= points[n][0]) ++n;
+    const a = points[Math.max(n - 1, 0)], b = points[Math.min(n, points.length - 1)];
+    const share = b[0] > a[0] ? (v - a[0]) / (b[0] - a[0]) : 0;
+    return a.map((from, k) => from + (b[k] - from) * share);
+  };
+}
+
+export function reversed(map) {
+  const colors = map.colors.map(([v, ...rgb]) => [1 - v, ...rgb]).reverse();
+  return { ...map, colors };
+}
+
+/** RGBA at V = (i / (count - 1))^power: finer near 0 with a power of 2, as shade.frag takes it. */
+export function sampled(map, count, power) {
+  const colors = walker(map.colors);
+  const opacity = walker(map.opacity && map.opacity.length ? map.opacity : [[0, 1]]);
+  const values = new Float32Array(4 * count);
+  for (let i = 0; i < count; ++i) {
+    const v = Math.pow(i / (count - 1), power);
+    values.set([...colors(v).slice(1), opacity(v)[1]], 4 * i);
+  }
+  return values;
+}
+
+/** The colours of V from 0 to 1, left to right, over the background, as the picture has them. */
+export function drawColorBar(canvas, map, { fade, background }) {
+  const width = canvas.width, values = sampled(map, width, 1);
+  const context = canvas.getContext('2d');
+  const image = context.createImageData(width, 1);
+  const [r, g, b, a] = background;
+  for (let i = 0; i < width; ++i) {
+    const front = values[4 * i + 3] * (fade ? i / (width - 1) : 1);
+    const behind = a * (1 - front), alpha = front + behind;
+    [r, g, b].forEach((back, k) => {
+      const color = alpha > 0 ? (front * values[4 * i + k] + behind * back) / alpha : 0;
+      image.data[4 * i + k] = Math.round(255 * color);
+    });
+    image.data[4 * i + 3] = Math.round(255 * alpha);
+  }
+  context.putImageData(image, 0, 0);
+}

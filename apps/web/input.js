@@ -1,0 +1,105 @@
+// input.js: mouse, touch, wheel and keys, to cameras and commands.
+import { rotated, lookedAround, rolled, panned, zoomed } from './camera.js';
+
+/** A place of the page as a point of the screen (camera.js). */
+function pointOf(canvas, x, y) {
+  const box = canvas.getBoundingClientRect(), half = 0.5 * Math.min(box.width, box.height);
+  return [(x - box.left - 0.5 * box.width) / half, (box.top + 0.5 * box.height - y) / half];
+}
+
+/** What a mouse button does to the camera between two points, as in the desktop's window. */
+function dragged(event, camera, from, to, leastDistance) {
+  if (event.buttons & 2) return zoomed(camera, [0, 0], Math.exp(-2 * (to[1] - from[1])), leastDistance);
+  if (event.buttons & 4 || event.shiftKey) return panned(camera, from, to);
+  if (event.altKey) return rolled(camera, Math.atan2(from[1], from[0]) - Math.atan2(to[1], to[0]));
+  if (event.ctrlKey || event.metaKey) return lookedAround(camera, from[0] - to[0], from[1] - to[1]);
+  return rotated(camera, from, to);
+}
+
+/** Two fingers: they hold their places in the picture while they move, part and turn. */
+function pinched(camera, before, after, leastDistance) {
+  const middle = ([a, b]) => [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+  const apart = ([a, b]) => [b[0] - a[0], b[1] - a[1]];
+  const from = apart(before), to = apart(after);
+  const factor = Math.hypot(...from) / Math.max(Math.hypot(...to), 1e-3);
+  let angle = Math.atan2(from[1], from[0]) - Math.atan2(to[1], to[0]);
+  angle = Math.atan2(Math.sin(angle), Math.cos(angle));
+  const moved = panned(camera, middle(before), middle(after));
+  return rolled(zoomed(moved, middle(after), factor, leastDistance), angle);
+}
+
+/**
+ * view  {camera(), move(camera), leastDistance(), still(), embedded()}
+ */
+export function attachPointers(canvas, view) {
+  const pointers = new Map();
+  const place = (event) => pointOf(canvas, event.clientX, event.clientY);
+
+  canvas.addEventListener('pointerdown', (event) => {
+    if (view.still()) return;
+    canvas.focus({ preventScroll: true });
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, place(event));
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    const from = pointers.get(event.pointerId);
+    if (!from || view.still()) return;
+    const before = [...pointers.values()], to = place(event);
+    pointers.set(event.pointerId, to);
+    const least = view.leastDistance();
+    if (before.length === 1) view.move(dragged(event, view.camera(), from, to, least));
+    if (before.length === 2) view.move(pinched(view.camera(), before, [...pointers.values()], least));
+  });
+  for (const end of ['pointerup', 'pointercancel', 'lostpointercapture'])
+    canvas.addEventListener(end, (event) => pointers.delete(event.pointerId));
+  canvas.addEventListener('contextmenu', (event) => event.preventDefault());
+
+  canvas.addEventListener('wheel', (event) => {
+    // Within another page the wheel scrolls that page, until the picture has been clicked.
+    const pinch = event.ctrlKey;  // what a trackpad's pinch arrives as
+    if (view.still() || (view.embedded() && !pinch && document.activeElement !== canvas)) return;
+    event.preventDefault();
+    const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
+    const steps = Math.max(-240, Math.min(240, pixels)) * (pinch ? 0.01 : 0.0015);
+    const point = place(event);
+    view.move(zoomed(view.camera(), point, Math.exp(steps), view.leastDistance()));
+  }, { passive: false });
+}
+
+/** The keys, in the order the help lists them: [keys, what they do]. */
+export const keyHelp = [
+  ['drag', 'turn'],
+  ['Shift + drag, two fingers', 'move'],
+  ['wheel, pinch, right drag', 'zoom to the pointer, through the volume if need be'],
+  ['Alt + drag, twist', 'roll'],
+  ['Ctrl + drag', 'look around from where you are'],
+  ['W S A D, Page Up/Down', 'fly'],
+  ['arrows, Q E', 'turn by 5 degrees, roll'],
+  ['1 2 3, with Shift', 'view from +x +y +z, from −x −y −z'],
+  ['Home, F', 'first view, fit'],
+  ['[ ]', 'less, more detail'],
+  ['− = 0', 'less, more, first exposure'],
+  ['M, Shift + M', 'next, previous colours'],
+  ['I, B', 'reverse the colours, fade them into the background'],
+  ['N', 'next model'],
+  ['P, C', 'save a PNG, copy a link to this view'],
+  ['L, H', 'hide colour bar, controls'],
+  ['?', 'this list'],
+];
+
+/**
+ * Keys are taken wherever the focus is, but from controls that need them.
+ * commands  by name of the key (KeyboardEvent.key, or code for digits): called with the event
+ */
+export function attachKeys(commands) {
+  window.addEventListener('keydown', (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const name = event.code.startsWith('Digit') ? event.code : event.key.toLowerCase();
+    const inControl = event.target.closest?.('input, select, button, a, dialog');
+    if (inControl && /^(arrow|page|home|end|enter| )/.test(name)) return;
+    if (inControl?.tagName === 'SELECT' && /^[a-z]$/.test(name)) return;
+    if (!commands[name]) return;
+    event.preventDefault();
+    commands[name](event);
+  });
+}

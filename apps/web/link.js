@@ -1,0 +1,50 @@
+// link.js: what the part of the address after # says: #embed&map=viridis&eye=1,2,3&at=0,0,0. It is
+// only read; a page never changes its own address.
+import { isUsable } from './camera.js';
+
+const vector = (text) => {
+  const v = (text ?? '').split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
+  return v.length === 3 && v.every(Number.isFinite) ? v : null;
+};
+const number = (text, low, high) => {
+  const v = text === null || text.trim() === '' ? NaN : Number(text);
+  return v >= low && v <= high ? v : null;
+};
+
+/** Whatever is absent or makes no sense is null. camera  takes the place of what is not given */
+export function readLink(hash, camera) {
+  const words = new URLSearchParams(hash.replace(/^#/, ''));
+  const given = {
+    eye: vector(words.get('eye')), at: vector(words.get('at')), up: vector(words.get('up')),
+    fov: number(words.get('fov'), 0.001, 179),
+  };
+  const any = Object.values(given).some((part) => part !== null);
+  const merged = { ...camera };
+  for (const key of Object.keys(given)) if (given[key] !== null) merged[key] = given[key];
+  const flag = (name) => (words.has(name) ? words.get(name) !== '0' : null);
+  return {
+    embed: flag('embed') === true,
+    still: flag('still') === true,
+    half: flag('half') === true,
+    subframes: number(words.get('subframes'), 1, 64),
+    model: number(words.get('model'), 1, 1e6),
+    level: number(words.get('level'), 1, 1e6),
+    map: words.get('map'),
+    exposure: number(words.get('exposure'), 1 / 64, 64),
+    reverse: flag('reverse'),
+    fade: flag('fade'),
+    camera: any && isUsable(merged) ? merged : null,
+  };
+}
+
+/** The words for a view: what readLink reads. */
+export function writeLink(state) {
+  const digits = (v) => v.map((x) => Number(x.toPrecision(8))).join(',');
+  const words = [`model=${state.model + 1}`, `level=${state.level + 1}`];
+  words.push(`map=${encodeURIComponent(state.map)}`);
+  words.push(`exposure=${Number(state.exposure.toPrecision(4))}`);
+  words.push(`reverse=${state.reverse ? 1 : 0}`, `fade=${state.fade ? 1 : 0}`);
+  const { eye, at, up, fov } = state.camera;
+  words.push(`eye=${digits(eye)}`, `at=${digits(at)}`, `up=${digits(up)}`, `fov=${digits([fov])}`);
+  return `#${words.join('&')}`;
+}

@@ -1,0 +1,131 @@
+// coarsen.cpp: the tree that particles have, over the Gaussians of a model.
+#include "vog/coarsen.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "convert/point_tree.h"
+#include "parallel.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+/// About this many are drawn in no time anywhere: a coarser level would save nothing.
+constexpr std::size_t kCoarsest = 1000;
+constexpr std::size_t kLevelRatio = 4;
+
+/// Where the tree has its places, and its units.
+struct Lattice {
+    Vec3d origin;
+    double length = 1;  ///< world units per unit of the tree: about one Gaussian's share of space
+    double mass = 1;    ///< per unit of the tree: the mean mass
+};
+
+Lattice lattice_of(const Gaussians& model) {
+    Box means;
+    for (const Vec3f& mean : model.mean) means.include(vec_cast<double>(mean));
+    Lattice lattice;
+    lattice.origin = means.lower;
+    const auto count = static_cast<double>(model.size());
+    // Gaussians in one place have no spacing: their own size serves.
+    double extent = 2 * means.radius();
+    for (const Vec3f& s : model.scale)
+        extent = std::max({extent, double{s.x}, double{s.y}, double{s.z}});
+    lattice.length = extent / std::cbrt(count);
+    const double total = mass(model);
+    if (total > 0) lattice.mass = total / count;
+    return lattice;
+}
+
+/// Mean, mass and covariance after the cut; those without mass are left out.
+std::vector<Particle> particles_of(const Gaussians& model, const Lattice& lattice) {
+    const double variance_share = variance_within(model.cutoff);
+    std::vector<Particle> all(model.size());
+    vog::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+        const Mat3 r = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
+        const Vec3d s = (1 / lattice.length) * vec_cast<double>(model.scale[i]);
+        const auto covariance = [&](int a, int b) {
+            double sum = 0;
+            for (int k = 0; k < 3; ++k) sum += r(a, k) * s[k] * s[k] * r(b, k);
+            return static_cast<float>(variance_share * sum);
+        };
+        all[i] = {(1 / lattice.length) * (vec_cast<double>(model.mean[i]) - lattice.origin),
+                  static_cast<float>(mass(model, i) / lattice.mass),
+                  {covariance(0, 0), covariance(0, 1), covariance(0, 2), covariance(1, 1),
+                   covariance(1, 2), covariance(2, 2)}};
+    });
+    std::erase_if(all, [](const Particle& particle) { return !(particle.mass > 0); });
+    return all;
+}
+
+Gaussians model_of(const Gaussians& source, const std::vector<Moments>& cells,
+                   const Lattice& lattice) {
+    const double edge = lattice.length;
+    MomentFrame frame =
+        moment_frame({{{Vec3d{edge, 0, 0}, {0, edge, 0}, {0, 0, edge}}}, lattice.origin}, false, 1,
+                     source.cutoff);
+    frame.voxel_volume = lattice.mass;  // cells hold masses, not densities
+    Gaussians model;
+    model.cutoff = source.cutoff;
+    model.box = source.box;
+    model.source_voxels = source.source_voxels;
+    model.source = source.source;
+    model.method = source.method;
+    model.options = source.options;
+    resize(model, cells.size(), false);
+    vog::parallel_for(std::size_t{0}, cells.size(),
+                      [&](std::size_t i) { set_gaussian(model, i, cells[i], frame); });
+    return model;
+}
+
+}  // namespace
+
+std::vector<Gaussians> coarsen(const Gaussians& model, std::span<const std::size_t> budgets) {
+    validate(model);
+    if (std::ranges::find(budgets, std::size_t{0}) != budgets.end())
+        throw Error(fmt::format("{}: a budget of 0 Gaussians, expected 1 or more",
+                                model.source.empty() ? "model" : model.source));
+    const auto meets = [&](std::size_t budget) { return model.size() <= budget; };
+    const Lattice lattice = lattice_of(model);
+    PointTree tree;
+    if (!std::ranges::all_of(budgets, meets)) tree = point_tree(particles_of(model, lattice));
+    std::vector<Gaussians> results;
+    for (const std::size_t budget : budgets) {
+        if (meets(budget)) {
+            results.push_back(model);
+            continue;
+        }
+        std::vector<Moments> cells;
+        if (!tree.particles.empty()) cells = best_cut(tree, budget);
+        results.push_back(model_of(model, cells, lattice));
+        results.back().options +=
+            fmt::format("{}coarsened to {}", model.options.empty() ? "" : ", ", budget);
+    }
+    return results;
+}
+
+Gaussians coarsen(const Gaussians& model, std::size_t budget) {
+    return std::move(coarsen(model, std::span(&budget, 1)).front());
+}
+
+std::vector<std::size_t> detail_budgets(std::size_t size, std::size_t most) {
+    std::vector<std::size_t> budgets;
+    for (std::size_t count = size / kLevelRatio;
+         count >= kCoarsest / 2 && budgets.size() + 1 < most; count /= kLevelRatio)
+        budgets.push_back(count);
+    return budgets;
+}
+
+std::vector<Gaussians> detail_levels(Gaussians model, std::size_t most) {
+    std::vector<Gaussians> coarser = coarsen(model, detail_budgets(model.size(), most));
+    std::vector<Gaussians> levels;
+    levels.push_back(std::move(model));
+    for (Gaussians& level : coarser) levels.push_back(std::move(level));
+    return levels;
+}
+
+}  // namespace vog

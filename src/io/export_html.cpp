@@ -1,0 +1,244 @@
+// export_html.cpp: the page: apps/web's files with the models, the colours and the words in their
+// places.
+#include "vog/export_html.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "io/atomic_file.h"
+#include "io/html_text.h"
+#include "io/web_codec.h"
+#include "io/web_files.h"
+#include "shade/transfer_function.h"
+#include "vog/error.h"
+#include "vog/render.h"
+
+namespace vog {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// In the order in which each finds what it needs above it.
+constexpr const char* kModules[] = {"vectors.js", "camera.js",   "gaussians.js",
+                                    "colors.js",  "renderer.js", "link.js",
+                                    "input.js",   "controls.js", "main.js"};
+constexpr const char* kShaders[] = {"splat.vert", "splat.frag", "screen.vert", "shade.frag"};
+
+/// The name that a line declares: of "const x = 1;", "async function x() {", ...
+std::string declared_name(std::string_view line) {
+    for (const std::string_view word : {"async ", "function ", "class ", "const "})
+        if (line.starts_with(word)) line.remove_prefix(word.size());
+    return std::string(line.substr(0, line.find_first_of(" (={;")));
+}
+
+/// Modules as one script: each a function of its own that returns what it exports, by which those
+/// below it see it. Imports and exported declarations begin a line; no name is changed on the way.
+std::string bundle() {
+    std::string script;
+    for (const char* name : kModules) {
+        const std::string text = web_file(name);
+        std::string body, exported;
+        for (std::size_t at = 0; at < text.size();) {
+            const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+            std::string_view line = std::string_view(text).substr(at, end - at);
+            at = end;
+            if (line.starts_with("import ")) continue;
+            if (line.starts_with("export ")) {
+                line.remove_prefix(7);
+                exported += (exported.empty() ? "" : ", ") + declared_name(line);
+            }
+            body += line;
+        }
+        if (exported.empty())
+            script += "(() => {\n" + body + "})();\n";
+        else
+            script += fmt::format("const {{ {} }} = (() => {{\n", exported) + body +
+                      fmt::format("return {{ {} }};\n}})();\n", exported);
+    }
+    return script;
+}
+
+/// JSON within a script element: no '<', so that nothing ends the element or begins a comment.
+std::string script_json(const Json& json) {
+    const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    std::string safe;
+    safe.reserve(text.size());
+    for (const char c : text) {
+        if (c == '<')
+            safe += "\\u003c";
+        else
+            safe += c;
+    }
+    return safe;
+}
+
+/// Every {{name}} of a page replaced, in one pass: what is put in is not looked at again.
+std::string filled(const std::string& page, const std::map<std::string, std::string>& parts) {
+    std::string out;
+    std::size_t at = 0;
+    for (std::size_t open; (open = page.find("{{", at)) != std::string::npos;) {
+        const std::size_t close = page.find("}}", open);
+        out.append(page, at, open - at);
+        out += parts.at(page.substr(open + 2, close - open - 2));
+        at = close + 2;
+    }
+    return out.append(page, at);
+}
+
+Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+
+Json json_of(const TransferFunction& tf) {
+    Json colors = Json::array(), opacity = Json::array();
+    // Four digits are finer than 8 bits; more would only make the page larger.
+    const auto rounded = [](float v) { return std::round(double{v} * 1e4) / 1e4; };
+    for (const ColorPoint& c : tf.color)
+        colors.push_back({double{c.v}, rounded(c.r), rounded(c.g), rounded(c.b)});
+    for (const OpacityPoint& o : tf.opacity) opacity.push_back({double{o.v}, rounded(o.opacity)});
+    return {{"name", tf.name}, {"colors", colors}, {"opacity", opacity}};
+}
+
+/// The chosen one first if it is none of those known by name, or differs from its namesake.
+Json maps_json(const TransferFunction& chosen, std::string& chosen_name) {
+    Json maps = Json::array();
+    const Json own = json_of(chosen);
+    chosen_name = chosen.name.empty() ? "own" : chosen.name;
+    bool known = false;
+    for (const std::string& name : transfer_function_names()) {
+        maps.push_back(json_of(named_transfer_function(name)));
+        if (maps.back() == own) known = true;
+    }
+    if (known) return maps;
+    if (is_transfer_function_name(chosen_name)) chosen_name += " (own)";
+    maps.insert(maps.begin(), own);
+    maps.front()["name"] = chosen_name;
+    return maps;
+}
+
+Box seen_box(const Gaussians& model) {
+    const Box box = view_box(model);
+    return box.empty() ? Box{{-1, -1, -1}, {1, 1, 1}} : box;
+}
+
+double first_extinction(const Gaussians& model, const HtmlOptions& options) {
+    if (options.extinction) return *options.extinction;
+    constexpr int kSize = 256;
+    const Camera camera = options.camera ? *options.camera : paper_view(seen_box(model));
+    return auto_extinction(render_splat(model, camera, kSize, kSize));
+}
+
+/// A model's entry in the page's JSON; its levels are appended to `data` as elements.
+Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& options,
+                std::string& data) {
+    const Gaussians& finest = model.levels.front();
+    const WebFrame frame = web_frame(finest);
+    const Box box = seen_box(finest);
+    Json levels = Json::array();
+    for (std::size_t n = 0; n < model.levels.size(); ++n) {
+        const WebLevel level = web_level(model.levels[n], frame);
+        // V8 holds strings of up to 2^29 - 24 letters, the least of all engines.
+        constexpr std::size_t kMostText = (std::size_t{1} << 29) - 24;
+        const std::string text = base64(level.compressed());
+        if (text.size() > kMostText)
+            throw Error(fmt::format("{}: {} Gaussians take {} bytes in a page, expected at most {}",
+                                    model.name, level.count, text.size(), kMostText));
+        levels.push_back({{"count", level.count},
+                          {"rotated", level.rotated},
+                          {"chunks", level.chunks.size()},
+                          {"scale", {level.scale.low, level.scale.step}},
+                          {"density", {level.density.low, level.density.step}}});
+        data += fmt::format("<script type=\"text/plain\" id=\"model-{}-{}\">", index, n);
+        data += text;
+        data += "</script>\n";
+    }
+    return {{"name", model.name},
+            {"center", json_of(frame.center)},
+            {"unit", frame.unit},
+            {"cutoff", finest.cutoff},
+            {"box",
+             {{"center", json_of(box.center())},
+              {"half", json_of(0.5 * (box.upper - box.lower))},
+              {"radius", box.radius() > 0 ? box.radius() : 1}}},
+            {"extinction", first_extinction(finest, options)},
+            {"levels", levels}};
+}
+
+void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
+    if (models.empty()) throw Error("page: no model, expected one or more");
+    for (const HtmlModel& model : models) {
+        if (model.levels.empty())
+            throw Error(
+                fmt::format("page: model '{}' has no levels, expected one or more", model.name));
+        for (const Gaussians& level : model.levels) validate(level);
+    }
+    if (options.extinction && !(std::isfinite(*options.extinction) && *options.extinction > 0))
+        throw Error(fmt::format("page: extinction {}, expected a finite number above 0",
+                                *options.extinction));
+    require_valid("page", options.tf);
+    if (options.camera) frame_of(*options.camera, 1, 1);
+}
+
+/// What stands on the picture is to be legible.
+std::string ground_of(const Rgba& background) {
+    if (background.a < 0.5f) return "clear";
+    const float luma = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
+    return luma > 0.5f ? "light" : "dark";
+}
+
+}  // namespace
+
+HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
+                      const HtmlOptions& options) {
+    check(models, options);
+    HtmlReport report;
+    std::string data, map_name, shaders;
+    Json entries = Json::array();
+    for (const HtmlModel& model : models) {
+        entries.push_back(model_json(model, entries.size(), options, data));
+        report.gaussians += model.levels.front().size();
+    }
+    const Camera camera =
+        options.camera ? *options.camera : paper_view(seen_box(models.front().levels.front()));
+    const Rgba& ground = options.shading.background;
+    Json page = {{"title", options.title},
+                 {"camera",
+                  {{"eye", json_of(camera.eye)},
+                   {"at", json_of(camera.look_at)},
+                   {"up", json_of(camera.up)},
+                   {"fov", camera.fov_degrees}}},
+                 {"chosenView", options.camera.has_value()},
+                 {"systemBackground", options.system_background},
+                 {"background", {ground.r, ground.g, ground.b, ground.a}},
+                 {"fade", options.shading.blend}};
+    page["maps"] = maps_json(options.tf, map_name);
+    page["map"] = map_name;
+    page["models"] = std::move(entries);
+    for (const char* name : kShaders)
+        shaders += fmt::format("<script type=\"text/plain\" data-shader=\"{}\">\n{}</script>\n",
+                               name, web_file(name));
+    report.viewer_bytes = data.size();
+    const std::string text =
+        filled(web_file("page.html"), {{"title", escaped(options.title)},
+                                       {"description", escaped(options.description)},
+                                       {"ground", ground_of(ground)},
+                                       {"style", web_file("page.css")},
+                                       {"page", script_json(page)},
+                                       {"shaders", shaders},
+                                       {"models", std::move(data)},
+                                       {"script", bundle()}});
+    report.bytes = text.size();
+    report.viewer_bytes = report.bytes - report.viewer_bytes;
+    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
+        std::ofstream out(beside, std::ios::binary);
+        out << text;
+        if (!out.flush())
+            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
+    });
+    return report;
+}
+
+}  // namespace vog

@@ -1,0 +1,12 @@
+// web_files.h: the files of apps/web, and the shaders the page shares with the desktop's window,
+// embedded when building.
+#pragma once
+
+#include <string>
+
+namespace vog {
+
+/// Text of a file by its name, without folder.
+const char* web_file(const std::string& name);
+
+}  // namespace vog

@@ -1,0 +1,209 @@
+"""A page in Chromium without a window, driven by the DevTools protocol over a pipe.
+
+Needs nothing but Python and Chromium; WebGL2 comes from SwiftShader, which blends 32-bit floats.
+"""
+import argparse
+import base64
+import json
+import os
+import select
+import shutil
+import subprocess
+import tempfile
+import time
+
+FLAGS = [
+    "--headless", "--remote-debugging-pipe", "--no-sandbox", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
+    "--disable-dev-shm-usage",
+]
+
+
+def find_chromium():
+    for name in ("chromium", "chromium-browser", "google-chrome"):
+        if path := shutil.which(name):
+            return path
+    return None
+
+
+class Browser:
+    """One browser with one page; closes both at the end of a `with`."""
+
+    def __init__(self, timeout_s=120):
+        self.timeout_s = timeout_s
+        self.profile = tempfile.TemporaryDirectory(prefix="vog-web-", ignore_cleanup_errors=True)
+        to_browser, self.out = os.pipe()
+        self.into, from_browser = os.pipe()
+
+        def place():  # where Chromium looks for the pipe's ends
+            # Away from 3 and 4 first, lest one overwrites the other.
+            ends = [os.dup2(fd, 100 + n) for n, fd in enumerate((to_browser, from_browser))]
+            os.dup2(ends[0], 3)
+            os.dup2(ends[1], 4)
+
+        self.process = subprocess.Popen(
+            [find_chromium(), *FLAGS, f"--user-data-dir={self.profile.name}", "about:blank"],
+            preexec_fn=place, close_fds=False, stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        os.close(to_browser)
+        os.close(from_browser)
+        self.buffer = b""
+        self.number = 0
+        self.session = None
+        self.complaints = []  # what the page's console says: exceptions, errors, warnings
+        self.requests = []    # everything the page asks for
+        target = self.call("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Log", "Network"):
+            self.call(f"{domain}.enable")
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self.session = None
+            self.call("Browser.close")
+            self.process.wait(10)
+        except Exception:
+            self.process.kill()
+            self.process.wait()
+        os.close(self.out)
+        os.close(self.into)
+        self.profile.cleanup()
+
+    def _receive(self, deadline):
+        while b"\0" not in self.buffer:
+            left = deadline - time.monotonic()
+            if left <= 0 or not select.select([self.into], [], [], left)[0]:
+                raise TimeoutError(f"the browser did not answer within {self.timeout_s} s")
+            data = os.read(self.into, 1 << 20)
+            if not data:
+                raise ConnectionError("the browser has gone")
+            self.buffer += data
+        message, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(message)
+
+    def _note(self, event):
+        method, told = event.get("method"), event.get("params", {})
+        if method == "Runtime.exceptionThrown":
+            details = told["exceptionDetails"]
+            self.complaints.append(details.get("exception", {}).get("description", details["text"]))
+        elif method == "Runtime.consoleAPICalled" and told["type"] in ("error", "warning", "assert"):
+            self.complaints.append(" ".join(str(a.get("value", a)) for a in told["args"]))
+        elif method == "Log.entryAdded" and told["entry"]["level"] in ("error", "warning"):
+            self.complaints.append(told["entry"]["text"])
+        elif method == "Network.requestWillBeSent":
+            self.requests.append(told["request"]["url"])
+
+    def call(self, method, **params):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": params}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.out, json.dumps(message).encode() + b"\0")
+        deadline = time.monotonic() + self.timeout_s
+        while True:
+            answer = self._receive(deadline)
+            if answer.get("id") != self.number:
+                self._note(answer)
+            elif "error" in answer:
+                raise RuntimeError(f"{method}: {answer['error']['message']}")
+            else:
+                return answer["result"]
+
+    def evaluate(self, expression):
+        """The value of a JavaScript expression; waits for it if it is a promise."""
+        answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True,
+                           returnByValue=True)
+        if "exceptionDetails" in answer:
+            details = answer["exceptionDetails"]
+            raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
+        return answer["result"].get("value")
+
+    def viewport(self, width, height, scale=1, phone=False):
+        self.call("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                  deviceScaleFactor=scale, mobile=phone)
+        self.call("Emulation.setTouchEmulationEnabled", enabled=phone, maxTouchPoints=5)
+
+    def prefer(self, **features):
+        """Media features: prefer(prefers_color_scheme="light")."""
+        listed = [{"name": k.replace("_", "-"), "value": v} for k, v in features.items()]
+        self.call("Emulation.setEmulatedMedia", features=listed)
+
+    def open(self, path, fragment=""):
+        """Opens a file, and waits until its module has run."""
+        # Another address first: a new fragment alone would not load the page again.
+        self.call("Page.navigate", url="about:blank")
+        self.complaints.clear()
+        self.requests.clear()
+        answer = self.call("Page.navigate", url=f"file://{os.path.abspath(path)}{fragment}")
+        if "errorText" in answer:
+            raise RuntimeError(answer["errorText"])
+        deadline = time.monotonic() + self.timeout_s
+        while self.evaluate("document.readyState") != "complete":
+            if time.monotonic() > deadline:
+                raise TimeoutError(f"{path} does not load")
+
+    def settle(self):
+        self.evaluate("vog.settled()")
+
+    def picture(self, path):
+        """The picture alone, once it is complete, as a PNG."""
+        data = self.evaluate("vog.picture()")
+        with open(path, "wb") as out:
+            out.write(base64.b64decode(data.split(",", 1)[1]))
+
+    def screenshot(self, path):
+        data = self.call("Page.captureScreenshot", format="png")["data"]
+        with open(path, "wb") as out:
+            out.write(base64.b64decode(data))
+
+    def mouse(self, kind, x, y, **more):
+        self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+    def drag(self, x0, y0, x1, y1, steps=4, button="left", modifiers=0):
+        mask = {"left": 1, "right": 2, "middle": 4}[button]
+        held = dict(button=button, buttons=mask, modifiers=modifiers)
+        self.mouse("mousePressed", x0, y0, clickCount=1, **held)
+        for n in range(1, steps + 1):
+            self.mouse("mouseMoved", x0 + (x1 - x0) * n / steps, y0 + (y1 - y0) * n / steps, **held)
+        self.mouse("mouseReleased", x1, y1, clickCount=1, button=button, modifiers=modifiers)
+
+    def wheel(self, x, y, delta):
+        self.mouse("mouseWheel", x, y, deltaX=0, deltaY=delta)
+
+    def touch(self, *places):
+        """Fingers through a sequence of places: each [(x, y), ...], one a finger."""
+        for n, fingers in enumerate(places):
+            points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(fingers)]
+            self.call("Input.dispatchTouchEvent", type="touchMove" if n else "touchStart",
+                      touchPoints=points)
+        self.call("Input.dispatchTouchEvent", type="touchEnd", touchPoints=[])
+
+    def key(self, key, code="", modifiers=0):
+        code = code or (f"Key{key.upper()}" if key.isalpha() and len(key) == 1 else key)
+        for kind in ("keyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, modifiers=modifiers)
+
+
+def main():
+    """A screenshot of a page once its picture is complete: how those in docs/images are made."""
+    parser = argparse.ArgumentParser(description=main.__doc__)
+    parser.add_argument("page")
+    parser.add_argument("picture", help="PNG to write")
+    parser.add_argument("--size", default="1200x750", help="of the window, CSS pixels")
+    parser.add_argument("--scale", type=float, default=1, help="device pixels to a CSS pixel")
+    parser.add_argument("--phone", action="store_true")
+    parser.add_argument("--fragment", default="", help="the address from # on")
+    arguments = parser.parse_args()
+    with Browser() as browser:
+        browser.viewport(*map(int, arguments.size.split("x")), arguments.scale, arguments.phone)
+        browser.open(arguments.page, arguments.fragment)
+        browser.settle()
+        browser.screenshot(arguments.picture)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,439 @@
+#!/usr/bin/env python3
+"""The page that `vog export` writes, opened from a file in Chromium: its pictures against the CPU's,
+mouse, touch, keys and controls, what happens where something is missing.
+
+VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as
+skipped, where there is no Chromium.
+"""
+import array
+import json
+import math
+import os
+import pathlib
+import random
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+from browser import Browser, find_chromium
+
+VOG = os.environ.get("VOG_COMMAND", "vog")
+HOUSE = pathlib.Path(__file__).resolve().parents[2]
+DATA = pathlib.Path(os.environ.get("VOG_DATA", HOUSE / "../shared/data"))
+WIDTH, HEIGHT = 320, 240
+# The page's numbers are rounded as docs/web.md says; both renderers are exact. 79 dB are measured.
+LEAST_PSNR_DB = 60
+
+
+def vog(*arguments):
+    done = subprocess.run([VOG, *map(str, arguments)], capture_output=True, text=True, cwd=Pages.folder)
+    if done.returncode:
+        raise RuntimeError(f"vog {' '.join(map(str, arguments))}: {done.stderr}")
+    return done.stdout
+
+
+def write_model(path, gaussians):
+    """A PLY of (x, y, z, s, s, s, density) rows."""
+    names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "density"]
+    header = "ply\nformat binary_little_endian 1.0\ncomment vog 1\ncomment cutoff 2.25\n"
+    header += f"element vertex {len(gaussians) // len(names)}\n"
+    header += "".join(f"property float {name}\n" for name in names) + "end_header\n"
+    with open(path, "wb") as out:
+        out.write(header.encode())
+        array.array("f", gaussians).tofile(out)
+
+
+class Pages(unittest.TestCase):
+    """One browser and one set of models for all."""
+
+    @classmethod
+    def setUpClass(cls):
+        Pages.folder = pathlib.Path(tempfile.mkdtemp(prefix="vog-web-"))
+        cls.addClassCleanup(shutil.rmtree, Pages.folder, ignore_errors=True)
+        volume = DATA / "smoke.vdb"
+        if not volume.exists():
+            print(f"{volume} is absent: a sampled cloud takes its place", file=sys.stderr)
+            volume = Pages.folder / "cloud.vdb"
+            vog("sample", "cloud", volume, "--size", 96)
+        vog("convert", volume, "-o", "fine.ply", "--block", 4)
+        vog("convert", volume, "-o", "coarse.ply", "--block", 16)
+        vog("export", "fine.ply", "coarse.ply", "-o", "page.html", "--tf", "gray",
+            "--title", "Smoke & mirrors", "--description", "A test.")
+        Pages.browser = cls.enterClassContext(Browser())
+
+    def setUp(self):
+        self.browser.viewport(WIDTH, HEIGHT)
+        self.browser.prefer()
+
+    def tearDown(self):
+        self.assertEqual(self.browser.complaints, [], "the page's console is not silent")
+
+    def open(self, page="page.html", fragment="#subframes=1"):
+        self.browser.open(self.folder / page, fragment)
+        self.browser.settle()
+
+    def value(self, expression):
+        return self.browser.evaluate(expression)
+
+    def picture(self, name="web.png"):
+        self.browser.picture(self.folder / name)
+        return name
+
+    def bytes(self):
+        return (self.folder / self.picture()).read_bytes()
+
+    def render(self, model="fine.ply", *more, tf="gray"):
+        """vog render's picture from where the page's camera stands, at the page's extinction."""
+        state = self.value("({camera: vog.state.camera, exposure: vog.state.exposure,"
+                           " extinction: vog.page.models[vog.state.model].extinction,"
+                           " width: picture.width, height: picture.height})")
+        camera, width, height = state["camera"], state["width"], state["height"]
+        # The page's angle of view belongs to the shorter side, vog render's to the height.
+        tall = max(1, height / width)
+        fov = 2 * math.degrees(math.atan(tall * math.tan(math.radians(camera["fov"]) / 2)))
+        (self.folder / "camera.json").write_text(json.dumps(
+            {"eye": camera["eye"], "look_at": camera["at"], "up": camera["up"], "fov_degrees": fov}))
+        vog("render", model, "-o", "cpu.png", "--camera", "camera.json", "--tf", tf, "--size",
+            f"{width}x{height}", "--extinction", repr(state["extinction"] * state["exposure"]), *more)
+        return "cpu.png"
+
+    def psnr(self, a, b):
+        found = json.loads(vog("compare", a, b, "--json"))["psnr_rgb_db"]
+        return math.inf if found is None else found
+
+    def expect_same(self, *arguments, least=LEAST_PSNR_DB, **more):
+        """The page's picture is vog render's."""
+        self.picture()  # first, so that the state is the one that was drawn
+        self.assertGreater(self.psnr(self.render(*arguments, **more), "web.png"), least)
+
+    # --- Pictures. ---
+
+    def test_the_picture_is_the_cpu_splats(self):
+        self.open()
+        self.assertEqual(self.value("vog.bits()"), 32)
+        self.expect_same()
+        page = (self.folder / "page.html").as_uri()
+        self.assertEqual([r for r in self.browser.requests if r != page and not r.startswith("data:")], [])
+
+    def test_from_inside_and_beside_the_volume(self):
+        self.open()
+        for place in ("[0, 0, 0]", "[0.3, 0.1, 0]", "[0.9, 0, 0.2]"):
+            self.value(f"""(() => {{
+                const {{center, radius}} = vog.page.models[0].box;
+                const eye = center.map((c, k) => c + radius * {place}[k]);
+                vog.change({{camera: {{eye, at: eye.map((c, k) => c + radius * [-1, 0.2, 0.1][k]),
+                                       up: [0, 1, 0], fov: 70}}}});
+            }})()""")
+            self.expect_same()
+
+    def test_half_floats_where_float_blending_is_missing(self):
+        script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source="""
+            const getExtension = WebGL2RenderingContext.prototype.getExtension;
+            WebGL2RenderingContext.prototype.getExtension = function (name) {
+              return name === 'EXT_float_blend' ? null : getExtension.call(this, name);
+            };""")
+        try:
+            self.open()
+        finally:
+            self.browser.call("Page.removeScriptToEvaluateOnNewDocument", **script)
+        self.assertEqual(self.value("vog.bits()"), 16)
+        self.assertIn("32-bit float blending is missing", self.value("notice.textContent"))
+        self.assertFalse(self.value("notice.hidden"))
+        self.expect_same(least=45)
+
+    def test_says_so_where_nothing_can_be_drawn(self):
+        for name, told in (("webgl2", "no WebGL 2"), ("extensions", "floating-point images")):
+            script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source={
+                "webgl2": """
+                    const getContext = HTMLCanvasElement.prototype.getContext;
+                    HTMLCanvasElement.prototype.getContext = function (name, ...more) {
+                      return name === '2d' ? getContext.call(this, name, ...more) : null;
+                    };""",
+                "extensions": "WebGL2RenderingContext.prototype.getExtension = () => null;"}[name])
+            try:
+                self.browser.open(self.folder / "page.html")
+            finally:
+                self.browser.call("Page.removeScriptToEvaluateOnNewDocument", **script)
+            self.assertIn(told, self.value("document.getElementById('failure-text').textContent"))
+            self.assertTrue(self.value("document.getElementById('failure').checkVisibility()"))
+
+    # --- Mouse, wheel, touch, keys. ---
+
+    def test_dragging_turns_around_the_centre(self):
+        self.open()
+        before = self.value("vog.state.camera")
+        self.browser.drag(160, 120, 220, 140)
+        after = self.value("vog.state.camera")
+        self.assertNotEqual(before["eye"], after["eye"])
+        self.assertEqual(before["at"], after["at"])
+        self.assertAlmostEqual(math.dist(before["eye"], before["at"]),
+                               math.dist(after["eye"], after["at"]), delta=1e-6 * math.hypot(*before["eye"]))
+        self.expect_same()
+
+    def test_each_button_moves_the_camera_its_own_way(self):
+        self.open()
+        distance = "Math.hypot(...vog.state.camera.eye.map((x, k) => x - vog.state.camera.at[k]))"
+        first = self.value(distance)
+        self.browser.drag(160, 120, 160, 90, button="right")
+        self.assertLess(self.value(distance), first * 0.9)
+        at = self.value("vog.state.camera.at")
+        self.browser.drag(160, 120, 190, 120, modifiers=8)  # Shift
+        self.assertGreater(math.dist(at, self.value("vog.state.camera.at")), 0.01 * first)
+        up = self.value("vog.state.camera.up")
+        self.browser.drag(220, 120, 160, 40, modifiers=1)  # Alt
+        self.assertGreater(math.dist(up, self.value("vog.state.camera.up")), 0.3)
+        eye = self.value("vog.state.camera.eye")
+        self.browser.drag(160, 120, 170, 120, modifiers=2)  # Ctrl
+        self.assertEqual(eye, self.value("vog.state.camera.eye"))
+        self.expect_same()
+
+    def test_the_wheel_zooms_to_the_pointer_and_through(self):
+        self.open()
+        before = self.bytes()
+        eye = self.value("vog.state.camera.eye")
+        self.browser.wheel(200, 100, -240)
+        self.assertLess(math.dist(self.value("vog.state.camera.eye"), self.value("vog.state.camera.at")),
+                        math.dist(eye, self.value("vog.state.camera.at")))
+        self.assertNotEqual(before, self.bytes())
+        self.expect_same()
+        for _ in range(60):
+            self.browser.wheel(160, 120, -240)
+        radius = self.value("vog.page.models[0].box.radius")
+        self.assertGreater(math.dist(eye, self.value("vog.state.camera.eye")), 3 * radius)
+        self.expect_same()
+
+    def test_two_fingers_pan_pinch_and_twist(self):
+        self.browser.viewport(WIDTH, HEIGHT, phone=True)
+        self.open()
+        first = self.value("vog.state.camera")
+        span = math.dist(first["eye"], first["at"])
+        self.browser.touch([(120, 120), (200, 120)], [(100, 120), (220, 120)], [(80, 120), (240, 120)])
+        pinched = self.value("vog.state.camera")
+        self.assertAlmostEqual(math.dist(pinched["eye"], pinched["at"]), span / 2, delta=0.01 * span)
+        self.browser.touch([(120, 120), (200, 120)], [(120, 150), (200, 150)])
+        self.assertGreater(math.dist(pinched["at"], self.value("vog.state.camera.at")), 0.01 * span)
+        self.browser.touch([(120, 120), (200, 120)], [(160, 80), (160, 160)])
+        self.assertGreater(math.dist(first["up"], self.value("vog.state.camera.up")), 0.5)
+        eye = self.value("vog.state.camera.eye")
+        self.browser.touch([(160, 120)], [(190, 120)])
+        self.assertNotEqual(eye, self.value("vog.state.camera.eye"))
+        self.expect_same()
+
+    def test_keys(self):
+        self.open()
+        for key, changed in (("w", "camera"), ("ArrowLeft", "camera"), ("q", "camera"), ("f", "camera"),
+                             ("[", "level"), ("]", "level"), ("=", "exposure"), ("m", "map"),
+                             ("i", "reverse"), ("b", "fade"), ("n", "model"), ("l", "bar"), ("h", "panel")):
+            before = self.value(f"JSON.stringify(vog.state.{changed})")
+            self.browser.key(key)
+            self.assertNotEqual(before, self.value(f"JSON.stringify(vog.state.{changed})"), key)
+        self.browser.key("?")
+        self.assertTrue(self.value("document.getElementById('help-box').open"))
+        self.browser.key("?")
+        self.assertFalse(self.value("document.getElementById('help-box').open"))
+        self.browser.key("1", "Digit1")
+        self.browser.key("i")
+        self.expect_same("coarse.ply", "--blend", tf=self.value("vog.state.map"))
+
+    # --- Controls. ---
+
+    def set(self, control, value, event="input"):
+        self.value(f"""(() => {{ const control = document.getElementById('{control}');
+            control.value = {json.dumps(value)};
+            control.dispatchEvent(new Event('{event}')); }})()""")
+
+    def test_colours_exposure_and_fading_are_vog_renders(self):
+        self.open()
+        self.set("map", "viridis", "change")
+        self.expect_same(tf="viridis")
+        self.set("exposure", 1.5)
+        self.assertAlmostEqual(self.value("vog.state.exposure"), 2 ** 1.5)
+        self.expect_same(tf="viridis")
+        self.value("document.getElementById('fade').click()")
+        self.expect_same("fine.ply", "--blend", tf="viridis")
+        plain = self.bytes()
+        self.value("document.getElementById('reverse').click()")
+        self.assertNotEqual(plain, self.bytes())
+
+    def test_the_slider_changes_detail_and_keeps_the_mass(self):
+        self.open()
+        fine = self.picture("fine.png")
+        count = self.value("document.getElementById('count').textContent")
+        self.set("level", 0)
+        last = self.value("vog.page.models[0].levels.length") - 1
+        self.assertGreater(last, 0)
+        self.assertEqual(self.value("vog.state.level"), last)
+        self.assertNotEqual(count, self.value("document.getElementById('count').textContent"))
+        coarse = self.picture("coarse.png")
+        self.assertEqual(int(self.value("document.documentElement.dataset.drawn")),
+                         self.value(f"vog.page.models[0].levels[{last}].count"))
+        self.assertNotEqual((self.folder / fine).read_bytes(), (self.folder / coarse).read_bytes())
+        self.assertGreater(self.psnr(fine, coarse), 30)
+
+    def test_the_switch_keeps_the_view(self):
+        self.open()
+        self.browser.drag(160, 120, 220, 140)
+        camera = self.value("vog.state.camera")
+        self.value("document.querySelectorAll('#models input')[1].click()")
+        self.assertEqual(self.value("vog.state.model"), 1)
+        for part in ("eye", "at"):  # both models have the volume's box
+            self.assertLess(math.dist(camera[part], self.value("vog.state.camera")[part]), 1e-9 * 1e3)
+        self.expect_same("coarse.ply")
+
+    def test_saves_a_png(self):
+        self.open()
+        target = self.folder / "saved"
+        target.mkdir()
+        self.browser.call("Page.setDownloadBehavior", behavior="allow", downloadPath=str(target))
+        expected = self.bytes()
+        self.value("document.getElementById('save').click()")
+        self.value("""new Promise((done) => setTimeout(done, 0))""")
+        for _ in range(200):
+            if [f for f in target.iterdir() if f.suffix == ".png"]:
+                break
+            self.value("new Promise((done) => setTimeout(done, 20))")
+        self.assertEqual([f.name for f in target.iterdir()], ["Smoke-mirrors.png"])
+        self.assertEqual((target / "Smoke-mirrors.png").read_bytes(), expected)
+
+    # --- The address. ---
+
+    def test_a_link_brings_the_view_back(self):
+        self.open()
+        self.browser.drag(160, 120, 200, 150)
+        self.browser.wheel(160, 120, -120)
+        self.value("vog.change({level: 1, map: 'magma', exposure: 2, fade: true})")
+        expected = self.bytes()
+        self.value("""(() => { Object.defineProperty(navigator, 'clipboard', { value:
+            { writeText: async (text) => { window.copied = text; } } }); })()""")
+        self.value("document.getElementById('link').click()")
+        link = self.value("copied")
+        self.assertTrue(link.startswith((self.folder / "page.html").as_uri()))
+        self.open(fragment="#" + link.split("#", 1)[1] + "&subframes=1")
+        (self.folder / "before.png").write_bytes(expected)
+        self.assertGreater(self.psnr("before.png", self.picture()), LEAST_PSNR_DB)  # eight digits
+
+    def test_an_address_of_nonsense_is_ignored(self):
+        self.open()
+        expected = self.bytes()
+        self.open(fragment="#subframes=1&eye=1,2&at=x&fov=400&map=<b>&level=0&model=-3&exposure=NaN&up=0,0,")
+        self.assertEqual(expected, self.bytes())
+        self.open(fragment="#subframes=1&eye=0,0,0&at=0,0,0")
+        self.assertEqual(expected, self.bytes())
+
+    def test_embedded_there_is_the_picture_and_its_scale(self):
+        self.open(fragment="#embed&subframes=1")
+        visible = "document.getElementById('{}').checkVisibility()"
+        for part, shown in (("panel", False), ("caption", False), ("toggle", False),
+                            ("scale", True), ("open", True), ("picture", True)):
+            self.assertEqual(self.value(visible.format(part)), shown, part)
+        self.expect_same()
+        # The wheel is the outer page's until the picture has been clicked.
+        eye = self.value("vog.state.camera.eye")
+        self.browser.wheel(160, 120, -120)
+        self.assertEqual(eye, self.value("vog.state.camera.eye"))
+        self.browser.drag(160, 120, 160, 120, steps=1)
+        self.browser.wheel(160, 120, -120)
+        self.assertNotEqual(eye, self.value("vog.state.camera.eye"))
+        self.assertNotIn("#", self.value("document.getElementById('open').href"))
+
+    def test_a_still_view_cannot_be_moved(self):
+        self.open(fragment="#still&subframes=1")
+        camera = self.value("vog.state.camera")
+        self.browser.drag(160, 120, 220, 140)
+        self.browser.wheel(160, 120, -120)
+        for key in ("w", "f", "ArrowUp", "Home"):
+            self.browser.key(key)
+        self.assertEqual(camera, self.value("vog.state.camera"))
+
+    # --- Screens. ---
+
+    def test_a_phone_held_upright(self):
+        self.browser.viewport(160, 300, scale=3, phone=True)
+        self.open()
+        self.assertEqual(self.value("[picture.width, picture.height]"), [320, 600])  # two to a pixel
+        self.assertFalse(self.value("document.getElementById('panel').checkVisibility()"))
+        self.expect_same()
+        self.value("document.getElementById('toggle').click()")
+        self.browser.settle()
+        self.assertTrue(self.value("document.getElementById('panel').checkVisibility()"))
+        self.assertGreater(600, self.value("picture.height"))  # the controls are not over the picture
+
+    def test_a_desktop_window(self):
+        self.browser.viewport(720, 450)
+        self.open()
+        for part in ("panel", "caption", "scale", "toggle"):
+            self.assertTrue(self.value(f"document.getElementById('{part}').checkVisibility()"), part)
+        self.assertEqual(self.value("[picture.clientWidth + panel.clientWidth + 1, picture.height]"), [720, 450])
+        self.expect_same()
+
+    def test_the_picture_follows_the_window(self):
+        self.open()
+        self.browser.viewport(200, 130, scale=1.5)
+        self.value("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+        self.browser.settle()
+        self.assertEqual(self.value("[picture.width, picture.height]"), [300, 195])
+        self.expect_same()
+
+    def test_the_background_of_the_readers_system(self):
+        vog("export", "coarse.ply", "-o", "system.html", "--background", "system", "--blend")
+        for scheme, ground, color in (("light", "light", "white"), ("dark", "dark", "black")):
+            self.browser.prefer(prefers_color_scheme=scheme)
+            self.open("system.html")
+            self.assertEqual(self.value("document.documentElement.dataset.ground"), ground)
+            self.expect_same("coarse.ply", "--blend", "--background", color, tf="inferno")
+
+    def test_a_lost_context_comes_back(self):
+        self.open()
+        expected = self.bytes()
+        self.value("""new Promise((done) => {
+            const loser = picture.getContext('webgl2').getExtension('WEBGL_lose_context');
+            picture.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
+            picture.addEventListener('webglcontextrestored', () => setTimeout(done));
+            loser.loseContext(); })""")
+        self.assertEqual(expected, self.bytes())
+
+    # --- Models of other kinds. ---
+
+    def test_a_title_is_text(self):
+        title = "<img src=x onerror=document.title='broken'> & \"'</script><script>document.title='broken'"
+        vog("export", "coarse.ply", "-o", "title.html", "--title", title, "--description", title,
+            "--name", title)
+        self.open("title.html")
+        self.assertEqual(self.value("document.title"), title)
+        self.assertEqual(self.value("document.querySelector('h1').textContent"), title)
+        self.assertEqual(self.value("vog.page.models[0].name"), title)
+        self.assertEqual(self.value("document.images.length"), 0)
+
+    def test_empty_and_single(self):
+        write_model(self.folder / "none.ply", [])
+        write_model(self.folder / "one.ply", [1, 2, 3, 0.5, 1, 2, 4])
+        vog("export", "none.ply", "one.ply", "-o", "few.html", "--tf", "gray")
+        self.open("few.html")
+        self.assertIn("empty", self.value("notice.textContent"))
+        self.value("vog.change({model: 1})")
+        self.browser.settle()
+        self.assertTrue(self.value("notice.hidden"))
+        self.value("vog.change({camera: {eye: [1, 2, 12], at: [1, 2, 3], up: [0, 1, 0], fov: 50}})")
+        self.expect_same("one.ply")
+
+    def test_a_million_gaussians_open(self):
+        number = random.Random(1).random
+        rows = array.array("f")
+        for _ in range(1_000_000):
+            rows.extend((number(), number(), number(), 0.004, 0.003, 0.004, 1))
+        write_model(self.folder / "million.ply", rows)
+        told = json.loads(vog("export", "million.ply", "-o", "million.html", "--tf", "gray", "--json"))
+        self.assertEqual(told["gaussians"], 1_000_000)
+        self.assertGreaterEqual(len(told["models"][0]["levels"]), 5)
+        self.open("million.html")
+        self.assertEqual(self.value("document.documentElement.dataset.drawn"), "1000000")
+        self.expect_same("million.ply")
+
+
+if __name__ == "__main__":
+    if not find_chromium():
+        print("skipped: no Chromium here (scripts/install-deps.sh installs it)", file=sys.stderr)
+        sys.exit(77)
+    unittest.main()

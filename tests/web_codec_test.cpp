@@ -1,0 +1,204 @@
+// web_codec_test.cpp: what a page's words lose, decoded here as apps/web/gaussians.js does.
+#include "io/web_codec.h"
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "io/html_text.h"
+#include "support/scenes.h"
+#include "vog/compare.h"
+#include "vog/render.h"
+
+namespace vog::test {
+
+namespace {
+
+std::string inflated(const std::string& packed, std::size_t size) {
+    std::string bytes(size, '\0');
+    uLongf left = size;
+    EXPECT_EQ(uncompress(reinterpret_cast<Bytef*>(bytes.data()), &left,
+                         reinterpret_cast<const Bytef*>(packed.data()), packed.size()),
+              Z_OK);
+    EXPECT_EQ(left, size);
+    return bytes;
+}
+
+/// The level as a model, in world units.
+Gaussians decoded(const WebLevel& level, const WebFrame& frame, float cutoff) {
+    const std::size_t planes = level.chunks.size() * sizeof(WebLevel::Chunk);
+    const std::string bytes =
+        inflated(level.compressed(), planes + 2 * level.columns() * level.count);
+    const auto word = [&](std::size_t column, std::size_t n) {
+        const std::size_t low = planes + 2 * column * level.count + n;
+        const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(bytes[at]); };
+        return static_cast<double>(byte(low) | byte(low + level.count) << 8);
+    };
+    Gaussians model;
+    model.cutoff = cutoff;
+    std::size_t n = 0;
+    for (std::size_t c = 0; c < level.chunks.size(); ++c) {
+        WebLevel::Chunk chunk;
+        std::memcpy(&chunk, bytes.data() + c * sizeof chunk, sizeof chunk);
+        for (std::uint32_t k = 0; k < chunk.count; ++k, ++n) {
+            Vec3f mean, scale;
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto column = static_cast<std::size_t>(axis);
+                mean[axis] = static_cast<float>(
+                    frame.center[axis] +
+                    frame.unit * (chunk.corner[axis] + chunk.step * word(column, n)));
+                scale[axis] = static_cast<float>(
+                    frame.unit *
+                    std::exp2(level.scale.low + level.scale.step * word(3 + column, n)));
+            }
+            model.mean.push_back(mean);
+            model.scale.push_back(scale);
+            model.density.push_back(static_cast<float>(
+                std::exp2(level.density.low + level.density.step * word(level.columns() - 1, n)) /
+                frame.unit));
+            if (!level.rotated) continue;
+            const auto part = [&](std::size_t column) {
+                return static_cast<float>(word(column, n) * 2 * kWebRotationLimit /
+                                              kWebRotationWords -
+                                          kWebRotationLimit);
+            };
+            Quat q{0, part(6), part(7), part(8)};
+            q.w = std::sqrt(std::max(0.0f, 1 - q.x * q.x - q.y * q.y - q.z * q.z));
+            model.rotation.push_back(q);
+        }
+    }
+    EXPECT_EQ(n, level.count);
+    return model;
+}
+
+/// The Gaussian of `model` nearest to a mean.
+std::size_t nearest(const Gaussians& model, Vec3f mean) {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < model.size(); ++i)
+        if (length(model.mean[i] - mean) < length(model.mean[best] - mean)) best = i;
+    return best;
+}
+
+Mat3 shape(const Gaussians& model, std::size_t i) {
+    const Mat3 r = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
+    Mat3 scaled = r;
+    for (int row = 0; row < 3; ++row)
+        for (int c = 0; c < 3; ++c) scaled(row, c) *= double{model.scale[i][c]};
+    return scaled * transpose(scaled);
+}
+
+void expect_within_bounds(const Gaussians& model) {
+    const WebFrame frame = web_frame(model);
+    const WebLevel level = web_level(model, frame);
+    const Gaussians back = decoded(level, frame, model.cutoff);
+    ASSERT_EQ(back.size(), model.size());
+    for (std::size_t i = 0; i < back.size(); ++i) {
+        const std::size_t j = nearest(model, back.mean[i]);
+        const Vec3f s = model.scale[j];
+        const double smallest = std::min({s.x, s.y, s.z}), largest = std::max({s.x, s.y, s.z});
+        // Half a step, and floats on both sides.
+        const double rounding = 2e-7 * (frame.unit + length(frame.center));
+        for (int axis = 0; axis < 3; ++axis)
+            EXPECT_NEAR(back.mean[i][axis], model.mean[j][axis], smallest / 500 + rounding);
+        EXPECT_NEAR(mass(back, i), mass(model, j), mass(model, j) / 2000);
+        // Scales off by 1/2048 and axes by 0.0005 rad: variances by twice that of the largest.
+        const Mat3 a = shape(back, i), b = shape(model, j);
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c)
+                EXPECT_NEAR(a(r, c), b(r, c), 0.0022 * largest * largest) << i << " " << r << c;
+    }
+}
+
+}  // namespace
+
+TEST(web_codec, every_part_is_within_its_bound) {
+    expect_within_bounds(random_gaussians(700, 0.005, 0.3, 1));
+    Gaussians aligned = random_gaussians(700, 0.005, 0.3, 2);
+    aligned.rotation.clear();
+    expect_within_bounds(aligned);
+    for (const float unit : {1e-12f, 1e-3f, 1e7f}) {
+        Gaussians model = random_gaussians(100, 0.01, 0.2, 3);
+        for (std::size_t i = 0; i < model.size(); ++i) {
+            model.mean[i] = unit * (model.mean[i] + Vec3f{20, -3, 7});
+            model.scale[i] = unit * model.scale[i];
+        }
+        expect_within_bounds(model);
+    }
+}
+
+/// Two galaxies: each keeps its own precision, far below a 65536th of the space between.
+TEST(web_codec, narrow_gaussians_far_apart_keep_their_places) {
+    Random random(4);
+    Gaussians model;
+    for (int n = 0; n < 300; ++n) {
+        const auto s = static_cast<float>(random(2e-5, 4e-5));
+        const Vec3f place = vec_cast<float>(random.in_cube(0.003));
+        add(model, place + Vec3f{n % 2 ? 1.0f : -1.0f, 0, 0}, {s, s, 2 * s}, 1, random.rotation());
+    }
+    expect_within_bounds(model);
+}
+
+TEST(web_codec, eight_decades_of_scale_and_density) {
+    Random random(5);
+    Gaussians model;
+    for (int n = 0; n < 300; ++n) {
+        const double s = std::pow(10, random(-5, 3));
+        const Vec3d p = random.in_cube(50);
+        add(model, vec_cast<float>(p), vec_cast<float>(s * Vec3d{1, 0.5, 0.1}),
+            static_cast<float>(std::pow(10, random(-20, 20))), random.rotation());
+    }
+    const WebFrame frame = web_frame(model);
+    const Gaussians back = decoded(web_level(model, frame), frame, model.cutoff);
+    EXPECT_NEAR(mass(back), mass(model), mass(model) / 1000);
+}
+
+/// Every orientation has a twin, its axes swapped, that turns by less than 62.8 degrees.
+TEST(web_codec, rotations_never_need_more_than_their_words) {
+    Random random(6);
+    Gaussians model;
+    for (int n = 0; n < 20000; ++n)
+        add(model, vec_cast<float>(random.in_cube(1)), {0.02f, 0.03f, 0.05f}, 1, random.rotation());
+    const WebLevel level = web_level(model, web_frame(model));
+    std::uint16_t least = 65535, most = 0;
+    for (std::size_t n = 6 * level.count; n < 9 * level.count; ++n) {
+        least = std::min(least, level.words[n]);
+        most = std::max(most, level.words[n]);
+    }
+    EXPECT_GT(least, 0);
+    EXPECT_LT(most, kWebRotationWords);
+    EXPECT_LT(least, 100);  // and the range is used
+    EXPECT_GT(most, kWebRotationWords - 100);
+}
+
+TEST(web_codec, empty_single_and_massless_models) {
+    EXPECT_EQ(web_level({}, web_frame({})).count, 0u);
+    Gaussians one;
+    add(one, {3, 4, 5}, {1, 2, 3}, 7);
+    expect_within_bounds(one);
+    add(one, {4, 4, 4}, {1, 1, 1}, 0);
+    EXPECT_EQ(web_level(one, web_frame(one)).count, 1u);
+}
+
+TEST(web_codec, pictures_do_not_change) {
+    const Gaussians model = random_gaussians(2000, 0.02, 0.2, 8);
+    const WebFrame frame = web_frame(model);
+    const Gaussians back = decoded(web_level(model, frame), frame, model.cutoff);
+    const Camera camera = paper_view(view_box(model));
+    DepthImage reference = render_splat(model, camera, 128, 128);
+    set_extinction(reference, auto_extinction(reference));
+    const DepthDifference difference = compare(reference, render_splat(back, camera, 128, 128));
+    EXPECT_GT(difference.grey.psnr_db, 60);
+    EXPECT_NEAR(difference.bias, 1, 1e-4);
+}
+
+TEST(html_text, base64_of_every_remainder) {
+    EXPECT_EQ(base64(""), "");
+    EXPECT_EQ(base64("f"), "Zg==");
+    EXPECT_EQ(base64("fo"), "Zm8=");
+    EXPECT_EQ(base64("foo"), "Zm9v");
+    EXPECT_EQ(base64("\xff\xfe\x00\x01"), "//4=");  // ends at the null of the literal
+}
+
+}  // namespace vog::test
