@@ -40,6 +40,7 @@ export class Controls {
     on('fade', 'change', () => change({ fade: find('fade').checked }));
     for (const name of ['home', 'save', 'link', 'help']) on(name, 'click', commands[name]);
     on('toggle', 'click', commands.panel);
+    on('notice', 'click', () => say(''));
     on('description', 'click', () => find('description').classList.toggle('open'));
     on('close-help', 'click', () => find('help-box').close());
   }

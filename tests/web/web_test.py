@@ -144,18 +144,21 @@ class Pages(unittest.TestCase):
         self.expect_same(least=45)
 
     def test_says_so_where_nothing_can_be_drawn(self):
-        for name, told in (("webgl2", "no WebGL 2"), ("extensions", "floating-point images")):
+        for name, told in (("webgl2", "no WebGL 2"), ("extensions", "floating-point images"),
+                           ("inflation", "too old")):
             script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source={
                 "webgl2": """
                     const getContext = HTMLCanvasElement.prototype.getContext;
                     HTMLCanvasElement.prototype.getContext = function (name, ...more) {
                       return name === '2d' ? getContext.call(this, name, ...more) : null;
                     };""",
+                "inflation": "delete window.DecompressionStream;",
                 "extensions": "WebGL2RenderingContext.prototype.getExtension = () => null;"}[name])
             try:
                 self.browser.open(self.folder / "page.html")
             finally:
                 self.browser.call("Page.removeScriptToEvaluateOnNewDocument", **script)
+            self.value("new Promise((done) => setTimeout(done))")  # what reads the models has run
             self.assertIn(told, self.value("document.getElementById('failure-text').textContent"))
             self.assertTrue(self.value("document.getElementById('failure').checkVisibility()"))
 
