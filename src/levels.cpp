@@ -86,7 +86,7 @@ class LevelCut {
         std::uint64_t voxels = 0, hidden = 0, partly_hidden = 0;
     };
 
-    void cut_leaves(const std::vector<Leaf>& leaves, LevelPart& part) const {
+    void cut_leaves(std::span<const Leaf> leaves, LevelPart& part) const {
         // Batches bound what is held twice.
         constexpr std::size_t kBatch = 4096;
         std::vector<LeafPart> cut;

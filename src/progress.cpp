@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "memory_pages.h"
 #include "parallel.h"
 
 namespace vog {
@@ -40,9 +41,10 @@ double clock_ms() {
 
 }  // namespace
 
-bool interruptible() { return of_this_thread != nullptr; }
+bool interruptible() { return of_this_thread != nullptr || memory_limited(); }
 
 void look_in() {
+    keep_memory();
     InterruptCheck::State* state = of_this_thread;
     if (!state) return;
     const double now = clock_ms();

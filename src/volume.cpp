@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -25,7 +26,10 @@ std::string text(Vec3i index) { return fmt::format("[{}, {}, {}]", index.x, inde
 
 std::uint64_t active_voxels(const Volume& volume) {
     std::uint64_t count = 0;
-    for (const Leaf& leaf : volume.leaves) count += static_cast<std::uint64_t>(leaf.active_count());
+    for (const Leaf& leaf : volume.leaves) {
+        look_in();
+        count += static_cast<std::uint64_t>(leaf.active_count());
+    }
     for (const Tile& tile : volume.tiles) count += cube(tile.edge);
     return count;
 }
@@ -44,6 +48,7 @@ double voxel_volume(const Volume& volume) {
 double mass(const Volume& volume) {
     double sum = 0;
     for (const Leaf& leaf : volume.leaves) {
+        look_in();
         double leaf_sum = 0;
         for (int n = 0; n < kLeafVoxels; ++n)
             if (leaf.active(n)) leaf_sum += leaf.value[static_cast<std::size_t>(n)];
@@ -62,7 +67,10 @@ Box index_box(const Volume& volume) {
         box.include(first);
         box.include(first + Vec3d{size, size, size});
     };
-    for (const Leaf& leaf : volume.leaves) include(leaf.origin, kLeafEdge);
+    for (const Leaf& leaf : volume.leaves) {
+        look_in();
+        include(leaf.origin, kLeafEdge);
+    }
     for (const Tile& tile : volume.tiles) include(tile.origin, tile.edge);
     return box;
 }
@@ -89,6 +97,7 @@ void validate(const Volume& volume) {
                              text(index)));
     };
     for (std::size_t i = 0; i < volume.leaves.size(); ++i) {
+        look_in();
         const Leaf& leaf = volume.leaves[i];
         for (int axis = 0; axis < 3; ++axis)
             if (leaf.origin[axis] & (kLeafEdge - 1))

@@ -30,7 +30,7 @@ Leaf constant_leaf(Vec3i origin, double density) {
     return leaf_of(origin, [density](int, int, int) { return density; });
 }
 
-Volume volume_of(std::vector<Leaf> leaves) {
+Volume volume_of(BigVector<Leaf> leaves) {
     Volume volume;
     volume.leaves = std::move(leaves);
     sort_nodes(volume);
@@ -110,8 +110,8 @@ TEST(convert_neighbours, similar_leaves_join_and_others_do_not) {
 
 TEST(convert_neighbours, clusters_are_boxes_of_leaves_inside_one_lower_node) {
     // Three leaves in an L: two and one. Four in a square: one.
-    std::vector<Leaf> leaves = {constant_leaf({0, 0, 0}, 1), constant_leaf({8, 0, 0}, 1),
-                                constant_leaf({0, 8, 0}, 1)};
+    BigVector<Leaf> leaves = {constant_leaf({0, 0, 0}, 1), constant_leaf({8, 0, 0}, 1),
+                              constant_leaf({0, 8, 0}, 1)};
     EXPECT_EQ(neighbour_count(volume_of(leaves), 0), 2u);
     leaves.push_back(constant_leaf({8, 8, 0}, 1));
     EXPECT_EQ(neighbour_count(volume_of(leaves), 0), 1u);

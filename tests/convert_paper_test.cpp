@@ -76,7 +76,7 @@ std::vector<IndexBox> reference_groups(const Leaf& leaf, bool pairs) {
     return groups;
 }
 
-Volume volume_of(std::vector<Leaf> leaves) {
+Volume volume_of(BigVector<Leaf> leaves) {
     Volume volume;
     volume.leaves = std::move(leaves);
     sort_nodes(volume);

@@ -4,14 +4,21 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "commands.h"
 #include "inputs.h"
+#include "sequence.h"
 #include "terminal.h"
 #include "vog/error.h"
+#include "vog/memory.h"
 #include "vog/moments.h"
 #include "vog/ply.h"
+#include "vog/vdb.h"
 
 namespace vog::cli {
 
@@ -30,7 +37,8 @@ struct ConvertArguments {
     PaperOptions paper;
     MomentOptions moments;
     int threads = 0;
-    bool stamp = false, json = false, verbose = false;
+    bool stamp = false, json = false, verbose = false, again = false;
+    std::string memory, scratch;
 };
 
 PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command) {
@@ -131,8 +139,10 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
     return text;
 }
 
-void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& model,
-            double volume_mass, const MomentTotals& moments, const Stages& stages) {
+/// Prints what was made, unless JSON is asked for: which it returns.
+nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
+                              const Gaussians& model, double volume_mass,
+                              const MomentTotals& moments, const Stages& stages) {
     const double mass_ratio = volume_mass > 0 ? mass(model) / volume_mass : 1;
     const bool by_moments = arguments.method == "moments";
     const double share = share_of_voxels(model);
@@ -142,7 +152,7 @@ void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& m
                    kind == FileKind::points ? "particles" : "active voxels",
                    bytes_text(ply_bytes(model)), mass_ratio);
         if (by_moments) fmt::print("{}\n{}\n", model.reached, times_text(moments.stage_ms));
-        return;
+        return {};
     }
     nlohmann::ordered_json json = {
         {"output", arguments.output},
@@ -161,7 +171,8 @@ void report(const ConvertArguments& arguments, FileKind kind, const Gaussians& m
         for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
-    fmt::print("{}\n", json.dump(2));
+    json["peak_memory"] = peak_memory();
+    return json;
 }
 
 /// Levels without what finer ones hide.
@@ -179,7 +190,8 @@ void note_missed(const std::string& input, double reached, double asked) {
                      asked));
 }
 
-void convert_particles(const ConvertArguments& arguments, const CLI::App& command) {
+nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
+                                         const CLI::App& command) {
     const MomentOptions& cut = arguments.moments;
     PointOptions options = point_options(arguments.points);
     options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
@@ -190,7 +202,6 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
     options.measure = cut.measure;
     const bool paper = arguments.method == "paper";
     if (paper && arguments.points.value.empty()) options.value = "speed";
-    const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
     options.progress = stages.progress();
 
@@ -199,8 +210,9 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
     });
     if (!arguments.output.ends_with(".ply")) {
         stages.run("save", [&] { write_points(arguments.output, points); });
-        fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
-        return;
+        if (!arguments.json)
+            fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+        return {{"output", arguments.output}, {"particles", points.size()}};
     }
     MomentReport one;
     Gaussians model = stages.run("convert", [&] {
@@ -217,10 +229,11 @@ void convert_particles(const ConvertArguments& arguments, const CLI::App& comman
     if (!paper) model.reached = reached_text(model, totals.report(sum), "particles");
     if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     stages.run("save", [&] { write_ply(arguments.output, model); });
-    report(arguments, FileKind::points, model, sum, totals, stages);
+    return report(arguments, FileKind::points, model, sum, totals, stages);
 }
 
-void convert(const ConvertArguments& arguments, const CLI::App& command) {
+/// One model of all inputs.
+nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind == FileKind::points)
         check_output(arguments.output, arguments.inputs, {".ply", ".vdb", ".xyz", ".csv", ".tsv"});
@@ -234,7 +247,6 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
-    const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
     moments.progress = paper.progress = stages.progress();
 
@@ -269,7 +281,70 @@ void convert(const ConvertArguments& arguments, const CLI::App& command) {
         model.reached = reached_text(model, totals.report(volume_mass), "active voxels");
     if (by_moments && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     stages.run("save", [&] { write_ply(arguments.output, model); });
-    report(arguments, kind, model, volume_mass, totals, stages);
+    return report(arguments, kind, model, volume_mass, totals, stages);
+}
+
+/// About what converting a file takes: its voxels twice, and as much again for its octree.
+std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string& input) {
+    constexpr std::uint64_t kBytesPerFileByte = 8, kLeaves = 3;
+    if (kind_of(input, arguments.volume.grid) != FileKind::volume || input.ends_with(".nvdb"))
+        return kBytesPerFileByte * std::filesystem::file_size(input);
+    VdbOptions options;
+    options.grid = arguments.volume.grid;
+    options.level_set_to_fog = arguments.volume.level_set_to_fog;
+    return kLeaves * sizeof(Leaf) * VdbReader(input, options).leaf_count();
+}
+
+/// A model of each input; those that are there already, newer than their input, stay.
+nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments,
+                                        const CLI::App& command) {
+    if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
+        throw CLI::ValidationError(
+            "--grid with a pattern makes levels of one mesh: give the files one by one");
+    std::vector<Frame> frames = frames_of(arguments.inputs, arguments.output, ".ply");
+    const std::size_t all = frames.size();
+    if (!arguments.again) std::erase_if(frames, is_fresh);
+    if (frames.size() < all)
+        note(fmt::format("{} of {} models are there already (--again makes them anew)",
+                         all - frames.size(), all));
+    std::mutex mutex;
+    std::map<std::string, nlohmann::ordered_json> reports;
+    for_each_frame(
+        frames, arguments.memory.empty() ? 0 : parse_memory(arguments.memory),
+        [&](const Frame& frame) { return memory_needed(arguments, frame.input); },
+        [&](const Frame& frame) {
+            ConvertArguments one = arguments;
+            one.inputs = {frame.input};
+            one.output = frame.output;
+            nlohmann::ordered_json report = convert_one(one, command);
+            const std::lock_guard lock(mutex);
+            reports[frame.output] = std::move(report);
+        });
+    nlohmann::ordered_json json = {{"output", arguments.output},
+                                   {"there_already", all - frames.size()},
+                                   {"models", nlohmann::ordered_json::array()}};
+    for (const Frame& frame : frames) json["models"].push_back(reports[frame.output]);
+    return json;
+}
+
+void convert(const ConvertArguments& given, const CLI::App& command) {
+    ConvertArguments arguments = given;
+    arguments.inputs = expanded(given.inputs);
+    std::optional<MemoryLimit> memory;
+    if (!arguments.memory.empty())
+        memory.emplace(parse_memory(arguments.memory), arguments.scratch);
+    else if (!arguments.scratch.empty())
+        throw CLI::ValidationError("--scratch goes with --memory");
+    const ThreadLimit threads(arguments.threads);
+    const nlohmann::ordered_json json = is_sequence(arguments.output)
+                                            ? convert_sequence(arguments, command)
+                                            : convert_one(arguments, command);
+    if (arguments.json) fmt::print("{}\n", json.dump(2));
+    if (memory && peak_memory() > parse_memory(arguments.memory))
+        note(
+            fmt::format("peak memory {}, above --memory {}: what was more than that is no voxels "
+                        "(the model, its cells)",
+                        bytes_text(peak_memory()), arguments.memory));
 }
 
 void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
@@ -381,11 +456,14 @@ void add_convert(CLI::App& app) {
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb); several become one model")
+            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb); several become one "
+            "model, or "
+            "one each where -o is a folder; quoted patterns match in natural order: 'frame_*.vdb'")
         ->required();
     command
         ->add_option("-o,--output", arguments->output,
-                     "PLY model to write; particles also as .vdb, .xyz, .csv or .tsv")
+                     "PLY model to write; particles also as .vdb, .xyz, .csv or .tsv. A folder (or "
+                     "a name that ends in /): a model of each input, one a time step")
         ->required();
     add_volume_options(*command, arguments->volume);
     command->add_option("--method", arguments->method, "How voxels or particles become Gaussians")
@@ -400,6 +478,20 @@ void add_convert(CLI::App& app) {
     add_moment_options(*command, *arguments);
     add_paper_options(*command, *arguments);
     add_point_options(*command, arguments->points);
+    const auto memory_group = "Large data";
+    command
+        ->add_option("--memory", arguments->memory,
+                     "Memory to stay under, such as 2G: voxels that do not fit lie in a scratch "
+                     "file; of a sequence, as many models at once as fit. The results are the same")
+        ->group(memory_group);
+    command
+        ->add_option("--scratch", arguments->scratch,
+                     "Folder of scratch files; default: that of temporary files")
+        ->group(memory_group);
+    command
+        ->add_flag("--again", arguments->again,
+                   "Of a sequence, make models anew that are there already")
+        ->group(memory_group);
     command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

@@ -17,6 +17,7 @@
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/linear.h"
+#include "vog/memory.h"
 #include "vog/moments.h"
 #include "vog/nvdb.h"
 #include "vog/ply.h"
@@ -29,3 +30,4 @@
 #include "vog/trace.h"
 #include "vog/vdb.h"
 #include "vog/volume.h"
+#include "vog/volume_part.h"

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "vog/linear.h"
+#include "vog/memory.h"
 
 namespace vog {
 
@@ -51,11 +52,11 @@ struct Tile {
 /// A fog volume: density >= 0, finite, zero outside leaves and tiles. A voxel at index i occupies
 /// [i-1/2, i+1/2]^3 in index space; world_from_index maps that to world units.
 struct Volume {
-    std::vector<Leaf> leaves;  ///< no two share an origin; sorted by origin (x, then y, then z)
-    std::vector<Tile> tiles;   ///< disjoint from each other and from the leaves; sorted likewise
-    Affine world_from_index;   ///< any non-singular affine map
-    std::string name;          ///< grid name, "density"
-    std::string source;        ///< file it came from, for messages and model headers
+    BigVector<Leaf> leaves;   ///< no two share an origin; sorted by origin (x, then y, then z)
+    std::vector<Tile> tiles;  ///< disjoint from each other and from the leaves; sorted likewise
+    Affine world_from_index;  ///< any non-singular affine map
+    std::string name;         ///< grid name, "density"
+    std::string source;       ///< file it came from, for messages and model headers
 
     bool empty() const { return leaves.empty() && tiles.empty(); }
 };

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 
+#include "parallel.h"
+
 namespace vog {
 
 std::vector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes) {
     std::vector<Brick> bricks;
     bricks.reserve(nodes.size());
     for (const MomentNode& node : nodes) {
+        look_in();
         Brick brick{node.origin, 1, nullptr, 0};
         if (node.tile) {
             brick.value = volume.tiles[node.index].value;

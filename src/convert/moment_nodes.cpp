@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "parallel.h"
+
 namespace vog {
 
 Moments cell_moments(const MomentCell& cell, int edge_log2) {
@@ -19,8 +21,10 @@ Moments cell_moments(const MomentCell& cell, int edge_log2) {
 std::vector<MomentNode> morton_nodes(const Volume& volume) {
     std::vector<MomentNode> nodes;
     nodes.reserve(volume.leaves.size() + volume.tiles.size());
-    for (std::size_t n = 0; n < volume.leaves.size(); ++n)
+    for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
+        look_in();
         nodes.push_back({volume.leaves[n].origin, kLeafEdge, static_cast<std::uint32_t>(n), false});
+    }
     for (std::size_t n = 0; n < volume.tiles.size(); ++n)
         nodes.push_back(
             {volume.tiles[n].origin, volume.tiles[n].edge, static_cast<std::uint32_t>(n), true});

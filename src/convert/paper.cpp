@@ -128,7 +128,7 @@ void store(std::span<const FittedGaussian> fitted, std::size_t place, Gaussians&
 /// model in leaf order. The paper's threads write under a mutex, in any order; here each leaf's
 /// place follows from the counts of those before it.
 template <class AddLeaf>
-void append_leaves(const std::vector<Leaf>& leaves, const GroupFit& fit, const Progress& progress,
+void append_leaves(std::span<const Leaf> leaves, const GroupFit& fit, const Progress& progress,
                    const AddLeaf& add_leaf, Gaussians& model) {
     struct Run {
         const std::vector<FittedGaussian>* buffer = nullptr;

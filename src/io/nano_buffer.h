@@ -5,7 +5,8 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
+
+#include "vog/memory.h"
 
 namespace vog {
 
@@ -23,7 +24,7 @@ class NanoBuffer {
   private:
     struct alignas(NANOVDB_DATA_ALIGNMENT) Block : std::array<std::byte, NANOVDB_DATA_ALIGNMENT> {};
     std::size_t bytes_ = 0;
-    std::vector<Block> blocks_;
+    BigVector<Block> blocks_;
 };
 
 }  // namespace vog

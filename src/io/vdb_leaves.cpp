@@ -30,7 +30,7 @@ struct Wanted {
 
 /// One past the last of `wanted` that is read in one go with `first`: neighbours in the file.
 std::size_t batch_end(std::span<const Wanted> wanted, std::size_t first) {
-    constexpr std::uint64_t kMostBytes = 16 << 20, kWidestGap = 64 << 10;
+    constexpr std::uint64_t kMostBytes = 4 << 20, kWidestGap = 64 << 10;
     const std::uint64_t begin = wanted[first].spot->buffer;
     std::size_t last = first + 1;
     for (; last < wanted.size(); ++last) {
@@ -122,7 +122,11 @@ void VdbLeaves::read_leaves(const GridT& grid, std::span<const std::uint32_t> nu
     std::vector<Wanted> wanted;
     for (const std::uint32_t n : numbers) wanted.push_back({&spots_[n], wanted.size()});
     std::ranges::sort(wanted, {}, [](const Wanted& w) { return w.spot->buffer; });
-    volume.leaves.resize(wanted.size());
+    volume.leaves.reserve(wanted.size());
+    for (std::size_t n = 0; n < wanted.size(); n = volume.leaves.size()) {
+        look_in();
+        volume.leaves.resize(std::min(n + 4096, wanted.size()));
+    }
 
     for (std::size_t first = 0, last = 0; first < wanted.size(); first = last) {
         last = batch_end(wanted, first);
@@ -138,6 +142,7 @@ void VdbLeaves::read_leaves(const GridT& grid, std::span<const std::uint32_t> nu
                     MemoryStream stream(bytes);
                     tag_vdb_stream(stream, file_.version(), storage_.compression);
                     openvdb::io::setGridBackgroundValuePtr(stream, &grid.tree().background());
+                    look_in();
                     for (std::size_t i = range.begin(); i < range.end(); ++i) {
                         const Spot& spot = *wanted[i].spot;
                         LeafT leaf(to_coord(spot.origin));

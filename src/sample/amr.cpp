@@ -133,7 +133,7 @@ Leaf evaluated(const Universe& universe, const Affine& world_from_index, int acr
 }
 
 /// Origins of the finer leaves over those eighths of the leaves that are dense somewhere.
-std::vector<Vec3i> refined(const std::vector<Leaf>& leaves, float above) {
+std::vector<Vec3i> refined(std::span<const Leaf> leaves, float above) {
     std::vector<Vec3i> fine;
     for (const Leaf& leaf : leaves)
         for (int eighth = 0; eighth < 8; ++eighth) {

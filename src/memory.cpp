@@ -1,0 +1,235 @@
+// memory.cpp: arrays in files without a name, and the thread that lets go of their pages.
+#include "vog/memory.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <linux/magic.h>
+#include <malloc.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <new>
+#include <thread>
+
+#include "memory_pages.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+constexpr std::uint64_t kLeastLimit = 64 << 20;
+constexpr std::uint64_t kShareOfFiles = 16;  // arrays of a sixteenth of the limit lie in files
+
+/// Memory the process holds now, bytes.
+std::uint64_t resident_memory() {
+    std::uint64_t pages = 0, resident = 0;
+    if (FILE* file = std::fopen("/proc/self/statm", "r")) {
+        if (std::fscanf(file, "%lu %lu", &pages, &resident) != 2) resident = 0;
+        std::fclose(file);
+    }
+    return resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// The arrays that lie in files. A page that is let go of is read again when it is touched: its
+/// bytes are in the file, or on their way there.
+class Mappings {
+  public:
+    void add(void* memory, std::size_t bytes) {
+        const std::lock_guard lock(mutex_);
+        all_[memory] = bytes;
+        total_ += bytes;
+        most_ = std::max(most_, total_);
+        any_ = true;
+    }
+    /// Whether this was one of them, which is then gone.
+    bool remove(void* memory) {
+        if (!any_.load(std::memory_order_acquire)) return false;
+        const std::lock_guard lock(mutex_);
+        const auto found = all_.find(memory);
+        if (found == all_.end()) return false;
+        ::munmap(memory, found->second);
+        total_ -= found->second;
+        all_.erase(found);
+        return true;
+    }
+    void let_go() {
+        const std::lock_guard lock(mutex_);
+        for (const auto& [memory, bytes] : all_) ::madvise(memory, bytes, MADV_DONTNEED);
+    }
+    std::uint64_t most() {
+        const std::lock_guard lock(mutex_);
+        return most_;
+    }
+    void forget_most() {
+        const std::lock_guard lock(mutex_);
+        most_ = total_;
+    }
+
+  private:
+    std::mutex mutex_;
+    std::map<void*, std::size_t> all_;
+    std::uint64_t total_ = 0, most_ = 0;
+    std::atomic<bool> any_{false};
+};
+
+Mappings& mappings() {
+    static Mappings* const mappings = new Mappings;  // outlives every array
+    return *mappings;
+}
+
+struct FilePolicy {
+    /// From this size on, arrays lie in files of `folder`; 0: there is no limit.
+    std::atomic<std::uint64_t> least_bytes{0};
+    std::atomic<std::uint64_t> high{0};  ///< pages are let go of from here on
+    std::mutex mutex;
+    std::filesystem::path folder;
+};
+FilePolicy& policy() {
+    static FilePolicy policy;
+    return policy;
+}
+
+[[noreturn]] void fail(const std::filesystem::path& folder, const std::string& what, int error) {
+    throw Error(fmt::format("{}: {}: {}", folder.string(), what, std::strerror(error)));
+}
+
+/// An open file without a name.
+int open_nameless(const std::filesystem::path& folder) {
+    int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+    if (file < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
+        std::string pattern = (folder / "vog-XXXXXX").string();
+        file = ::mkostemp(pattern.data(), O_CLOEXEC);
+        if (file >= 0) ::unlink(pattern.c_str());
+    }
+    if (file < 0) fail(folder, "no scratch file can be made here", errno);
+    return file;
+}
+
+void* map_file(std::size_t bytes) {
+    std::filesystem::path folder;
+    {
+        const std::lock_guard lock(policy().mutex);
+        folder = policy().folder;
+    }
+    const int file = open_nameless(folder);
+    // Room is taken now: a full disk would end the process at some write to memory.
+    const int full = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
+    void* memory = MAP_FAILED;
+    if (full == 0) memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    const int error = full ? full : errno;
+    ::close(file);
+    if (memory == MAP_FAILED)
+        fail(folder, fmt::format("a scratch file of {} bytes cannot be made", bytes), error);
+    mappings().add(memory, bytes);
+    return memory;
+}
+
+}  // namespace
+
+bool memory_limited() { return policy().least_bytes.load(std::memory_order_relaxed) != 0; }
+
+void keep_memory() {
+    if (!memory_limited()) return;
+    using Clock = std::chrono::steady_clock;
+    constexpr Clock::duration kPeriod = std::chrono::microseconds(250);
+    constexpr Clock::duration kTrimPeriod = std::chrono::milliseconds(100);
+    static std::atomic<Clock::rep> next{0}, next_trim{0};
+    const Clock::rep now = Clock::now().time_since_epoch().count();
+    Clock::rep due = next.load(std::memory_order_relaxed);
+    // One of the threads that come by looks.
+    if (now < due || !next.compare_exchange_strong(due, now + kPeriod.count())) return;
+    const std::uint64_t high = policy().high.load(std::memory_order_relaxed);
+    if (resident_memory() < high) return;
+    mappings().let_go();
+    if (resident_memory() < high || now < next_trim.load(std::memory_order_relaxed)) return;
+    // Other memory alone is too much: what malloc keeps may help.
+    ::malloc_trim(0);
+    next_trim = now + kTrimPeriod.count();
+}
+
+/// Keeps memory while no loop does: in libraries that vog calls.
+class MemoryLimit::Pager {
+  public:
+    Pager() : thread_([this] { watch(); }) {}
+    ~Pager() {
+        {
+            const std::lock_guard lock(mutex_);
+            ends_ = true;
+        }
+        wake_.notify_one();
+        thread_.join();
+    }
+
+  private:
+    void watch() {
+        std::unique_lock lock(mutex_);
+        while (!wake_.wait_for(lock, std::chrono::milliseconds(1), [this] { return ends_; }))
+            keep_memory();
+    }
+
+    std::mutex mutex_;
+    std::condition_variable wake_;
+    bool ends_ = false;
+    std::thread thread_;
+};
+
+MemoryLimit::MemoryLimit(std::uint64_t bytes, const std::filesystem::path& folder) {
+    if (bytes < kLeastLimit)
+        throw Error(
+            fmt::format("a memory limit of {} bytes, expected at least {}", bytes, kLeastLimit));
+    const auto where = folder.empty() ? std::filesystem::temp_directory_path() : folder;
+    ::close(open_nameless(where));
+    struct statfs kind {};
+    if (::statfs(where.c_str(), &kind) == 0 && kind.f_type == TMPFS_MAGIC)
+        throw Error(fmt::format("{}: lies in memory (tmpfs), expected a scratch folder on a disk",
+                                where.string()));
+    FilePolicy& files = policy();
+    const std::lock_guard lock(files.mutex);
+    if (files.least_bytes != 0)
+        throw Error("a memory limit is set already, expected one at a time");
+    mappings().forget_most();
+    files.folder = where;
+    files.high = bytes - bytes / 4;
+    files.least_bytes = bytes / kShareOfFiles;
+    pager_ = std::make_unique<Pager>();
+}
+
+MemoryLimit::~MemoryLimit() { policy().least_bytes = 0; }
+
+std::uint64_t MemoryLimit::scratch_bytes() const { return mappings().most(); }
+
+std::uint64_t peak_memory() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void* allocate_big(std::size_t bytes, std::size_t alignment) {
+    const std::uint64_t least = policy().least_bytes.load(std::memory_order_relaxed);
+    if (least != 0 && bytes >= least) return map_file(bytes);
+    if (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__)
+        return ::operator new(bytes, std::align_val_t(alignment));
+    return ::operator new(bytes);
+}
+
+void free_big(void* memory, std::size_t, std::size_t alignment) noexcept {
+    if (mappings().remove(memory)) return;
+    if (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__)
+        ::operator delete(memory, std::align_val_t(alignment));
+    else
+        ::operator delete(memory);
+}
+
+}  // namespace vog
