@@ -186,8 +186,10 @@ Composite compose(const Levels& levels) {
 }
 
 void note_missed(const std::string& input, double reached, double asked) {
-    note(fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}", input, reached,
-                     asked));
+    note(
+        fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}, as its Gaussians "
+                    "are smoother than voxels; --error {:.2g} takes far fewer",
+                    input, reached, asked, 1.25 * reached));
 }
 
 nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
@@ -422,8 +424,9 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     add("--block", moments.block_voxels, "Uniform cells of 1 to 128 voxels, a power of two")
         ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64, 128}));
     add("--soft-steps", moments.soft_steps,
-        fmt::format("Steps from hard cells to soft ones; default: none for uniform cells, else {}",
-                    kSoftSteps))
+        fmt::format("Steps from hard cells to soft ones; default: none for uniform cells, {} for a "
+                    "budget, {} for an error",
+                    kSoftSteps, kSearchSoftSteps))
         ->check(CLI::Range(0, 1000));
     add("--refine", moments.refine_seconds,
         "Spend this many seconds on more soft steps, as long as the measured error falls")

@@ -169,7 +169,7 @@ void print(const Gaussians& model) {
         line("data box", text(model.box.lower) + " to " + text(model.box.upper));
     if (!model.source.empty()) line("source", model.source);
     if (model.source_voxels)
-        line("share", fmt::format("{:.3g} % of {} active voxels",
+        line("share", fmt::format("{:.3g} % of {} active voxels or particles",
                                   100.0 * static_cast<double>(model.size()) /
                                       static_cast<double>(model.source_voxels),
                                   grouped(model.source_voxels)));

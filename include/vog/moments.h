@@ -28,7 +28,8 @@ struct MomentOptions {
     double error = 0.03;     ///< smallest cut with a measured error up to this, where neither
                              ///< block_voxels nor budget is given; (0, 1)
     int soft_steps = -1;     ///< steps from hard cells to soft ones, 0 to 1000; -1: none for a
-                             ///< uniform cut, kSoftSteps for the others
+                             ///< uniform cut, kSoftSteps for a budget, kSearchSoftSteps for
+                             ///< an error, which makes several models
     float spread = 1;        ///< widens each standard deviation at constant mass, [0.5, 2]
     double mass_threshold = 1e-4;  ///< the lightest cells go, up to this share of the mass, [0, 1)
     double refine_seconds = 0;  ///< goes on softening that long while the error falls: no more the
@@ -37,7 +38,7 @@ struct MomentOptions {
     bool measure = false;       ///< measure the error of a uniform cut or a budget too
     Progress progress{};
 };
-inline constexpr int kSoftSteps = 12;
+inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 
 /// One way to choose cells, as commands and bindings are asked for it; 0: not asked. None of them:
 /// what the conversion does unasked.

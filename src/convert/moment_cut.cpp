@@ -1,32 +1,55 @@
-// moment_cut.cpp: priorities of splitting, top down, and the cut above a priority.
+// moment_cut.cpp: the gain of every split, bottom up; the best cut at a price, bottom up; its
+// cells, top down.
 #include "convert/moment_cut.h"
-
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "convert/moment_gain.h"
+#include "convert/moment_seen.h"
+#include "convert/price_search.h"
 #include "parallel.h"
 
 namespace vog {
 
 namespace {
 
-/// Up to eight children with mass.
-struct Children {
-    std::array<Moments, 8> cell;
-    std::size_t count = 0;
-    std::span<const Moments> cells() const { return std::span(cell).first(count); }
-};
+/// Octants of node n of a brick.
+Octants brick_octants(const Brick& brick, const BrickSums& sums, std::size_t n) {
+    Octants octants;
+    for (std::size_t o = 0; o < 8; ++o) octants[o] = brick_node(brick, sums, 8 * n + 1 + o);
+    return octants;
+}
 
-Children brick_children(const Brick& brick, const BrickSums& sums, std::size_t n) {
-    Children children;
-    for (std::size_t child = 8 * n + 1; child <= 8 * n + 8; ++child) {
-        const Moments moments = brick_node(brick, sums, child);
-        if (moments.mass > 0) children.cell[children.count++] = moments;
+/// Children of a cell by where they lie. The root's may straddle an aligned plane: sides are told
+/// from the lowest child, not from the cell.
+struct CellOctants {
+    std::array<std::uint32_t, 8> child{};  ///< index in the finer level
+    std::uint8_t present = 0;
+};
+CellOctants cell_octants(const MomentOctree& octree, std::size_t level, const MomentCell& cell) {
+    CellOctants octants;
+    const std::vector<MomentCell>& finer = octree.levels[level - 1].cells;
+    Vec3i lowest = finer[cell.first_child].origin;
+    for (std::uint32_t n = 0; n < cell.child_count; ++n)
+        for (int axis = 0; axis < 3; ++axis)
+            lowest[axis] = std::min(lowest[axis], finer[cell.first_child + n].origin[axis]);
+    for (std::uint32_t n = 0; n < cell.child_count; ++n) {
+        const Vec3i origin = finer[cell.first_child + n].origin;
+        const std::size_t octant = (origin.x > lowest.x ? 4 : 0) + (origin.y > lowest.y ? 2 : 0) +
+                                   (origin.z > lowest.z ? 1 : 0);
+        octants.child[octant] = cell.first_child + n;
+        octants.present |= static_cast<std::uint8_t>(1 << octant);
     }
-    return children;
+    return octants;
+}
+Octants moments_of(const MomentOctree& octree, std::size_t level, const CellOctants& of) {
+    const MomentLevel& finer = octree.levels[level - 1];
+    Octants octants;
+    for (std::size_t o = 0; o < 8; ++o)
+        if (of.present >> o & 1)
+            octants[o] = cell_moments(finer.cells[of.child[o]], finer.edge_log2);
+    return octants;
 }
 
 /// Finds the brick of each childless cell: level by level the same nodes in the same order.
@@ -46,179 +69,154 @@ void find_bricks(CutTree& tree) {
     }
 }
 
-/// Infinite stays infinite; whatever the scale, a finite gain stays finite.
-float scaled(float gain, double scale) {
-    if (std::isinf(gain)) return gain;
-    return static_cast<float>(
-        std::min(gain * scale, static_cast<double>(std::numeric_limits<float>::max())));
-}
-
-/// Priorities of the cells of one level, none higher than the parent's.
-void set_cell_priorities(CutTree& tree, std::size_t level, double scale) {
-    const auto& levels = tree.octree.levels;
-    const std::vector<MomentCell>& cells = levels[level].cells;
-    std::vector<float>& priority = tree.cell_priority[level];
-    vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
-        const MomentCell& cell = cells[n];
-        if (cell.child_count == 0) return;
-        const MomentLevel& finer = levels[level - 1];
-        Children children;
-        children.count = cell.child_count;
-        for (std::uint32_t child = 0; child < cell.child_count; ++child)
-            children.cell[child] =
-                cell_moments(finer.cells[cell.first_child + child], finer.edge_log2);
-        const double edge = std::ldexp(1.0, levels[level].edge_log2);
-        priority[n] = std::min(
-            priority[n],
-            scaled(split_gain(cell_moments(cell, levels[level].edge_log2), children.cells(), edge),
-                   scale));
-        for (std::uint32_t child = 0; child < cell.child_count; ++child)
-            tree.cell_priority[level - 1][cell.first_child + child] = priority[n];
-    });
-}
-
-/// Priorities inside a brick, none higher than `above`; appends its splits.
-void set_brick_priorities(const Brick& brick, float above, double scale,
-                          std::array<float, kBrickNodes>& priority,
-                          std::vector<CutTree::Split>& splits) {
+/// Gains of all nodes of a brick, bottom up; what is seen is told for cells of four samples and
+/// more.
+void set_brick_halves(const Brick& brick, const SeenShare& seen, double scale,
+                      std::array<Halves, kBrickNodes>& halves) {
     const BrickSums sums = brick_sums(brick);
-    priority.fill(0);
-    for (std::size_t n = 0; n < kBrickNodes; ++n) {
-        const Moments node = brick_node(brick, sums, n);
-        if (!(node.mass > 0)) continue;
-        const Children children = brick_children(brick, sums, n);
-        const double edge = (n == 0 ? 8 : n < 9 ? 4 : 2) * brick.spacing;
-        const float gain = scaled(split_gain(node, children.cells(), edge), scale);
-        priority[n] = std::min(gain, n == 0 ? above : priority[(n - 1) / 8]);
-        splits.push_back({priority[n], static_cast<std::uint32_t>(children.count - 1)});
+    std::array<double, 9> weight{};
+    for (std::size_t n = 0; n < 9; ++n)
+        if (const Moments node = brick_node(brick, sums, n); node.mass > 0)
+            weight[n] = scale * seen(node.mean);
+    for (std::size_t n = kBrickNodes; n-- > 0;) {
+        if (n < 9 ? !(weight[n] > 0) : !(sums.twos[n - 9].mass > 0)) continue;
+        halves[n] = halves_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8]);
+        if (n < 9)
+            for (std::size_t child = 8 * n + 1; child <= 8 * n + 8; ++child)
+                halves[n].most = std::max(halves[n].most, halves[child].most);
     }
 }
 
-/// Lists every split, highest priority first.
-void list_splits(CutTree& tree, const std::vector<std::vector<CutTree::Split>>& of_bricks) {
-    const auto& levels = tree.octree.levels;
-    for (std::size_t level = 0; level < levels.size(); ++level)
-        for (std::size_t n = 0; n < levels[level].cells.size(); ++n)
-            if (const std::uint32_t children = levels[level].cells[n].child_count; children > 0)
-                tree.splits.push_back({tree.cell_priority[level][n], children - 1});
-    for (const auto& part : of_bricks)
-        tree.splits.insert(tree.splits.end(), part.begin(), part.end());
-    sort_splits(tree.splits);
+/// The best cut of node n of a brick and those inside it; `splits` of each node that may be split.
+Priced priced_brick(const std::array<Halves, kBrickNodes>& halves, std::size_t n, double price,
+                    std::array<std::uint8_t, kBrickNodes>& splits) {
+    splits[n] = 0;
+    if (double{whole_float(halves[n].most)} <= price) return {0, 1};
+    std::array<Priced, 8> octants;
+    for (std::size_t o = 0; o < 8; ++o)
+        if (halves[n].present >> o & 1)
+            octants[o] = 8 * n + 1 < kBrickNodes
+                             ? priced_brick(halves, 8 * n + 1 + o, price, splits)
+                             : Priced{0, 1};
+    return priced(halves[n], octants, price, splits[n]);
 }
 
-/// Walks down from the root, depth first, and takes the cells that stay whole.
-struct CutWalk {
-    const CutTree& tree;
-    float least;  ///< nodes of this priority or more are split
-    std::vector<Moments> cut{};
+/// The best cut of a tree at a price.
+class PricedTree {
+  public:
+    PricedTree(const CutTree& tree, double price) : tree_(tree), price_(price) {
+        const auto& levels = tree.octree.levels;
+        for (std::size_t level = 0; level < levels.size(); ++level) {
+            best_.emplace_back(levels[level].cells.size());
+            splits_.emplace_back(levels[level].cells.size());
+            vog::parallel_for(std::size_t{0}, best_[level].size(),
+                              [&](std::size_t n) { best_[level][n] = best(level, n); });
+        }
+    }
+    std::size_t count() const { return best_.empty() ? 0 : best_.back()[0].count; }
+    std::vector<Moments> cells() const {
+        std::vector<Moments> cut;
+        cut.reserve(count());
+        if (!best_.empty()) take_cell(best_.size() - 1, 0, cut);
+        return cut;
+    }
 
-    void take_brick_node(std::size_t b, const BrickSums& sums, std::size_t node) {
-        if (node < kBrickNodes && tree.brick_priority[b][node] >= least) {
-            for (std::size_t child = 8 * node + 1; child <= 8 * node + 8; ++child)
-                take_brick_node(b, sums, child);
-            return;
+  private:
+    Priced best(std::size_t level, std::size_t n) {
+        if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
+            std::array<std::uint8_t, kBrickNodes> splits{};
+            return priced_brick(tree_.brick_halves[b], 0, price_, splits);
         }
-        const Moments moments = brick_node(tree.bricks[b], sums, node);
-        if (moments.mass > 0) cut.push_back(moments);
+        const CellOctants of =
+            cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
+        std::array<Priced, 8> octants;
+        for (std::size_t o = 0; o < 8; ++o)
+            if (of.present >> o & 1) octants[o] = best_[level - 1][of.child[o]];
+        return priced(tree_.cell_halves[level][n], octants, price_, splits_[level][n]);
     }
-    void take_cell(std::size_t level, std::size_t n) {
-        look_in();
-        if (const std::uint32_t b = tree.brick_of[level][n]; b != kNoBrick)
-            return take_brick_node(b, brick_sums(tree.bricks[b]), 0);
-        const MomentLevel& at = tree.octree.levels[level];
-        const MomentCell& cell = at.cells[n];
-        if (tree.cell_priority[level][n] < least) {
-            cut.push_back(cell_moments(cell, at.edge_log2));
-            return;
+    void take_brick_node(std::size_t b, const BrickSums& sums,
+                         const std::array<std::uint8_t, kBrickNodes>& splits, std::size_t n,
+                         std::vector<Moments>& cut) const {
+        const Octants octants = brick_octants(tree_.bricks[b], sums, n);
+        for_each_part(tree_.brick_halves[b][n], splits[n], [&](std::uint8_t mask) {
+            const std::size_t child = 8 * n + 1 + static_cast<std::size_t>(std::countr_zero(mask));
+            if (std::has_single_bit(mask) && child < kBrickNodes)
+                take_brick_node(b, sums, splits, child, cut);
+            else
+                cut.push_back(joined_octants(octants, mask));
+        });
+    }
+    void take_cell(std::size_t level, std::size_t n, std::vector<Moments>& cut) const {
+        if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
+            std::array<std::uint8_t, kBrickNodes> splits{};
+            priced_brick(tree_.brick_halves[b], 0, price_, splits);
+            return take_brick_node(b, brick_sums(tree_.bricks[b]), splits, 0, cut);
         }
-        for (std::uint32_t child = 0; child < cell.child_count; ++child)
-            take_cell(level - 1, cell.first_child + child);
+        const CellOctants of =
+            cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
+        const Octants octants = moments_of(tree_.octree, level, of);
+        for_each_part(tree_.cell_halves[level][n], splits_[level][n], [&](std::uint8_t mask) {
+            if (std::has_single_bit(mask))
+                take_cell(level - 1, of.child[static_cast<std::size_t>(std::countr_zero(mask))],
+                          cut);
+            else
+                cut.push_back(joined_octants(octants, mask));
+        });
     }
+
+    const CutTree& tree_;
+    double price_;
+    std::vector<std::vector<Priced>> best_;  ///< [level][cell]
+    std::vector<std::vector<std::uint8_t>> splits_;
 };
 
 }  // namespace
 
-CutTree cut_tree(const MomentField& field, double priority_scale) {
+CutTree cut_tree(const MomentField& field, double scale) {
     CutTree tree;
     tree.octree = brick_octree(field.bricks, field.world_from_index);
     tree.bricks = field.bricks;
     find_bricks(tree);
 
-    // Top down, so that each node's parent is known.
-    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const SeenShare seen(field);
     const auto& levels = tree.octree.levels;
-    for (const MomentLevel& level : levels)
-        tree.cell_priority.emplace_back(level.cells.size(), kInfinity);
-    for (std::size_t level = levels.size(); level-- > 1;)
-        set_cell_priorities(tree, level, priority_scale);
-    std::vector<float> above(tree.bricks.size(), kInfinity);
-    for (std::size_t level = 0; level < levels.size(); ++level)
-        for (std::size_t n = 0; n < levels[level].cells.size(); ++n)
-            if (tree.brick_of[level][n] != kNoBrick)
-                above[tree.brick_of[level][n]] = tree.cell_priority[level][n];
-
-    tree.brick_priority.resize(tree.bricks.size());
-    std::vector<std::vector<CutTree::Split>> splits((tree.bricks.size() + kNodeChunk - 1) /
-                                                    kNodeChunk);
-    vog::parallel_for(std::size_t{0}, splits.size(), [&](std::size_t chunk) {
-        const std::size_t last = std::min((chunk + 1) * kNodeChunk, tree.bricks.size());
-        for (std::size_t b = chunk * kNodeChunk; b < last; ++b)
-            set_brick_priorities(tree.bricks[b], above[b], priority_scale, tree.brick_priority[b],
-                                 splits[chunk]);
+    for (std::size_t level = 0; level < levels.size(); ++level) {
+        const std::vector<MomentCell>& cells = levels[level].cells;
+        tree.cell_halves.emplace_back(cells.size());
+        vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
+            if (cells[n].child_count == 0) return;
+            const CellOctants of = cell_octants(tree.octree, level, cells[n]);
+            const Vec3d mean = cell_moments(cells[n], levels[level].edge_log2).mean;
+            tree.cell_halves[level][n] =
+                halves_of(moments_of(tree.octree, level, of), scale * seen(mean));
+        });
+    }
+    tree.brick_halves.resize(tree.bricks.size());
+    vog::parallel_for(std::size_t{0}, tree.bricks.size(), [&](std::size_t b) {
+        set_brick_halves(tree.bricks[b], seen, scale, tree.brick_halves[b]);
     });
-    list_splits(tree, splits);
+    for (const auto& level : tree.cell_halves)
+        for (const Halves& halves : level) tree.most_gain = std::max(tree.most_gain, halves.most);
+    for (const auto& brick : tree.brick_halves)
+        tree.most_gain = std::max(tree.most_gain, brick[0].most);
     return tree;
 }
 
-void sort_splits(std::vector<CutTree::Split>& splits) {
-    tbb::parallel_sort(
-        splits.begin(), splits.end(), [](const CutTree::Split& a, const CutTree::Split& b) {
-            return a.priority != b.priority ? a.priority > b.priority : a.added < b.added;
-        });
-}
-
-float least_priority(std::span<const CutTree::Split> splits, std::size_t budget,
-                     std::size_t roots) {
-    // Splits of one priority go together: a parent's may be its child's.
-    std::size_t count = roots;
-    float least = std::numeric_limits<float>::infinity();  // of single children: no count
-    for (std::size_t n = 0; n < splits.size();) {
-        std::size_t last = n, added = 0;
-        for (; last < splits.size() && splits[last].priority == splits[n].priority; ++last)
-            added += splits[last].added;
-        if (count + added > budget) break;
-        count += added;
-        least = splits[n].priority;
-        n = last;
-    }
-    return least;
-}
-
-std::vector<Moments> cut_at(const CutTree& tree, float least) {
-    if (tree.octree.levels.empty()) return {};
-    CutWalk walk{tree, least};
-    walk.take_cell(tree.octree.levels.size() - 1, 0);
-    return walk.cut;
-}
+double cut_scale(double voxel_edge) { return gain_scale(voxel_edge, ColumnDepth::seen); }
 
 std::vector<std::vector<Moments>> best_cut(std::span<const CutTree> trees, std::size_t budget) {
-    std::vector<CutTree::Split> all;
-    if (trees.size() > 1) {
-        for (const CutTree& tree : trees)
-            all.insert(all.end(), tree.splits.begin(), tree.splits.end());
-        sort_splits(all);
-    }
-    const float least =
-        least_priority(trees.size() == 1 ? trees[0].splits : all, budget, trees.size());
+    double most = 0;
+    for (const CutTree& tree : trees) most = std::max(most, double{whole_float(tree.most_gain)});
+    const double price = price_of_budget(budget, most, [&](double tried) {
+        std::size_t count = 0;
+        for (const CutTree& tree : trees) count += PricedTree(tree, tried).count();
+        return count;
+    });
     std::vector<std::vector<Moments>> cuts;
-    for (const CutTree& tree : trees) cuts.push_back(cut_at(tree, least));
+    for (const CutTree& tree : trees) cuts.push_back(PricedTree(tree, price).cells());
     return cuts;
 }
 
-std::size_t finest_count(const CutTree& tree) {
-    std::size_t count = 1;
-    for (const CutTree::Split& split : tree.splits) count += split.added;
-    return count;
-}
+std::size_t finest_count(const CutTree& tree) { return PricedTree(tree, kNoPrice).count(); }
 
 }  // namespace vog

@@ -1,14 +1,22 @@
-// moment_gain.cpp: what it is worth to split a cell.
+// moment_gain.cpp: the product of two Gaussians has a closed form, and so has the square of a
+// difference.
+#include "convert/moment_gain.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "convert/moment_cut.h"
-
 namespace vog {
 
 namespace {
+
+constexpr double kTwoPiCubed = 8 * std::numbers::pi * std::numbers::pi * std::numbers::pi;
+
+double determinant(const std::array<double, 6>& c) {
+    return c[0] * (c[3] * c[5] - c[4] * c[4]) - c[1] * (c[1] * c[5] - c[4] * c[2]) +
+           c[2] * (c[1] * c[4] - c[3] * c[2]);
+}
 
 /// Integral of the product of two untruncated Gaussians of unit mass:
 /// the density at their distance of the Gaussian with both covariances.
@@ -24,34 +32,38 @@ double overlap(const Moments& a, const Moments& b) {
     const double distance2 = (xx * d.x * d.x + yy * d.y * d.y + zz * d.z * d.z +
                               2 * (xy * d.x * d.y + xz * d.x * d.z + yz * d.y * d.z)) /
                              det;
-    constexpr double kTwoPiCubed = 8 * std::numbers::pi * std::numbers::pi * std::numbers::pi;
     return std::exp(-0.5 * distance2) / std::sqrt(kTwoPiCubed * det);
 }
 
-// An error in space is seen through the edge of the cell, along a column of its depth: without
-// the division the densest columns get everything. docs/moments.md has the scan of both powers.
-constexpr double kEdgePower = 2.5, kDepthPower = 0.75;
+/// Of a Gaussian with itself.
+double overlap(const Moments& a) {
+    return 1 / std::sqrt(8 * kTwoPiCubed * determinant(a.covariance));
+}
+
+/// docs/moments.md has the scan of both powers.
+constexpr double kEdgePower = 2.5;
 
 }  // namespace
 
-float split_gain(const Moments& parent, std::span<const Moments> children, double edge) {
-    if (children.size() < 2) return std::numeric_limits<float>::infinity();
-    double squares = parent.mass * parent.mass * overlap(parent, parent);
-    for (std::size_t a = 0; a < children.size(); ++a) {
-        squares -= 2 * parent.mass * children[a].mass * overlap(parent, children[a]);
-        for (std::size_t b = 0; b <= a; ++b)
-            squares += (a == b ? 1 : 2) * children[a].mass * children[b].mass *
-                       overlap(children[a], children[b]);
-    }
-    const double column = parent.mass / (edge * edge);
-    const double gain = squares * std::pow(edge, kEdgePower) / std::pow(column, kDepthPower) /
-                        static_cast<double>(children.size() - 1);
-    return static_cast<float>(std::clamp(gain, 0.0, double{std::numeric_limits<float>::max()}));
+double split_gain(const Moments& whole, const Moments& a, const Moments& b, ColumnDepth depth) {
+    const double m = whole.mass;
+    const double squares = m * m * overlap(whole) + a.mass * a.mass * overlap(a) +
+                           b.mass * b.mass * overlap(b) +
+                           2 * (a.mass * b.mass * overlap(a, b) -
+                                m * (a.mass * overlap(whole, a) + b.mass * overlap(whole, b)));
+    // The edge of the cube with this variance.
+    const std::array<double, 6>& c = whole.covariance;
+    const double edge = 2 * std::sqrt(c[0] + c[3] + c[5]), edge2 = edge * edge;
+    const double root = std::sqrt(std::sqrt(m / edge2));  // of the column's depth, the fourth
+    const double column = depth == ColumnDepth::own ? root * root * root : root;
+    const double gain = squares * edge2 * std::sqrt(edge) / column;
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return gain > 0 ? std::min(gain, kMost) : 0;
 }
 
-double gain_scale(double voxel_edge) {
+double gain_scale(double voxel_edge, ColumnDepth depth) {
     // Squares of densities over space, edge, and column of depth.
-    return std::pow(voxel_edge, 3 + kEdgePower - kDepthPower);
+    return std::pow(voxel_edge, 3 + kEdgePower - (depth == ColumnDepth::own ? 0.75 : 0.25));
 }
 
 }  // namespace vog

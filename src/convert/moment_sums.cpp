@@ -23,6 +23,24 @@ Moments moments_of(const MomentSums& sums) {
     return result;
 }
 
+Moments joined_moments(std::span<const Moments> parts) {
+    Moments sum;
+    for (const Moments& part : parts) {
+        sum.mass += part.mass;
+        sum.mean = sum.mean + part.mass * part.mean;
+    }
+    sum.mean = (1 / sum.mass) * sum.mean;
+    // About the mean from the start: no squares of places to cancel.
+    for (const Moments& part : parts) {
+        const Vec3d d = part.mean - sum.mean;
+        const std::array<double, 6> squares{d.x * d.x, d.x * d.y, d.x * d.z,
+                                            d.y * d.y, d.y * d.z, d.z * d.z};
+        for (std::size_t n = 0; n < 6; ++n)
+            sum.covariance[n] += part.mass / sum.mass * (part.covariance[n] + squares[n]);
+    }
+    return sum;
+}
+
 MomentSums sums_of(const Moments& moments) {
     const Vec3d m = moments.mean;
     const std::array<double, 6> squares{m.x * m.x, m.x * m.y, m.x * m.z,

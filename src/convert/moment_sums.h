@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "vog/gaussians.h"
 #include "vog/moments.h"
@@ -49,6 +50,8 @@ inline MomentSums cube_sums(double mass, double edge) {
 
 /// Mean and covariance about the same point; mass must not be zero.
 Moments moments_of(const MomentSums& sums);
+/// Moments of the sum, at least one with mass.
+Moments joined_moments(std::span<const Moments> parts);
 MomentSums sums_of(const Moments& moments);
 
 /// Sums about the centre of each cube of a leaf, cubes in Morton order (x the most significant).

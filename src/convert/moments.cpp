@@ -18,8 +18,8 @@
 #include "convert/moment_cut.h"
 #include "convert/moment_error.h"
 #include "convert/moment_field.h"
-#include "convert/moment_merge.h"
 #include "convert/moment_soften.h"
+#include "convert/moment_uniform.h"
 #include "parallel.h"
 #include "vog/error.h"
 
@@ -46,7 +46,7 @@ struct Conversion {
     }
     int soft_steps() const {
         if (options.soft_steps >= 0) return options.soft_steps;
-        return options.block_voxels ? 0 : kSoftSteps;
+        return options.block_voxels ? 0 : options.budget ? kSoftSteps : kSearchSoftSteps;
     }
     const Volume& volume() const { return parts.front(); }
     MomentFrame frame(const Affine& world_from_index) const {
@@ -135,69 +135,6 @@ Gaussians small_blocks(Conversion& job) {
     return model;
 }
 
-/// The cells of one size of a level of the octree, and the bricks above it. A level may be missing
-/// only where the data are smaller than the block: then the last one stands for it.
-std::vector<Moments> octree_cells(const MomentOctree& octree, int edge_log2) {
-    std::vector<Moments> cells;
-    std::size_t at = 0;
-    while (at + 1 < octree.levels.size() && octree.levels[at].edge_log2 < edge_log2) ++at;
-    for (std::size_t level = at; level < octree.levels.size(); ++level)
-        for (const MomentCell& cell : octree.levels[level].cells)
-            if (level == at || cell.child_count == 0)
-                cells.push_back(cell_moments(cell, octree.levels[level].edge_log2));
-    return cells;
-}
-
-/// Hard cells of one size of one volume.
-std::vector<Moments> volume_cells(const Conversion& job) {
-    if (job.options.block_voxels > kLeafEdge)
-        return octree_cells(moment_octree(job.volume(), kLeafEdge),
-                            std::countr_zero(unsigned(job.options.block_voxels)));
-    const std::vector<MomentNode> nodes = morton_nodes(job.volume());
-    std::vector<std::vector<Moments>> parts(chunk_count(nodes));
-    vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-        for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
-            parts[chunk].push_back(moments_of(sums));
-            parts[chunk].back().mean = parts[chunk].back().mean + center;
-        });
-    });
-    std::vector<Moments> cells;
-    for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
-    return cells;
-}
-
-/// Hard cells of one size of levels: in voxels of each level up to a leaf's edge, then in voxels of
-/// the coarsest.
-std::vector<Moments> field_cells(const MomentField& field, int block) {
-    double largest = 1;
-    for (const Brick& brick : field.bricks)
-        if (brick.leaf) largest = std::max(largest, brick.spacing);
-    if (block > kLeafEdge)
-        return octree_cells(brick_octree(field.bricks, field.world_from_index),
-                            std::countr_zero(unsigned(block)) + std::ilogb(largest));
-    std::vector<std::vector<Moments>> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk);
-    vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
-        const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());
-        for (std::size_t b = chunk * kNodeChunk; b < last; ++b) {
-            const Brick& brick = field.bricks[b];
-            // A tile is sampled by the eighth of its edge, which may be more than the block.
-            const double samples = brick.leaf ? block : block * largest / brick.spacing;
-            const std::size_t first = samples >= 8   ? 0
-                                      : samples >= 4 ? 1
-                                      : samples >= 2 ? 9
-                                                     : kBrickNodes;
-            const std::size_t end = first == 0 ? 1 : 8 * first + 1;
-            const BrickSums sums = brick_sums(brick);
-            for (std::size_t n = first; n < end; ++n)
-                if (const Moments cell = brick_node(brick, sums, n); cell.mass > 0)
-                    parts[chunk].push_back(cell);
-        }
-    });
-    std::vector<Moments> cells;
-    for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
-    return cells;
-}
-
 /// Cells of every field, in its own index space.
 using FieldCells = std::vector<std::vector<Moments>>;
 
@@ -264,7 +201,6 @@ FoundModel judged(Conversion& job, std::span<const MomentField> fields, const Er
 struct FieldTrees {
     std::vector<MomentField> fields;
     std::vector<CutTree> trees;
-    std::vector<double> scales;  ///< of gains, between fields
 };
 
 FieldTrees field_trees(const Conversion& job) {
@@ -273,21 +209,10 @@ FieldTrees field_trees(const Conversion& job) {
     double finest_edge = std::numeric_limits<double>::infinity();
     for (const MomentField& field : all.fields)
         finest_edge = std::min(finest_edge, std::cbrt(field.voxel_volume()));
-    for (const MomentField& field : all.fields) {
-        all.scales.push_back(gain_scale(std::cbrt(field.voxel_volume()) / finest_edge));
-        all.trees.push_back(cut_tree(field, all.scales.back()));
-    }
+    for (const MomentField& field : all.fields)
+        all.trees.push_back(
+            cut_tree(field, cut_scale(std::cbrt(field.voxel_volume()) / finest_edge)));
     return all;
-}
-
-/// At most `budget` hard cells.
-FieldCells hard_cut(const Conversion& job, const FieldTrees& all, std::size_t budget) {
-    // Levels are cut finer and merged: +1.5 dB for Enzo at 2 %, +2.3 dB for `sample amr` at 0.6 %.
-    // Single volumes lose as often as they gain (smoke 1.9 % +0.5 dB, aquarius 1.6 % -1.1 dB).
-    constexpr std::size_t kOvercut = 2;
-    FieldCells cells = best_cut(all.trees, job.levels ? kOvercut * budget : budget);
-    if (job.levels) merge_cells(cells, all.scales, budget);
-    return cells;
 }
 
 /// The smallest model, softened and without its lightest cells, whose measured error is low enough.
@@ -302,13 +227,13 @@ FieldCells search(Conversion& job, const FieldTrees& all, FieldSoftener& softene
     const double hard = job.soft_steps() > 0 ? kHardOverSoft : 1;
     const SearchStart start =
         search_start(hard * job.options.error, finest, [&](std::size_t budget) {
-            return judged(job, all.fields, views, hard_cut(job, all, budget)).error;
+            return judged(job, all.fields, views, best_cut(all.trees, budget)).error;
         });
     FieldCells best;
     const FoundModel found = smallest_model(
         job.options.error, finest,
         [&](std::size_t budget) {
-            FieldCells cells = hard_cut(job, all, budget);
+            FieldCells cells = best_cut(all.trees, budget);
             softener.soften(cells, job.soft_steps());
             FoundModel tried = judged(job, all.fields, views, cells);
             if (tried.error <= job.options.error || budget >= finest) best = std::move(cells);
@@ -347,7 +272,7 @@ Gaussians best_cells(Conversion& job) {
     job.end_stage("octree", 0.2);
     FieldSoftener softener(all.fields);
     if (!job.options.budget) return finished(job, all.fields, softener, search(job, all, softener));
-    FieldCells cells = hard_cut(job, all, job.options.budget);
+    FieldCells cells = best_cut(all.trees, job.options.budget);
     job.end_stage("cut", 0.3);
     softener.soften(cells, job.soft_steps());
     job.end_stage("soften", 0.9);
@@ -360,8 +285,7 @@ Gaussians block_model(Conversion& job) {
     if (!job.levels && hard && block <= kLeafEdge) return small_blocks(job);
     const std::vector<MomentField> fields = job.fields();
     FieldCells cells;
-    for (const MomentField& field : fields)
-        cells.push_back(job.levels ? field_cells(field, block) : volume_cells(job));
+    for (const MomentField& field : fields) cells.push_back(uniform_cells(field, block));
     job.end_stage("cells", 0.3);
     FieldSoftener softener(fields);
     softener.soften(cells, job.soft_steps());

@@ -1,11 +1,11 @@
-// point_tree.cpp: halves top down, generation by generation; moments and groups of splits bottom
-// up; priorities top down.
+// point_tree.cpp: halves top down, generation by generation; moments and gains bottom up.
 #include "convert/point_tree.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "convert/moment_gain.h"
+#include "convert/price_search.h"
 #include "parallel.h"
 
 namespace vog {
@@ -68,10 +68,10 @@ void part(std::vector<Particle>& particles, PointNode& node) {
                       : static_cast<std::uint32_t>(middle - particles.begin());
 }
 
-/// Nodes of all generations; returns where each begins, and the end.
-std::vector<std::size_t> build_nodes(PointTree& tree) {
-    std::vector<std::size_t> generations{0};
-    if (tree.particles.size() < 2) return generations;
+/// Nodes of all generations.
+void build_nodes(PointTree& tree) {
+    std::vector<std::size_t>& generations = tree.generations;
+    if (tree.particles.size() < 2) return;
     tree.nodes.reserve(tree.particles.size() - 1);
     PointNode root;
     root.last = static_cast<std::uint32_t>(tree.particles.size());
@@ -91,7 +91,6 @@ std::vector<std::size_t> build_nodes(PointTree& tree) {
         }
         generations.push_back(end);
     }
-    return generations;
 }
 
 Moments node_moments(const PointTree& tree, const PointNode& node) {
@@ -107,73 +106,53 @@ Moments half_moments(const PointTree& tree, const Half& half) {
                           : particle_moments(tree.particles[half.first]);
 }
 
-/// The worth of splitting a node and, where those are worth more, some of its descendants with it.
-struct SplitGroup {
-    float gain = 0;
-    std::uint32_t splits = 0;
-    bool absorbed = false;  ///< into an ancestor's
-    float priority() const { return gain / static_cast<float>(splits); }
-};
-
-/// Adds the nodes below `node` that are heads of groups to a heap.
-void push_heads(const PointTree& tree, const std::vector<SplitGroup>& groups, const PointNode& node,
-                std::vector<std::pair<float, std::uint32_t>>& heap) {
-    for (const Half& half : halves(node)) {
-        if (!half.is_node()) continue;
-        if (groups[half.node].absorbed) {
-            push_heads(tree, groups, tree.nodes[half.node], heap);
-            continue;
-        }
-        heap.emplace_back(groups[half.node].priority(), half.node);
-        std::push_heap(heap.begin(), heap.end());
-    }
-}
-
-/// Sets a node's moments and its group from its halves'. A split of little worth must not hide
-/// those of more below it: such are absorbed, best first, while they raise the worth of a split.
-void set_moments(PointTree& tree, std::vector<SplitGroup>& groups, std::size_t n) {
-    PointNode& node = tree.nodes[n];
+/// Sets a node's moments and what it is worth to split it, from its halves'.
+void set_moments(PointTree& tree, PointNode& node) {
     const auto [left, right] = halves(node);
     const std::array<Moments, 2> parts{half_moments(tree, left), half_moments(tree, right)};
     const Moments sum = joined_moments(parts);
     node.mass = static_cast<float>(sum.mass);
     node.mean = vec_cast<float>(sum.mean - tree.particles[node.first].place);
     for (std::size_t k = 0; k < 6; ++k) node.covariance[k] = static_cast<float>(sum.covariance[k]);
-
-    // The edge of a cell: that of a cube with this variance, but for a constant.
-    const double edge = 2 * std::sqrt(sum.covariance[0] + sum.covariance[3] + sum.covariance[5]);
-    SplitGroup& group = groups[n];
-    group = {split_gain(sum, parts, edge), 1, false};
-    std::vector<std::pair<float, std::uint32_t>> heap;
-    push_heads(tree, groups, node, heap);
-    while (!heap.empty() && heap.front().first > group.priority()) {
-        const std::uint32_t best = heap.front().second;
-        std::pop_heap(heap.begin(), heap.end());
-        heap.pop_back();
-        group.gain += groups[best].gain;
-        group.splits += groups[best].splits;
-        groups[best].absorbed = true;
-        push_heads(tree, groups, tree.nodes[best], heap);
-    }
+    node.gain = static_cast<float>(split_gain(sum, parts[0], parts[1], ColumnDepth::own));
 }
 
-/// Walks down depth first and takes what is not split.
-struct PointCutWalk {
-    const PointTree& tree;
-    float least;  ///< nodes of this priority or more are split
-    std::vector<Moments> cut{};
-
-    void take(const PointNode& node) {
-        if (node.priority < least) {
-            cut.push_back(node_moments(tree, node));
-            return;
-        }
-        for (const Half& half : halves(node))
-            if (half.is_node())
-                take(tree.nodes[half.node]);
-            else
-                cut.push_back(half_moments(tree, half));
+/// The best cut at a price (price_search.h): what each node is worth, 0 where it stays whole.
+class PricedPoints {
+  public:
+    PricedPoints(const PointTree& tree, double price) : tree_(tree), best_(tree.nodes.size()) {
+        for (std::size_t g = tree.generations.size() - 1; g-- > 0;)
+            vog::parallel_for(tree.generations[g], tree.generations[g + 1], [&](std::size_t n) {
+                Best best{double{tree.nodes[n].gain} - price, 0};
+                for (const Half& half : halves(tree.nodes[n])) {
+                    best.worth += half.is_node() ? best_[half.node].worth : 0;
+                    best.count += half.is_node() ? best_[half.node].count : 1;
+                }
+                best_[n] = best.worth > 0 ? best : Best{0, 1};
+            });
     }
+    std::size_t count() const { return best_.front().count; }
+    std::vector<Moments> cells() const {
+        std::vector<Moments> cut;
+        cut.reserve(count());
+        take({tree_.nodes[0].first, tree_.nodes[0].last, 0}, cut);
+        return cut;
+    }
+
+  private:
+    struct Best {
+        double worth = 0;
+        std::uint32_t count = 0;
+    };
+    void take(const Half& part, std::vector<Moments>& cut) const {
+        if (!part.is_node() || !(best_[part.node].worth > 0))
+            cut.push_back(half_moments(tree_, part));
+        else
+            for (const Half& half : halves(tree_.nodes[part.node])) take(half, cut);
+    }
+
+    const PointTree& tree_;
+    std::vector<Best> best_;
 };
 
 }  // namespace
@@ -184,51 +163,23 @@ Moments particle_moments(const Particle& particle) {
     return moments;
 }
 
-Moments joined_moments(std::span<const Moments> parts) {
-    Moments sum;
-    for (const Moments& part : parts) {
-        sum.mass += part.mass;
-        sum.mean = sum.mean + part.mass * part.mean;
-    }
-    sum.mean = (1 / sum.mass) * sum.mean;
-    // About the mean from the start: no squares of places to cancel.
-    for (const Moments& part : parts) {
-        const Vec3d d = part.mean - sum.mean;
-        const std::array<double, 6> squares{d.x * d.x, d.x * d.y, d.x * d.z,
-                                            d.y * d.y, d.y * d.z, d.z * d.z};
-        for (std::size_t n = 0; n < 6; ++n)
-            sum.covariance[n] += part.mass / sum.mass * (part.covariance[n] + squares[n]);
-    }
-    return sum;
-}
-
 PointTree point_tree(std::vector<Particle> particles) {
     PointTree tree;
     tree.particles = std::move(particles);
-    const std::vector<std::size_t> generations = build_nodes(tree);
-    std::vector<SplitGroup> groups(tree.nodes.size());
-    for (std::size_t g = generations.size() - 1; g-- > 0;)
-        vog::parallel_for(generations[g], generations[g + 1],
-                          [&](std::size_t n) { set_moments(tree, groups, n); });
-
-    if (!tree.nodes.empty()) tree.nodes.front().priority = std::numeric_limits<float>::infinity();
-    tree.splits.resize(tree.nodes.size());
-    for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
-        PointNode& node = tree.nodes[n];  // which has its parent's priority
-        if (!groups[n].absorbed) node.priority = std::min(node.priority, groups[n].priority());
-        for (const Half& half : halves(node))
-            if (half.is_node()) tree.nodes[half.node].priority = node.priority;
-        tree.splits[n] = {node.priority, 1};
-    }
-    sort_splits(tree.splits);
+    build_nodes(tree);
+    for (std::size_t g = tree.generations.size() - 1; g-- > 0;)
+        vog::parallel_for(tree.generations[g], tree.generations[g + 1],
+                          [&](std::size_t n) { set_moments(tree, tree.nodes[n]); });
     return tree;
 }
 
 std::vector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
     if (tree.nodes.empty()) return {particle_moments(tree.particles.front())};
-    PointCutWalk walk{tree, least_priority(tree.splits, budget)};
-    walk.take(tree.nodes.front());
-    return std::move(walk.cut);
+    float most = 0;
+    for (const PointNode& node : tree.nodes) most = std::max(most, node.gain);
+    const double price = price_of_budget(
+        budget, double{most}, [&](double tried) { return PricedPoints(tree, tried).count(); });
+    return PricedPoints(tree, price).cells();
 }
 
 }  // namespace vog

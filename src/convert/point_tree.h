@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "convert/moment_cut.h"
 #include "convert/moment_sums.h"
 #include "point_grid.h"
 
@@ -21,8 +20,6 @@ struct Particle {
     std::array<float, 6> covariance{};  ///< xx xy xz yy yz zz, voxels squared
 };
 Moments particle_moments(const Particle& particle);
-/// Moments of the sum.
-Moments joined_moments(std::span<const Moments> parts);
 
 /// Two particles or more.
 struct PointNode {
@@ -31,13 +28,13 @@ struct PointNode {
     float mass = 0;
     Vec3f mean;                         ///< from the place of its first particle, voxels
     std::array<float, 6> covariance{};  ///< xx xy xz yy yz zz
-    float priority = 0;                 ///< of splitting it, none higher than its parent's
+    float gain = 0;                     ///< what splitting it is worth
 };
 
 struct PointTree {
-    std::vector<Particle> particles;     ///< a node's are contiguous
-    std::vector<PointNode> nodes;        ///< root first, parents before children; none for one
-    std::vector<CutTree::Split> splits;  ///< of all nodes, highest priority first
+    std::vector<Particle> particles;          ///< a node's are contiguous
+    std::vector<PointNode> nodes;             ///< root first, parents before children; none for one
+    std::vector<std::size_t> generations{0};  ///< where each begins, and the end
 };
 
 /// The same for any number of threads.

@@ -1,0 +1,140 @@
+// moment_halves.cpp: which octants lie on which side, and what a subtree is worth at a price.
+#include "convert/moment_halves.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "convert/moment_gain.h"
+
+namespace vog {
+
+namespace {
+
+/// [axes][split][side]: octants.
+using Sides = std::array<std::array<std::array<std::uint8_t, 2>, 7>, 16>;
+
+constexpr Sides all_sides() {
+    Sides all{};
+    for (std::size_t axes = 0; axes < 16; ++axes) {
+        const std::size_t first = axes & 3;
+        if (first == 3) continue;
+        for (std::size_t n = 0; n < 7; ++n) {
+            int mask = 0xFF;
+            std::size_t axis = first;
+            if (n > 0) {
+                const std::size_t half = n < 3 ? n - 1 : (n - 3) / 2;
+                const std::size_t low = first == 0 ? 1 : 0, high = first == 2 ? 1 : 2;
+                const std::size_t second = axes >> (2 + half) & 1 ? high : low;
+                mask &= half ? kUpperOctants[first] : ~kUpperOctants[first];
+                axis = n < 3 ? second : 3 - first - second;
+                if (n >= 3) mask &= (n - 3) & 1 ? kUpperOctants[second] : ~kUpperOctants[second];
+            }
+            all[axes][n] = {static_cast<std::uint8_t>(mask & ~kUpperOctants[axis]),
+                            static_cast<std::uint8_t>(mask & kUpperOctants[axis])};
+        }
+    }
+    return all;
+}
+constexpr Sides kSides = all_sides();
+
+}  // namespace
+
+std::array<std::uint8_t, 2> Halves::sides(int n) const {
+    const auto [lower, upper] = kSides[axes][std::size_t(n)];
+    return {static_cast<std::uint8_t>(lower & present), static_cast<std::uint8_t>(upper & present)};
+}
+
+Moments joined_octants(const Octants& octants, std::uint8_t mask) {
+    std::array<Moments, 8> parts;
+    std::size_t count = 0;
+    for (std::size_t o = 0; o < 8; ++o)
+        if (mask >> o & 1) parts[count++] = octants[o];
+    return count == 1 ? parts[0] : joined_moments(std::span(parts).first(count));
+}
+
+namespace {
+
+/// Axis (0 x, 1 y, 2 z) along which the moments are longest among those whose bit is set in
+/// `allowed` and that have octants of `mask` on both sides; the lowest allowed one where none has.
+int longest_axis(const Moments& moments, std::uint8_t mask, int allowed) {
+    constexpr std::array<std::size_t, 3> kDiagonal{0, 3, 5};
+    int longest = std::countr_zero(unsigned(allowed));
+    double most = -1;
+    for (int axis = 0; axis < 3; ++axis) {
+        const std::uint8_t upper = kUpperOctants[std::size_t(axis)];
+        if (!(allowed >> axis & 1) || !(mask & upper) || !(mask & ~upper)) continue;
+        const double variance = moments.covariance[kDiagonal[std::size_t(axis)]];
+        if (variance > most) most = variance, longest = axis;
+    }
+    return longest;
+}
+
+}  // namespace
+
+Halves halves_of(const Octants& octants, double weight) {
+    Halves halves;
+    for (std::size_t o = 0; o < 8; ++o)
+        if (octants[o].mass > 0) halves.present |= static_cast<std::uint8_t>(1 << o);
+    float most = 0;
+    for (int n = 0; n < 7; ++n) {
+        std::array<std::uint8_t, 2> side = halves.sides(n);
+        const auto mask = static_cast<std::uint8_t>(side[0] | side[1]);
+        if (std::popcount(mask) < 2) continue;
+        const Moments whole = joined_octants(octants, mask);
+        if (n == 0) {
+            halves.axes = static_cast<std::uint8_t>(longest_axis(whole, mask, 7));
+        } else if (n < 3) {
+            const int allowed = 7 & ~(1 << (halves.axes & 3));
+            if (longest_axis(whole, mask, allowed) != std::countr_zero(unsigned(allowed)))
+                halves.axes |= static_cast<std::uint8_t>(2 << n);
+        }
+        side = halves.sides(n);
+        if (!side[0] || !side[1]) continue;
+        const double gain =
+            weight * split_gain(whole, joined_octants(octants, side[0]),
+                                joined_octants(octants, side[1]), ColumnDepth::seen);
+        const auto finite = static_cast<float>(
+            std::min(gain, static_cast<double>(std::numeric_limits<float>::max())));
+        halves.gain[std::size_t(n)] = half_float(finite);
+        most = std::max(most, finite);
+    }
+    halves.most = half_float(most);  // rounded down as the gains are
+    return halves;
+}
+
+namespace {
+
+/// Of two sides, and the split between them.
+Priced either(const Priced& a, const Priced& b, double gain, double price, bool& split) {
+    split = false;
+    if (a.count == 0) return b;
+    if (b.count == 0) return a;
+    const double worth = gain - price + a.worth + b.worth;
+    split = worth > 0;
+    return split ? Priced{worth, a.count + b.count} : Priced{0, 1};
+}
+
+}  // namespace
+
+Priced priced(const Halves& halves, const std::array<Priced, 8>& octants, double price,
+              std::uint8_t& splits) {
+    splits = 0;
+    std::array<Priced, 7> best;
+    for (int n = 6; n >= 0; --n) {
+        std::array<Priced, 2> side;
+        if (n < 3) {
+            side = {best[std::size_t(2 * n + 1)], best[std::size_t(2 * n + 2)]};
+        } else {
+            const std::array<std::uint8_t, 2> masks = halves.sides(n);
+            for (std::size_t k = 0; k < 2; ++k)
+                if (masks[k]) side[k] = octants[std::size_t(std::countr_zero(masks[k]))];
+        }
+        bool split;
+        best[std::size_t(n)] = either(
+            side[0], side[1], double{whole_float(halves.gain[std::size_t(n)])}, price, split);
+        splits |= std::uint8_t(split << n);
+    }
+    return best[0];
+}
+
+}  // namespace vog

@@ -1,0 +1,202 @@
+// moment_halves_test.cpp: gains in closed form, the best cut of a cell against all of its cuts, the
+// price of a budget.
+#include "convert/moment_halves.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "convert/moment_cut.h"
+#include "convert/moment_gain.h"
+#include "convert/price_search.h"
+#include "support/moment_volumes.h"
+
+namespace vog {
+namespace {
+
+using Random = std::mt19937;
+
+double uniform(Random& random, double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+}
+
+/// Octants of a cell of edge 8, each with mass by chance.
+Octants random_octants(Random& random, double share) {
+    Octants octants;
+    for (std::size_t o = 0; o < 8; ++o) {
+        if (uniform(random, 0, 1) > share) continue;
+        octants[o].mass = std::exp(uniform(random, -3, 3));
+        for (int axis = 0; axis < 3; ++axis)
+            octants[o].mean[axis] = (o >> (2 - axis) & 1 ? 6 : 2) + uniform(random, -1, 1);
+        octants[o].covariance = {
+            uniform(random, 0.5, 2), uniform(random, -0.2, 0.2), 0.1,
+            uniform(random, 0.5, 2), uniform(random, -0.2, 0.2), uniform(random, 0.5, 2)};
+    }
+    return octants;
+}
+
+double density(const Moments& m, Vec3d at) {
+    const auto& c = m.covariance;
+    const Mat3 covariance{{Vec3d{c[0], c[1], c[2]}, {c[1], c[3], c[4]}, {c[2], c[4], c[5]}}};
+    const Vec3d d = at - m.mean;
+    return m.mass * std::exp(-0.5 * dot(d, inverse(covariance) * d)) /
+           std::sqrt(std::pow(2 * std::numbers::pi, 3) * determinant(covariance));
+}
+
+TEST(moment_halves, a_gain_is_the_integral_of_the_squared_difference) {
+    Random random(7);
+    const Octants octants = random_octants(random, 1);
+    const Moments a = joined_octants(octants, 0x0F), b = joined_octants(octants, 0xF0),
+                  whole = joined_octants(octants, 0xFF);
+    // A sum over a lattice is exact for smooth functions, but for exp(-(2 pi sigma/h)^2/2).
+    constexpr double kStep = 0.5;
+    double squares = 0;
+    for (double x = -12; x < 20; x += kStep)
+        for (double y = -12; y < 20; y += kStep)
+            for (double z = -12; z < 20; z += kStep) {
+                const Vec3d at{x, y, z};
+                const double d = density(whole, at) - density(a, at) - density(b, at);
+                squares += d * d * kStep * kStep * kStep;
+            }
+    const auto& c = whole.covariance;
+    const double edge = 2 * std::sqrt(c[0] + c[3] + c[5]), column = whole.mass / (edge * edge);
+    const double base = squares * std::pow(edge, 2.5);
+    EXPECT_NEAR(split_gain(whole, a, b, ColumnDepth::own) / (base / std::pow(column, 0.75)), 1,
+                1e-6);
+    EXPECT_NEAR(split_gain(whole, a, b, ColumnDepth::seen) / (base / std::pow(column, 0.25)), 1,
+                1e-6);
+}
+
+TEST(moment_halves, splits_part_the_octants_down_to_single_ones) {
+    Random random(11);
+    for (int tries = 0; tries < 200; ++tries) {
+        const Octants octants = random_octants(random, 0.7);
+        const Halves halves = halves_of(octants, 1);
+        int parts = 0, all = 0;
+        for_each_part(halves, 0x7F, [&](std::uint8_t mask) {
+            EXPECT_TRUE(std::has_single_bit(mask));
+            EXPECT_FALSE(all & mask) << "no octant twice";
+            all |= mask;
+            ++parts;
+        });
+        EXPECT_EQ(all, halves.present);
+        EXPECT_EQ(parts, std::popcount(halves.present));
+        for (int n = 0; n < 7; ++n) {
+            const auto [lower, upper] = halves.sides(n);
+            EXPECT_FALSE(lower & upper);
+            EXPECT_EQ(halves.gain[std::size_t(n)] > 0, lower && upper);
+            EXPECT_LE(halves.gain[std::size_t(n)], halves.most);
+        }
+    }
+}
+
+TEST(moment_halves, a_long_cell_is_parted_across_its_length) {
+    for (int axis = 0; axis < 3; ++axis) {
+        Octants octants;
+        for (std::size_t o = 0; o < 8; ++o) {
+            octants[o] = {1, {}, {0.1, 0, 0, 0.1, 0, 0.1}};
+            for (int k = 0; k < 3; ++k)
+                octants[o].mean[k] = o >> (2 - k) & 1 ? (k == axis ? 3 : 1) : 0;
+        }
+        const Halves halves = halves_of(octants, 1);
+        EXPECT_EQ(halves.axes & 3, axis);
+        EXPECT_EQ(halves.sides(0)[1], kUpperOctants[std::size_t(axis)]);
+        EXPECT_GT(halves.gain[0], halves.gain[1]);
+    }
+}
+
+TEST(moment_halves, at_any_price_no_other_cut_is_worth_more) {
+    Random random(5);
+    for (int tries = 0; tries < 100; ++tries) {
+        const Halves halves = halves_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
+        if (!halves.present) continue;
+        std::array<Priced, 8> octants;
+        for (std::size_t o = 0; o < 8; ++o)
+            if (halves.present >> o & 1) octants[o] = {uniform(random, 0, 1) < 0.5 ? 0.0 : 0.02, 1};
+        const double price = std::exp(uniform(random, -6, 2));
+        std::uint8_t splits = 0;
+        const Priced best = priced(halves, octants, price, splits);
+
+        // What a set of splits is worth, those under a part that stays whole not counting.
+        const auto worth_of = [&](int set) {
+            const std::function<double(int)> worth = [&](int n) -> double {
+                const auto side = halves.sides(n);
+                const auto below = [&](std::size_t k) {
+                    if (!side[k]) return 0.0;
+                    return n < 3 ? worth(2 * n + 1 + int(k))
+                                 : octants[std::size_t(std::countr_zero(side[k]))].worth;
+                };
+                if (!side[0] || !side[1]) return below(0) + below(1);
+                if (!(set >> n & 1)) return 0.0;
+                return whole_float(halves.gain[std::size_t(n)]) - price + below(0) + below(1);
+            };
+            return worth(0);
+        };
+        double most = 0;
+        for (int set = 0; set < 128; ++set) most = std::max(most, worth_of(set));
+        EXPECT_NEAR(best.worth, most, 1e-12);
+        EXPECT_NEAR(worth_of(splits), most, 1e-12);
+        std::uint32_t parts = 0;
+        for_each_part(halves, splits, [&](std::uint8_t) { ++parts; });
+        EXPECT_EQ(best.count, parts);
+    }
+}
+
+TEST(price_search, finds_the_price_of_every_budget) {
+    // Things of different worth, some of the same: as many as are worth more than the price.
+    Random random(3);
+    std::vector<double> worth;
+    for (int n = 0; n < 5000; ++n) worth.push_back(std::exp(uniform(random, -40, 3)));
+    for (int n = 0; n < 500; ++n) worth.push_back(0.25), worth.push_back(0);
+    int calls = 0;
+    const auto count = [&](double price) {
+        ++calls;
+        return std::size_t(1) +
+               std::size_t(std::ranges::count_if(worth, [&](double one) { return one > price; }));
+    };
+    const double most = std::ranges::max(worth);
+    for (const std::size_t budget : {1, 2, 7, 100, 1000, 3000, 5000, 5900, 6001, 7000}) {
+        calls = 0;
+        const std::size_t found = count(price_of_budget(budget, most, count));
+        EXPECT_LE(found, budget);
+        EXPECT_LT(calls, 60);
+        // 501 of one worth are taken together or not at all.
+        if (budget < 1000 || budget > 5100) {
+            EXPECT_GE(found + budget / 100 + 1,
+                      std::min<std::size_t>(budget, budget < 6001 ? 5501 : 6001));
+        }
+    }
+    EXPECT_EQ(price_of_budget(10, 0, [](double) { return std::size_t(1); }), kNoPrice);
+}
+
+TEST(moment_halves, every_cut_has_the_moments_of_the_whole) {
+    const Volume volume = test::random_volume(29, 0.05);
+    const MomentField field = moment_field(volume);
+    const CutTree tree = cut_tree(field);
+    const std::size_t finest = finest_count(tree);
+    const auto whole = [&](std::size_t budget) {
+        const std::vector<Moments> cells = best_cut(std::span(&tree, 1), budget)[0];
+        EXPECT_LE(cells.size(), budget);
+        if (budget < finest) {
+            EXPECT_GE(1.02 * double(cells.size()) + 2, double(budget));
+        } else {
+            EXPECT_EQ(cells.size(), finest);
+        }
+        return joined_moments(cells);
+    };
+    const Moments one = whole(1);
+    for (const std::size_t budget : {2, 3, 10, 100, 1000, 5000, 1000000}) {
+        const Moments all = whole(budget);
+        EXPECT_NEAR(all.mass / one.mass, 1, 1e-6);
+        for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(all.mean[axis], one.mean[axis], 1e-4);
+        for (std::size_t n = 0; n < 6; ++n)
+            EXPECT_NEAR(all.covariance[n], one.covariance[n], 1e-4 * one.covariance[0]);
+    }
+}
+
+}  // namespace
+}  // namespace vog

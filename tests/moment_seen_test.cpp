@@ -1,0 +1,76 @@
+// moment_seen_test.cpp: what is hidden is worth less; units and lattices do not matter.
+#include "convert/moment_seen.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/moment_volumes.h"
+
+namespace vog {
+namespace {
+
+using test::VolumeMaker;
+
+Volume cube(int edge, float value, int from = 0) {
+    VolumeMaker maker;
+    maker.box({from, from, from}, {from + edge - 1, from + edge - 1, from + edge - 1}, value);
+    return maker.finish();
+}
+
+TEST(moment_seen, more_is_seen_of_corners_than_of_faces_than_of_the_middle) {
+    const Volume volume = cube(64, 1);
+    const MomentField field = moment_field(volume);
+    const SeenShare seen(field);
+    const double corner = seen({2, 2, 2}), edge = seen({2, 2, 31}), face = seen({2, 31, 31}),
+                 middle = seen({31, 31, 31});
+    EXPECT_GT(corner, edge);
+    EXPECT_GT(edge, face);
+    EXPECT_GE(face, middle);
+    EXPECT_LT(corner, 1.1);
+    EXPECT_GT(middle, 0.1) << "nothing is worth nothing";
+    EXPECT_LT(middle, 0.11);
+    for (const Vec3d other : {Vec3d{61, 2, 2}, Vec3d{2, 61, 61}, Vec3d{61, 61, 61}})
+        EXPECT_NEAR(seen(other), corner, 1e-6) << "all corners alike";
+}
+
+TEST(moment_seen, a_column_is_what_lies_along_it) {
+    // One bin of 4^3, alone: its columns hold it along all directions, at steps of 1, sqrt 2 and
+    // sqrt 3, of which the longest are the highest percentile: T = 4 along these.
+    const Volume volume = cube(4, 3);
+    const MomentField field = moment_field(volume);
+    const double root3 = std::sqrt(3.0);
+    const double expected = 0.1 + (3 * std::exp(-8 / root3) +
+                                   6 * std::exp(-8 * std::sqrt(2.0) / root3) + 4 * std::exp(-8.0)) /
+                                      13;
+    EXPECT_NEAR(SeenShare(field)({1.5, 1.5, 1.5}), expected, 1e-6);
+}
+
+TEST(moment_seen, units_of_density_and_length_and_places_do_not_matter) {
+    const Volume one = cube(40, 1);
+    Volume other = cube(40, 1e-6f, -96);
+    other.world_from_index.linear = {{Vec3d{0, -1e5, 0}, {1e5, 0, 0}, {0, 0, 1e5}}};
+    const MomentField field = moment_field(one), far = moment_field(other);
+    const SeenShare seen(field), seen_far(far);
+    for (const Vec3d at : {Vec3d{1, 1, 1}, Vec3d{20, 3, 7}, Vec3d{39, 39, 20}})
+        EXPECT_NEAR(seen(at), seen_far(at - Vec3d{96, 96, 96}), 1e-5);
+}
+
+TEST(moment_seen, tiles_are_seen_as_the_leaves_they_stand_for) {
+    Volume tiles;
+    tiles.tiles = {{{0, 0, 0}, 128, 0.5f}};
+    const Volume leaves = cube(128, 0.5f);
+    const MomentField a = moment_field(tiles), b = moment_field(leaves);
+    const SeenShare coarse(a), fine(b);
+    // Bins are as large as the samples of the tile, 16 voxels, instead of 4.
+    for (const double at : {8.0, 40.0, 72.0}) {
+        const Vec3d place{at, at + 16, at};
+        EXPECT_NEAR(coarse(place), fine(place), 0.05);
+    }
+    const Volume none;
+    const MomentField nothing = moment_field(none);
+    EXPECT_NO_THROW(SeenShare{nothing});
+}
+
+}  // namespace
+}  // namespace vog
