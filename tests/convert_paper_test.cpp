@@ -11,6 +11,8 @@
 #include "support/random_volume.h"
 #include "vog/convert.h"
 #include "vog/error.h"
+#include "vog/levels.h"
+#include "vog/sample.h"
 #include "vog/vdb.h"
 
 namespace vog {
@@ -112,6 +114,22 @@ TEST(convert_paper, strategy_names_round_trip) {
                      "no strategy named 'smrt' (there are: smart, strict, single, variance, "
                      "neighbours, tree)");
     }
+}
+
+TEST(convert_paper, levels_are_their_parts_in_one_box) {
+    const Composite data = composite({sample_levels({.size = 64}), {}});
+    const Gaussians model = convert_paper(data, paper_lod(5));
+    std::size_t count = 0;
+    for (const Volume& part : data.parts) {
+        const Gaussians one = convert_paper(part, paper_lod(5));
+        ASSERT_GT(one.size(), 0u);
+        EXPECT_EQ(model.mean[count], one.mean.front());
+        count += one.size();
+    }
+    EXPECT_EQ(model.size(), count);
+    EXPECT_EQ(model.box, data.box);
+    EXPECT_EQ(model.source_voxels, data.voxels);
+    EXPECT_THROW((void)convert_paper(Composite{}), Error);
 }
 
 TEST(convert_paper, levels_of_detail_are_the_papers) {

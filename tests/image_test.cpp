@@ -54,6 +54,17 @@ TEST(png, bytes_in_memory_are_those_of_the_file) {
     EXPECT_THROW((void)png_bytes(image), Error);
 }
 
+TEST(image, extension_says_what_is_written) {
+    const TempDir dir;
+    const Image image = small_image();
+    write_image(dir / "a.png", image);
+    write_png(dir / "b.png", image);
+    write_image(dir / "a.exr", image);
+    EXPECT_EQ(read_bytes(dir / "a.png"), read_bytes(dir / "b.png"));
+    EXPECT_EQ(read_image(dir / "a.exr").pixel, image.pixel);
+    EXPECT_THROW(write_image(dir / "a.jpg", image), Error);
+}
+
 TEST(png, every_8_bit_value_survives_a_round_trip) {
     Image image(256, 1);
     for (int i = 0; i < 256; ++i) {

@@ -69,6 +69,7 @@ TEST(interrupt, ends_every_long_call_wherever_it_is) {
     expect_ends_anywhere("particles", [&] { (void)convert_points(points); });
     expect_ends_anywhere("fewer", [&] { (void)convert_points(points, {.budget = 300}); });
     expect_ends_anywhere("splat", [&] { (void)render_splat(model, camera, 256, 256); });
+    expect_ends_at("scene", 1, [&] { (void)trace_scene(model); });
     expect_ends_anywhere("trace", [&] { (void)render_trace(scene, camera, 64, 64); });
     expect_ends_anywhere("reference", [&] { (void)render_reference({&grid, 1}, camera, 64, 64); });
 }

@@ -272,12 +272,10 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         MomentReport one;
         if (by_moments && meshed)
             return add(convert_moments(mesh, moments, &one), one, volume_mass);
+        if (meshed) return add(convert_paper(mesh, paper), one, volume_mass);
         for (const Volume& volume : volumes)
             add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
                 one, mass(volume));
-        if (!meshed) return;
-        model.box = mesh.box;
-        model.source_voxels = mesh.voxels;
     });
     if (by_moments)
         model.reached = reached_text(model, totals.report(volume_mass), "active voxels");

@@ -125,12 +125,7 @@ void render(const RenderArguments& arguments, const CLI::App& command) {
 
     if (!arguments.output.empty()) {
         const Image image = stages.run("shade", [&] { return shade(depth, tf, shading); });
-        stages.run("save", [&] {
-            if (arguments.output.ends_with(".exr"))
-                write_exr(arguments.output, image);
-            else
-                write_png(arguments.output, image);
-        });
+        stages.run("save", [&] { write_image(arguments.output, image); });
     }
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
     report(arguments, drawing, depth, render_ms, stages);

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "vog/gaussians.h"
+#include "vog/levels.h"
 #include "vog/progress.h"
 #include "vog/volume.h"
 
@@ -59,5 +60,8 @@ PaperOptions paper_lod(int lod);
 ///          not finite
 /// cost     O(active voxels) time, O(Gaussians) memory
 [[nodiscard]] Gaussians convert_paper(const Volume& volume, const PaperOptions& options = {});
+
+/// Parts of levels as one model, part by part; its box and voxels are those of all levels.
+[[nodiscard]] Gaussians convert_paper(const Composite& data, const PaperOptions& options = {});
 
 }  // namespace vog

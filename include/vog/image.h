@@ -75,6 +75,8 @@ void write_png(const std::filesystem::path& file, const Image& image);
 /// Float32 RGBA, lossless ZIP. As EXR has it, colours in the file are multiplied by alpha;
 /// read_image divides again, so where alpha is 0 the colour is lost.
 void write_exr(const std::filesystem::path& file, const Image& image);
+/// write_png or write_exr by extension. throws vog::Error for any other
+void write_image(const std::filesystem::path& file, const Image& image);
 /// One float32 channel Y = T, lossless ZIP, with the double attribute `extinction`.
 /// throws vog::Error also for a T that is negative or not finite
 void write_exr(const std::filesystem::path& file, const DepthImage& image);

@@ -12,8 +12,8 @@ using Progress = std::function<void(double)>;
 
 /// While alive, the calls that its thread makes into vog look in at `check` every `period_ms` or
 /// so, on that thread, from wherever they are. Throwing from it ends the call: the exception comes
-/// out of it, nothing is left half written. A look at the clock costs 5 ns; what other libraries do
-/// for vog (OpenVDB decompressing a grid, Embree building its tree) is waited for.
+/// out of it, nothing is left half written. A look at the clock costs 5 ns; what OpenVDB
+/// does for vog (decompressing a grid) is waited for.
 class InterruptCheck {
   public:
     explicit InterruptCheck(std::function<void()> check, double period_ms = 20);

@@ -250,4 +250,13 @@ Gaussians convert_paper(const Volume& volume, const PaperOptions& options) {
     return model;
 }
 
+Gaussians convert_paper(const Composite& data, const PaperOptions& options) {
+    if (data.parts.empty()) throw Error("no voxel is seen, expected one within the masks");
+    Gaussians model;
+    for (const Volume& part : data.parts) append(model, convert_paper(part, options));
+    model.box = data.box;
+    model.source_voxels = data.voxels;
+    return model;
+}
+
 }  // namespace vog

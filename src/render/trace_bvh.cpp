@@ -10,6 +10,10 @@
 #include <embree3/rtcore.h>
 #include <fmt/core.h>
 
+#include <atomic>
+#include <exception>
+
+#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -125,6 +129,24 @@ RTCRay float_ray(const TraceModel& model, const device::Ray& ray, float from) {
     return out;
 }
 
+/// What ended Embree's work, which no exception may cross.
+struct Building {
+    std::atomic<bool> ended{false};
+    std::exception_ptr ended_by{};
+};
+
+/// Called by Embree from its threads, this one among them: false ends the build.
+bool goes_on(void* data, double) {
+    auto& building = *static_cast<Building*>(data);
+    try {
+        if (!building.ended) look_in();
+    } catch (...) {
+        building.ended_by = std::current_exception();
+        building.ended = true;
+    }
+    return !building.ended;
+}
+
 }  // namespace
 
 struct TraceBvh::Embree {
@@ -156,8 +178,12 @@ TraceBvh::TraceBvh(const TraceModel& model) : embree_(std::make_unique<Embree>()
     rtcSetGeometryIntersectFilterFunction(geometry.get(), collect_and_ignore);
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometry(embree_->scene.get(), geometry.get());
+    Building building;
+    rtcSetSceneProgressMonitorFunction(embree_->scene.get(), goes_on, &building);
     rtcCommitScene(embree_->scene.get());
+    if (building.ended_by) std::rethrow_exception(building.ended_by);
     embree_->check("cannot build the hierarchy");
+    rtcSetSceneProgressMonitorFunction(embree_->scene.get(), nullptr, nullptr);
 }
 
 TraceBvh::~TraceBvh() = default;

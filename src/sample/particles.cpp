@@ -214,10 +214,14 @@ Points sample_particles(const ParticleSampleOptions& options) {
     if (options.progress) options.progress(1);
 
     double speed2 = 0;
-    for (const Placed& p : placed) speed2 += dot(p.velocity, p.velocity);
+    for (const Placed& p : placed) {
+        look_in();
+        speed2 += dot(p.velocity, p.velocity);
+    }
     const double to_speed = kSpeed / std::sqrt(speed2 / static_cast<double>(placed.size()));
     Points points;
     for (const Placed& p : placed) {
+        look_in();
         // Floats: what the text files of simulations hold.
         Vec3f position;
         for (int axis = 0; axis < 3; ++axis)
