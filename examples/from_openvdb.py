@@ -1,0 +1,57 @@
+#!/usr/bin/python3
+"""A grid of pyopenvdb's, as it is in memory: sparse, with its tiles and transform.
+
+    apt install python3-openvdb                   # Debian 12
+    examples/from_openvdb.py                      # a grid made here
+    examples/from_openvdb.py smoke.vdb -o out.png --grid density
+
+What is in a file already needs no pyopenvdb: vog.Volume.load reads it. This is for grids that a script
+has changed.
+"""
+import argparse
+import pathlib
+import sys
+import tempfile
+
+import vog
+
+try:
+    import pyopenvdb as vdb
+except ImportError as error:
+    sys.exit(f"from_openvdb: {error}; on Debian: apt install python3-openvdb")
+
+
+def volume_of(grid):
+    """A FloatGrid as a Volume. Through a file in memory: the two modules share no types."""
+    grid.gridClass = vdb.GridClass.FOG_VOLUME
+    shm = pathlib.Path("/dev/shm")
+    with tempfile.TemporaryDirectory(dir=shm if shm.is_dir() else None) as folder:
+        file = pathlib.Path(folder) / "grid.vdb"
+        vdb.write(str(file), grid)
+        return vog.Volume.load(file)
+
+
+def ball(radius=40):
+    """Fog that thins towards the edge of a ball."""
+    grid = vdb.createLevelSetSphere(radius=radius, halfWidth=radius - 1)
+    grid.mapOn(lambda distance: max(-distance, 0.0))
+    return grid
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("file", nargs="?", help=".vdb to read with pyopenvdb; default: a grid made here")
+    parser.add_argument("-o", "--output", default="openvdb.png", help="picture to write")
+    parser.add_argument("--grid", default="density", help="its grid")
+    arguments = parser.parse_args()
+
+    grid = vdb.read(arguments.file, arguments.grid) if arguments.file else ball()
+    grid.mapOn(lambda value: value * value)  # something that only a script does
+    volume = volume_of(grid)
+    model = vog.convert(volume, budget=5000)
+    print(volume, model.reached)
+    vog.render(model).shade("blue-white", blend=True).save(arguments.output)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+// arrays.cpp: NumPy arrays in and out.
+#include "arrays.h"
+
+#include <algorithm>
+
+#include "vog/error.h"
+
+namespace vog::python {
+
+std::string shape_text(const py::array& array) {
+    return py::str(array.attr("shape")).cast<std::string>();
+}
+
+py::array numbers_of(const py::handle& data, const std::string& what) {
+    const py::module_ numpy = py::module_::import("numpy");
+    if (py::isinstance(data, numpy.attr("ma").attr("MaskedArray")))
+        throw Error(what +
+                    ": a masked array, expected a plain one (array.filled(0), and active= "
+                    "for voxels)");
+    const py::array array = py::array::ensure(data);
+    if (!array) {
+        PyErr_Clear();
+        throw Error(what + ": cannot be a NumPy array");
+    }
+    const char kind = array.dtype().kind();
+    if (kind != 'f' && kind != 'i' && kind != 'u' && kind != 'b')
+        throw Error(what + ": dtype " + py::str(array.dtype()).cast<std::string>() +
+                    ", expected real numbers");
+    return array;
+}
+
+namespace {
+
+/// Converted to the scalar and to rows that lie one after the other, if they do not already.
+template <class Scalar>
+py::array_t<Scalar> contiguous(const py::array& array, const std::string& what) {
+    auto result = py::array_t<Scalar, py::array::c_style | py::array::forcecast>::ensure(array);
+    if (!result) {
+        PyErr_Clear();
+        throw Error(what + ": cannot be converted to numbers");
+    }
+    return result;
+}
+
+}  // namespace
+
+template <class Scalar>
+py::array_t<Scalar> rows_of(const py::handle& data, const std::string& what, int columns) {
+    const py::array array = numbers_of(data, what);
+    if (array.ndim() != 2 || array.shape(1) != columns)
+        throw Error(what + ": shape " + shape_text(array) + ", expected (N, " +
+                    std::to_string(columns) + ")");
+    return contiguous<Scalar>(array, what);
+}
+
+template <class Scalar>
+py::array_t<Scalar> row_of(const py::handle& data, const std::string& what) {
+    const py::array array = numbers_of(data, what);
+    if (array.ndim() != 1) throw Error(what + ": shape " + shape_text(array) + ", expected (N,)");
+    return contiguous<Scalar>(array, what);
+}
+
+template <class Scalar, class Item>
+void assign(std::vector<Item>& items, const py::handle& data, const std::string& what) {
+    constexpr int kColumns = sizeof(Item) / sizeof(Scalar);
+    py::array_t<Scalar> from;
+    if constexpr (kColumns == 1)
+        from = row_of<Scalar>(data, what);
+    else
+        from = rows_of<Scalar>(data, what, kColumns);
+    if (static_cast<std::size_t>(from.shape(0)) != items.size())
+        throw Error(what + ": " + std::to_string(from.shape(0)) + " rows, expected " +
+                    std::to_string(items.size()));
+    // In place: views that Python holds stay where they are. They may be what is assigned.
+    const auto* first = reinterpret_cast<const Item*>(from.data());
+    if (first != items.data()) std::copy(first, first + items.size(), items.begin());
+}
+
+template py::array_t<float> rows_of(const py::handle&, const std::string&, int);
+template py::array_t<double> rows_of(const py::handle&, const std::string&, int);
+template py::array_t<float> row_of(const py::handle&, const std::string&);
+template py::array_t<double> row_of(const py::handle&, const std::string&);
+template void assign<float>(std::vector<Vec3f>&, const py::handle&, const std::string&);
+template void assign<double>(std::vector<Vec3d>&, const py::handle&, const std::string&);
+template void assign<float>(std::vector<Quat>&, const py::handle&, const std::string&);
+template void assign<float>(std::vector<float>&, const py::handle&, const std::string&);
+
+py::object box_array(const Box& box) {
+    if (box.empty()) return py::none();
+    py::array_t<double> corners({2, 3});
+    auto at = corners.mutable_unchecked<2>();
+    for (int axis = 0; axis < 3; ++axis) {
+        at(0, axis) = box.lower[axis];
+        at(1, axis) = box.upper[axis];
+    }
+    return corners;
+}
+
+Box box_of(const py::object& corners) {
+    if (corners.is_none()) return {};
+    const py::array_t<double> rows = rows_of<double>(corners, "box", 3);
+    if (rows.shape(0) != 2)
+        throw Error("box: shape " + shape_text(rows) + ", expected (2, 3): lower and upper corner");
+    const auto at = rows.unchecked<2>();
+    return {{at(0, 0), at(0, 1), at(0, 2)}, {at(1, 0), at(1, 1), at(1, 2)}};
+}
+
+}  // namespace vog::python

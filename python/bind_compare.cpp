@@ -1,0 +1,125 @@
+// bind_compare.cpp: how far one picture is from another.
+#include <memory>
+
+#include "arrays.h"
+#include "data.h"
+#include "vog/compare.h"
+#include "vog/error.h"
+
+namespace vog::python {
+
+namespace {
+
+std::string text(const char* name, double value) {
+    return std::string(name) + "=" + short_text(value);
+}
+
+std::string repr(const PictureDifference& d) {
+    return "<vog.PictureDifference: " + text("psnr_db", d.psnr_db) + ", " + text("ssim", d.ssim) +
+           ", largest=" + std::to_string(d.largest) + ">";
+}
+std::string repr(const DepthDifference& d) {
+    return "<vog.DepthDifference: " + text("psnr_db", d.grey.psnr_db) + ", " +
+           text("relative_l2", d.relative_l2) + ", " + text("bias", d.bias) + ">";
+}
+
+/// Calls work(a, b) for two of a kind.
+template <class Work>
+py::object of_kind(const py::object& reference, const py::object& image, const std::string& call,
+                   const Work& work) {
+    const auto& other = image;
+    if (py::isinstance<DepthImage>(reference) && py::isinstance<DepthImage>(other))
+        return work(reference.cast<const DepthImage&>(), other.cast<const DepthImage&>());
+    if (py::isinstance<Picture>(reference) && py::isinstance<Picture>(other))
+        return work(reference.cast<const Picture&>().image, other.cast<const Picture&>().image);
+    throw py::type_error(call + ": got " +
+                         py::type::of(reference).attr("__name__").cast<std::string>() + " and " +
+                         py::type::of(other).attr("__name__").cast<std::string>() +
+                         ", expected two DepthImages or two Images");
+}
+
+void bind_differences(py::module_& m) {
+    py::class_<PictureDifference>(
+        m, "PictureDifference", "Of two pictures, 8 bits a channel. Formulas: docs/evaluation.md.")
+        .def_readonly("psnr_db", &PictureDifference::psnr_db,
+                      "Peak signal-to-noise ratio, dB; inf: no value differs.")
+        .def_readonly("ssim", &PictureDifference::ssim,
+                      "Structural similarity of the grey values; 1: equal; nan below 11 pixels.")
+        .def_readonly("share_off_1", &PictureDifference::share_off_1,
+                      "Share of pixels with a channel off by more than 1 of 255.")
+        .def_readonly("share_off_4", &PictureDifference::share_off_4,
+                      "Share of pixels with a channel off by more than 4 of 255.")
+        .def_readonly("largest", &PictureDifference::largest,
+                      "Largest difference of a channel, of 255.")
+        .def_property_readonly(
+            "largest_at",
+            [](const PictureDifference& d) {
+                return py::make_tuple(d.largest_row, d.largest_column);
+            },
+            "(row, column) of the largest difference.")
+        .def("__repr__", py::overload_cast<const PictureDifference&>(&repr));
+    py::class_<DepthDifference>(m, "DepthDifference",
+                                "Of two depth images, both at the extinction of the reference.")
+        .def_readonly("grey", &DepthDifference::grey,
+                      "PictureDifference of V = 1 - exp(-T) as grey pictures.")
+        .def_property_readonly(
+            "psnr_db", [](const DepthDifference& d) { return d.grey.psnr_db; },
+            "Peak signal-to-noise ratio of V as a grey picture, dB.")
+        .def_readonly("relative_l2", &DepthDifference::relative_l2,
+                      "|T - T_ref| / |T_ref|, Euclidean norms.")
+        .def_readonly("bias", &DepthDifference::bias, "Mean T / mean T_ref.")
+        .def_readonly("largest_dt", &DepthDifference::largest_dt,
+                      "T - T_ref where it is largest in magnitude, signed.")
+        .def_property_readonly(
+            "largest_at",
+            [](const DepthDifference& d) {
+                return py::make_tuple(d.largest_row, d.largest_column);
+            },
+            "(row, column) of largest_dt.")
+        .def_readonly("extinction", &DepthDifference::extinction,
+                      "The reference's: what T and V above are at.")
+        .def_readonly("identical", &DepthDifference::identical, "Whether every T is the same.")
+        .def("__repr__", py::overload_cast<const DepthDifference&>(&repr));
+}
+
+}  // namespace
+
+void bind_compare(py::module_& m) {
+    bind_differences(m);
+    m.def(
+        "compare",
+        [](const py::object& reference, const py::object& image) {
+            return of_kind(reference, image, "compare", [](const auto& a, const auto& b) {
+                return py::cast(unlocked([&] { return compare(a, b); }));
+            });
+        },
+        py::arg("reference"), py::arg("image"),
+        R"(How far an image is from the reference: both DepthImages, or both Images.
+
+Returns a DepthDifference or a PictureDifference.)");
+    m.def(
+        "compare_shaded",
+        [](const DepthImage& reference, const DepthImage& image, const py::object& tf) {
+            const TransferFunction map = transfer_function_of(tf);
+            return unlocked([&] { return compare_shaded(reference, image, map); });
+        },
+        py::arg("reference"), py::arg("image"), py::arg("tf") = "inferno",
+        "PictureDifference of two DepthImages, shaded alike on black at the reference's "
+        "extinction.");
+    m.def(
+        "difference_map",
+        [](const py::object& reference, const py::object& image, double limit, bool bar) {
+            return of_kind(reference, image, "difference_map", [&](const auto& a, const auto& b) {
+                return py::cast(unlocked([&] {
+                    return Picture(difference_map(a, b, {limit, bar}));
+                }));
+            });
+        },
+        py::arg("reference"), py::arg("image"), py::arg("limit") = 0.0, py::arg("bar") = true,
+        R"(A heat map, as an Image: of V - V_ref (blue: too little, red: too much), or of pictures.
+
+limit  end of the colour scale, in 1/255; 0: the largest difference, rounded up
+bar    with the colour scale on the right)");
+}
+
+}  // namespace vog::python

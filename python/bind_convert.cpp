@@ -1,0 +1,273 @@
+// bind_convert.cpp: convert(): one call for volumes, levels and particles.
+#include <algorithm>
+#include <memory>
+#include <type_traits>
+
+#include "arrays.h"
+#include "data.h"
+#include "vog/convert.h"
+#include "vog/convert_points.h"
+#include "vog/error.h"
+#include "vog/moments.h"
+
+namespace vog::python {
+
+namespace {
+
+using Model = std::shared_ptr<Gaussians>;
+
+/// What convert() was given, by name; None: not given. An option that the conversion does not have
+/// is an error: none is ignored.
+class Options {
+  public:
+    explicit Options(py::dict given) : given_(std::move(given)) {}
+
+    /// Writes the option over `value` if it was given.
+    template <class T>
+    void take(const char* name, T& value) {
+        taken_.emplace_back(name);
+        const py::object option = given_[name];
+        if (option.is_none()) return;
+        constexpr const char* kExpected = std::is_same_v<T, std::string> ? "a text"
+                                          : std::is_same_v<T, bool>      ? "True or False"
+                                          : std::is_integral_v<T>        ? "a whole number"
+                                                                         : "a number";
+        value = cast_to<T>(option, std::string("convert: ") + name, kExpected);
+    }
+    /// The same for a number whose 0 would mean that it was not given.
+    template <class T>
+    void take_positive(const char* name, T& value) {
+        take(name, value);
+        if (!given_[name].is_none() && !(value > 0))
+            throw Error(std::string("convert: ") + name + " " +
+                        py::str(given_[name]).cast<std::string>() + ", expected above 0");
+    }
+    void refuse_others(const std::string& conversion) const {
+        for (const auto& [name, option] : given_) {
+            const auto text = name.cast<std::string>();
+            if (option.is_none() || std::ranges::count(taken_, text)) continue;
+            std::string list;
+            for (const std::string& known : taken_) list += (list.empty() ? "" : ", ") + known;
+            throw Error("convert: " + text + " does not go with " + conversion +
+                        " (there are: " + list + ")");
+        }
+    }
+
+  private:
+    py::dict given_;
+    std::vector<std::string> taken_;
+};
+
+Cut cut_of(Options& options) {
+    Cut cut;
+    options.take_positive("block", cut.block_voxels);
+    options.take_positive("budget", cut.budget);
+    options.take_positive("error", cut.error);
+    options.take_positive("lod", cut.lod);
+    return cut;
+}
+
+MomentOptions moment_options(Options& options) {
+    MomentOptions moments;
+    choose(moments, cut_of(options));
+    options.take("soft_steps", moments.soft_steps);
+    options.take("spread", moments.spread);
+    options.take("mass_threshold", moments.mass_threshold);
+    options.take("refine_seconds", moments.refine_seconds);
+    options.take("axis_aligned", moments.axis_aligned);
+    options.take("measure", moments.measure);
+    options.refuse_others("moments of volumes");
+    return moments;
+}
+
+PaperOptions paper_options(Options& options) {
+    int lod = 0;
+    std::string strategy, amplitude = "mean";
+    options.take_positive("lod", lod);
+    PaperOptions paper = lod ? paper_lod(lod) : PaperOptions{};
+    int dense_block = 0;
+    options.take("strategy", strategy);
+    options.take_positive("dense_block", dense_block);
+    if (lod && (dense_block || !strategy.empty()))
+        throw Error("convert: lod and strategy or dense_block exclude each other");
+    if (!strategy.empty()) paper.strategy = strategy_from_name(strategy);
+    if (dense_block) paper.dense_block = dense_block;
+    options.take("amplitude", amplitude);
+    if (amplitude != "mean" && amplitude != "mass")
+        throw Error("convert: amplitude '" + amplitude + "', expected 'mean' or 'mass'");
+    paper.amplitude = amplitude == "mass" ? Amplitude::mass : Amplitude::mean;
+    options.take("kappa", paper.kappa);
+    options.take("opacity_threshold", paper.opacity_threshold);
+    options.take("minimum_radius", paper.minimum_radius_voxels);
+    options.take("variance_threshold", paper.variance_threshold);
+    options.take("similarity", paper.similarity);
+    options.take("tree_depth", paper.tree_depth);
+    options.refuse_others("the paper's conversion of volumes");
+    return paper;
+}
+
+PointOptions point_options(Options& options) {
+    PointOptions points;
+    choose(points, cut_of(options));
+    options.take("value", points.value);
+    options.take("radius", points.radius);
+    options.take("neighbours", points.neighbours);
+    options.take("mass_threshold", points.mass_threshold);
+    options.take("axis_aligned", points.axis_aligned);
+    options.take("measure", points.measure);
+    options.refuse_others("particles");
+    return points;
+}
+
+/// Fills the caller's dict, and says where the error that was asked for is out of reach.
+void tell(const py::object& into, const MomentReport& report, double asked_error) {
+    if (asked_error > 0 && report.measured_error > asked_error)
+        warn({"measured error " + std::to_string(report.measured_error) +
+              ": the finest cut does not reach " + std::to_string(asked_error)});
+    if (into.is_none()) return;
+    py::dict dict = into;
+    dict["mass_ratio"] = report.mass_ratio;
+    dict["dropped_mass_share"] = report.dropped_mass_share;
+    dict["dropped_cells"] = report.dropped_cells;
+    dict["measured_error"] =
+        report.measured_error < 0 ? py::none() : py::object(py::float_(report.measured_error));
+    py::dict ms;
+    for (const auto& [name, time] : report.stage_ms) ms[py::str(name)] = time;
+    dict["stage_ms"] = ms;
+}
+
+Model by_moments(const py::object& data, Options& options, const py::object& progress,
+                 const py::object& report) {
+    MomentOptions moments = moment_options(options);
+    moments.progress = progress_of(progress);
+    MomentReport told;
+    Model model;
+    if (py::isinstance<Volume>(data)) {
+        const auto& volume = data.cast<const Volume&>();
+        model = unlocked(
+            [&] { return std::make_shared<Gaussians>(convert_moments(volume, moments, &told)); });
+    } else {
+        const auto levels = levels_of(data);
+        model = unlocked([&] {
+            return std::make_shared<Gaussians>(convert_moments(composite(*levels), moments, &told));
+        });
+    }
+    tell(report, told, moments.block_voxels || moments.budget ? 0 : moments.error);
+    return model;
+}
+
+Model by_paper(const py::object& data, Options& options, const py::object& progress) {
+    PaperOptions paper = paper_options(options);
+    paper.progress = progress_of(progress);
+    if (py::isinstance<Volume>(data)) {
+        const auto& volume = data.cast<const Volume&>();
+        return unlocked([&] { return std::make_shared<Gaussians>(convert_paper(volume, paper)); });
+    }
+    const auto levels = levels_of(data);
+    return unlocked(
+        [&] { return std::make_shared<Gaussians>(convert_paper(composite(*levels), paper)); });
+}
+
+Model of_points(const Points& points, const std::string& method, Options& options,
+                const py::object& progress, const py::object& report) {
+    if (method == "paper") {
+        std::string value = "speed";
+        double radius = 0;
+        float kappa = PaperOptions{}.kappa;
+        options.take("value", value);
+        options.take("radius", radius);
+        options.take("kappa", kappa);
+        options.refuse_others("the paper's particles");
+        return unlocked([&] {
+            return std::make_shared<Gaussians>(convert_points_paper(points, value, radius, kappa));
+        });
+    }
+    PointOptions chosen = point_options(options);
+    chosen.progress = progress_of(progress);
+    MomentReport told;
+    Model model = unlocked(
+        [&] { return std::make_shared<Gaussians>(convert_points(points, chosen, &told)); });
+    tell(report, told, chosen.error);
+    return model;
+}
+
+Model convert(const py::object& data, const std::string& method, const py::object& progress,
+              const py::object& report, py::dict given) {
+    if (method != "moments" && method != "paper")
+        throw Error("convert: method '" + method + "', expected 'moments' or 'paper'");
+    if (!report.is_none() && !py::isinstance<py::dict>(report))
+        throw py::type_error("convert: report: expected a dict to fill");
+    Options options(std::move(given));
+    if (py::isinstance<Points>(data))
+        return of_points(data.cast<const Points&>(), method, options, progress, report);
+    if (!py::isinstance<Volume>(data) && !levels_of(data))
+        refuse_data(data, "convert", "a Volume, Levels, a list of Volumes or Points");
+    if (method == "paper") return by_paper(data, options, progress);
+    return by_moments(data, options, progress, report);
+}
+
+}  // namespace
+
+void bind_convert(py::module_& m) {
+    // One keyword a line, in the order of the stub; None everywhere: the conversion's own default.
+    const auto none = py::none();
+    m.def(
+        "convert",
+        [](const py::object& data, const std::string& method, py::object block, py::object budget,
+           py::object error, py::object lod, py::object soft_steps, py::object spread,
+           py::object mass_threshold, py::object refine_seconds, py::object axis_aligned,
+           py::object measure, py::object value, py::object radius, py::object neighbours,
+           py::object strategy, py::object dense_block, py::object amplitude, py::object kappa,
+           py::object opacity_threshold, py::object minimum_radius, py::object variance_threshold,
+           py::object similarity, py::object tree_depth, const py::object& progress,
+           const py::object& report) {
+            using namespace py::literals;
+            py::dict given(
+                "block"_a = block, "budget"_a = budget, "error"_a = error, "lod"_a = lod,
+                "soft_steps"_a = soft_steps, "spread"_a = spread,
+                "mass_threshold"_a = mass_threshold, "refine_seconds"_a = refine_seconds,
+                "axis_aligned"_a = axis_aligned, "measure"_a = measure, "value"_a = value,
+                "radius"_a = radius, "neighbours"_a = neighbours, "strategy"_a = strategy,
+                "dense_block"_a = dense_block, "amplitude"_a = amplitude, "kappa"_a = kappa,
+                "opacity_threshold"_a = opacity_threshold, "minimum_radius"_a = minimum_radius,
+                "variance_threshold"_a = variance_threshold, "similarity"_a = similarity,
+                "tree_depth"_a = tree_depth);
+            return convert(data, method, progress, report, std::move(given));
+        },
+        py::arg("data"), py::kw_only(), py::arg("method") = "moments", py::arg("block") = none,
+        py::arg("budget") = none, py::arg("error") = none, py::arg("lod") = none,
+        py::arg("soft_steps") = none, py::arg("spread") = none, py::arg("mass_threshold") = none,
+        py::arg("refine_seconds") = none, py::arg("axis_aligned") = none, py::arg("measure") = none,
+        py::arg("value") = none, py::arg("radius") = none, py::arg("neighbours") = none,
+        py::arg("strategy") = none, py::arg("dense_block") = none, py::arg("amplitude") = none,
+        py::arg("kappa") = none, py::arg("opacity_threshold") = none,
+        py::arg("minimum_radius") = none, py::arg("variance_threshold") = none,
+        py::arg("similarity") = none, py::arg("tree_depth") = none, py::arg("progress") = none,
+        py::arg("report") = none,
+        R"(Turns voxels or particles into 3D Gaussians, directly, without training.
+
+data      a Volume; Levels or a list of Volumes: levels of one mesh, the finest counts; Points
+method    'moments': mass, mean and covariance of what each Gaussian replaces; 'paper': the paper's
+
+How many, by moments (one of them):
+block     uniform cells of so many voxels along an edge, a power of two, 1 to 128
+budget    the best model of at most so many Gaussians
+error     the smallest model whose measured error (relative L2 of T, 8 views) is at most this, (0, 1).
+          Default for volumes: 0.03; for particles none of these: one Gaussian each
+lod       level of detail, 1 (finest) to 5
+
+By moments: soft_steps, spread, mass_threshold (drop the lightest, up to this share of the mass),
+          refine_seconds, axis_aligned (no rotations), measure (the error of any cut)
+Particles: value (what a particle weighs: 'count', 'speed', an attribute), radius (standard deviation,
+          world units; default half the distance to the neighbour number `neighbours`)
+The paper's: lod, strategy ('smart', 'strict', 'single', 'variance', 'neighbours', 'tree'),
+          dense_block, amplitude ('mean', 'mass'), kappa, opacity_threshold, minimum_radius,
+          variance_threshold, similarity, tree_depth
+
+progress  is called with the finished fraction, [0, 1]
+report    a dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error, stage_ms
+
+The same bytes for any number of threads. The interpreter's lock is released; Ctrl-C ends it.)");
+}
+
+}  // namespace vog::python

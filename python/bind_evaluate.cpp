@@ -1,0 +1,69 @@
+// bind_evaluate.cpp: the paper's tables and plots.
+#include <memory>
+#include <tuple>
+
+#include "data.h"
+#include "vog/error.h"
+#include "vog/evaluate.h"
+
+namespace vog::python {
+
+namespace {
+
+std::vector<Conversion> conversions_of(const std::string& name) {
+    if (name == "all") return all_conversions();
+    if (name == "paper") return paper_conversions();
+    if (name == "moments") return moment_conversions();
+    throw Error("conversions: '" + name + "', expected 'all', 'paper' or 'moments'");
+}
+
+py::object evaluate_data(const py::object& data, const std::filesystem::path& folder,
+                         const py::object& size, int repeats, const py::object& extinction,
+                         const std::string& tf, const std::string& conversions, bool resume,
+                         const py::object& progress) {
+    EvaluateOptions options;
+    std::tie(options.width, options.height) = size_of(size);
+    options.repeats = repeats;
+    options.extinction = extinction_of(extinction).value_or(0);
+    options.tf = tf;
+    options.conversions = conversions_of(conversions);
+    options.resume = resume;
+    options.progress = progress_of(progress);
+    if (py::isinstance<Volume>(data)) {
+        const auto& volume = data.cast<const Volume&>();
+        unlocked([&] { return evaluate(std::span(&volume, 1), folder, options); });
+    } else if (const auto levels = levels_of(data)) {
+        unlocked([&] { return evaluate(*levels, folder, options); });
+    } else {
+        refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
+    }
+    // What the file says is what the call says.
+    const py::object text =
+        py::module_::import("pathlib").attr("Path")(folder / "results.json").attr("read_text")();
+    return py::module_::import("json").attr("loads")(text);
+}
+
+}  // namespace
+
+void bind_evaluate(py::module_& m) {
+    m.def(
+        "evaluate", &evaluate_data, py::arg("data"), py::arg("folder"), py::kw_only(),
+        py::arg("size") = 512, py::arg("repeats") = 5, py::arg("extinction") = "auto",
+        py::arg("tf") = "inferno", py::arg("conversions") = "all", py::arg("resume") = false,
+        py::arg("progress") = py::none(),
+        R"(Makes models in many ways, renders seven views of each and holds them against the voxels.
+
+data         a Volume, Levels or a list of Volumes
+folder       made if absent: results.json, results.md, index.html, pictures/
+size         pixels, 512 or (width, height)
+repeats      timed renders a view, after one that does not count
+extinction   'auto': of each view's reference; or a number
+tf           name or JSON file: of the pictures and the RGB figures
+conversions  'all', 'paper' or 'moments'
+resume       keeps the finished rows of an evaluation that was interrupted
+progress     is called with the finished fraction
+
+Returns what results.json holds, as a dict.)");
+}
+
+}  // namespace vog::python

@@ -1,0 +1,184 @@
+// bind_gaussians.cpp: Gaussians: arrays without copies, parts, joins, files.
+#include <memory>
+#include <numeric>
+
+#include "arrays.h"
+#include "vog/error.h"
+#include "vog/gaussians.h"
+#include "vog/ply.h"
+
+namespace vog::python {
+
+namespace {
+
+using Model = std::shared_ptr<Gaussians>;
+
+Model from_arrays(const py::object& mean, const py::object& scale, const py::object& density,
+                  const py::object& rotation, float cutoff, const py::object& box) {
+    auto model = std::make_shared<Gaussians>();
+    model->mean = vector_of<Vec3f, float>(mean, "mean");
+    const py::array_t<float> peak = row_of<float>(density, "density");
+    model->density = {peak.data(), peak.data() + peak.size()};
+    model->scale = vector_of<Vec3f, float>(scale, "scale");
+    if (!rotation.is_none()) model->rotation = vector_of<Quat, float>(rotation, "rotation");
+    model->cutoff = cutoff;
+    model->box = box_of(box);
+    validate(*model);
+    return model;
+}
+
+/// Of an axis-aligned model: N times (1, 0, 0, 0) in the memory of one, read only.
+py::array rotation_of(const py::object& self) {
+    auto& model = self.cast<Gaussians&>();
+    if (!model.axis_aligned()) return view_of<float>(model.rotation, self);
+    py::array_t<float> one(4);
+    std::fill(one.mutable_data(), one.mutable_data() + 4, 0.0f);
+    one.mutable_at(0) = 1;
+    return py::module_::import("numpy").attr("broadcast_to")(one, py::make_tuple(model.size(), 4));
+}
+
+void set_rotation(Gaussians& model, const py::object& data) {
+    std::vector<Quat> rotation = vector_of<Quat, float>(data, "rotation");
+    if (rotation.size() != model.size())
+        throw Error("rotation: " + std::to_string(rotation.size()) + " rows, expected " +
+                    std::to_string(model.size()));
+    if (model.axis_aligned())
+        model.rotation = std::move(rotation);  // there was no view of it
+    else
+        std::copy(rotation.begin(), rotation.end(), model.rotation.begin());
+}
+
+/// Whatever NumPy takes as an index of the first axis: a slice, a mask, numbers, one number.
+Model part_of(const Gaussians& model, const py::object& index) {
+    py::object every = py::module_::import("numpy").attr("arange")(model.size());
+    py::object chosen = every[index];
+    if (py::isinstance<py::tuple>(index))
+        throw py::type_error("Gaussians: expected one index: a number, slice, mask or numbers");
+    chosen = py::module_::import("numpy").attr("atleast_1d")(chosen);
+    const auto numbers =
+        py::array_t<std::size_t, py::array::c_style | py::array::forcecast>(chosen);
+    if (numbers.ndim() != 1)
+        throw Error("Gaussians: index of " + std::to_string(numbers.ndim()) +
+                    " axes, expected one");
+    return std::make_shared<Gaussians>(select(
+        model,
+        std::span<const std::size_t>(numbers.data(), static_cast<std::size_t>(numbers.size()))));
+}
+
+Model join(const Gaussians& a, const Gaussians& b) {
+    auto both = std::make_shared<Gaussians>(a);
+    append(*both, b);
+    return both;
+}
+
+py::tuple state_of(const py::object& self) {
+    const auto& model = self.cast<const Gaussians&>();
+    return py::make_tuple(self.attr("mean"), self.attr("scale"), self.attr("density"),
+                          model.axis_aligned() ? py::none() : py::object(self.attr("rotation")),
+                          model.cutoff, box_array(model.box), model.source_voxels, model.source,
+                          model.method, model.options, model.reached);
+}
+Model from_state(const py::tuple& state) {
+    Model model =
+        from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(), state[5]);
+    model->source_voxels = state[6].cast<std::uint64_t>();
+    model->source = state[7].cast<std::string>();
+    model->method = state[8].cast<std::string>();
+    model->options = state[9].cast<std::string>();
+    model->reached = state[10].cast<std::string>();
+    return model;
+}
+
+void bind_arrays(py::class_<Gaussians, Model>& c) {
+    c.def_property(
+         "mean",
+         [](const py::object& self) { return view_of<float>(self.cast<Gaussians&>().mean, self); },
+         [](Gaussians& self, const py::object& data) { assign<float>(self.mean, data, "mean"); },
+         "[N, 3] float32 view: centres, world units.")
+        .def_property(
+            "scale",
+            [](const py::object& self) {
+                return view_of<float>(self.cast<Gaussians&>().scale, self);
+            },
+            [](Gaussians& self, const py::object& data) {
+                assign<float>(self.scale, data, "scale");
+            },
+            "[N, 3] float32 view: standard deviations along the own axes, > 0, world units.")
+        .def_property("rotation", &rotation_of, &set_rotation,
+                      R"([N, 4] float32: quaternions w, x, y, z that take own axes to world axes.
+
+A view; where axis_aligned, a read-only array of (1, 0, 0, 0).)")
+        .def_property(
+            "density",
+            [](const py::object& self) {
+                return view_of<float>(self.cast<Gaussians&>().density, self);
+            },
+            [](Gaussians& self, const py::object& data) {
+                assign<float>(self.density, data, "density");
+            },
+            "[N] float32 view: peaks, >= 0, per world unit of length.")
+        .def_property_readonly("axis_aligned", &Gaussians::axis_aligned,
+                               "Whether every own axis is a world axis: no rotations are stored.")
+        .def_property_readonly(
+            "box", [](const Gaussians& self) { return box_array(view_box(self)); },
+            "[2, 3] lower and upper corner of the data it came from: gives it the same views.")
+        .def_property_readonly(
+            "mass", [](const Gaussians& self) { return mass(self); },
+            "Sum over the Gaussians, cut where they are cut; compare with Volume.mass.");
+}
+
+}  // namespace
+
+void bind_gaussians(py::module_& m) {
+    py::class_<Gaussians, Model> c(m, "Gaussians",
+                                   R"(A model: N truncated 3D Gaussians in world space.
+
+sigma(x) = sum of density[i] exp(-|W (x - mean[i])|^2 / 2) where |W (x - mean[i])| <= cutoff, with
+W = diag(1 / scale[i]) R(rotation[i])^T.
+
+mean, scale, rotation and density are NumPy arrays in the model's own memory: writing to them changes
+the model. model[index] is a model of some (a slice, a mask, numbers); a + b has all of both.)");
+    c.def(py::init(&from_arrays), py::arg("mean"), py::arg("scale"), py::arg("density"),
+          py::arg("rotation") = py::none(), py::kw_only(), py::arg("cutoff") = 2.25f,
+          py::arg("box") = py::none(), R"(A model of arrays; they are copied.
+
+mean      [N, 3] world units
+scale     [N, 3] standard deviations, > 0, world units
+density   [N] peaks, >= 0, per world unit
+rotation  [N, 4] quaternions w, x, y, z; None: all axis-aligned
+cutoff    where kernels end, in standard deviations, (0, 8]
+box       [2, 3] corners that views look at; None: those of the Gaussians)")
+        .def_static(
+            "load",
+            [](const std::filesystem::path& file) {
+                return std::make_shared<Gaussians>(unlocked([&] { return read_ply(file); }));
+            },
+            py::arg("file"), "Reads a PLY model: vog's, 3DGS's or volprim's.")
+        .def(
+            "save",
+            [](const Gaussians& self, const std::filesystem::path& file) {
+                unlocked([&] { write_ply(file, self); });
+            },
+            py::arg("file"), "Writes a binary PLY; it reads back bit for bit.")
+        .def_readwrite("cutoff", &Gaussians::cutoff,
+                       "Where kernels end, in standard deviations, (0, 8].")
+        .def_readwrite("source", &Gaussians::source, "'smoke.vdb density'.")
+        .def_readonly("source_voxels", &Gaussians::source_voxels,
+                      "Active voxels or particles it stands for; 0: unknown.")
+        .def_readonly("method", &Gaussians::method, "'moments', 'paper', 'particles', ...")
+        .def_readonly("options", &Gaussians::options, "What the conversion was asked for.")
+        .def_readonly("reached", &Gaussians::reached, "What it reached, in words.")
+        .def("__len__", &Gaussians::size)
+        .def("__getitem__", &part_of, py::arg("index"))
+        .def("__add__", &join, py::arg("other"), py::is_operator())
+        .def("__repr__",
+             [](const Gaussians& self) {
+                 return "<vog.Gaussians: " + std::to_string(self.size()) + " of " +
+                        (self.source.empty() ? "unknown source" : self.source) +
+                        (self.axis_aligned() ? ", axis-aligned>" : ">");
+             })
+        .def(py::pickle(&state_of, &from_state));
+    bind_arrays(c);
+}
+
+}  // namespace vog::python

@@ -1,0 +1,211 @@
+// bind_image.cpp: DepthImage and Image: buffers for NumPy, files, and how notebooks show them.
+#include <algorithm>
+#include <memory>
+
+#include "arrays.h"
+#include "vog/error.h"
+#include "vog/image.h"
+
+namespace vog::python {
+
+Picture::Picture(Image shaded)
+    : image(std::move(shaded)), with_alpha(!opaque(image)), bytes(image_bytes(image, with_alpha)) {}
+
+namespace {
+
+using Depth = std::shared_ptr<DepthImage>;
+
+constexpr const char* kDefaultMap = "inferno";
+
+std::string extent(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+py::bytes png_of(const Image& image) {
+    const std::vector<std::uint8_t> png = unlocked([&] { return png_bytes(image); });
+    return {reinterpret_cast<const char*>(png.data()), png.size()};
+}
+
+Rgba background_of(const py::object& background) {
+    if (py::isinstance<py::str>(background))
+        return named_background(background.cast<std::string>());
+    const py::array given = numbers_of(background, "background");
+    const py::array_t<float> c = row_of<float>(given, "background");
+    if (c.size() != 3 && c.size() != 4)
+        throw Error("background: shape " + shape_text(given) +
+                    ", expected (r, g, b), (r, g, b, a), 'black', 'white' or 'transparent'");
+    return {c.at(0), c.at(1), c.at(2), c.size() == 4 ? c.at(3) : 1};
+}
+
+Picture shaded(const DepthImage& depth, const py::object& tf, const py::object& background,
+               bool blend) {
+    const TransferFunction map = transfer_function_of(tf);
+    const ShadeOptions options{background_of(background), blend};
+    return unlocked([&] { return Picture(shade(depth, map, options)); });
+}
+
+Depth depth_from_numpy(const py::object& data, double extinction) {
+    const py::array array = numbers_of(data, "depth");
+    if (array.ndim() != 2)
+        throw Error("depth: shape " + shape_text(array) + ", expected (height, width)");
+    const auto values = py::array_t<float, py::array::c_style | py::array::forcecast>(array);
+    auto depth = std::make_shared<DepthImage>(static_cast<int>(array.shape(1)),
+                                              static_cast<int>(array.shape(0)));
+    std::copy(values.data(), values.data() + values.size(), depth->depth.begin());
+    depth->extinction = extinction;
+    (void)auto_extinction(*depth);  // throws for a T that is none
+    return depth;
+}
+
+py::array depth_view(const py::object& self) {
+    auto& depth = self.cast<DepthImage&>();
+    return py::array_t<float>({depth.height, depth.width}, depth.depth.data(), self);
+}
+
+void bind_depth(py::module_& m) {
+    py::class_<DepthImage, Depth>(
+        m, "DepthImage", py::buffer_protocol(),
+        R"(Optical depth T along the ray of each pixel, rows from the top; 0: the ray met nothing.
+
+np.asarray(image) is [height, width] float32 in the image's own memory. T includes the factor
+`extinction`; setting it rescales T. V = 1 - exp(-T). Notebooks show it shaded by 'inferno'.)")
+        .def_buffer([](DepthImage& self) {
+            return py::buffer_info(
+                self.depth.data(), {self.height, self.width},
+                {sizeof(float) * static_cast<std::size_t>(self.width), sizeof(float)});
+        })
+        .def_static("from_numpy", &depth_from_numpy, py::arg("depth"), py::arg("extinction") = 1.0,
+                    R"(Of an array [height, width] of T, finite and >= 0; it is copied.
+
+extinction  the factor on density that T includes)")
+        .def_static(
+            "load",
+            [](const std::filesystem::path& file) {
+                return std::make_shared<DepthImage>(unlocked([&] { return read_depth(file); }));
+            },
+            py::arg("file"), "Reads an EXR with the one channel Y = T.")
+        .def(
+            "save",
+            [](const DepthImage& self, const std::filesystem::path& file) {
+                unlocked([&] { write_exr(file, self); });
+            },
+            py::arg("file"), "Writes an EXR with the one float32 channel Y = T.")
+        .def_property_readonly("depth", &depth_view, "[height, width] float32 view of T.")
+        .def_property_readonly(
+            "shape", [](const DepthImage& self) { return py::make_tuple(self.height, self.width); },
+            "(height, width) in pixels.")
+        .def_property(
+            "extinction", [](const DepthImage& self) { return self.extinction; },
+            [](DepthImage& self, const py::object& value) {
+                const std::optional<double> number = extinction_of(value);
+                set_extinction(self, number ? *number : auto_extinction(self));
+            },
+            R"(The factor on density that T includes. Setting it rescales T: nothing is rendered anew.
+
+'auto' sets the value at which the 99th percentile of the non-zero T is 4.)")
+        .def("shade", &shaded, py::arg("tf") = kDefaultMap, py::arg("background") = "black",
+             py::arg("blend") = false,
+             R"(Colours: tf(V) where T > 0, the background elsewhere: an Image.
+
+tf          a TransferFunction or whatever makes one: a name, a file, a Matplotlib map, colours
+background  (r, g, b) in [0, 1], 'black', 'white' or 'transparent'
+blend       the map fades into the background as V goes to 0)")
+        .def("_repr_png_",
+             [](const DepthImage& self) {
+                 return png_of(shaded(self, py::str(kDefaultMap), py::str("black"), false).image);
+             })
+        .def("__repr__",
+             [](const DepthImage& self) {
+                 return "<vog.DepthImage: " + extent(self.width, self.height) + ", extinction " +
+                        short_text(self.extinction) + ">";
+             })
+        .def(py::pickle(
+            [](const py::object& self) {
+                return py::make_tuple(self.attr("depth"), self.attr("extinction"));
+            },
+            [](const py::tuple& state) {
+                return depth_from_numpy(state[0], state[1].cast<double>());
+            }));
+}
+
+/// uint8 of [0, 255], or floats of [0, 1].
+Picture picture_from_numpy(const py::object& data) {
+    const py::array array = numbers_of(data, "image");
+    if (array.ndim() != 3 || (array.shape(2) != 3 && array.shape(2) != 4))
+        throw Error("image: shape " + shape_text(array) + ", expected (height, width, 3 or 4)");
+    const bool bytes = array.dtype().kind() == 'u' && array.itemsize() == 1;
+    if (!bytes && array.dtype().kind() != 'f')
+        throw Error("image: dtype " + py::str(array.dtype()).cast<std::string>() +
+                    ", expected uint8 or floats in [0, 1]");
+    const float scale = bytes ? 255 : 1;
+    const auto values = py::array_t<float, py::array::c_style | py::array::forcecast>(array);
+    const auto at = values.unchecked<3>();
+    Image image(static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)));
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x)
+            image.at(x, y) = {at(y, x, 0) / scale, at(y, x, 1) / scale, at(y, x, 2) / scale,
+                              array.shape(2) == 4 ? at(y, x, 3) / scale : 1};
+    return Picture(std::move(image));
+}
+
+void bind_picture(py::module_& m) {
+    py::class_<Picture>(m, "Image", py::buffer_protocol(),
+                        R"(A picture: what DepthImage.shade makes.
+
+np.asarray(image) is [height, width, 3] uint8 in the image's own memory, [height, width, 4] where a
+pixel is not opaque; `rgba` has the floats they were rounded from. Notebooks show it.)")
+        .def_buffer([](Picture& self) {
+            const std::size_t channels = self.with_alpha ? 4 : 3;
+            const std::size_t width = static_cast<std::size_t>(self.image.width);
+            return py::buffer_info(self.bytes.data(),
+                                   {static_cast<std::size_t>(self.image.height), width, channels},
+                                   {width * channels, channels, std::size_t{1}}, true);
+        })
+        .def_static("from_numpy", &picture_from_numpy, py::arg("image"),
+                    "Of [height, width, 3 or 4] uint8, or floats in [0, 1]; it is copied.")
+        .def_static(
+            "load",
+            [](const std::filesystem::path& file) {
+                return unlocked([&] { return Picture(read_image(file)); });
+            },
+            py::arg("file"), "Reads a PNG, or an EXR with R, G, B.")
+        .def(
+            "save",
+            [](const Picture& self, const std::filesystem::path& file) {
+                unlocked([&] { write_image(file, self.image); });
+            },
+            py::arg("file"), "Writes .png of 8 bits a channel, or .exr of floats.")
+        .def_property_readonly(
+            "rgba",
+            [](const py::object& self) {
+                Image& image = self.cast<Picture&>().image;
+                py::array_t<float> view({image.height, image.width, 4},
+                                        reinterpret_cast<const float*>(image.pixel.data()), self);
+                view.attr("flags").attr("writeable") = false;
+                return view;
+            },
+            "[height, width, 4] float32 view in [0, 1], read only; straight alpha.")
+        .def_property_readonly(
+            "shape",
+            [](const Picture& self) {
+                return py::make_tuple(self.image.height, self.image.width, self.with_alpha ? 4 : 3);
+            },
+            "(height, width, channels).")
+        .def("_repr_png_", [](const Picture& self) { return png_of(self.image); })
+        .def("__repr__",
+             [](const Picture& self) {
+                 return "<vog.Image: " + extent(self.image.width, self.image.height) +
+                        (self.with_alpha ? " RGBA>" : " RGB>");
+             })
+        .def(py::pickle([](const py::object& self) { return py::make_tuple(self.attr("rgba")); },
+                        [](const py::tuple& state) { return picture_from_numpy(state[0]); }));
+}
+
+}  // namespace
+
+void bind_image(py::module_& m) {
+    bind_depth(m);
+    bind_picture(m);
+}
+
+}  // namespace vog::python

@@ -1,0 +1,111 @@
+// bind_points.cpp: Points: from files and arrays, as arrays.
+#include <memory>
+
+#include "arrays.h"
+#include "vog/error.h"
+#include "vog/points.h"
+
+namespace vog::python {
+
+namespace {
+
+std::shared_ptr<Points> from_numpy(const py::object& position, const py::object& velocity,
+                                   const py::dict& attributes, const std::string& source) {
+    auto points = std::make_shared<Points>();
+    points->source = source;
+    points->position = vector_of<Vec3d, double>(position, "position");
+    if (!velocity.is_none()) points->velocity = vector_of<Vec3f, float>(velocity, "velocity");
+    for (const auto& [name, values] : attributes) {
+        const auto text = py::str(name).cast<std::string>();
+        const py::array_t<float> row = row_of<float>(values, "attribute '" + text + "'");
+        points->attributes.push_back({text, {row.data(), row.data() + row.size()}});
+    }
+    validate(*points);
+    return points;
+}
+
+py::dict attributes_of(const py::object& self) {
+    py::dict all;
+    for (PointAttribute& attribute : self.cast<Points&>().attributes)
+        all[py::str(attribute.name)] = view_of<float>(attribute.value, self);
+    return all;
+}
+
+py::object velocity_of(const py::object& self) {
+    auto& points = self.cast<Points&>();
+    if (points.velocity.empty()) return py::none();
+    return view_of<float>(points.velocity, self);
+}
+
+}  // namespace
+
+void bind_points(py::module_& m) {
+    py::class_<Points, std::shared_ptr<Points>>(
+        m, "Points",
+        R"(Particles in world space, with velocities and one-number attributes where they have them.
+
+The arrays are views of the particles' own memory: writing to them changes the particles.)")
+        .def_static(
+            "load",
+            [](const std::filesystem::path& file, const std::vector<std::string>& columns,
+               const std::string& grid) {
+                return std::make_shared<Points>(unlocked([&] {
+                    return read_points(file, {columns, grid});
+                }));
+            },
+            py::arg("file"), py::kw_only(), py::arg("columns") = std::vector<std::string>{},
+            py::arg("grid") = "",
+            R"(Reads particles: .xyz, .txt, .dat, .csv, .tsv, or the PointDataGrid of a .vdb.
+
+columns  of text: which ones are x, y, z and, if six, the velocity; names, or numbers from 1 as
+         text. Default: by their names, else the first ones. All others that hold numbers become
+         attributes
+grid     of .vdb: its name; default: the only one)")
+        .def_static("from_numpy", &from_numpy, py::arg("position"),
+                    py::arg("velocity") = py::none(), py::arg("attributes") = py::dict(),
+                    py::kw_only(), py::arg("source") = "", R"(Particles of arrays; they are copied.
+
+position    [N, 3] world units, any real dtype
+velocity    [N, 3], or None
+attributes  {name: [N]}, like {'mass': m})")
+        .def(
+            "save",
+            [](const Points& self, const std::filesystem::path& file) {
+                unlocked([&] { write_points(file, self); });
+            },
+            py::arg("file"), "Writes .xyz, .csv or .tsv text, or a PointDataGrid (.vdb).")
+        .def_property_readonly(
+            "position",
+            [](const py::object& self) {
+                return view_of<double>(self.cast<Points&>().position, self);
+            },
+            "[N, 3] float64 view, world units.")
+        .def_property_readonly("velocity", &velocity_of, "[N, 3] float32 view, or None.")
+        .def_property_readonly("attributes", &attributes_of, "{name: [N] float32 view}.")
+        .def_readwrite("source", &Points::source, "Where they come from, for messages and models.")
+        .def_property_readonly(
+            "value_names", [](const Points& self) { return point_value_names(self); },
+            "What convert(points, value=...) takes: 'count', 'speed', attributes.")
+        .def_property_readonly(
+            "box", [](const Points& self) { return box_array(bounds(self)); },
+            "[2, 3] lower and upper corner in world space.")
+        .def("__len__", &Points::size)
+        .def("__repr__",
+             [](const Points& self) {
+                 std::string names;
+                 for (const PointAttribute& a : self.attributes) names += ", " + a.name;
+                 return "<vog.Points: " + std::to_string(self.size()) + " particles" +
+                        (self.velocity.empty() ? "" : ", velocity") + names + ">";
+             })
+        .def(py::pickle(
+            [](const py::object& self) {
+                return py::make_tuple(self.attr("position"), self.attr("velocity"),
+                                      self.attr("attributes"), self.attr("source"));
+            },
+            [](const py::tuple& state) {
+                return from_numpy(state[0], state[1], state[2].cast<py::dict>(),
+                                  state[3].cast<std::string>());
+            }));
+}
+
+}  // namespace vog::python

@@ -1,0 +1,378 @@
+// bind_volume.cpp: Volume and Levels: from files, from arrays, back to arrays.
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <memory>
+
+#include "arrays.h"
+#include "data.h"
+#include "vog/dense.h"
+#include "vog/error.h"
+#include "vog/files.h"
+
+namespace vog::python {
+
+namespace {
+
+Vec3i index_of(const std::array<int, 3>& i) { return {i[0], i[1], i[2]}; }
+py::tuple tuple_of(Vec3i v) { return py::make_tuple(v.x, v.y, v.z); }
+
+/// Strides in elements; an array whose strides are no whole elements is copied first.
+std::array<std::ptrdiff_t, 3> strides_of(const py::array& array) {
+    std::array<std::ptrdiff_t, 3> strides{};
+    for (int axis = 0; axis < 3; ++axis)
+        strides[static_cast<std::size_t>(axis)] = array.strides(axis) / array.itemsize();
+    return strides;
+}
+py::array whole_strides(py::array array) {
+    bool whole = true;
+    for (int axis = 0; axis < array.ndim(); ++axis)
+        whole = whole && array.strides(axis) % array.itemsize() == 0;
+    const auto address = reinterpret_cast<std::uintptr_t>(array.data());
+    if (whole && address % static_cast<std::uintptr_t>(array.itemsize()) == 0) return array;
+    return array.attr("copy")();
+}
+
+/// An array of voxels and, if there is one, of what is active; both stay alive with it.
+struct Block {
+    py::array value, active;
+    DenseBlock dense;
+};
+
+Block block_of(const py::handle& data, const py::object& active, Vec3i first,
+               const std::string& name) {
+    Block block;
+    const py::array array = numbers_of(data, name);
+    if (array.ndim() != 3)
+        throw Error(name + ": shape " + shape_text(array) + ", expected 3 axes, (x, y, z)");
+    // Any order of axes is read where it lies: float32 arrays are not copied.
+    block.value = whole_strides(array.attr("astype")("float32", "K", "unsafe", false, false));
+    block.dense.value = static_cast<const float*>(block.value.data());
+    block.dense.stride = strides_of(block.value);
+    for (int axis = 0; axis < 3; ++axis)
+        block.dense.size[axis] = static_cast<std::int32_t>(
+            std::min<py::ssize_t>(array.shape(axis), std::numeric_limits<std::int32_t>::max()));
+    block.dense.first = first;
+    if (active.is_none()) return block;
+    const py::array mask = py::array::ensure(active);
+    if (!mask || mask.dtype().kind() != 'b' || !mask.attr("shape").equal(array.attr("shape")))
+        throw Error(name + ": active: expected a bool array of shape " + shape_text(array));
+    block.active = mask;
+    block.dense.active = static_cast<const std::uint8_t*>(mask.data());
+    block.dense.active_stride = strides_of(mask);
+    return block;
+}
+
+Affine affine_of(const py::object& voxel_size, const py::object& origin, const py::object& matrix) {
+    if (!matrix.is_none()) {
+        if (!voxel_size.is_none() || !origin.is_none())
+            throw Error("matrix and voxel_size or origin exclude each other");
+        const py::array_t<double> rows = rows_of<double>(matrix, "matrix", 4);
+        if (rows.shape(0) != 4)
+            throw Error("matrix: shape " + shape_text(rows) + ", expected (4, 4)");
+        return affine_from_matrix(std::span<const double, 16>(rows.data(), 16));
+    }
+    const auto vector = [](const py::object& object, const char* what) {
+        return cast_to<Vec3d>(object, what, "three numbers");
+    };
+    Vec3d edge{1, 1, 1}, zero;
+    if (!voxel_size.is_none()) {
+        const double one = PyFloat_AsDouble(voxel_size.ptr());
+        const bool is_number = !PyErr_Occurred();
+        PyErr_Clear();
+        edge = is_number ? Vec3d{one, one, one} : vector(voxel_size, "voxel_size");
+    }
+    if (!origin.is_none()) zero = vector(origin, "origin");
+    return affine_from_voxels(edge, zero);
+}
+
+std::shared_ptr<Volume> volume_from(const std::vector<Block>& blocks, const Affine& map,
+                                    const std::string& name) {
+    std::vector<DenseBlock> dense;
+    for (const Block& block : blocks) dense.push_back(block.dense);
+    return std::make_shared<Volume>(unlocked([&] { return volume_from_dense(dense, map, name); }));
+}
+
+std::shared_ptr<Volume> from_numpy(const py::object& array, const py::object& voxel_size,
+                                   const py::object& origin, const py::object& matrix,
+                                   const py::object& active, const std::array<int, 3>& first,
+                                   const std::string& name) {
+    std::vector<Block> blocks;
+    blocks.push_back(block_of(array, active, index_of(first), name));
+    return volume_from(blocks, affine_of(voxel_size, origin, matrix), name);
+}
+
+std::shared_ptr<Volume> from_blocks(const py::iterable& pairs, const py::object& voxel_size,
+                                    const py::object& origin, const py::object& matrix,
+                                    bool all_active, const std::string& name) {
+    std::vector<Block> blocks;
+    for (const py::handle pair : pairs) {
+        const auto [first, array] = cast_to<std::pair<std::array<int, 3>, py::object>>(
+            pair, "blocks", "pairs ((i, j, k), array)");
+        py::object active = py::none();
+        if (all_active)
+            active = py::module_::import("numpy").attr("ones")(
+                numbers_of(array, name).attr("shape"), "bool");
+        blocks.push_back(block_of(array, active, index_of(first), name));
+    }
+    return volume_from(blocks, affine_of(voxel_size, origin, matrix), name);
+}
+
+py::array_t<float> to_numpy(const Volume& volume, const std::optional<std::array<int, 3>>& first,
+                            const std::optional<std::array<int, 3>>& shape) {
+    const IndexBox box = first && shape ? IndexBox{} : active_box(volume);
+    const Vec3i lower = first ? index_of(*first) : box.lower;
+    const Vec3i size = shape ? index_of(*shape) : box.upper - lower + Vec3i{1, 1, 1};
+    for (int axis = 0; axis < 3; ++axis)
+        if (size[axis] < 1)
+            throw Error("to_numpy: " + std::to_string(size[axis]) + " voxels along axis " +
+                        std::to_string(axis) + ", expected at least 1");
+    py::array_t<float> array({size.x, size.y, size.z});
+    const std::span<float> values(array.mutable_data(), static_cast<std::size_t>(array.size()));
+    unlocked([&] { copy_dense(volume, lower, size, values); });
+    return array;
+}
+
+py::array_t<double> matrix_of(const Affine& map) {
+    py::array_t<double> matrix({4, 4});
+    auto at = matrix.mutable_unchecked<2>();
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c)
+            at(r, c) = r == 3 ? (c == 3) : c == 3 ? map.translation[r] : map.linear(r, c);
+    return matrix;
+}
+
+// ---- pickles
+
+/// Nodes as they lie in memory, of a type without pointers.
+template <class Node>
+py::bytes bytes_of(const std::vector<Node>& nodes) {
+    return {reinterpret_cast<const char*>(nodes.data()), nodes.size() * sizeof(Node)};
+}
+template <class Node>
+std::vector<Node> nodes_of(const py::bytes& bytes) {
+    const std::string_view view = bytes;
+    if (view.size() % sizeof(Node) != 0)
+        throw Error("pickle of a Volume: " + std::to_string(view.size()) +
+                    " bytes of nodes, expected multiples of " + std::to_string(sizeof(Node)));
+    std::vector<Node> nodes(view.size() / sizeof(Node));
+    std::memcpy(static_cast<void*>(nodes.data()), view.data(), view.size());
+    return nodes;
+}
+
+py::tuple volume_state(const Volume& volume) {
+    return py::make_tuple(bytes_of(volume.leaves), bytes_of(volume.tiles),
+                          matrix_of(volume.world_from_index), volume.name, volume.source);
+}
+std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
+    auto volume = std::make_shared<Volume>();
+    volume->leaves = nodes_of<Leaf>(state[0].cast<py::bytes>());
+    volume->tiles = nodes_of<Tile>(state[1].cast<py::bytes>());
+    volume->world_from_index = affine_of(py::none(), py::none(), state[2]);
+    volume->name = state[3].cast<std::string>();
+    volume->source = state[4].cast<std::string>();
+    validate(*volume);
+    return volume;
+}
+
+std::string repr(const Volume& volume) {
+    return "<vog.Volume '" + volume.name + "': " + std::to_string(active_voxels(volume)) +
+           " active voxels in " + std::to_string(volume.leaves.size()) + " leaves and " +
+           std::to_string(volume.tiles.size()) + " tiles>";
+}
+
+void bind_volume_class(py::module_& m) {
+    py::class_<Volume, std::shared_ptr<Volume>> c(
+        m, "Volume",
+        R"(A sparse density volume: active voxels and, outside them, nothing.
+
+Voxel (i, j, k) = (x, y, z) is centred on matrix @ (i, j, k, 1) in world space. Densities are >= 0, per
+world unit of length. Made by Volume.load, Volume.from_numpy and vog.sample_*.)");
+    c.def_static(
+         "load",
+         [](const std::filesystem::path& file, const std::string& grid, bool level_set_to_fog,
+            bool mask) {
+             std::vector<std::string> notes;
+             auto volume = std::make_shared<Volume>(unlocked([&] {
+                 return read_volume(file, {grid, level_set_to_fog, mask}, &notes);
+             }));
+             warn(notes);
+             return volume;
+         },
+         py::arg("file"), py::arg("grid") = "", py::kw_only(), py::arg("level_set_to_fog") = false,
+         py::arg("mask") = false, R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file.
+
+grid  its name; '': the only scalar grid, else 'density'
+level_set_to_fog  takes the inside of a level set as fog
+mask  takes values above 0 as 1)")
+        .def_static("from_numpy", &from_numpy, py::arg("array"), py::arg("voxel_size") = py::none(),
+                    py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
+                    py::arg("active") = py::none(), py::arg("first") = std::array<int, 3>{0, 0, 0},
+                    py::arg("name") = "density", R"(A volume of a dense array: the voxels above 0.
+
+array       [X, Y, Z] densities, finite and >= 0, any real dtype and order of memory; float32 is not
+            copied. array[i, j, k] is the voxel at x = i, y = j, z = k: give array.T for [z, y, x]
+voxel_size  world units: a number or (x, y, z); default 1
+origin      world position of the centre of voxel (0, 0, 0); default (0, 0, 0)
+matrix      instead of both: [4, 4], world = matrix @ (i, j, k, 1)
+active      [X, Y, Z] bool: which voxels are active; default: those above 0
+first       index of array[0, 0, 0]; default (0, 0, 0))")
+        .def_static("from_blocks", &from_blocks, py::arg("blocks"),
+                    py::arg("voxel_size") = py::none(), py::arg("origin") = py::none(),
+                    py::kw_only(), py::arg("matrix") = py::none(), py::arg("all_active") = false,
+                    py::arg("name") = "density",
+                    R"(A volume of several dense arrays: the patches of a mesh's level.
+
+blocks      pairs ((i, j, k), array [X, Y, Z]): the index of array[0, 0, 0], and densities; where they
+            overlap the later one counts
+all_active  takes every voxel as active, those of 0 too: they hide coarser levels
+The rest as in from_numpy.)")
+        .def("to_numpy", &to_numpy, py::arg("first") = py::none(), py::arg("shape") = py::none(),
+             R"(The densities as a dense array [X, Y, Z] of float32; 0 where no voxel is active.
+
+first  index of its first voxel; default: the lower corner of index_box
+shape  (X, Y, Z); default: up to the upper corner of index_box)")
+        .def(
+            "save",
+            [](const Volume& self, const std::filesystem::path& file, bool half) {
+                unlocked([&] { write_vdb(file, self, half); });
+            },
+            py::arg("file"), py::arg("half") = false,
+            "Writes an OpenVDB file, as a fog volume; half: values as 16-bit floats.")
+        .def_readwrite("name", &Volume::name, "Name of the grid.")
+        .def_readonly("source", &Volume::source, "File it was read from, or ''.")
+        .def_property_readonly(
+            "matrix", [](const Volume& self) { return matrix_of(self.world_from_index); },
+            "[4, 4] float64: world position = matrix @ (i, j, k, 1) of a voxel's centre.")
+        .def_property_readonly("active_voxels", py::overload_cast<const Volume&>(&active_voxels),
+                               "How many voxels are active, tiles by the voxels they stand for.")
+        .def_property_readonly(
+            "leaves", [](const Volume& self) { return self.leaves.size(); },
+            "How many leaves of 8 x 8 x 8 voxels there are.")
+        .def_property_readonly(
+            "tiles", [](const Volume& self) { return self.tiles.size(); },
+            "How many tiles there are: cubes of 8, 128 or 4096 voxels of one value.")
+        .def_property_readonly("voxel_volume", &voxel_volume, "World volume of a voxel.")
+        .def_property_readonly("mass", py::overload_cast<const Volume&>(&mass),
+                               "Sum of density times voxel volume.")
+        .def_property_readonly(
+            "index_box",
+            [](const Volume& self) {
+                const IndexBox box = active_box(self);
+                return py::make_tuple(tuple_of(box.lower), tuple_of(box.upper));
+            },
+            "((i, j, k), (i, j, k)): the least box around all active voxels, both included.")
+        .def_property_readonly(
+            "box", [](const Volume& self) { return box_array(world_box(self)); },
+            "[2, 3] lower and upper corner in world space, of whole leaves: what views look at.")
+        .def("__repr__", &repr)
+        .def(py::pickle(&volume_state, &volume_from_state));
+}
+
+void bind_levels_class(py::module_& m) {
+    constexpr const char* kVolume = "a Volume";
+    py::class_<Levels, std::shared_ptr<Levels>>(
+        m, "Levels",
+        R"(An adaptive mesh: volumes of several voxel sizes, the finest of which counts everywhere.
+
+A plain list of volumes means the same wherever levels are taken.
+masks  one for each volume: where it counts, and hides coarser ones; default: where it is active)")
+        .def(py::init([](const py::iterable& volumes, const py::iterable& masks) {
+                 auto levels = std::make_shared<Levels>();
+                 for (const py::handle volume : volumes)
+                     levels->volumes.push_back(cast_to<const Volume&>(volume, "volumes", kVolume));
+                 for (const py::handle mask : masks)
+                     levels->masks.push_back(cast_to<const Volume&>(mask, "masks", kVolume));
+                 validate(*levels);
+                 return levels;
+             }),
+             py::arg("volumes"), py::arg("masks") = py::tuple())
+        .def_static(
+            "load",
+            [](const py::object& files, const std::string& grid, const std::string& mask,
+               bool level_set_to_fog) {
+                std::vector<std::filesystem::path> paths;
+                if (py::isinstance<py::str>(files) || py::hasattr(files, "__fspath__"))
+                    paths.push_back(files.cast<std::filesystem::path>());
+                else
+                    paths = cast_to<std::vector<std::filesystem::path>>(files, "files", "paths");
+                std::vector<std::string> notes;
+                auto levels = std::make_shared<Levels>(unlocked([&] {
+                    return read_levels(paths, {grid, mask, level_set_to_fog}, &notes);
+                }));
+                warn(notes);
+                return levels;
+            },
+            py::arg("files"), py::arg("grid") = "", py::arg("mask") = "", py::kw_only(),
+            py::arg("level_set_to_fog") = false, R"(Reads levels from one file or several.
+
+grid  name, or a pattern with * and ?: all grids that match, 'density_L*'
+mask  name of the grids that are masks; its * is what the * of grid stands for)")
+        .def(
+            "__getitem__",
+            [](const std::shared_ptr<Levels>& self, py::ssize_t i) {
+                const auto n = static_cast<py::ssize_t>(self->volumes.size());
+                if (i < 0) i += n;
+                if (i < 0 || i >= n) throw py::index_error("level out of range");
+                return std::shared_ptr<Volume>(self, &self->volumes[static_cast<std::size_t>(i)]);
+            },
+            py::arg("index"))
+        .def("__len__", [](const Levels& self) { return self.volumes.size(); })
+        .def_property_readonly(
+            "box",
+            [](const Levels& self) {
+                Box box;
+                for (const Volume& volume : self.volumes) box.include(world_box(volume));
+                return box_array(box);
+            },
+            "[2, 3] lower and upper corner in world space.")
+        .def("__repr__",
+             [](const Levels& self) {
+                 return "<vog.Levels: " + std::to_string(self.volumes.size()) + " volumes, " +
+                        std::to_string(self.masks.size()) + " masks>";
+             })
+        .def(py::pickle(
+            [](const Levels& self) {
+                py::list volumes, masks;
+                for (const Volume& volume : self.volumes) volumes.append(volume_state(volume));
+                for (const Volume& mask : self.masks) masks.append(volume_state(mask));
+                return py::make_tuple(volumes, masks);
+            },
+            [](const py::tuple& state) {
+                auto levels = std::make_shared<Levels>();
+                for (const py::handle volume : state[0])
+                    levels->volumes.push_back(*volume_from_state(volume.cast<py::tuple>()));
+                for (const py::handle mask : state[1])
+                    levels->masks.push_back(*volume_from_state(mask.cast<py::tuple>()));
+                return levels;
+            }));
+}
+
+}  // namespace
+
+std::shared_ptr<const Levels> levels_of(const py::object& data) {
+    if (py::isinstance<Levels>(data)) return data.cast<std::shared_ptr<Levels>>();
+    if (!PySequence_Check(data.ptr()) || py::isinstance<py::str>(data) || py::len(data) == 0)
+        return nullptr;
+    auto levels = std::make_shared<Levels>();
+    for (const py::handle volume : data) {
+        if (!py::isinstance<Volume>(volume)) return nullptr;
+        levels->volumes.push_back(volume.cast<const Volume&>());
+    }
+    return levels;
+}
+
+void refuse_data(const py::object& data, const std::string& call, const std::string& expected) {
+    throw py::type_error(call + ": got " + py::type::of(data).attr("__name__").cast<std::string>() +
+                         ", expected " + expected);
+}
+
+void bind_volume(py::module_& m) {
+    bind_volume_class(m);
+    bind_levels_class(m);
+    m.def(
+        "grid_names", [](const std::filesystem::path& file) { return grid_names(file); },
+        py::arg("file"), "Names of the grids of a .vdb or .nvdb file, in file order.");
+}
+
+}  // namespace vog::python

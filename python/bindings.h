@@ -1,0 +1,108 @@
+// bindings.h: what the parts of the Python module share. Nothing here computes: arguments are
+// checked for their kind and shape, then the library is called.
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vog/image.h"
+#include "vog/linear.h"
+#include "vog/progress.h"
+#include "vog/shade.h"
+
+/// Three numbers: a tuple, a list, a NumPy array.
+template <>
+struct pybind11::detail::type_caster<vog::Vec3d> {
+    PYBIND11_TYPE_CASTER(vog::Vec3d, const_name("tuple[float, float, float]"));
+    bool load(handle from, bool) {
+        if (!PySequence_Check(from.ptr()) || PyUnicode_Check(from.ptr())) return false;
+        const auto items = reinterpret_borrow<sequence>(from);
+        if (items.size() != 3) return false;
+        for (int axis = 0; axis < 3; ++axis) {
+            const object item = items[static_cast<std::size_t>(axis)];
+            value[axis] = PyFloat_AsDouble(item.ptr());
+            if (PyErr_Occurred()) return PyErr_Clear(), false;
+        }
+        return true;
+    }
+    static handle cast(const vog::Vec3d& v, return_value_policy, handle) {
+        return make_tuple(v.x, v.y, v.z).release();
+    }
+};
+
+namespace vog::python {
+
+namespace py = pybind11;
+
+void bind_volume(py::module_& m);
+void bind_points(py::module_& m);
+void bind_gaussians(py::module_& m);
+void bind_sample(py::module_& m);
+void bind_camera(py::module_& m);
+void bind_shade(py::module_& m);
+void bind_image(py::module_& m);
+void bind_convert(py::module_& m);
+void bind_render(py::module_& m);
+void bind_compare(py::module_& m);
+void bind_evaluate(py::module_& m);
+
+bool on_main_thread();
+/// Runs Python's signal handlers; throws what they raise.
+void run_signal_handlers();
+
+/// Calls the library without the interpreter's lock, so that other Python threads run meanwhile. On
+/// the main thread, where Python handles signals, Ctrl-C ends the call.
+template <class Work>
+auto unlocked(const Work& work) {
+    const bool interruptible = on_main_thread();
+    const py::gil_scoped_release release;
+    constexpr double kPeriodMs = 50;
+    std::optional<InterruptCheck> check;
+    if (interruptible) check.emplace(run_signal_handlers, kPeriodMs);
+    return work();
+}
+
+/// A Python callable that is told the finished fraction; None: nothing. The caller keeps it alive.
+Progress progress_of(const py::object& callable);
+
+/// A Python warning for each text.
+void warn(const std::vector<std::string>& texts);
+
+/// What pybind11 makes of an object; a TypeError that says what was expected where it cannot.
+template <class T>
+T cast_to(const py::handle& object, const std::string& what, const std::string& expected) {
+    try {
+        return object.cast<T>();
+    } catch (const py::cast_error&) {
+        throw py::type_error(what + ": got " + py::repr(object).cast<std::string>() +
+                             ", expected " + expected);
+    }
+}
+
+/// A number for people: six digits.
+std::string short_text(double number);
+
+/// 512 or (640, 480): width, height in pixels.
+std::pair<int, int> size_of(const py::object& size);
+/// "auto": nothing; or a number.
+std::optional<double> extinction_of(const py::object& extinction);
+/// A TransferFunction, a name, a JSON file, a Matplotlib colour map, or colours [N, 3 or 4].
+TransferFunction transfer_function_of(const py::object& tf);
+
+/// An image as it was shaded, and the 8-bit values that are shown.
+struct Picture {
+    Image image;
+    bool with_alpha = false;
+    std::vector<std::uint8_t> bytes;  ///< [height, width, 3 or 4]
+
+    explicit Picture(Image shaded);
+};
+
+}  // namespace vog::python

@@ -1,0 +1,125 @@
+// module.cpp: the module vog._vog: errors, signals, threads, and the parts in the order of the
+// data.
+#include <cstdio>
+#include <vector>
+
+#include "bindings.h"
+#include "vog/error.h"
+
+namespace vog::python {
+
+namespace {
+
+/// Of threading.main_thread(); 0 until the module is imported.
+unsigned long main_thread = 0;
+
+/// `with vog.threads(2):`
+struct Threads {
+    explicit Threads(int threads) : count(threads) {
+        if (count < 0) throw Error("threads: " + std::to_string(count) + ", expected 0 or more");
+    }
+    int count = 0;
+    std::optional<ThreadLimit> limit{};
+};
+
+void bind_threads(py::module_& m) {
+    m.def("thread_count", &thread_count, "Threads that vog's loops use now: an int.");
+    py::class_<Threads>(m, "threads", R"(Limits the threads of vog's loops, in the whole process:
+
+    with vog.threads(2):
+        model = vog.convert(volume)
+
+Results are the same bytes for any number. 0: all cores.)")
+        .def(py::init<int>(), py::arg("count"))
+        .def("__enter__",
+             [](Threads& self) -> Threads& {
+                 self.limit.emplace(self.count);
+                 return self;
+             })
+        .def("__exit__", [](Threads& self, const py::args&) { self.limit.reset(); });
+}
+
+}  // namespace
+
+bool on_main_thread() { return PyThread_get_thread_ident() == main_thread; }
+
+void run_signal_handlers() {
+    const py::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+}
+
+Progress progress_of(const py::object& callable) {
+    if (callable.is_none()) return {};
+    if (!PyCallable_Check(callable.ptr()))
+        throw py::type_error("progress: expected a callable that takes the finished fraction");
+    // A borrowed reference: copies of the function are made and dropped without the lock.
+    return [function = py::handle(callable)](double fraction) {
+        const py::gil_scoped_acquire acquire;
+        function(fraction);
+    };
+}
+
+void warn(const std::vector<std::string>& texts) {
+    for (const std::string& text : texts)
+        if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
+}
+
+std::string short_text(double number) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", number);
+    return text;
+}
+
+std::pair<int, int> size_of(const py::object& size) {
+    const auto edge = [&](const py::handle& number) {
+        try {
+            return py::int_(py::module_::import("operator").attr("index")(number)).cast<int>();
+        } catch (const py::error_already_set&) {
+        } catch (const py::cast_error&) {
+        }
+        throw Error("size: " + py::repr(size).cast<std::string>() +
+                    ", expected pixels: 512 or (640, 480), width first");
+    };
+    if (!PySequence_Check(size.ptr())) return {edge(size), edge(size)};
+    if (py::len(size) != 2) return {edge(size), 0};  // says what is expected
+    return {edge(size[py::int_(0)]), edge(size[py::int_(1)])};
+}
+
+std::optional<double> extinction_of(const py::object& extinction) {
+    if (py::isinstance<py::str>(extinction) && extinction.cast<std::string>() == "auto") return {};
+    const double value = PyFloat_AsDouble(extinction.ptr());
+    if (!PyErr_Occurred()) return value;
+    PyErr_Clear();
+    throw Error("extinction: " + py::repr(extinction).cast<std::string>() +
+                ", expected a number > 0 or 'auto'");
+}
+
+}  // namespace vog::python
+
+PYBIND11_MODULE(_vog, m) {
+    using namespace vog::python;
+    // Classes are the package's to their users: in messages, in help(), in pickles.
+    m.attr("__name__") = "vog";
+    m.attr("__version__") = VOG_VERSION;
+    main_thread =
+        py::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>();
+    py::register_exception<vog::Error>(m, "Error").attr("__doc__") =
+        "A bad input, file, option or device; one line: what, where, got, expected.";
+    bind_threads(m);
+    bind_camera(m);
+    bind_shade(m);
+    bind_image(m);
+    bind_volume(m);
+    bind_points(m);
+    bind_gaussians(m);
+    bind_sample(m);
+    bind_convert(m);
+    bind_render(m);
+    bind_compare(m);
+    bind_evaluate(m);
+    m.attr("__name__") = "vog._vog";
+    py::list names;
+    for (const auto& [name, object] : m.attr("__dict__").cast<py::dict>())
+        if (name.cast<std::string>().front() != '_') names.append(name);
+    m.attr("__all__") = names;
+}

@@ -1,0 +1,141 @@
+"""convert(): the same models as the command's, every option passed on or refused."""
+import numpy as np
+import pytest
+
+import vog
+
+
+@pytest.mark.parametrize(
+    "options, flags",
+    [
+        ({"block": 4}, ["--block", 4]),
+        ({"budget": 300}, ["--budget", 300]),
+        ({"error": 0.1}, ["--error", 0.1]),
+        ({"lod": 3}, ["--lod", 3]),
+        (
+            {"block": 4, "soft_steps": 2, "spread": 1.1, "mass_threshold": 0.01, "axis_aligned": True, "measure": True},
+            ["--block", 4, "--soft-steps", 2, "--spread", 1.1, "--mass-threshold", 0.01, "--axis-aligned", "--measure"],
+        ),
+        ({"method": "paper", "lod": 4}, ["--method", "paper", "--lod", 4]),
+        (
+            {"method": "paper", "strategy": "strict", "dense_block": 4, "amplitude": "mass", "kappa": 0.05},
+            ["--method", "paper", "--strategy", "strict", "--dense-block", 4, "--amplitude", "mass", "--kappa", 0.05],
+        ),
+        (
+            {"method": "paper", "strategy": "variance", "variance_threshold": 0.1, "opacity_threshold": 0.01},
+            ["--method", "paper", "--strategy", "variance", "--variance-threshold", 0.1, "--opacity-threshold", 0.01],
+        ),
+        (
+            {"method": "paper", "strategy": "neighbours", "similarity": 0.3, "minimum_radius": 0.7},
+            ["--method", "paper", "--strategy", "neighbours", "--similarity", 0.3, "--minimum-radius", 0.7],
+        ),
+        (
+            {"method": "paper", "strategy": "tree", "tree_depth": 2},
+            ["--method", "paper", "--strategy", "tree", "--tree-depth", 2],
+        ),
+    ],
+    ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
+)
+def test_models_are_the_commands_byte_for_byte(tmp_path, command, cloud, options, flags):
+    cloud.save(tmp_path / "cloud.vdb")
+    command("convert", "cloud.vdb", "-o", "command.ply", *flags)
+    vog.convert(vog.Volume.load(tmp_path / "cloud.vdb"), **options).save(tmp_path / "python.ply")
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "options, flags",
+    [
+        ({}, []),
+        ({"budget": 100, "value": "speed"}, ["--budget", 100, "--value", "speed"]),
+        ({"block": 2, "neighbours": 4}, ["--block", 2, "--neighbours", 4]),
+        ({"radius": 0.5, "error": 0.2}, ["--radius", 0.5, "--error", 0.2]),
+        ({"method": "paper", "kappa": 0.1}, ["--method", "paper", "--kappa", 0.1]),
+    ],
+    ids=lambda value: " ".join(map(str, value)) if isinstance(value, list) else "",
+)
+def test_models_of_particles_are_the_commands_too(tmp_path, command, options, flags):
+    vog.sample_particles(8).save(tmp_path / "points.xyz")
+    command("convert", "points.xyz", "-o", "command.ply", *flags)
+    vog.convert(vog.Points.load(tmp_path / "points.xyz"), **options).save(tmp_path / "python.ply")
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()
+
+
+@pytest.mark.parametrize("method", ["moments", "paper"])
+def test_models_of_levels_are_the_commands_too(tmp_path, command, method):
+    command("sample", "amr", "amr.vdb", "--size", 64)
+    command("convert", "amr.vdb", "--grid", "density_L*", "-o", "command.ply", "--lod", 3, "--method", method)
+    levels = vog.Levels.load(tmp_path / "amr.vdb", "density_L*")
+    vog.convert(levels, lod=3, method=method).save(tmp_path / "python.ply")
+    assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()
+    assert len(vog.convert([levels[0], levels[1], levels[2]], lod=3, method=method)) == len(
+        vog.convert(levels, lod=3, method=method)
+    )
+
+
+def test_report_and_progress_are_told(cloud):
+    report, fractions = {}, []
+    model = vog.convert(cloud, error=0.1, progress=fractions.append, report=report)
+    assert 0 < report["measured_error"] <= 0.1 and report["mass_ratio"] == pytest.approx(1, abs=1e-5)
+    assert report["stage_ms"]["search"] > 0 and f"{report['measured_error']:.4g}" in model.reached
+    assert fractions and all(0 <= f <= 1 for f in fractions) and fractions == sorted(fractions)
+    vog.convert(cloud, block=4, report=report)
+    assert report["measured_error"] is None
+
+
+def test_an_error_out_of_reach_is_told():
+    array = np.random.default_rng(1).random((16, 16, 16))
+    with pytest.warns(UserWarning, match="the finest cut does not reach 1e-06|does not reach 0.000001"):
+        vog.convert(vog.Volume.from_numpy(array), error=1e-6)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"block": 0}, "block 0, expected above 0"),
+        ({"budget": 0}, "budget 0, expected above 0"),
+        ({"block": 3}, "block 3 voxels, expected a power of two"),
+        ({"block": 4, "budget": 10}, "block and budget exclude each other"),
+        ({"lod": 9}, "level of detail 9"),
+        ({"error": 2}, r"error 2, expected in \(0, 1\)"),
+        ({"kappa": 0.1}, "kappa does not go with moments of volumes"),
+        ({"method": "paper", "block": 4}, "block does not go with the paper's conversion"),
+        ({"method": "paper", "strategy": "clever"}, "no strategy named 'clever'"),
+        ({"method": "paper", "lod": 1, "strategy": "single"}, "exclude each other"),
+        ({"method": "paper", "amplitude": "loud"}, "expected 'mean' or 'mass'"),
+        ({"method": "magic"}, "expected 'moments' or 'paper'"),
+    ],
+)
+def test_options_are_refused_in_one_line(cloud, options, message):
+    with pytest.raises(vog.Error, match=message):
+        vog.convert(cloud, **options)
+
+
+def test_other_things_are_type_errors(cloud):
+    for call in (
+        lambda: vog.convert(3),
+        lambda: vog.convert("cloud.vdb"),
+        lambda: vog.convert([]),
+        lambda: vog.convert([cloud, 3]),
+        lambda: vog.convert(cloud, block="big"),
+        lambda: vog.convert(cloud, block=4.0),
+        lambda: vog.convert(cloud, budget=-1),
+        lambda: vog.convert(cloud, blocks=4),
+        lambda: vog.convert(cloud, progress=3),
+        lambda: vog.convert(cloud, report=[]),
+    ):
+        with pytest.raises(TypeError):
+            call()
+
+
+def test_same_bytes_for_any_number_of_threads(tmp_path, cloud):
+    files = []
+    for count in (0, 1, 2):
+        with vog.threads(count):
+            vog.convert(cloud, budget=300).save(tmp_path / f"{count}.ply")
+        files.append((tmp_path / f"{count}.ply").read_bytes())
+    assert files[0] == files[1] == files[2]
+    with vog.threads(1):
+        assert vog.thread_count() == 1
+    with pytest.raises(vog.Error, match="threads: -1"):
+        vog.threads(-1)

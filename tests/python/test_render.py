@@ -1,0 +1,240 @@
+"""render(), shade(), compare(): the command's pictures byte for byte; buffers, notebooks, transfer functions."""
+import json
+import pickle
+import zlib
+
+import numpy as np
+import pytest
+
+import vog
+
+
+@pytest.mark.parametrize(
+    "options, flags",
+    [
+        ({}, []),
+        ({"size": (90, 60), "renderer": "trace"}, ["--size", "90x60", "--renderer", "trace"]),
+        ({"size": 80, "aabb_sigma": 1.5}, ["--size", 80, "--aabb-sigma", 1.5]),
+        ({"size": 80, "kappa": 0.2, "extinction": 3}, ["--size", 80, "--kappa", 0.2, "--extinction", 3]),
+        (
+            {
+                "size": 40,
+                "renderer": "trace",
+                "anyhit": "collect",
+                "hits_per_slab": 8,
+                "stop_transmittance": 0.01,
+                "extinction": 20,
+            },
+            ["--size", 40, "--renderer", "trace", "--anyhit", "collect", "--slab-hits", 8]
+            + ["--stop-transmittance", 0.01, "--extinction", 20],
+        ),
+    ],
+)
+def test_pictures_of_models_are_the_commands_byte_for_byte(tmp_path, command, model, options, flags):
+    model.save(tmp_path / "model.ply")
+    command("render", "model.ply", "-o", "a.png", "--depth-out", "a.exr", *flags)
+    depth = vog.render(vog.Gaussians.load(tmp_path / "model.ply"), **options)
+    depth.save(tmp_path / "b.exr")
+    depth.shade().save(tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    assert (tmp_path / "a.exr").read_bytes() == (tmp_path / "b.exr").read_bytes()
+    assert vog.DepthImage.load(tmp_path / "a.exr").extinction == depth.extinction
+
+
+@pytest.mark.parametrize(
+    "options, flags",
+    [({}, []), ({"interpolation": "linear", "step": 0.5}, ["--interpolation", "linear", "--step", 0.5])],
+)
+def test_pictures_of_voxels_are_the_commands_too(tmp_path, command, cloud, options, flags):
+    cloud.save(tmp_path / "cloud.vdb")
+    command("render", "cloud.vdb", "-o", "a.png", "--size", 64, "--tf", "blue-white", "--blend", *flags)
+    vog.render(cloud, size=64, **options).shade("blue-white", blend=True).save(tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_pictures_of_levels_and_particles_are_the_commands_too(tmp_path, command):
+    command("sample", "amr", "amr.vdb", "--size", 64)
+    command("render", "amr.vdb", "--grid", "density_L*", "-o", "a.png", "--size", 64)
+    vog.render(vog.Levels.load(tmp_path / "amr.vdb", "density_L*"), size=64).shade().save(tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    vog.sample_particles(8).save(tmp_path / "points.xyz")
+    command("render", "points.xyz", "-o", "c.png", "--size", 64)
+    vog.render(vog.Points.load(tmp_path / "points.xyz"), size=64).shade().save(tmp_path / "d.png")
+    assert (tmp_path / "c.png").read_bytes() == (tmp_path / "d.png").read_bytes()
+
+
+def test_cameras_are_shared_with_the_command(tmp_path, command, model):
+    model.save(tmp_path / "model.ply")
+    camera = vog.Camera.orbit(model, azimuth=1, elevation=-0.2, distance=2, fov_degrees=50)
+    camera.save(tmp_path / "camera.json")
+    command("render", "model.ply", "-o", "a.png", "--size", 64, "--camera", "camera.json")
+    vog.render(model, camera, 64).shade().save(tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    for back in (vog.Camera.load(tmp_path / "camera.json"), pickle.loads(pickle.dumps(camera)), eval(repr(camera))):
+        assert back == camera
+    assert camera != vog.Camera.paper_view(model) and camera != 3
+    for data in (vog.sample_cloud(64), vog.sample_particles(8), vog.sample_levels(64), np.array([[0, 0, 0], [1, 1, 1]])):
+        assert vog.Camera.paper_view(data).fov_degrees == pytest.approx(38.58, abs=0.01)
+    with pytest.raises(vog.Error):
+        vog.Camera((0, 0, 0), (0, 0, 0))
+    with pytest.raises(TypeError):
+        vog.Camera.paper_view("model.ply")
+
+
+def test_a_scene_draws_many_views(model, cloud):
+    for data, renderer in ((model, "splat"), (model, "trace"), (cloud, "reference")):
+        scene = vog.Scene(data, renderer=renderer)
+        assert np.array_equal(scene.box, data.box)
+        for azimuth in (0.1, 2):
+            camera = vog.Camera.orbit(data, azimuth)
+            one, other = scene.render(camera, 40), vog.render(data, camera, 40, renderer=renderer)
+            assert np.array_equal(one.depth, other.depth) and one.extinction == other.extinction
+
+
+def test_depth_is_a_buffer_without_copies(model):
+    depth = vog.render(model, size=(50, 30))
+    array = np.asarray(depth)
+    assert array.shape == depth.shape == (30, 50) and array.dtype == np.float32 and not array.flags.owndata
+    assert np.shares_memory(array, depth.depth) and np.shares_memory(array, np.asarray(memoryview(depth)))
+    sum_before, extinction = array.sum(), depth.extinction
+    depth.extinction = 2 * extinction
+    assert array.sum() == pytest.approx(2 * sum_before, rel=1e-5)
+    depth.extinction = "auto"
+    assert depth.extinction == pytest.approx(extinction, rel=1e-6)
+    copied = vog.DepthImage.from_numpy(array.astype(np.float64), depth.extinction)
+    assert vog.compare(depth, copied).identical
+    assert vog.compare(depth, pickle.loads(pickle.dumps(depth))).identical
+
+
+def test_images_are_uint8_and_show_themselves(tmp_path, model):
+    depth = vog.render(model, size=(50, 30))
+    image = depth.shade("viridis", background=(0.2, 0.4, 1))
+    array = np.asarray(image)
+    assert array.shape == image.shape == (30, 50, 3) and array.dtype == np.uint8 and not array.flags.owndata
+    assert np.array_equal(array[0, 0], [51, 102, 255])
+    assert np.array_equal(np.rint(255 * image.rgba[..., :3]).astype(np.uint8), array)
+    with pytest.raises(ValueError):
+        array[0] = 0
+    clear = depth.shade(background="transparent")
+    assert np.asarray(clear).shape == (30, 50, 4) and np.asarray(clear)[0, 0, 3] == 0
+    image.save(tmp_path / "a.png")
+    assert image._repr_png_() == (tmp_path / "a.png").read_bytes()
+    assert depth._repr_png_() == depth.shade("inferno")._repr_png_()
+    for back in (vog.Image.load(tmp_path / "a.png"), vog.Image.from_numpy(array), pickle.loads(pickle.dumps(image))):
+        assert vog.compare(image, back).psnr_db == np.inf
+    # The picture by PNG's own rules: 8 bits, RGB.
+    png = image._repr_png_()
+    assert png[:8] == b"\x89PNG\r\n\x1a\n" and png[24:26] == b"\x08\x02" and zlib.crc32(png[12:29]).to_bytes(4, "big") == png[29:33]
+
+
+def test_compare_tells_what_the_command_tells(tmp_path, command, model, cloud):
+    voxels, gaussians = vog.render(cloud, size=64), vog.render(model, size=64)
+    voxels.save(tmp_path / "a.exr")
+    gaussians.save(tmp_path / "b.exr")
+    told = json.loads(command("compare", "a.exr", "b.exr", "--json", "--diff", "a.png"))
+    difference = vog.compare(voxels, gaussians)
+    assert difference.psnr_db == difference.grey.psnr_db == pytest.approx(told["psnr_v_db"])
+    assert difference.relative_l2 == pytest.approx(told["relative_l2"]) and difference.bias == pytest.approx(told["bias"])
+    assert list(difference.largest_at) == told["dt_at"][::-1]
+    assert vog.compare_shaded(voxels, gaussians).psnr_db == pytest.approx(told["psnr_rgb_db"])
+    vog.difference_map(voxels, gaussians).save(tmp_path / "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    assert vog.compare(voxels.shade(), gaussians.shade()).largest > 0
+    assert vog.difference_map(voxels.shade(), gaussians.shade(), bar=False).shape == (64, 64, 3)
+    with pytest.raises(TypeError):
+        vog.compare(voxels, gaussians.shade())
+    with pytest.raises(vog.Error):
+        vog.compare(voxels, vog.render(model, size=32))
+
+
+def test_transfer_functions_come_from_anywhere(tmp_path, model):
+    depth = vog.render(model, size=32)
+    inferno = vog.TransferFunction("inferno")
+    assert "inferno" in vog.TransferFunction.names()
+    assert np.allclose(inferno([[0, 1]]).shape, (1, 2, 4))
+    inferno.save(tmp_path / "tf.json")
+    pictures = [
+        depth.shade(tf)._repr_png_()
+        for tf in (
+            inferno,
+            "inferno",
+            str(tmp_path / "tf.json"),
+            tmp_path / "tf.json",
+            vog.TransferFunction.load(tmp_path / "tf.json"),
+            vog.TransferFunction.from_points("again", inferno.color),
+            pickle.loads(pickle.dumps(inferno)),
+        )
+    ]
+    assert all(picture == pictures[0] for picture in pictures)
+    red = vog.TransferFunction.from_colors([[1, 0, 0, 0], [1, 0, 0, 1]], "red")
+    assert np.allclose(red(0.25), [1, 0, 0, 0.25]) and red.opacity.shape == (2, 2)
+    assert np.array_equal(np.asarray(depth.shade(np.array([[0, 1, 0]]))).max(axis=(0, 1)), [0, 255, 0])
+    for wrong, error in (
+        ("no-such-map", vog.Error),
+        (np.zeros((2, 5)), vog.Error),
+        (np.full((2, 3), 2.0), vog.Error),
+        (3, TypeError),
+    ):
+        with pytest.raises(error):
+            depth.shade(wrong)
+
+
+def test_paraviews_maps_are_read(tmp_path, model):
+    preset = [{"Name": "mine", "ColorSpace": "RGB", "RGBPoints": [10, 0, 0, 0, 20, 1, 0.5, 0]}]
+    (tmp_path / "paraview.json").write_text(json.dumps(preset))
+    assert np.allclose(vog.TransferFunction(tmp_path / "paraview.json")(0.5), [0.5, 0.25, 0, 1])
+
+
+def test_matplotlibs_maps_are_taken(model):
+    matplotlib = pytest.importorskip("matplotlib", reason="needs python3-matplotlib")
+    viridis = matplotlib.colormaps["viridis"]
+    tf = vog.TransferFunction(viridis)
+    assert tf.name == "viridis" and np.allclose(tf(np.arange(256) / 255), viridis(np.arange(256)), atol=1e-6)
+    depth = vog.render(model, size=32)
+    assert depth.shade(viridis)._repr_png_() == depth.shade(vog.TransferFunction.from_matplotlib("viridis"))._repr_png_()
+    ours, theirs = np.asarray(depth.shade("viridis"), int), np.asarray(depth.shade(viridis), int)
+    assert abs(ours - theirs).max() <= 2
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"size": (10, 20, 30)}, "expected pixels: 512 or"),
+        ({"size": 0}, "size"),
+        ({"size": 10.5}, "expected pixels"),
+        ({"renderer": "magic"}, "renderer 'magic', expected"),
+        ({"renderer": "reference"}, "renderer 'reference', expected"),
+        ({"extinction": "much"}, "expected a number > 0 or 'auto'"),
+        ({"extinction": -1}, "extinction"),
+        ({"interpolation": "linear"}, "interpolation is not for renderer 'splat'"),
+        ({"anyhit": "collect"}, "anyhit is not for renderer 'splat'"),
+        ({"renderer": "trace", "anyhit": "some"}, "expected 'accumulate' or 'collect'"),
+        ({"renderer": "trace", "anyhit": "collect", "stop_transmittance": 0.1}, "needs a number as extinction"),
+        ({"kappa": 2}, "kappa 2"),
+    ],
+)
+def test_options_are_refused_in_one_line(model, options, message):
+    with pytest.raises(vog.Error, match=message) as error:
+        vog.render(model, **options)
+    assert "\n" not in str(error.value)
+
+
+def test_gpu_renderers_draw_or_say_what_is_missing(model):
+    for renderer in ("cuda", "optix"):
+        try:
+            depth = vog.render(model, size=64, renderer=renderer)
+        except vog.Error as error:
+            assert str(error).startswith(renderer)
+        else:
+            assert vog.compare(vog.render(model, size=64), depth).relative_l2 < 1e-3
+
+
+def test_evaluate_returns_what_it_writes(tmp_path, cloud):
+    fractions = []
+    result = vog.evaluate(cloud, tmp_path / "out", size=32, repeats=1, conversions="paper", progress=fractions.append)
+    assert json.loads((tmp_path / "out" / "results.json").read_text()) == result
+    assert len(result["rows"]) > 4 and (tmp_path / "out" / "index.html").exists() and fractions[-1] == pytest.approx(1)
+    with pytest.raises(vog.Error, match="expected 'all', 'paper' or 'moments'"):
+        vog.evaluate(cloud, tmp_path, conversions="some")
+    with pytest.raises(TypeError):
+        vog.evaluate(vog.sample_particles(8), tmp_path)

@@ -1,0 +1,147 @@
+"""The stub file says what the module is: names by mypy's stubtest, parameters by the docstrings, and by use."""
+import ast
+import inspect
+import pathlib
+import re
+import subprocess
+import sys
+
+import pytest
+
+import vog
+from vog import _vog
+
+STUB = pathlib.Path(_vog.__file__).with_name("_vog.pyi")
+
+
+def runtime_signatures():
+    """{'Camera.orbit': 'data, azimuth=, ...'} of every function, from the first line of its docstring."""
+    found = {}
+
+    def add(name, function):
+        if name.rsplit(".", 1)[-1].startswith("_") and not name.endswith("__init__"):
+            return
+        first = (function.__doc__ or "").split("\n", 1)[0]
+        if first.startswith("Initialize self"):
+            return  # no constructor
+        match = re.match(r"\w+\((.*)\)(?: -> .*)?$", first)
+        assert match, f"{name}: no signature in {first!r}"
+        tree = ast.parse(f"def f({re.sub(r'<[^>]*>|Union', 'x', match.group(1))}): ...").body[0]
+        found[name] = parameters(tree.args)
+
+    for name, item in vars(_vog).items():
+        if inspect.isclass(item):
+            for member, function in vars(item).items():
+                if isinstance(function, staticmethod):
+                    add(f"{name}.{member}", function.__func__)
+                elif inspect.isroutine(function):
+                    add(f"{name}.{member}", function)
+        elif inspect.isroutine(item):
+            add(name, item)
+    return found
+
+
+def parameters(args):
+    """Names in order; '=' behind those with a default; '*' where only keywords follow."""
+    positional = [a.arg for a in args.args]
+    with_default = set(positional[len(positional) - len(args.defaults) :])
+    words = [name + "=" * (name in with_default) for name in positional]
+    if args.vararg or args.kwonlyargs:
+        words.append("*")
+    words += [a.arg + "=" * (d is not None) for a, d in zip(args.kwonlyargs, args.kw_defaults)]
+    return ", ".join(words)
+
+
+def stub_signatures():
+    found = {}
+    for item in ast.parse(STUB.read_text()).body:
+        if isinstance(item, ast.FunctionDef):
+            found[item.name] = parameters(item.args)
+        if isinstance(item, ast.ClassDef):
+            for member in item.body:
+                if isinstance(member, ast.FunctionDef) and not any(
+                    isinstance(d, ast.Name) and d.id == "property" or isinstance(d, ast.Attribute)
+                    for d in member.decorator_list
+                ):
+                    found[f"{item.name}.{member.name}"] = parameters(member.args)
+    return found
+
+
+def test_parameters_are_those_of_the_stub():
+    stub, runtime = stub_signatures(), runtime_signatures()
+    assert len(runtime) > 40
+    for name, words in runtime.items():
+        assert stub.get(name) == words, name
+
+
+def test_every_public_thing_is_documented():
+    for name in _vog.__all__:
+        item = getattr(vog, name)
+        assert (item.__doc__ or "").strip(), name
+        for member, value in vars(item).items() if inspect.isclass(item) else ():
+            if not member.startswith("_"):
+                text = value.__func__.__doc__ if isinstance(value, staticmethod) else value.__doc__
+                lines = (text or "").strip().split("\n")
+                # pybind11 puts the signature first.
+                assert lines[0] and (isinstance(value, property) or len(lines) > 2 or name == "TransferFunction"), (
+                    f"{name}.{member}"
+                )
+
+
+def test_help_names_the_package_and_no_internals():
+    text = vog.render.__doc__ + vog.convert.__doc__ + vog.Gaussians.__init__.__doc__
+    assert "vog.DepthImage" in text and "_vog" not in text and "::" not in text
+
+
+def test_stubtest_finds_every_name(tmp_path):
+    pytest.importorskip("mypy", reason="needs mypy (apt install mypy)")
+    done = subprocess.run(
+        [sys.executable, "-m", "mypy.stubtest", "vog", "--concise"],
+        cwd=tmp_path, capture_output=True, text=True,
+    )
+    # What every class of pybind11 has and no stub writes: its metaclass, its way to pickle, to be built.
+    ours = [
+        line
+        for line in done.stdout.splitlines()
+        if not re.search(r"metaclass differs|\.__(getstate|setstate|init|hash|array)__ ", line)
+    ]
+    assert done.stdout and not ours, "\n".join(ours) + done.stderr
+
+
+def test_users_code_checks(tmp_path):
+    pytest.importorskip("mypy", reason="needs mypy (apt install mypy)")
+    (tmp_path / "good.py").write_text(
+        """from typing import Any
+
+import numpy as np
+import vog
+
+volume = vog.Volume.from_numpy(np.ones((8, 8, 8)), voxel_size=(1, 2, 3), origin=[0, 0, 0])
+model: vog.Gaussians = vog.convert([volume, volume], block=4)[::2] + vog.convert(volume, lod=1)
+model.density *= 2
+depth = vog.render(model, vog.Camera.paper_view(model), (64, 32), extinction="auto")
+psnr: float = vog.compare(depth, depth).psnr_db + vog.compare(depth.shade(), depth.shade()).ssim
+array: np.ndarray[Any, Any] = np.asarray(depth.shade(vog.TransferFunction("jet")))
+with vog.threads(2):
+    vog.Points.from_numpy(np.zeros((3, 3)), attributes={"mass": [1, 2, 3]}).save("points.csv")
+"""
+    )
+    (tmp_path / "bad.py").write_text(
+        """import vog
+
+vog.convert(3)
+vog.convert(vog.sample_cloud(), blocks=4)
+vog.render("model.ply")
+depth: vog.Image = vog.render(vog.sample_cloud())
+"""
+    )
+
+    def check(name):
+        return subprocess.run(
+            [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), name],
+            cwd=tmp_path, capture_output=True, text=True,
+        )
+
+    good, bad = check("good.py"), check("bad.py")
+    assert good.returncode == 0, good.stdout + good.stderr
+    assert "Found 4 errors" in bad.stdout, bad.stdout
