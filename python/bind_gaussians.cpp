@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include "arrays.h"
+#include "vog/coarsen.h"
 #include "vog/error.h"
 #include "vog/gaussians.h"
 #include "vog/ply.h"
@@ -168,6 +169,13 @@ box       [2, 3] corners that views look at; None: those of the Gaussians)")
         .def_readonly("method", &Gaussians::method, "'moments', 'paper', 'particles', ...")
         .def_readonly("options", &Gaussians::options, "What the conversion was asked for.")
         .def_readonly("reached", &Gaussians::reached, "What it reached, in words.")
+        .def(
+            "coarsen",
+            [](const Gaussians& self, std::size_t budget) {
+                return std::make_shared<Gaussians>(unlocked([&] { return coarsen(self, budget); }));
+            },
+            py::arg("budget"),
+            "A model of at most so many: neighbours joined, mass, mean and covariance conserved.")
         .def("__len__", &Gaussians::size)
         .def("__getitem__", &part_of, py::arg("index"))
         .def("__add__", &join, py::arg("other"), py::is_operator())

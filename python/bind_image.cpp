@@ -11,6 +11,17 @@ namespace vog::python {
 Picture::Picture(Image shaded)
     : image(std::move(shaded)), with_alpha(!opaque(image)), bytes(image_bytes(image, with_alpha)) {}
 
+Rgba background_of(const py::object& background) {
+    if (py::isinstance<py::str>(background))
+        return named_background(background.cast<std::string>());
+    const py::array given = numbers_of(background, "background");
+    const py::array_t<float> c = row_of<float>(given, "background");
+    if (c.size() != 3 && c.size() != 4)
+        throw Error("background: shape " + shape_text(given) +
+                    ", expected (r, g, b), (r, g, b, a), 'black', 'white' or 'transparent'");
+    return {c.at(0), c.at(1), c.at(2), c.size() == 4 ? c.at(3) : 1};
+}
+
 namespace {
 
 using Depth = std::shared_ptr<DepthImage>;
@@ -24,17 +35,6 @@ std::string extent(int width, int height) {
 py::bytes png_of(const Image& image) {
     const std::vector<std::uint8_t> png = unlocked([&] { return png_bytes(image); });
     return {reinterpret_cast<const char*>(png.data()), png.size()};
-}
-
-Rgba background_of(const py::object& background) {
-    if (py::isinstance<py::str>(background))
-        return named_background(background.cast<std::string>());
-    const py::array given = numbers_of(background, "background");
-    const py::array_t<float> c = row_of<float>(given, "background");
-    if (c.size() != 3 && c.size() != 4)
-        throw Error("background: shape " + shape_text(given) +
-                    ", expected (r, g, b), (r, g, b, a), 'black', 'white' or 'transparent'");
-    return {c.at(0), c.at(1), c.at(2), c.size() == 4 ? c.at(3) : 1};
 }
 
 Picture shaded(const DepthImage& depth, const py::object& tf, const py::object& background,

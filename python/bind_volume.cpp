@@ -145,19 +145,21 @@ py::array_t<double> matrix_of(const Affine& map) {
 // ---- pickles
 
 /// Nodes as they lie in memory, of a type without pointers.
-template <class Node>
-py::bytes bytes_of(const std::vector<Node>& nodes) {
-    return {reinterpret_cast<const char*>(nodes.data()), nodes.size() * sizeof(Node)};
+template <class Nodes>
+py::bytes bytes_of(const Nodes& nodes) {
+    return {reinterpret_cast<const char*>(nodes.data()),
+            nodes.size() * sizeof(typename Nodes::value_type)};
 }
-template <class Node>
-std::vector<Node> nodes_of(const py::bytes& bytes) {
-    const std::string_view view = bytes;
-    if (view.size() % sizeof(Node) != 0)
+template <class Nodes>
+void set_nodes(Nodes& nodes, const py::handle& bytes) {
+    constexpr std::size_t kNode = sizeof(typename Nodes::value_type);
+    const auto held = bytes.cast<py::bytes>();
+    const std::string_view view = held;
+    if (view.size() % kNode != 0)
         throw Error("pickle of a Volume: " + std::to_string(view.size()) +
-                    " bytes of nodes, expected multiples of " + std::to_string(sizeof(Node)));
-    std::vector<Node> nodes(view.size() / sizeof(Node));
+                    " bytes of nodes, expected multiples of " + std::to_string(kNode));
+    nodes.resize(view.size() / kNode);
     std::memcpy(static_cast<void*>(nodes.data()), view.data(), view.size());
-    return nodes;
 }
 
 py::tuple volume_state(const Volume& volume) {
@@ -166,8 +168,8 @@ py::tuple volume_state(const Volume& volume) {
 }
 std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     auto volume = std::make_shared<Volume>();
-    volume->leaves = nodes_of<Leaf>(state[0].cast<py::bytes>());
-    volume->tiles = nodes_of<Tile>(state[1].cast<py::bytes>());
+    set_nodes(volume->leaves, state[0]);
+    set_nodes(volume->tiles, state[1]);
     volume->world_from_index = affine_of(py::none(), py::none(), state[2]);
     volume->name = state[3].cast<std::string>();
     volume->source = state[4].cast<std::string>();

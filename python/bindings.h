@@ -52,6 +52,7 @@ void bind_convert(py::module_& m);
 void bind_render(py::module_& m);
 void bind_compare(py::module_& m);
 void bind_evaluate(py::module_& m);
+void bind_web(py::module_& m);
 
 bool on_main_thread();
 /// Runs Python's signal handlers; throws what they raise.
@@ -95,6 +96,9 @@ std::pair<int, int> size_of(const py::object& size);
 std::optional<double> extinction_of(const py::object& extinction);
 /// A TransferFunction, a name, a JSON file, a Matplotlib colour map, or colours [N, 3 or 4].
 TransferFunction transfer_function_of(const py::object& tf);
+
+/// (r, g, b), (r, g, b, a) in [0, 1], or a name.
+Rgba background_of(const py::object& background);
 
 /// An image as it was shaded, and the 8-bit values that are shown.
 struct Picture {

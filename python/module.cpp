@@ -117,6 +117,7 @@ PYBIND11_MODULE(_vog, m) {
     bind_render(m);
     bind_compare(m);
     bind_evaluate(m);
+    bind_web(m);
     m.attr("__name__") = "vog._vog";
     py::list names;
     for (const auto& [name, object] : m.attr("__dict__").cast<py::dict>())

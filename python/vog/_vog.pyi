@@ -35,6 +35,7 @@ __all__ = [
     "compare_shaded",
     "difference_map",
     "evaluate",
+    "export_html",
 ]
 __version__: str
 
@@ -236,6 +237,7 @@ class Gaussians:
     @staticmethod
     def load(file: _Path) -> Gaussians: ...
     def save(self, file: _Path) -> None: ...
+    def coarsen(self, budget: int) -> Gaussians: ...
     @property
     def source_voxels(self) -> int: ...
     @property
@@ -397,3 +399,16 @@ def evaluate(
     resume: bool = ...,
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...
+def export_html(
+    file: _Path,
+    models: Union[Gaussians, dict[str, Gaussians]],
+    *,
+    title: str = ...,
+    description: str = ...,
+    levels: int = ...,
+    camera: Union[Camera, None] = ...,
+    extinction: _Extinction = ...,
+    tf: _Map = ...,
+    background: Union[str, _Vector] = ...,
+    blend: bool = ...,
+) -> dict[str, int]: ...

@@ -238,3 +238,31 @@ def test_evaluate_returns_what_it_writes(tmp_path, cloud):
         vog.evaluate(cloud, tmp_path, conversions="some")
     with pytest.raises(TypeError):
         vog.evaluate(vog.sample_particles(8), tmp_path)
+
+
+def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
+    for name, some in (("a", model), ("b", model[::2])):
+        some.save(tmp_path / f"{name}.ply")
+    flags = ["--title", "Two", "--levels", 2, "--background", "system", "--tf", "jet", "--extinction", 3]
+    command("export", "a.ply", "b.ply", "-o", "command.html", *flags)
+    told = vog.export_html(
+        tmp_path / "python.html", {"a": model, "b": model[::2]},
+        title="Two", levels=2, background="system", tf="jet", extinction=3,
+    )
+    assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
+    assert told["bytes"] == (tmp_path / "python.html").stat().st_size and told["gaussians"] == len(model) + len(model[::2])
+    command("export", "a.ply", "-o", "command.html", "--background", "0.1,0.2,0.3", "--blend")
+    vog.export_html(tmp_path / "python.html", {"a": model}, background=(0.1, 0.2, 0.3), blend=True)
+    assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
+    vog.export_html(tmp_path / "one.html", model)
+    for wrong, error in (({}, vog.Error), ([model], TypeError), ({"a": 3}, TypeError)):
+        with pytest.raises(error):
+            vog.export_html(tmp_path / "none.html", wrong)
+    assert not (tmp_path / "none.html").exists()
+
+
+def test_coarser_models_keep_the_mass(model):
+    few = model.coarsen(100)
+    assert len(few) <= 100 and few.mass == pytest.approx(model.mass, rel=1e-4)
+    with pytest.raises(vog.Error):
+        model.coarsen(0)
