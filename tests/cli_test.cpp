@@ -270,6 +270,34 @@ TEST_F(cli, a_renderer_that_cannot_be_here_says_why_in_one_line) {
     }
 }
 
+TEST_F(cli, views_from_afar_draw_coarser_gaussians) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o cloud.ply --block 1");
+    must("convert cloud.vdb -o plain.ply --block 1 --no-hierarchy");
+    EXPECT_NE(must("info plain.ply").out.find("none"), std::string::npos);
+    const auto facts =
+        nlohmann::json::parse(must("info cloud.ply --json").out)["files"][0]["model"];
+    EXPECT_GT(facts["nodes"], facts["gaussians"].get<std::size_t>() / 8);
+    EXPECT_EQ(facts["bytes"], std::filesystem::file_size(dir_ / "cloud.ply"));
+    const auto cut = [&](const std::string& options) {
+        return nlohmann::json::parse(must("render " + options + " -o a.png --json").out)["cut"];
+    };
+    const std::size_t all = facts["gaussians"];
+    // Voxels of 10 pixels, then of a quarter of one.
+    EXPECT_EQ(cut("cloud.ply --size 1024")["gaussians"], all);
+    const auto small = cut("cloud.ply --size 24");
+    EXPECT_LT(small["drawn"], all / 20);
+    EXPECT_LT(small["nodes_visited"], facts["nodes"]);
+    EXPECT_EQ(cut("cloud.ply --size 24 --pixel-error 0")["drawn"], all);
+    EXPECT_TRUE(cut("plain.ply --size 24").is_null());
+    EXPECT_EQ(cut("plain.ply --size 24 --pixel-error 4")["drawn"].get<std::size_t>() < all, true);
+    // A kernel cut further out reaches further: what is left out must still be out of sight.
+    const std::string close = " --size 64 --fov 3 --kappa 0.001 -o ";
+    must("render cloud.ply --pixel-error 0" + close + "cut.png");
+    must("render plain.ply" + close + "plain.png");
+    EXPECT_EQ(read_text(dir_ / "cut.png"), read_text(dir_ / "plain.png"));
+}
+
 TEST_F(cli, options_of_another_renderer_are_refused) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply");
@@ -284,6 +312,10 @@ TEST_F(cli, options_of_another_renderer_are_refused) {
     must_fail(1, "render cloud.vdb -o a.png --renderer trace", "convert it first");
     must_fail(2, "render cloud.vdb -o a.png --renderer optix --anyhit collect", "not for voxels");
     must_fail(2, "render cloud.ply -o a.png --interpolation linear", "expected reference");
+    must_fail(2, "render cloud.ply -o a.png --renderer trace --pixel-error 1", "expected splat");
+    must_fail(2, "render cloud.vdb -o a.png --pixel-error 1", "--renderer reference");
+    must_fail(2, "render cloud.ply -o a.png --aabb-sigma 1 --pixel-error 1", "--aabb-sigma");
+    must_fail(2, "render cloud.ply -o a.png --pixel-error -1", "--pixel-error");
     must("sample amr amr.vdb --size 64");
     must_fail(1, "render amr.vdb --grid 'density_L*' -o a.png --renderer optix", "--no-mask");
 }

@@ -86,6 +86,84 @@ TEST(ply, models_come_back_bit_for_bit) {
     }
 }
 
+TEST(ply, hierarchies_come_back_bit_for_bit_and_may_be_left_unread) {
+    const TempDir dir;
+    Gaussians plain = random_gaussians(500, 0.01, 0.1, 6);
+    plain.rotation.clear();
+    for (Gaussians model : {random_gaussians(3000, 0.01, 0.1, 7), plain}) {
+        const Hierarchy tree = build_hierarchy(model);
+        write_ply(dir / "m.ply", model, tree);
+        EXPECT_EQ(std::filesystem::file_size(dir / "m.ply"), ply_bytes(model, tree));
+        Hierarchy back;
+        EXPECT_EQ(read_ply(dir / "m.ply", &back).mean, model.mean);
+        EXPECT_EQ(back.nodes.mean, tree.nodes.mean);
+        EXPECT_EQ(back.nodes.scale, tree.nodes.scale);
+        EXPECT_EQ(back.nodes.rotation, tree.nodes.rotation);
+        EXPECT_EQ(back.nodes.density, tree.nodes.density);
+        EXPECT_EQ(back.nodes.cutoff, model.cutoff);
+        EXPECT_EQ(back.first, tree.first);
+        EXPECT_EQ(back.count, tree.count);
+        EXPECT_EQ(back.end, tree.end);
+        EXPECT_EQ(back.radius, tree.radius);
+        EXPECT_EQ(back.error, tree.error);
+        EXPECT_EQ(read_ply(dir / "m.ply").density, model.density);
+        write_ply(dir / "m.ply", model);
+        read_ply(dir / "m.ply", &back);
+        EXPECT_TRUE(back.empty());
+    }
+}
+
+TEST(ply, a_truncated_or_foreign_hierarchy_throws) {
+    const TempDir dir;
+    Gaussians model = random_gaussians(20, 0.1, 1, 8);
+    const Hierarchy tree = build_hierarchy(model);
+    write_ply(dir / "whole.ply", model, tree);
+    const std::string bytes = read_bytes(dir / "whole.ply");
+    for (std::size_t length = 0; length < bytes.size(); ++length) {
+        write_bytes(dir / "cut.ply", bytes.substr(0, length));
+        ASSERT_NE(error_of(dir / "cut.ply").find("cut.ply: "), std::string::npos) << length;
+    }
+    const auto error_with = [&](const std::string& from, const std::string& to) {
+        std::string changed = bytes;
+        changed.replace(changed.find(from), from.size(), to);
+        write_bytes(dir / "changed.ply", changed);
+        return error_of(dir / "changed.ply");
+    };
+    const std::string element = "element node " + std::to_string(tree.size());
+    EXPECT_NE(error_with(element, "element node 4611686018427387904").find("truncated"),
+              std::string::npos);
+    EXPECT_NE(error_with(element, "element node").find("count"), std::string::npos);
+    EXPECT_NE(error_with(element, "element face 3").find("element 'face'"), std::string::npos);
+    EXPECT_NE(error_with("property float radius", "property float width").find("element 'node'"),
+              std::string::npos);
+    EXPECT_NE(error_with("property uint count", "property uint8 count").find("element 'node'"),
+              std::string::npos);
+}
+
+TEST(ply, a_hierarchy_spoiled_anywhere_ends_in_one_line_or_is_one) {
+    const TempDir dir;
+    Gaussians model = random_gaussians(40, 0.1, 1, 9);
+    const Hierarchy tree = build_hierarchy(model);
+    write_ply(dir / "whole.ply", model, tree);
+    const std::string bytes = read_bytes(dir / "whole.ply");
+    const std::size_t begin = ply_bytes(model, tree) - tree.size() * 60;
+    for (std::size_t at = begin; at < bytes.size(); ++at)
+        for (const char with : {'\xff', '\x7f', '\0'}) {
+            std::string spoiled = bytes;
+            spoiled[at] = with;
+            write_bytes(dir / "spoiled.ply", spoiled);
+            try {
+                Hierarchy read;
+                const Gaussians back = read_ply(dir / "spoiled.ply", &read);
+                validate(read, back.size(), back.cutoff, "read");
+            } catch (const Error& error) {
+                const std::string what = error.what();
+                ASSERT_NE(what.find("spoiled.ply: "), std::string::npos) << what;
+                ASSERT_EQ(what.find('\n'), std::string::npos) << what;
+            }
+        }
+}
+
 TEST(ply, header_says_every_convention) {
     const TempDir dir;
     write_ply(dir / "m.ply", labelled(random_gaussians(3, 0.1, 1, 3)));

@@ -21,8 +21,9 @@ struct Renderer {
     std::function<DepthImage(const Gaussians&, const Camera&, int, int)> render;
 };
 
-/// The splat on every SIMD target this machine can run, the trace with either any-hit program and
-/// with a list of hits that overflows at once, and the GPU's splat compiled for the host.
+/// The splat on every SIMD target this machine can run and with a hierarchy, the trace with either
+/// any-hit program and with a list of hits that overflows at once, and the GPU's splat compiled for
+/// the host.
 std::vector<Renderer> renderers() {
     std::vector<Renderer> all;
     for (const std::string& target : splat_targets())
@@ -31,6 +32,14 @@ std::vector<Renderer> renderers() {
              [target](const Gaussians& model, const Camera& camera, int width, int height) {
                  return render_splat(model, camera, width, height, {.simd_target = target});
              }});
+    all.push_back(
+        {"splat_of_a_hierarchy", [](Gaussians model, const Camera& camera, int width, int height) {
+             const Hierarchy hierarchy = build_hierarchy(model);
+             SplatOptions options;
+             options.hierarchy = &hierarchy;
+             options.cut.pixel_error = 0;
+             return render_splat(model, camera, width, height, options);
+         }});
     const auto trace = [&](const std::string& name, const TraceOptions& options) {
         all.push_back(
             {name, [options](const Gaussians& model, const Camera& camera, int width, int height) {

@@ -15,6 +15,7 @@
 #include "sequence.h"
 #include "terminal.h"
 #include "vog/error.h"
+#include "vog/hierarchy.h"
 #include "vog/memory.h"
 #include "vog/moments.h"
 #include "vog/ply.h"
@@ -37,7 +38,7 @@ struct ConvertArguments {
     PaperOptions paper;
     MomentOptions moments;
     int threads = 0;
-    bool stamp = false, json = false, verbose = false, again = false;
+    bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
     std::string memory, scratch;
 };
 
@@ -139,10 +140,19 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
     return text;
 }
 
+/// Coarser Gaussians for the file, unless they are not wanted.
+/// index_from_world  where the model's cells lie, if it has any
+Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
+                       const std::optional<Affine>& index_from_world, Stages& stages) {
+    if (arguments.no_hierarchy) return {};
+    return stages.run("hierarchy", [&] { return build_hierarchy(model, {index_from_world}); });
+}
+
 /// Prints what was made, unless JSON is asked for: which it returns.
 nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
-                              const Gaussians& model, double volume_mass,
-                              const MomentTotals& moments, const Stages& stages) {
+                              const Gaussians& model, const Hierarchy& hierarchy,
+                              double volume_mass, const MomentTotals& moments,
+                              const Stages& stages) {
     const double mass_ratio = volume_mass > 0 ? mass(model) / volume_mass : 1;
     const bool by_moments = arguments.method == "moments";
     const double share = share_of_voxels(model);
@@ -150,7 +160,7 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
                    grouped(model.size()), 100 * share, grouped(model.source_voxels),
                    kind == FileKind::points ? "particles" : "active voxels",
-                   bytes_text(ply_bytes(model)), mass_ratio);
+                   bytes_text(ply_bytes(model, hierarchy)), mass_ratio);
         if (by_moments) fmt::print("{}\n{}\n", model.reached, times_text(moments.stage_ms));
         return {};
     }
@@ -161,7 +171,8 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         {"gaussians", model.size()},
         {kind == FileKind::points ? "particles" : "active_voxels", model.source_voxels},
         {"share", share},
-        {"bytes", ply_bytes(model)},
+        {"nodes", hierarchy.size()},
+        {"bytes", ply_bytes(model, hierarchy)},
         {"mass_ratio", mass_ratio}};
     if (by_moments) {
         json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
@@ -230,8 +241,9 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
         note_missed(arguments.inputs.front(), one.measured_error, options.error);
     if (!paper) model.reached = reached_text(model, totals.report(sum), "particles");
     if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
-    stages.run("save", [&] { write_ply(arguments.output, model); });
-    return report(arguments, FileKind::points, model, sum, totals, stages);
+    const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
+    stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
+    return report(arguments, FileKind::points, model, hierarchy, sum, totals, stages);
 }
 
 /// One model of all inputs.
@@ -280,8 +292,10 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (by_moments)
         model.reached = reached_text(model, totals.report(volume_mass), "active voxels");
     if (by_moments && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
-    stages.run("save", [&] { write_ply(arguments.output, model); });
-    return report(arguments, kind, model, volume_mass, totals, stages);
+    const Hierarchy hierarchy =
+        hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
+    stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
+    return report(arguments, kind, model, hierarchy, volume_mass, totals, stages);
 }
 
 /// About what converting a file takes: its voxels twice, and as much again for its octree.
@@ -493,6 +507,9 @@ void add_convert(CLI::App& app) {
         ->add_flag("--again", arguments->again,
                    "Of a sequence, make models anew that are there already")
         ->group(memory_group);
+    command->add_flag("--no-hierarchy", arguments->no_hierarchy,
+                      "Write no coarser Gaussians beside the model: a smaller file, but views from "
+                      "afar cost as much as near ones");
     command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();

@@ -28,11 +28,14 @@ void check_renderer_options(const std::string& renderer, FileKind kind, const CL
     };
     only_for({"--anyhit", "--slab-hits", "--stop-transmittance"}, {"trace", "optix"});
     only_for({"--aabb-sigma"}, {"splat", "trace", "optix"});
+    only_for({"--pixel-error"}, {"splat"});
+    if (command.count("--pixel-error") && command.count("--aabb-sigma"))
+        throw CLI::ValidationError("--pixel-error does not go with --aabb-sigma");
     only_for({"--kappa"}, {"splat", "trace", "optix", "cuda"});
     only_for({"--interpolation", "--step"}, {"reference"});
     if (kind != FileKind::volume) return;
-    for (const char* option :
-         {"--anyhit", "--slab-hits", "--stop-transmittance", "--aabb-sigma", "--kappa"})
+    for (const char* option : {"--anyhit", "--slab-hits", "--stop-transmittance", "--aabb-sigma",
+                               "--kappa", "--pixel-error"})
         if (command.count(option) > 0)
             throw CLI::ValidationError(fmt::format("{} is for Gaussians, not for voxels", option));
 }
@@ -107,15 +110,31 @@ void load_volumes(const DrawingArguments& arguments, Drawing& drawing) {
 
 // ---- models and particles
 
+/// Kernels cut elsewhere than where they were made: supports reach further, or less far.
+void set_cutoff(Gaussians& model, Hierarchy& hierarchy, double cutoff) {
+    const double wider = std::max(1.0, cutoff / double{model.cutoff});
+    for (float& radius : hierarchy.radius) radius = static_cast<float>(radius * wider);
+    model.cutoff = hierarchy.nodes.cutoff = static_cast<float>(cutoff);
+}
+
 void draw_by_splat(const DrawingArguments& arguments, std::shared_ptr<Gaussians> model,
-                   Drawing& drawing) {
-    model->cutoff = static_cast<float>(cutoff_of_kappa(arguments.kappa, model->cutoff));
+                   std::shared_ptr<Hierarchy> hierarchy, Drawing& drawing) {
+    // A model without one gets one where the cut is asked for.
+    if (hierarchy->empty() && arguments.pixel_error) *hierarchy = build_hierarchy(*model);
+    set_cutoff(*model, *hierarchy, cutoff_of_kappa(arguments.kappa, model->cutoff));
     SplatOptions options;
     options.aabb_sigma = arguments.aabb_sigma;
+    if (!hierarchy->empty() && arguments.aabb_sigma == 0) {
+        options.hierarchy = hierarchy.get();
+        options.cut.pixel_error = arguments.pixel_error.value_or(options.cut.pixel_error);
+        drawing.cut = std::make_shared<CutReport>();
+    }
     auto renderer = std::make_shared<SplatRenderer>(*model, options);
-    drawing.draw = [model, renderer](const Camera& camera, Size size, const Progress& progress,
-                                     DepthImage& depth) {
+    drawing.draw = [model, hierarchy, renderer, cut = drawing.cut](const Camera& camera, Size size,
+                                                                   const Progress& progress,
+                                                                   DepthImage& depth) {
         renderer->render(camera, size.width, size.height, depth, progress);
+        if (cut) *cut = renderer->cut_report();
     };
 }
 
@@ -156,16 +175,18 @@ void load_gaussians(const DrawingArguments& arguments, FileKind kind,
                                 arguments.inputs.front(),
                                 kind == FileKind::model ? "a model" : "particles"));
     // Particles need no file between: one Gaussian each.
+    auto hierarchy = std::make_shared<Hierarchy>();
     auto model = std::make_shared<Gaussians>(
         kind == FileKind::points
             ? convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
                              point_options(arguments.points))
-            : load_models(arguments.inputs));
+            : load_models(arguments.inputs,
+                          drawing.renderer == "splat" ? hierarchy.get() : nullptr));
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     drawing.primitives_text = grouped(model->size()) + " Gaussians";
     const TraceOptions options = trace_options(arguments, extinction);
-    if (drawing.renderer == "splat") draw_by_splat(arguments, model, drawing);
+    if (drawing.renderer == "splat") draw_by_splat(arguments, model, hierarchy, drawing);
     if (drawing.renderer == "trace") draw_by_trace(arguments, options, *model, drawing);
     if (drawing.renderer == "optix") draw_by_optix(arguments, options, *model, drawing);
     if (drawing.renderer == "cuda") draw_by_cuda(arguments, *model, drawing);
@@ -232,6 +253,12 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
                     "of this many times the paper's radii; 0: no boxes")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
+    command
+        .add_option("--pixel-error", arguments.pixel_error,
+                    "Of models with a hierarchy (vog convert writes one), splat draws coarser "
+                    "Gaussians where theirs would be smaller than this many pixels; 0: never. "
+                    "Default: 1. A model without one gets one where this is given")
+        ->check(CLI::NonNegativeNumber);
     add_point_options(command, arguments.points);
 }
 

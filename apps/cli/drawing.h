@@ -10,6 +10,7 @@
 
 #include "inputs.h"
 #include "vog/camera.h"
+#include "vog/hierarchy.h"
 #include "vog/image.h"
 #include "vog/progress.h"
 #include "vog/reference.h"
@@ -22,6 +23,7 @@ struct DrawingArguments {
     std::string renderer, interpolation = "constant", anyhit = "accumulate";
     VolumeInputOptions volume;
     PointInputOptions points;
+    std::optional<double> pixel_error;
     double aabb_sigma = 0, kappa = 0, stop_transmittance = 0;
     int hits_per_slab = TraceOptions{}.hits_per_slab;
     double step_voxels = VoxelGridOptions{}.step_voxels;
@@ -38,6 +40,7 @@ struct Drawing {
     Box box;  ///< what views look at
     std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
     std::shared_ptr<TraceReport> traced;  ///< of the last draw, where rays were traced
+    std::shared_ptr<CutReport> cut;       ///< of the last draw, where it was through a hierarchy
 };
 
 /// Reads the inputs and gives them to the renderer asked for, or to the one of their kind.

@@ -135,7 +135,7 @@ GridInfo info_of(const Volume& volume) {
     return info;
 }
 
-Json as_json(const Gaussians& model) {
+Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
     Box bounds;
     for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
     return {{"gaussians", model.size()},
@@ -145,7 +145,8 @@ Json as_json(const Gaussians& model) {
             {"mass", mass(model)},
             {"bounds", array(bounds)},
             {"box", array(model.box)},
-            {"bytes", ply_bytes(model)},
+            {"nodes", hierarchy.size()},
+            {"bytes", ply_bytes(model, hierarchy)},
             {"source", model.source},
             {"source_voxels", model.source_voxels},
             {"method", model.method},
@@ -153,7 +154,7 @@ Json as_json(const Gaussians& model) {
             {"reached", model.reached}};
 }
 
-void print(const Gaussians& model) {
+void print(const Gaussians& model, const Hierarchy& hierarchy) {
     const auto line = [](const char* what, const std::string& value) {
         fmt::print("  {:<14} {}\n", what, value);
     };
@@ -175,7 +176,8 @@ void print(const Gaussians& model) {
                                   grouped(model.source_voxels)));
     if (!model.method.empty()) line("method", model.method + " " + model.options);
     if (!model.reached.empty()) line("reached", model.reached);
-    line("size", bytes_text(ply_bytes(model)));
+    line("hierarchy", hierarchy.empty() ? "none" : grouped(hierarchy.size()) + " nodes");
+    line("size", bytes_text(ply_bytes(model, hierarchy)));
 }
 
 struct ValueRange {
@@ -221,11 +223,12 @@ void info(const std::vector<std::string>& files, bool json) {
     Json all = Json::array();
     for (const std::string& file : files) {
         if (kind_of(file) == FileKind::model) {
-            const Gaussians model = read_ply(file);
-            all.push_back({{"file", file}, {"model", as_json(model)}});
+            Hierarchy hierarchy;
+            const Gaussians model = read_ply(file, &hierarchy);
+            all.push_back({{"file", file}, {"model", as_json(model, hierarchy)}});
             if (!json) {
                 fmt::print("{}\n", file);
-                print(model);
+                print(model, hierarchy);
             }
             continue;
         }

@@ -157,9 +157,14 @@ void refuse_group(const CLI::App& command, const std::string& group, const std::
                 fmt::format("{} does not go with {}", option->get_name(), with));
 }
 
-Gaussians load_models(const std::vector<std::string>& files) {
+Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy) {
     Gaussians model;
-    for (const std::string& file : files) append(model, read_ply(file));
+    Hierarchy one;
+    for (const std::string& file : files) {
+        const std::size_t before = model.size();
+        append(model, read_ply(file, hierarchy ? &one : nullptr));
+        if (hierarchy) append(*hierarchy, one, before);
+    }
     return model;
 }
 

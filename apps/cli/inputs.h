@@ -8,6 +8,7 @@
 
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
+#include "vog/hierarchy.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/volume.h"
@@ -54,7 +55,8 @@ PointOptions point_options(const PointInputOptions& options);
 void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
 
 /// Reads models and joins them.
-Gaussians load_models(const std::vector<std::string>& files);
+/// hierarchy  becomes that of those which have one; null: not read
+Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr);
 
 /// "640x480" or "512". throws CLI::ValidationError: wrong usage
 struct Size {

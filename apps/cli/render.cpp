@@ -62,6 +62,10 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
             fmt::print("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered\n",
                        arguments.output, depth.width, depth.height, drawing.primitives_text,
                        times.median, depth.extinction, 100 * static_cast<double>(covered) / pixels);
+        if (drawing.cut)
+            fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
+                       grouped(drawing.cut->leaves), grouped(drawing.cut->nodes),
+                       grouped(drawing.cut->visited));
         if (!arguments.depth_output.empty())
             fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", arguments.depth_output, sum / pixels,
                        largest);
@@ -87,6 +91,11 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
                                      {"median", times.median},
                                      {"max", times.max},
                                      {"repeats", render_ms.size()}}}};
+    if (drawing.cut)
+        json["cut"] = {{"drawn", drawing.cut->drawn()},
+                       {"gaussians", drawing.cut->leaves},
+                       {"nodes", drawing.cut->nodes},
+                       {"nodes_visited", drawing.cut->visited}};
     if (drawing.traced) {
         json["hits"] = drawing.traced->hits;
         json["slabs"] = drawing.traced->slabs;

@@ -1,11 +1,12 @@
 // vog/ply.h: Gaussian models as binary PLY files.
-// Layout: float32 x y z scale_0..2 [rot_0..3] density, conventions in comment lines
-// (docs/formats.md).
+// Layout: float32 x y z scale_0..2 [rot_0..3] density, conventions in comment lines; the hierarchy,
+// if there is one, as a second element (docs/formats.md).
 #pragma once
 
 #include <filesystem>
 
 #include "vog/gaussians.h"
+#include "vog/hierarchy.h"
 
 namespace vog {
 
@@ -15,12 +16,15 @@ namespace vog {
 /// Both cut their kernel at 3 standard deviations. Their colours are not density and are not read.
 /// throws vog::Error for a missing file, ASCII or big-endian data, unknown property sets, a short
 /// or long body, values out of range
-Gaussians read_ply(const std::filesystem::path& file);
+/// hierarchy  becomes the one in the file, or empty where there is none; null: not read
+Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy = nullptr);
 
 /// Written beside the file and renamed when whole.
-void write_ply(const std::filesystem::path& file, const Gaussians& gaussians);
+/// hierarchy  of the model, written after it, unless it is empty
+void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
+               const Hierarchy& hierarchy = {});
 
 /// Bytes write_ply will write.
-std::size_t ply_bytes(const Gaussians& gaussians);
+std::size_t ply_bytes(const Gaussians& gaussians, const Hierarchy& hierarchy = {});
 
 }  // namespace vog

@@ -8,6 +8,7 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/hierarchy.h"
 #include "vog/image.h"
 #include "vog/progress.h"
 
@@ -27,6 +28,10 @@ struct SplatOptions {
     /// times the paper's radii (scale sqrt(2)) around its mean, within the model's box. 0: no
     /// boxes.
     double aabb_sigma = 0;
+    /// Of the model, which it must outlive as the model does: each picture draws a cut through it.
+    /// Null: all Gaussians. Does not go with aabb_sigma.
+    const Hierarchy* hierarchy = nullptr;
+    CutOptions cut{};
 };
 
 /// SIMD targets of the splat renderer that this machine can run, best first: "AVX2", ..., "scalar".
@@ -39,7 +44,8 @@ std::vector<std::string> splat_targets();
 class SplatRenderer {
   public:
     /// gaussians  must outlive the renderer and stay as they are
-    /// throws     vog::Error for an unknown SIMD target or a negative aabb_sigma
+    /// throws     vog::Error for an unknown SIMD target, a negative aabb_sigma, or one beside a
+    ///            hierarchy
     explicit SplatRenderer(const Gaussians& gaussians, const SplatOptions& options = {});
     ~SplatRenderer();
     SplatRenderer(SplatRenderer&&) noexcept;
@@ -48,10 +54,14 @@ class SplatRenderer {
     /// image   T per pixel at extinction 1; the same bytes for any number of threads
     /// throws  vog::Error for an unusable camera or size, or more than 65536 pixels a side
     /// progress  of this picture, instead of SplatOptions::progress
-    /// cost    O(Gaussians + covered pixel rows + pixels), bounded extra memory
+    /// cost    O(Gaussians drawn + covered pixel rows + pixels), bounded extra memory
     void render(const Camera& camera, int width, int height, DepthImage& image,
                 const Progress& progress = {});
     [[nodiscard]] DepthImage render(const Camera& camera, int width, int height);
+    /// How much of the next pictures' hierarchy is drawn.
+    void set_cut(const CutOptions& cut);
+    /// Of the last picture; all leaves where there is no hierarchy.
+    CutReport cut_report() const;
 
   private:
     struct State;

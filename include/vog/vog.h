@@ -14,6 +14,7 @@
 #include "vog/files.h"
 #include "vog/gaussians.h"
 #include "vog/gpu.h"
+#include "vog/hierarchy.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/linear.h"

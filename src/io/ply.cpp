@@ -3,18 +3,19 @@
 #include "vog/ply.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
 #include <charconv>
 #include <cstring>
 #include <fstream>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <sstream>
 
 #include "io/atomic_file.h"
+#include "io/ply_nodes.h"
 #include "vog/error.h"
 
 static_assert(std::endian::native == std::endian::little,
@@ -24,10 +25,12 @@ namespace vog {
 
 namespace {
 
-/// What the header says; properties in file order, all float32.
+/// What the header says; properties in file order.
 struct Header {
-    std::uint64_t vertices = 0;
-    std::vector<std::string> properties;
+    std::uint64_t vertices = 0, nodes = 0;
+    bool has_nodes = false;
+    std::vector<std::string> properties;       ///< of a vertex, all float32
+    std::vector<std::string> node_properties;  ///< with their types
     std::vector<std::string> comments;
     std::uint64_t body_offset = 0;
 };
@@ -40,7 +43,7 @@ Header read_header(const std::filesystem::path& file, std::istream& in) {
     constexpr std::size_t kMaxHeaderLines = 4096;
     Header header;
     std::string line;
-    bool format_seen = false, vertex_seen = false;
+    bool format_seen = false, vertex_seen = false, nodes_seen = false;
     const auto next_line = [&] {
         if (!std::getline(in, line) || in.eof())
             fail(file, "truncated: the PLY header has no end_header");
@@ -71,13 +74,20 @@ Header read_header(const std::filesystem::path& file, std::istream& in) {
             format_seen = true;
         } else if (word == "element") {
             words >> name;
-            if (name != "vertex" || vertex_seen)
-                fail(file, fmt::format("element '{}', expected the one element 'vertex'", name));
-            if (!(words >> header.vertices))
+            const bool nodes = vertex_seen && name == "node" && !nodes_seen;
+            if (!nodes && (name != "vertex" || vertex_seen))
+                fail(file, fmt::format("element '{}', expected the one element 'vertex', and after "
+                                       "it none or the one element 'node'",
+                                       name));
+            if (!(words >> (nodes ? header.nodes : header.vertices)))
                 fail(file, fmt::format("'{}': expected a count", line));
-            vertex_seen = true;
+            (nodes ? nodes_seen : vertex_seen) = true;
         } else if (word == "property") {
             words >> type >> name;
+            if (nodes_seen) {
+                header.node_properties.push_back(type + " " + name);
+                continue;
+            }
             if (type != "float" && type != "float32")
                 fail(file, fmt::format("property '{}', expected float32", line.substr(9)));
             if (std::find(header.properties.begin(), header.properties.end(), name) !=
@@ -89,6 +99,7 @@ Header read_header(const std::filesystem::path& file, std::istream& in) {
         }
     }
     if (!format_seen) fail(file, "the header has no format line");
+    header.has_nodes = nodes_seen;
     if (!vertex_seen) fail(file, "the header has no element vertex");
     header.body_offset = static_cast<std::uint64_t>(in.tellg());
     return header;
@@ -214,7 +225,20 @@ void adopt_conventions(Layout layout, Gaussians& model) {
     model.method = layout == Layout::splatting ? "3DGS" : "volprim";
 }
 
-std::string header_text(const Gaussians& model) {
+/// A hierarchy is ours: its rows are as we write them, or not understood.
+/// returns  bytes of a node
+std::size_t check_nodes(const std::filesystem::path& file, const Header& header, Layout layout,
+                        bool axis_aligned) {
+    if (!header.has_nodes) return 0;
+    const std::vector<std::string> expected = node_properties(axis_aligned);
+    if (layout != Layout::vog || header.node_properties != expected)
+        fail(file,
+             fmt::format("element 'node' with properties {}, expected {} beside vog's vertices",
+                         fmt::join(header.node_properties, ", "), fmt::join(expected, ", ")));
+    return bytes_per_node(axis_aligned);
+}
+
+std::string header_text(const Gaussians& model, const Hierarchy& hierarchy) {
     // Comments are lines: a newline inside a name must not start a header line of its own.
     const auto one_line = [](std::string text) {
         std::replace_if(
@@ -238,38 +262,47 @@ std::string header_text(const Gaussians& model) {
     if (!model.method.empty()) text += "comment method " + one_line(model.method) + "\n";
     if (!model.options.empty()) text += "comment options " + one_line(model.options) + "\n";
     if (!model.reached.empty()) text += "comment reached " + one_line(model.reached) + "\n";
+    if (!hierarchy.empty())
+        text +=
+            "comment nodes depth first, each stands for the vertices first ... first + count - 1; "
+            "radius: of a ball that holds them, error: half the edge of their cell\n";
     text += fmt::format("element vertex {}\n", model.size());
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
         text += fmt::format("property float {}\n", name);
     if (!model.axis_aligned())
         for (int n = 0; n < 4; ++n) text += fmt::format("property float rot_{}\n", n);
-    return text + "property float density\nend_header\n";
+    return text + "property float density\n" + node_header(hierarchy) + "end_header\n";
 }
 
 std::size_t floats_per_gaussian(const Gaussians& model) { return model.axis_aligned() ? 7 : 11; }
 
 }  // namespace
 
-Gaussians read_ply(const std::filesystem::path& file) {
+Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
     require_readable(file);
     std::ifstream in(file, std::ios::binary);
     const Header header = read_header(file, in);
     const Layout layout = layout_of(file, header);
 
-    // The body's length is known: a short or long one is refused before anything is allocated.
-    const std::uint64_t stride = header.properties.size();
-    const std::uint64_t body = std::filesystem::file_size(file) - header.body_offset;
-    const bool countable =
-        header.vertices <= std::numeric_limits<std::uint64_t>::max() / (stride * sizeof(float));
-    const std::uint64_t expected = header.vertices * stride * sizeof(float);
-    if (!countable || body != expected)
-        fail(file, fmt::format("{} bytes of data, expected {} Gaussians of {} bytes: {}", body,
-                               header.vertices, stride * sizeof(float),
-                               !countable || body < expected ? "truncated" : "too long"));
-
     std::map<std::string, std::size_t> column;
     for (std::size_t n = 0; n < header.properties.size(); ++n) column[header.properties[n]] = n;
     const bool rotated = column.contains("rot_0");
+
+    // The body's length is known: a short or long one is refused before anything is allocated.
+    const std::uint64_t stride = header.properties.size();
+    const std::size_t node_bytes = check_nodes(file, header, layout, !rotated);
+    const std::uint64_t body = std::filesystem::file_size(file) - header.body_offset;
+    const bool countable = header.vertices <= body / (stride * sizeof(float)) &&
+                           (header.nodes == 0 || header.nodes <= body / node_bytes);
+    const std::uint64_t expected =
+        countable ? header.vertices * stride * sizeof(float) + header.nodes * node_bytes : 0;
+    if (!countable || body != expected)
+        fail(file, fmt::format("{} bytes of data, expected {} Gaussians of {} bytes{}: {}", body,
+                               header.vertices, stride * sizeof(float),
+                               header.has_nodes
+                                   ? fmt::format(" and {} nodes of {}", header.nodes, node_bytes)
+                                   : "",
+                               !countable || body < expected ? "truncated" : "too long"));
     const char* weight = layout == Layout::splatting ? "opacity"
                          : layout == Layout::vog     ? "density"
                          : column.contains("sigmat") ? "sigmat"
@@ -306,12 +339,24 @@ Gaussians read_ply(const std::filesystem::path& file) {
     model.source = file.string();
     validate(model);
     model.source = source;
+    if (!hierarchy) return model;
+    *hierarchy = {};
+    if (header.nodes == 0) return model;
+    if (!read_nodes(in, header.nodes, !rotated, *hierarchy))
+        fail(file, "cannot be read to its end");
+    hierarchy->nodes.cutoff = model.cutoff;
+    link(*hierarchy, n, file.string());
+    validate(*hierarchy, n, model.cutoff, file.string());
     return model;
 }
 
-void write_ply(const std::filesystem::path& file, const Gaussians& gaussians) {
+void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
+               const Hierarchy& hierarchy) {
     validate(gaussians);
-    const std::string header = header_text(gaussians);
+    validate(hierarchy, gaussians.size(), gaussians.cutoff, file.string());
+    if (!hierarchy.empty() && hierarchy.nodes.axis_aligned() != gaussians.axis_aligned())
+        fail(file, "a model and a hierarchy of which one alone has rotations");
+    const std::string header = header_text(gaussians, hierarchy);
     const std::size_t stride = floats_per_gaussian(gaussians);
     write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
         std::ofstream out(beside, std::ios::binary);
@@ -335,13 +380,15 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians) {
             out.write(reinterpret_cast<const char*>(rows.data()),
                       static_cast<std::streamsize>(rows.size() * sizeof(float)));
         }
+        write_nodes(out, hierarchy);
         if (!out.flush()) fail(file, "cannot write: the disk may be full");
     });
 }
 
-std::size_t ply_bytes(const Gaussians& gaussians) {
-    return header_text(gaussians).size() +
-           gaussians.size() * floats_per_gaussian(gaussians) * sizeof(float);
+std::size_t ply_bytes(const Gaussians& gaussians, const Hierarchy& hierarchy) {
+    return header_text(gaussians, hierarchy).size() +
+           gaussians.size() * floats_per_gaussian(gaussians) * sizeof(float) +
+           hierarchy.size() * bytes_per_node(gaussians.axis_aligned());
 }
 
 }  // namespace vog

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include "parallel.h"
@@ -46,7 +47,9 @@ double unit_of(const Gaussians& gaussians) {
 
 /// What lasts from frame to frame.
 struct SplatRenderer::State {
-    SplatModel model;
+    const Gaussians* all = nullptr;
+    std::optional<ViewCut> cut;
+    SplatModel model;  ///< what of it the picture draws
     SplatOptions options;
     KernelPolynomial kernel;
     const SplatKernels* kernels = nullptr;
@@ -60,15 +63,15 @@ struct SplatRenderer::State {
     std::span<const PixelBounds> bounds_of(const Chunk& chunk) const {
         return std::span(bounds).subspan(chunk.slot, chunk.count);
     }
-    void cut(std::size_t first, std::size_t last);
+    void share_out(std::size_t first, std::size_t last);
     void project(const CameraFrame& frame);
     void draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
                    DepthImage& image) const;
 };
 
-/// Cuts Gaussians first ... last - 1 into chunks. How many depends on the Gaussians alone: the
+/// Shares out Gaussians first ... last - 1 to chunks. How many depends on the Gaussians alone: the
 /// order of splats within a tile is the same for any number of threads.
-void SplatRenderer::State::cut(std::size_t first, std::size_t last) {
+void SplatRenderer::State::share_out(std::size_t first, std::size_t last) {
     constexpr std::size_t kLeast = 256, kMost = 32, kGrain = 16;
     const std::size_t count = last - first;
     chunk_count = std::clamp<std::size_t>(count / kLeast, 1, kMost);
@@ -145,6 +148,7 @@ void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, 
 
 SplatRenderer::SplatRenderer(const Gaussians& gaussians, const SplatOptions& options)
     : state_(std::make_unique<State>()) {
+    state_->all = &gaussians;
     state_->model = {&gaussians, unit_of(gaussians)};
     state_->options = options;
     state_->kernels =
@@ -152,6 +156,9 @@ SplatRenderer::SplatRenderer(const Gaussians& gaussians, const SplatOptions& opt
     if (!(options.aabb_sigma >= 0 && std::isfinite(options.aabb_sigma)))
         throw Error(fmt::format("bounding boxes of {} sigma, expected a number above 0, or 0: none",
                                 options.aabb_sigma));
+    if (options.hierarchy && options.aabb_sigma > 0)
+        throw Error("the paper's bounding boxes are the model's own Gaussians': no hierarchy");
+    if (options.hierarchy) state_->cut.emplace(gaussians, *options.hierarchy);
     state_->kernel = fit_kernel(gaussians.cutoff);
 }
 SplatRenderer::~SplatRenderer() = default;
@@ -172,13 +179,14 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
     if (s.options.aabb_sigma > 0)
         return render_boxes(*s.kernels, s.model, s.kernel, frame, s.options.aabb_sigma, image);
 
+    if (s.cut) s.model.gaussians = &s.cut->choose(frame, s.options.cut);
     // Batches bound the memory of the splats, whatever the size of the model.
     const std::size_t size = s.model.gaussians->size();
     const std::size_t batch = TileBins::most_splats(width, height);
     std::size_t first = 0;
     do {
         const std::size_t last = std::min(first + batch, size);
-        s.cut(first, last);
+        s.share_out(first, last);
         s.project(frame);
         // Some dozens of tasks: full tiles lie together, and eight shares a frame, TBB's own choice
         // for two threads, left one of them idle for a third of a small model's time.
@@ -202,6 +210,12 @@ DepthImage SplatRenderer::render(const Camera& camera, int width, int height) {
     DepthImage image;
     render(camera, width, height, image);
     return image;
+}
+
+void SplatRenderer::set_cut(const CutOptions& cut) { state_->options.cut = cut; }
+
+CutReport SplatRenderer::cut_report() const {
+    return state_->cut ? state_->cut->report() : CutReport{0, 0, state_->all->size()};
 }
 
 DepthImage render_splat(const Gaussians& gaussians, const Camera& camera, int width, int height,

@@ -1,0 +1,120 @@
+// vog/hierarchy.h: coarser Gaussians for every neighbourhood of a model, so that the cost of a
+// picture follows the screen and not the model.
+// Mass, first and second moments add up whatever Gaussians they are of, so any group of them has
+// one that stands for it. Groups are the cells of an octree over the means; a view draws a cut
+// through it (docs/scaling.md, "Cost that follows the screen").
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/linear.h"
+
+namespace vog {
+
+/// A forest over a model's Gaussians, its leaves. A node stands for the leaves first ... first +
+/// count - 1. Nodes are in depth-first order, so what is below node n is also the nodes n + 1 ...
+/// end[n] - 1; leaves of a node that are in none of these are children of its own.
+struct Hierarchy {
+    Gaussians nodes;                   ///< [M] mass, mean and covariance of the leaves below
+    std::vector<std::uint32_t> first;  ///< [M] leaf
+    std::vector<std::uint32_t> count;  ///< [M] leaves, >= 2
+    std::vector<std::uint32_t> end;    ///< [M] the next node that is not below; > n
+    /// [M] of the ball around the mean that holds the supports of the node and of all below.
+    std::vector<float> radius;
+    /// [M] how far from its place mass is drawn: half the edge of the node's cell in the octree, or
+    /// of a box as wide as its widest child where that is larger. World units; none below a node
+    /// has a larger one. What a view compares with its pixels.
+    std::vector<float> error;
+
+    std::size_t size() const { return first.size(); }
+    bool empty() const { return first.empty(); }
+};
+
+struct HierarchyOptions {
+    /// Lattice of the cells that the Gaussians came from, if they did: nodes are then blocks of
+    /// 2^3, 4^3, ... of them, as they should be. A voxel i is [i - 1/2, i + 1/2].
+    std::optional<Affine> index_from_world;
+};
+
+/// Builds it, and puts the model's Gaussians into its order. The same bytes for any number of
+/// threads.
+/// throws  vog::Error for an invalid model, or one of 2^32 Gaussians
+/// cost    O(N log N) time; 16 bytes a Gaussian and 80 a node while it is built. Nodes are a
+/// seventh
+///         as many as Gaussians that fill their cells, up to a third where they are scattered
+[[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
+
+/// Fills `end` from `first` and `count`.
+/// leaves  of the model
+/// throws  vog::Error naming `where` and the first node that is none: its leaves are not within the
+///         model, or not within those of the node it is below
+void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where);
+/// Checks lengths, order and values of a hierarchy over `leaves` Gaussians with this cutoff.
+/// throws  vog::Error naming `where` and what is wrong
+void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
+              const std::string& where);
+
+/// Joins those of two models, in the order of vog::append of these.
+/// leaves  of the model before
+void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves);
+
+struct CutOptions {
+    /// A node is drawn where its error is below this many pixels: 1 merges parts that are smaller
+    /// than a pixel. 0: no node ever is. >= 0
+    double pixel_error = 1;
+    bool skip_unseen = true;  ///< leave out what is wholly off the picture or behind the eye
+};
+
+struct CutReport {
+    std::size_t visited = 0;  ///< nodes that were looked at
+    std::size_t nodes = 0;    ///< nodes that are drawn,
+    std::size_t leaves = 0;   ///< and Gaussians of the model
+    std::size_t drawn() const { return nodes + leaves; }
+};
+
+/// Cuts through one hierarchy, view after view: every leaf is drawn, or one node above it is, or it
+/// is not in view. Its buffers last, so that a view like the one before allocates nothing.
+class ViewCut {
+  public:
+    /// model, hierarchy  must outlive it and stay as they are
+    ViewCut(const Gaussians& model, const Hierarchy& hierarchy);
+    ~ViewCut();
+    ViewCut(ViewCut&&) noexcept;
+    ViewCut& operator=(ViewCut&&) noexcept;
+
+    /// returns  the Gaussians to draw, in the order of the leaves below them; the model itself
+    /// where
+    ///          that is all of it. The same bytes for any number of threads. Good until the next
+    ///          call
+    /// throws   vog::Error for an error that is negative or no number
+    /// cost     O(nodes visited + Gaussians drawn) time, parallel; 32 bytes a node for good, 44 a
+    ///          Gaussian drawn
+    const Gaussians& choose(const CameraFrame& frame, const CutOptions& options = {});
+    /// Of the last call.
+    const CutReport& report() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+/// Visits the children of node n in the order of their leaves: on_leaf(i), on_node(n).
+template <class OnLeaf, class OnNode>
+void for_each_child(const Hierarchy& hierarchy, std::size_t n, const OnLeaf& on_leaf,
+                    const OnNode& on_node) {
+    std::size_t leaf = hierarchy.first[n];
+    for (std::size_t child = n + 1; child < hierarchy.end[n]; child = hierarchy.end[child]) {
+        for (; leaf < hierarchy.first[child]; ++leaf) on_leaf(leaf);
+        on_node(child);
+        leaf = std::size_t{hierarchy.first[child]} + hierarchy.count[child];
+    }
+    for (; leaf < std::size_t{hierarchy.first[n]} + hierarchy.count[n]; ++leaf) on_leaf(leaf);
+}
+
+}  // namespace vog
