@@ -37,7 +37,7 @@ viewer::Content read_content(const std::vector<std::string>& files,
     viewer::Content content;
     switch (common_kind(files, arguments.volume.grid)) {
         case FileKind::model:
-            content.model = load_models(files);
+            content.model = load_models(files, &content.hierarchy);
             break;
         case FileKind::points:
             content.points = load_points(files, arguments.points, arguments.volume.grid);

@@ -19,6 +19,7 @@ struct Cancelled {};
 /// Buffers and hierarchies outlive a picture, not a model.
 struct CpuRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
+    std::shared_ptr<const Hierarchy> hierarchy;
     std::optional<SplatRenderer> splat;
     std::optional<TraceScene> trace;
     std::optional<CudaSplat> cuda;
@@ -88,7 +89,7 @@ void CpuRenderer::work() {
             picture = render(request);
         } catch (const Cancelled&) {
         } catch (const std::exception& error) {
-            picture = CpuPicture{request.key, request.rays, {}, 0, error.what()};
+            picture = CpuPicture{request.key, request.rays, {}, 0, 0, error.what()};
         }
         lock.lock();
         running_ = false;
@@ -97,13 +98,16 @@ void CpuRenderer::work() {
 }
 
 void CpuRenderer::draw_model(const CpuRequest& request, int width, int height,
-                             const Progress& progress, DepthImage& image) {
+                             const Progress& progress, CpuPicture& picture) {
     Prepared& with = *prepared_;
     if (request.model != with.model) {
         with = Prepared{};
         with.model = request.model;
+        with.hierarchy = request.hierarchy;
     }
     const Gaussians& model = *request.model;
+    DepthImage& image = picture.depth;
+    picture.drawn = model.size();
     const Camera& camera = request.camera;
     switch (request.renderer) {
         case Renderer::trace: {
@@ -122,8 +126,14 @@ void CpuRenderer::draw_model(const CpuRequest& request, int width, int height,
             image = with.optix->render(camera, width, height);
             break;
         default:
-            if (!with.splat) with.splat.emplace(model);
+            if (!with.splat) {
+                SplatOptions options;
+                options.hierarchy = with.hierarchy.get();
+                with.splat.emplace(model, options);
+            }
+            with.splat->set_cut({request.pixel_error, true});
             with.splat->render(camera, width, height, image, progress);
+            picture.drawn = with.splat->cut_report().drawn();
     }
 }
 
@@ -135,13 +145,15 @@ CpuPicture CpuRenderer::render(const CpuRequest& request) {
     };
     const auto start = std::chrono::steady_clock::now();
     const int width = request.width * request.rays, height = request.height * request.rays;
-    DepthImage image;
+    CpuPicture picture{request.key, request.rays, {}, 0, 0, {}};
     if (request.voxels)
-        image = request.voxels->draw(request.camera, width, height, progress);
+        picture.depth = request.voxels->draw(request.camera, width, height, progress);
     else
-        draw_model(request, width, height, progress, image);
+        draw_model(request, width, height, progress, picture);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    return {request.key, request.rays, shrunk(image, request.rays), ms.count(), {}};
+    picture.depth = shrunk(picture.depth, request.rays);
+    picture.ms = ms.count();
+    return picture;
 }
 
 }  // namespace vog::viewer

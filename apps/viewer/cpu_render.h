@@ -13,6 +13,7 @@
 #include "renderer.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/hierarchy.h"
 #include "vog/image.h"
 #include "vog/progress.h"
 #include "voxels.h"
@@ -24,6 +25,8 @@ struct CpuRequest {
     std::uint64_t key = 0;  ///< the asker's name for it
     Renderer renderer = Renderer::splat;
     std::shared_ptr<const Gaussians> model;
+    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; what splat draws a cut through
+    double pixel_error = 0;                      ///< of the cut
     std::shared_ptr<const Voxels> voxels;
     Camera camera;
     int width = 0, height = 0;
@@ -35,7 +38,8 @@ struct CpuPicture {
     int rays = 1;
     DepthImage depth;
     double ms = 0;
-    std::string error;  ///< why there is none
+    std::size_t drawn = 0;  ///< Gaussians; 0: not known
+    std::string error;      ///< why there is none
 };
 
 class CpuRenderer {
@@ -57,7 +61,7 @@ class CpuRenderer {
     void work();
     CpuPicture render(const CpuRequest& request);
     void draw_model(const CpuRequest& request, int width, int height, const Progress& progress,
-                    DepthImage& image);
+                    CpuPicture& picture);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< the thread's own: what the latest model needs
 

@@ -26,7 +26,10 @@ void draw_figures(Session& session, const Gui& gui, const Layout& layout) {
                 m.gui_ms);
     const Settings& s = session.settings;
     if (const Level* level = session.shown_level()) {
-        ImGui::Text("%s Gaussians, %s", grouped(level->model->size()).c_str(), level->name.c_str());
+        const std::size_t all = level->model->size(), drawn = session.left().drawn();
+        ImGui::Text("%s%s Gaussians, %s",
+                    drawn > 0 && drawn != all ? (grouped(drawn) + " for ").c_str() : "",
+                    grouped(all).c_str(), level->name.c_str());
         const PixelSize size = session.left().size();
         ImGui::Text("%d x %d, %s, sub-frame %d of %d", size.width, size.height, name_of(s.renderer),
                     session.left().subframes(),

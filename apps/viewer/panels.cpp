@@ -70,17 +70,19 @@ void draw_picture_section(Session& session, Gui& gui) {
     ImGui::SameLine();
     ImGui::Checkbox("difference", &s.difference);
     mark(gui, "difference");
-    if (session.scene.levels.size() > 1) {
-        ImGui::SameLine();
-        ImGui::Checkbox("coarse moving", &s.coarse_moving);
-        if (ImGui::IsItemHovered())
-            ImGui::SetTooltip("a coarser level while the camera moves and frames are slow");
-    }
+    ImGui::SameLine();
+    ImGui::Checkbox("coarse moving", &s.coarse_moving);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("larger parts while the camera moves and frames are slow");
     if (s.split_on || s.difference) choose_renderer(session, gui, "against", s.other);
     if (s.difference)
         ImGui::SliderFloat("ends at", &s.difference_limit, 0.001f, 1, "%.3f of V",
                            ImGuiSliderFlags_Logarithmic);
     draw_level(session, gui);
+    ImGui::SliderFloat("parts", &s.pixel_error, 0, 16, "%.2g pixels", ImGuiSliderFlags_AlwaysClamp);
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("what is smaller is drawn as one (OpenGL and CPU splat); 0: nothing is");
+    mark(gui, "parts");
     ImGui::SetNextItemWidth(0.3f * ImGui::GetContentRegionAvail().x);
     ImGui::SliderInt("sub-frames", &s.subframes, 1, 256, "%d", ImGuiSliderFlags_Logarithmic);
     mark(gui, "sub-frames");

@@ -7,8 +7,8 @@ namespace vog::viewer {
 
 bool operator==(const PictureKey& a, const PictureKey& b) {
     const auto tie = [](const PictureKey& k) {
-        return std::tie(k.renderer, k.model, k.voxels, k.camera.eye, k.camera.look_at, k.camera.up,
-                        k.camera.fov_degrees, k.size);
+        return std::tie(k.renderer, k.model, k.hierarchy, k.pixel_error, k.voxels, k.camera.eye,
+                        k.camera.look_at, k.camera.up, k.camera.fov_degrees, k.size);
     };
     return tie(a) == tie(b);
 }
@@ -38,13 +38,30 @@ void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat,
         update_cpu(subframes);
 }
 
+/// The cut through the key's model for its camera, made anew for a first sub-frame.
+const GlModel& Picture::cut_model(GlModels& models) {
+    if (!key_.hierarchy || key_.hierarchy->empty()) return models.get(key_.model);
+    if (cut_of_ != key_.model) {
+        cut_.emplace(*key_.model, *key_.hierarchy);
+        cut_of_ = key_.model;
+    }
+    if (subframes_ == 0) {
+        const Gaussians& chosen = cut_->choose(
+            frame_of(key_.camera, key_.size.width, key_.size.height), {key_.pixel_error, true});
+        cut_model_.reset();
+        if (&chosen != key_.model.get()) cut_model_.emplace(chosen);
+    }
+    return cut_model_ ? *cut_model_ : models.get(key_.model);
+}
+
 void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
     complete_ = subframes_ >= subframes;
     if (timer_) ms_ = timer_->ms();
     if (complete_) return;
     if (!timer_) timer_.emplace();
     require_target(key_.size);
-    const GlModel& model = models.get(key_.model);
+    const GlModel& model = cut_model(models);
+    drawn_ = model.size();
     timer_->begin();
     if (subframes_ == 0) {
         target_->bind();
@@ -64,8 +81,8 @@ void Picture::ask(int rays) {
     rays_asked_ = rays;
     const bool voxels = key_.renderer == Renderer::voxels;
     cpu_->ask({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
-               voxels ? key_.voxels : nullptr, key_.camera, key_.size.width, key_.size.height,
-               rays});
+               voxels ? nullptr : key_.hierarchy, key_.pixel_error, voxels ? key_.voxels : nullptr,
+               key_.camera, key_.size.width, key_.size.height, rays});
 }
 
 void Picture::update_cpu(int subframes) {
@@ -83,6 +100,7 @@ void Picture::update_cpu(int subframes) {
     subframes_ = picture->rays * picture->rays;
     summed_ = 1;  // a mean already
     ms_ = picture->ms;
+    drawn_ = picture->drawn;
     ms_per_ray_ = ms_ / (double(key_.size.width) * key_.size.height * subframes_);
     ++revision_;
     // Twice and four times the rays along each side, as far as that many sub-frames are wanted.

@@ -19,8 +19,10 @@ namespace vog::viewer {
 /// What is to be seen. Two equal ones have the same T.
 struct PictureKey {
     Renderer renderer = Renderer::gl;
-    std::shared_ptr<const Gaussians> model;  ///< of all but voxels
-    std::shared_ptr<const Voxels> voxels;    ///< of voxels
+    std::shared_ptr<const Gaussians> model;      ///< of all but voxels
+    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: it is drawn whole
+    double pixel_error = 0;                      ///< of gl's and splat's cuts through it
+    std::shared_ptr<const Voxels> voxels;        ///< of voxels
     Camera camera;
     PixelSize size;
     friend bool operator==(const PictureKey& a, const PictureKey& b);
@@ -59,6 +61,8 @@ class Picture {
     /// Of the CPU's latest picture; infinite before the first.
     double ms_per_ray() const { return ms_per_ray_; }
     PixelSize size() const { return key_.size; }
+    /// Gaussians in the latest picture; 0: not known.
+    std::size_t drawn() const { return drawn_; }
     /// Finished share of what the CPU is at; 0: nothing.
     double fraction() { return cpu_ ? cpu_->fraction() : 0; }
     /// Why there is no picture; told once.
@@ -66,6 +70,7 @@ class Picture {
 
   private:
     void update_gl(int subframes, const GlSplat& splat, GlModels& models);
+    const GlModel& cut_model(GlModels& models);
     void update_cpu(int subframes);
     void ask(int rays);
     void require_target(PixelSize size);
@@ -75,6 +80,10 @@ class Picture {
     bool complete_ = false;
     int subframes_ = 0, revision_ = 0;
     double summed_ = 0;  ///< pictures that were added up in target_
+    std::size_t drawn_ = 0;
+    std::shared_ptr<const Gaussians> cut_of_;  ///< the model that cut_ goes through
+    std::optional<ViewCut> cut_;
+    std::optional<GlModel> cut_model_;  ///< on the device, unless the cut is all of the model
     double ms_ = 0, ms_per_ray_ = std::numeric_limits<double>::infinity();
     std::string error_;
     std::optional<GlTarget> target_;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include "vog/camera.h"
 #include "vog/compare.h"
@@ -30,6 +31,17 @@ constexpr Cut kCuts[] = {{16, false}, {32, false}, {8, false}, {4, false},
 // count, and the best level is the last.
 constexpr double kBudget = 1.05;
 constexpr double kMostGaussians = 6e6;  ///< of a level: 270 MB on the device
+
+/// A level whose cells, if it has any, lie on a lattice.
+Level level_of(const std::string& name, Gaussians model, double share,
+               const std::optional<Affine>& index_from_world = {}) {
+    Level level;
+    level.name = name;
+    level.share = share;
+    level.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(model, {index_from_world}));
+    level.model = std::make_shared<const Gaussians>(std::move(model));
+    return level;
+}
 
 std::string title_of(const std::vector<std::string>& files) {
     std::string title = std::filesystem::path(files.front()).filename().string();
@@ -106,13 +118,7 @@ Progress SceneLoader::progress(double from, double to) {
     };
 }
 
-void SceneLoader::add_level(const std::string& name, Gaussians model, double share,
-                            const std::string& made_by) {
-    Level level;
-    level.name = name;
-    level.made_by = made_by;
-    level.share = share;
-    level.model = std::make_shared<const Gaussians>(std::move(model));
+void SceneLoader::add_level(Level level) {
     const std::lock_guard lock(mutex_);
     const auto fewer = [](const Level& a, const Level& b) {
         return a.model->size() < b.model->size();
@@ -139,7 +145,7 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     } else {
         if (content.model.size() == 0)
             throw Error(fmt::format("{}: a model without Gaussians", files.front()));
-        show_model(std::move(content.model), std::move(scene));
+        show_model(std::move(content.model), std::move(content.hierarchy), std::move(scene));
     }
 }
 
@@ -177,15 +183,22 @@ void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
     measure_levels();
 }
 
-void SceneLoader::show_model(Gaussians model, Scene scene) {
+void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) {
     const std::uint64_t voxels = model.source_voxels;
     scene.box = view_box(model);
     scene.facts = voxels ? "a model of " + grouped(voxels) + " active voxels" : "a model";
     show(std::move(scene));
-    const double share =
-        voxels ? static_cast<double>(model.size()) / static_cast<double>(voxels) : 0;
-    const std::string name = model.method.empty() ? "model" : model.method, options = model.options;
-    add_level(name, std::move(model), share, options);
+    Level level;
+    level.name = model.method.empty() ? "model" : model.method;
+    level.made_by = model.options;
+    if (voxels) level.share = static_cast<double>(model.size()) / static_cast<double>(voxels);
+    if (hierarchy.empty()) {
+        begin("finding coarser Gaussians");
+        hierarchy = build_hierarchy(model);
+    }
+    level.hierarchy = std::make_shared<const Hierarchy>(std::move(hierarchy));
+    level.model = std::make_shared<const Gaussians>(std::move(model));
+    add_level(std::move(level));
 }
 
 void SceneLoader::show_points(const Points& points, PointOptions options, Scene scene) {
@@ -198,7 +211,7 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
     Gaussians all = convert_points(points, options);
     scene.box = view_box(all);
     show(std::move(scene));
-    add_level("one a particle", std::move(all), 1);
+    add_level(level_of("one a particle", std::move(all), 1));
     for (const double share : {0.0029, 0.019, 0.135}) {
         options.budget = static_cast<std::size_t>(share * count);
         if (options.budget < 64) continue;
@@ -206,7 +219,7 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
         begin("converting: " + name);
         Gaussians model = convert_points(points, options);
         const double reached = static_cast<double>(model.size()) / count;
-        add_level(name, std::move(model), reached);
+        add_level(level_of(name, std::move(model), reached));
     }
     measure_levels();
 }
@@ -243,7 +256,8 @@ void SceneLoader::convert_levels(const Composite& data, bool is_mesh) {
         all.box = data.box;
         const double reached = static_cast<double>(all.size()) / voxels;
         if (!cut.best) share_of[cut.block_voxels] = reached;
-        add_level(name, std::move(all), reached);
+        add_level(
+            level_of(name, std::move(all), reached, inverse(data.parts.front().world_from_index)));
     }
 }
 

@@ -13,6 +13,7 @@
 
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
+#include "vog/hierarchy.h"
 #include "vog/levels.h"
 #include "vog/progress.h"
 #include "voxels.h"
@@ -26,6 +27,7 @@ struct Content {
     Points points;
     PointOptions point_options;  ///< of one Gaussian a particle
     Gaussians model;
+    Hierarchy hierarchy;  ///< of the model, if its files have one
 };
 /// throws vog::Error
 using ReadFiles = std::function<Content(const std::vector<std::string>& files)>;
@@ -34,6 +36,7 @@ using ReadFiles = std::function<Content(const std::vector<std::string>& files)>;
 struct Level {
     std::string name;  ///< "blocks of 8 voxels", "best cut, 1.9 %", "model"
     std::shared_ptr<const Gaussians> model;
+    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model
     std::string made_by{};  ///< the options of its conversion, where a file says so
     double share = 0;       ///< Gaussians per active voxel; 0: unknown
     /// Of V in the paper view, 256 pixels a side, against the voxels; NaN: not measured.
@@ -77,11 +80,10 @@ class SceneLoader {
     void show(Scene scene);
     void show_volumes(Levels volumes, bool is_mesh, Scene scene);
     void show_points(const Points& points, PointOptions options, Scene scene);
-    void show_model(Gaussians model, Scene scene);
+    void show_model(Gaussians model, Hierarchy hierarchy, Scene scene);
     void convert_levels(const Composite& data, bool is_mesh);
     void measure_levels();
-    void add_level(const std::string& name, Gaussians model, double share,
-                   const std::string& made_by = {});
+    void add_level(Level level);
     void begin(const std::string& doing);
     Progress progress(double from = 0, double to = 1);
     void stop();

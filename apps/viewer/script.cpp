@@ -60,6 +60,7 @@ constexpr Form kForms[] = {
     {"split", "w", "split SHARE|off"},
     {"difference", "w", "difference LIMIT|off"},
     {"level", "w*", "level NUMBER|NAME|coarsest|finest"},
+    {"parts", "n", "parts PIXELS"},
     {"subframes", "n", "subframes COUNT"},
     {"open", "w*", "open FILE..."},
     {"wait", "?n", "wait [SECONDS]"},

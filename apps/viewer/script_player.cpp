@@ -163,6 +163,7 @@ void ScriptPlayer::start(const Action& action, Stage& stage) {
     if (verb == "renderer") s.renderer = renderer_from(first);
     if (verb == "against") s.other = renderer_from(first);
     if (verb == "level") s.level = stage.session.level_index(joined(action.words));
+    if (verb == "parts") s.pixel_error = static_cast<float>(std::clamp(number(first), 0.0, 1e6));
     if (verb == "subframes") s.subframes = std::clamp(static_cast<int>(number(first)), 1, 4096);
     const auto share_or_off = [&](bool& setting, float& value) {
         setting = first != "off";

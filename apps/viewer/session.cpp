@@ -23,6 +23,7 @@ double now_s() {
 /// The camera counts as moving for this long after its last change.
 constexpr double kSettleS = 0.2;
 constexpr double kSlowFrameMs = 45, kQuickFrameMs = 20;
+constexpr double kMostMovingError = 16;  ///< pixels: shapes are still told
 
 bool same(const Camera& a, const Camera& b) {
     const auto tie = [](const Camera& c) {
@@ -97,7 +98,7 @@ void Session::take_scene() {
     opening_ = false;
     models_.clear();
     settings.level = -1;
-    moving_level_ = -1;
+    moving_error_ = 0;
     camera = first_camera(scene.box);
     if (opened > 0) exposure_open_ = true;
     if (!scene.voxels && settings.other == Renderer::voxels) settings.other = Renderer::splat;
@@ -111,27 +112,18 @@ const Level* Session::level_at(int level) const {
     return &scene.levels[static_cast<std::size_t>(level < 0 ? last : std::min(level, last))];
 }
 
-const Level* Session::shown_level() const {
-    const bool coarser =
-        moving_ && moving_level_ >= 0 && (settings.level < 0 || moving_level_ < settings.level);
-    return level_at(coarser ? moving_level_ : settings.level);
-}
-
-void Session::choose_moving_level() {
+void Session::choose_moving_error() {
     const bool changed = !same(camera, last_camera_);
     last_camera_ = camera;
     const double now = now_s();
     if (changed) last_change_s_ = now;
     moving_ = settings.coarse_moving && !turntable_ && now - last_change_s_ < kSettleS;
     if (!moving_ || !changed || scene.levels.empty()) return;
-    // One level coarser after a slow frame, finer again while there is time.
-    const int last = static_cast<int>(scene.levels.size()) - 1;
-    const int wanted = settings.level < 0 ? last : std::min(settings.level, last);
-    if (moving_level_ < 0) moving_level_ = wanted;
+    // An eighth as many Gaussians after a slow frame, more again while there is time.
     if (measured.frame_ms > kSlowFrameMs)
-        moving_level_ = std::max(0, moving_level_ - 1);
+        moving_error_ = std::clamp(2 * moving_error_, 2.0, kMostMovingError);
     else if (measured.frame_ms < kQuickFrameMs)
-        moving_level_ = std::min(wanted, moving_level_ + 1);
+        moving_error_ = moving_error_ > 2 ? 0.5 * moving_error_ : 0;
 }
 
 double Session::ms_per_ray(Renderer renderer) const {
@@ -146,6 +138,11 @@ PictureKey Session::key(Renderer renderer) const {
         key.voxels = scene.voxels;
     else
         key.model = level->model;
+    if (renderer == Renderer::gl || renderer == Renderer::splat) {
+        key.hierarchy = level->hierarchy;
+        key.pixel_error = double{settings.pixel_error};
+        if (moving_) key.pixel_error = std::max(key.pixel_error, moving_error_);
+    }
     key.camera = camera;
     double scale = settings.scale;
     // What takes the CPU long is drawn with a sixteenth of the rays while the camera moves.
@@ -167,7 +164,7 @@ void Session::update(PixelSize shown) {
         if (settings.renderer == Renderer::voxels) settings.renderer = Renderer::gl;
         if (settings.other == Renderer::voxels) settings.other = Renderer::splat;
     }
-    choose_moving_level();
+    choose_moving_error();
     const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
     left_.update(key(settings.renderer), subframes, splat_, models_);
     if (needs_right()) right_.update(key(settings.other), subframes, splat_, models_);

@@ -20,8 +20,9 @@ struct Settings {
     float split = 0.5f;
     float difference_limit = 0.02f;  ///< of V
     int level = -1;                  ///< of the scene; -1: the finest there is
-    bool coarse_moving = true;
-    double scale = 1;  ///< pixels rendered per pixel shown
+    bool coarse_moving = true;       ///< larger parts while the camera moves and frames are slow
+    float pixel_error = 1;           ///< parts smaller than this are drawn as one; 0: never
+    double scale = 1;                ///< pixels rendered per pixel shown
     int subframes = 64;
     bool follow_exposure = false;  ///< auto exposure whenever the picture is complete
     bool panels = true, overlay = true, help = false, color_bar = true;
@@ -92,8 +93,8 @@ class Session {
 
     const Picture& left() const { return left_; }
     const Picture& right() const { return right_; }
-    /// The level that is drawn now, coarser while moving; null: none yet.
-    const Level* shown_level() const;
+    /// The level that is drawn now; null: none yet.
+    const Level* shown_level() const { return level_at(settings.level); }
     /// Of the scene; -1: the finest; null where there is none.
     const Level* level_at(int level) const;
     bool moving() const { return moving_; }
@@ -111,7 +112,7 @@ class Session {
     };
     void open_json(const std::string& file);
     void take_scene();
-    void choose_moving_level();
+    void choose_moving_error();
     double ms_per_ray(Renderer renderer) const;
     PictureKey key(Renderer renderer) const;
     bool needs_right() const;
@@ -132,7 +133,8 @@ class Session {
     /// Exposure is still that of the first view, which finer levels may refine.
     bool exposure_open_ = true;
     bool moving_ = false, opening_ = false;
-    int moving_level_ = -1, inspected_revision_ = -1;
+    int inspected_revision_ = -1;
+    double moving_error_ = 0;  ///< pixels; what keeps up with the hand
     double last_change_s_ = 0;
     std::optional<Turntable> turntable_;
 };
