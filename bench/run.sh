@@ -34,6 +34,7 @@ if [[ ${#quick[@]} -gt 0 ]]; then
     bench moments --benchmark_filter='block8$|budget3148'
     bench io --benchmark_filter='ply'
     bench points --benchmark_filter='/100/'
+    bench lod --benchmark_filter='size:128/pixels:256/'
 else
     bench splat
     bench reference --benchmark_filter='render/constant|build'
@@ -42,6 +43,7 @@ else
     bench moments
     bench io
     bench points --benchmark_filter='/100/'
+    bench lod --benchmark_filter='size:(128|256|512)/'
 fi
 
 # Other people's renderers, where they are installed.

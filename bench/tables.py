@@ -146,7 +146,9 @@ def main():
                               ("moments", "Moments, without reading the file.", "items_per_second"),
                               ("io", "Files, from the system's cache.", "bytes_per_second"),
                               ("points", "A million particles (`points_bench` alone: also 10 million).",
-                               "items_per_second")):
+                               "items_per_second"),
+                              ("lod", "Ever finer clouds, and cuts through their hierarchy "
+                                      "([scaling.md](scaling.md)).", "items_per_second")):
         tables.append(plain_table(title, Runs(results / f"{name}.json"), rate))
     text = (f"`bench/run.sh` at commit {context['commit']}: {cpu_name()}, {context['num_cpus']} cores; "
             f"{context['date'][:10]}.\n\n" + "\n".join(tables))
