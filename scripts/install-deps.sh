@@ -17,6 +17,8 @@ packages=(
     chromium python3
     # Python package and its tests; the stubs are checked by mypy
     python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
+    # clusters
+    libopenmpi-dev openmpi-bin
     # tests, benches, format check
     libgtest-dev libbenchmark-dev clang-format
 )

@@ -60,6 +60,18 @@ std::vector<std::uint32_t> nodes_of(std::span<const PartNode> nodes, const Volum
     return run;
 }
 
+Volume nodes_where(const Volume& volume, const NodeChoice& wanted) {
+    Volume some;
+    some.world_from_index = volume.world_from_index;
+    some.name = volume.name;
+    some.source = volume.source;
+    for (const Leaf& leaf : volume.leaves)
+        if (wanted(leaf.origin, kLeafEdge)) some.leaves.push_back(leaf);
+    for (const Tile& tile : volume.tiles)
+        if (wanted(tile.origin, tile.edge)) some.tiles.push_back(tile);
+    return some;
+}
+
 Volume part_of(const Volume& volume, const VolumePart& part) {
     std::vector<PartNode> nodes;
     for (const Leaf& leaf : volume.leaves)

@@ -164,6 +164,45 @@ TEST(ply, a_hierarchy_spoiled_anywhere_ends_in_one_line_or_is_one) {
         }
 }
 
+TEST(ply, parts_together_are_the_whole) {
+    const TempDir dir;
+    Gaussians model;
+    for (int n = 0; n < 7; ++n) {
+        const auto x = static_cast<float>(n);
+        model.mean.push_back({x, 2 * x, 3 * x});
+        model.scale.push_back({1 + x, 1, 2});
+        model.density.push_back(x);
+    }
+    model = labelled(model);
+    write_ply(dir / "m.ply", model);
+    for (const int count : {1, 2, 3, 7, 9}) {
+        Gaussians all;
+        for (int index = 0; index < count; ++index) {
+            const Gaussians part = read_ply(dir / "m.ply", {index, count});
+            EXPECT_EQ(part.box, model.box);
+            append(all, part);
+        }
+        EXPECT_EQ(all.mean, model.mean) << count;
+        EXPECT_EQ(all.density, model.density) << count;
+    }
+    EXPECT_THROW((void)read_ply(dir / "m.ply", {2, 2}), Error);
+}
+
+TEST(ply, an_index_names_the_files_beside_it) {
+    const TempDir dir;
+    const std::vector<std::string> names = {"a.0.ply", "b/c.ply"};
+    write_model_index(dir / "m.json", names);
+    const auto files = read_model_index(dir / "m.json");
+    ASSERT_EQ(files.size(), 2u);
+    EXPECT_EQ(files[0], dir / "a.0.ply");
+    EXPECT_EQ(files[1], dir / "b/c.ply");
+    for (const char* wrong : {"", "{}", "[]", "{\"vog_models\": []}", "{\"vog_models\": [1]}"}) {
+        write_bytes(dir / "wrong.json", wrong);
+        EXPECT_THROW((void)read_model_index(dir / "wrong.json"), Error) << wrong;
+    }
+    EXPECT_THROW((void)read_model_index(dir / "none.json"), Error);
+}
+
 TEST(ply, header_says_every_convention) {
     const TempDir dir;
     write_ply(dir / "m.ply", labelled(random_gaussians(3, 0.1, 1, 3)));

@@ -1,6 +1,4 @@
 // convert.cpp: vog convert: load -> convert -> save.
-#include "vog/convert.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,11 +9,9 @@
 #include <optional>
 
 #include "commands.h"
-#include "inputs.h"
+#include "conversion.h"
 #include "sequence.h"
-#include "terminal.h"
 #include "vog/error.h"
-#include "vog/hierarchy.h"
 #include "vog/memory.h"
 #include "vog/moments.h"
 #include "vog/ply.h"
@@ -27,20 +23,6 @@ namespace {
 
 constexpr const char* kMomentGroup = "Conversion by moments (--method moments)";
 constexpr const char* kPaperGroup = "The paper's conversion (--method paper)";
-
-struct ConvertArguments {
-    std::vector<std::string> inputs;
-    std::string output, method = "moments";
-    VolumeInputOptions volume;
-    PointInputOptions points;
-    int lod = 0;
-    std::string strategy, amplitude = "mean";
-    PaperOptions paper;
-    MomentOptions moments;
-    int threads = 0;
-    bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
-    std::string memory, scratch;
-};
 
 PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command) {
     PaperOptions options = arguments.paper;
@@ -99,36 +81,9 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
         throw CLI::ValidationError("--lod does not go with the paper's particles");
 }
 
-/// What is told of several volumes' conversion by moments.
-struct MomentTotals {
-    double cells_mass = 0, dropped_mass = 0, worst_error = -1;
-    std::size_t dropped_cells = 0;
-    std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
-
-    void add(const MomentReport& one, double volume_mass) {
-        cells_mass += one.mass_ratio * volume_mass;
-        dropped_mass += one.dropped_mass_share * volume_mass;
-        dropped_cells += one.dropped_cells;
-        worst_error = std::max(worst_error, one.measured_error);
-        for (const auto& [name, ms] : one.stage_ms) {
-            const auto known = std::find_if(stage_ms.begin(), stage_ms.end(),
-                                            [&](const auto& stage) { return stage.first == name; });
-            if (known == stage_ms.end())
-                stage_ms.emplace_back(name, ms);
-            else
-                known->second += ms;
-        }
-    }
-    /// Of all of them as of one.
-    MomentReport report(double data_mass) const {
-        return {data_mass > 0 ? cells_mass / data_mass : 1,
-                data_mass > 0 ? dropped_mass / data_mass : 0, dropped_cells, worst_error, stage_ms};
-    }
-};
-
-double share_of_voxels(const Gaussians& model) {
-    return model.source_voxels
-               ? static_cast<double>(model.size()) / static_cast<double>(model.source_voxels)
+double share_of_voxels(const Converted& made) {
+    return made.source_voxels
+               ? static_cast<double>(made.gaussians) / static_cast<double>(made.source_voxels)
                : 0;
 }
 
@@ -148,44 +103,6 @@ Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
     return stages.run("hierarchy", [&] { return build_hierarchy(model, {index_from_world}); });
 }
 
-/// Prints what was made, unless JSON is asked for: which it returns.
-nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
-                              const Gaussians& model, const Hierarchy& hierarchy,
-                              double volume_mass, const MomentTotals& moments,
-                              const Stages& stages) {
-    const double mass_ratio = volume_mass > 0 ? mass(model) / volume_mass : 1;
-    const bool by_moments = arguments.method == "moments";
-    const double share = share_of_voxels(model);
-    if (!arguments.json) {
-        fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
-                   grouped(model.size()), 100 * share, grouped(model.source_voxels),
-                   kind == FileKind::points ? "particles" : "active voxels",
-                   bytes_text(ply_bytes(model, hierarchy)), mass_ratio);
-        if (by_moments) fmt::print("{}\n{}\n", model.reached, times_text(moments.stage_ms));
-        return {};
-    }
-    nlohmann::ordered_json json = {
-        {"output", arguments.output},
-        {"method", model.method},
-        {"options", model.options},
-        {"gaussians", model.size()},
-        {kind == FileKind::points ? "particles" : "active_voxels", model.source_voxels},
-        {"share", share},
-        {"nodes", hierarchy.size()},
-        {"bytes", ply_bytes(model, hierarchy)},
-        {"mass_ratio", mass_ratio}};
-    if (by_moments) {
-        json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
-        json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
-        json["dropped_cells"] = moments.dropped_cells;
-        if (moments.worst_error >= 0) json["measured_error"] = moments.worst_error;
-        for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
-    }
-    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
-    json["peak_memory"] = peak_memory();
-    return json;
-}
-
 /// Levels without what finer ones hide.
 Composite compose(const Levels& levels) {
     Composite data = composite(levels);
@@ -203,8 +120,8 @@ void note_missed(const std::string& input, double reached, double asked) {
                     input, reached, asked, 1.25 * reached));
 }
 
-nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
-                                         const CLI::App& command) {
+nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, const CLI::App& command,
+                                         const ConvertTogether& others) {
     const MomentOptions& cut = arguments.moments;
     PointOptions options = point_options(arguments.points);
     options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
@@ -213,15 +130,17 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
     if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;
+    options.together = others.together;
     const bool paper = arguments.method == "paper";
     if (paper && arguments.points.value.empty()) options.value = "speed";
-    Stages stages(arguments.verbose);
+    Stages stages(arguments.verbose && others.writes);
     options.progress = stages.progress();
 
     const Points points = stages.run("load", [&] {
         return load_points(arguments.inputs, arguments.points, arguments.volume.grid);
     });
     if (!arguments.output.ends_with(".ply")) {
+        if (!others.writes) return {};
         stages.run("save", [&] { write_points(arguments.output, points); });
         if (!arguments.json)
             fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
@@ -233,6 +152,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
                                             arguments.paper.kappa)
                      : convert_points(points, options, &one);
     });
+    if (!others.writes) return {};
     double sum = 0;
     for (const float value : point_values(points, options.value)) sum += value;
     MomentTotals totals;
@@ -243,11 +163,12 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments,
     if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
-    return report(arguments, FileKind::points, model, hierarchy, sum, totals, stages);
+    return report(arguments, FileKind::points, converted(model, hierarchy), sum, totals, stages);
 }
 
 /// One model of all inputs.
-nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command) {
+nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
+                                   const ConvertTogether& others) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind == FileKind::points)
         check_output(arguments.output, arguments.inputs, {".ply", ".vdb", ".xyz", ".csv", ".tsv"});
@@ -257,12 +178,13 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format("{}: is a model already, expected volumes or particles",
                                 arguments.inputs.front()));
     check_options(arguments, command, kind);
-    if (kind == FileKind::points) return convert_particles(arguments, command);
+    if (kind == FileKind::points) return convert_particles(arguments, command, others);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
-    Stages stages(arguments.verbose);
+    Stages stages(arguments.verbose && others.writes);
     moments.progress = paper.progress = stages.progress();
+    if (others.volumes) return others.volumes(arguments, {by_moments, moments, paper}, stages);
 
     Levels levels =
         stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
@@ -295,7 +217,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
-    return report(arguments, kind, model, hierarchy, volume_mass, totals, stages);
+    return report(arguments, kind, converted(model, hierarchy), volume_mass, totals, stages);
 }
 
 /// About what converting a file takes: its voxels twice, and as much again for its octree.
@@ -309,13 +231,41 @@ std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string
     return kLeaves * sizeof(Leaf) * VdbReader(input, options).leaf_count();
 }
 
+/// Leaves frames to others.
+void keep_mine(std::vector<Frame>& frames, const ConvertTogether& others) {
+    if (!others.mine) return;
+    std::vector<std::string> inputs;
+    for (const Frame& frame : frames) inputs.push_back(frame.input);
+    const std::vector<bool> mine = others.mine(inputs);
+    std::size_t n = 0;
+    std::erase_if(frames, [&](const Frame&) { return !mine[n++]; });
+}
+
+/// Reports of sequences, each of its own frames, as one.
+nlohmann::ordered_json joined(nlohmann::ordered_json mine, const ConvertTogether& others) {
+    if (!others.gather) return mine;
+    nlohmann::ordered_json all;
+    for (const std::string& text : others.gather(mine.dump())) {
+        const auto one = nlohmann::ordered_json::parse(text);
+        if (all.is_null()) {
+            all = one;
+            continue;
+        }
+        all["there_already"] =
+            all["there_already"].get<std::size_t>() + one["there_already"].get<std::size_t>();
+        for (const auto& model : one["models"]) all["models"].push_back(model);
+    }
+    return all;
+}
+
 /// A model of each input; those that are there already, newer than their input, stay.
-nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments,
-                                        const CLI::App& command) {
+nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const CLI::App& command,
+                                        const ConvertTogether& others) {
     if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
         throw CLI::ValidationError(
             "--grid with a pattern makes levels of one mesh: give the files one by one");
     std::vector<Frame> frames = frames_of(arguments.inputs, arguments.output, ".ply");
+    keep_mine(frames, others);
     const std::size_t all = frames.size();
     if (!arguments.again) std::erase_if(frames, is_fresh);
     if (frames.size() < all)
@@ -330,7 +280,7 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments,
             ConvertArguments one = arguments;
             one.inputs = {frame.input};
             one.output = frame.output;
-            nlohmann::ordered_json report = convert_one(one, command);
+            nlohmann::ordered_json report = convert_one(one, command, {});
             const std::lock_guard lock(mutex);
             reports[frame.output] = std::move(report);
         });
@@ -338,10 +288,11 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments,
                                    {"there_already", all - frames.size()},
                                    {"models", nlohmann::ordered_json::array()}};
     for (const Frame& frame : frames) json["models"].push_back(reports[frame.output]);
-    return json;
+    return joined(std::move(json), others);
 }
 
-void convert(const ConvertArguments& given, const CLI::App& command) {
+void convert(const ConvertArguments& given, const CLI::App& command,
+             const ConvertTogether& others) {
     ConvertArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
     std::optional<MemoryLimit> memory;
@@ -351,9 +302,9 @@ void convert(const ConvertArguments& given, const CLI::App& command) {
         throw CLI::ValidationError("--scratch goes with --memory");
     const ThreadLimit threads(arguments.threads);
     const nlohmann::ordered_json json = is_sequence(arguments.output)
-                                            ? convert_sequence(arguments, command)
-                                            : convert_one(arguments, command);
-    if (arguments.json) fmt::print("{}\n", json.dump(2));
+                                            ? convert_sequence(arguments, command, others)
+                                            : convert_one(arguments, command, others);
+    if (arguments.json && others.writes) fmt::print("{}\n", json.dump(2));
     if (memory && peak_memory() > parse_memory(arguments.memory))
         note(
             fmt::format("peak memory {}, above --memory {}: what was more than that is no voxels "
@@ -464,8 +415,57 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
 
 }  // namespace
 
-void add_convert(CLI::App& app) {
-    auto arguments = std::make_shared<ConvertArguments>();
+Converted converted(const Gaussians& model, const Hierarchy& hierarchy) {
+    return {model.method,
+            model.options,
+            model.reached,
+            model.size(),
+            model.source_voxels,
+            hierarchy.size(),
+            ply_bytes(model, hierarchy),
+            mass(model)};
+}
+
+nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
+                              const Converted& made, double volume_mass,
+                              const MomentTotals& moments, const Stages& stages) {
+    const double mass_ratio = volume_mass > 0 ? made.mass / volume_mass : 1;
+    const bool by_moments = arguments.method == "moments";
+    const double share = share_of_voxels(made);
+    if (!arguments.json) {
+        fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
+                   grouped(made.gaussians), 100 * share, grouped(made.source_voxels),
+                   kind == FileKind::points ? "particles" : "active voxels", bytes_text(made.bytes),
+                   mass_ratio);
+        if (by_moments) fmt::print("{}\n{}\n", made.reached, times_text(moments.stage_ms));
+        return {};
+    }
+    nlohmann::ordered_json json = {
+        {"output", arguments.output},
+        {"method", made.method},
+        {"options", made.options},
+        {"gaussians", made.gaussians},
+        {kind == FileKind::points ? "particles" : "active_voxels", made.source_voxels},
+        {"share", share},
+        {"nodes", made.nodes},
+        {"bytes", made.bytes},
+        {"mass_ratio", mass_ratio}};
+    if (by_moments) {
+        json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
+        json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
+        json["dropped_cells"] = moments.dropped_cells;
+        if (moments.worst_error >= 0) json["measured_error"] = moments.worst_error;
+        for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
+    }
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    json["peak_memory"] = peak_memory();
+    return json;
+}
+
+void add_convert(CLI::App& app) { add_convert(app, std::make_shared<ConvertArguments>(), {}); }
+
+CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& arguments,
+                      const ConvertTogether& others) {
     CLI::App* command =
         app.add_subcommand("convert", "Turn volumes or particles into a model of 3D Gaussians");
     command
@@ -515,7 +515,8 @@ void add_convert(CLI::App& app) {
         ->capture_default_str();
     command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
     command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
-    command->callback([arguments, command] { convert(*arguments, *command); });
+    command->callback([arguments, command, others] { convert(*arguments, *command, others); });
+    return command;
 }
 
 }  // namespace vog::cli

@@ -90,24 +90,6 @@ void draw_by_optix(const Levels& levels, bool is_mesh, Drawing& drawing) {
     };
 }
 
-void load_volumes(const DrawingArguments& arguments, Drawing& drawing) {
-    if (drawing.renderer != "reference" && drawing.renderer != "optix")
-        throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
-                                arguments.inputs.front(), arguments.inputs.front()));
-    const Levels levels = load_levels(arguments.inputs, arguments.volume);
-    for (const Volume& volume : levels.volumes) {
-        drawing.box.include(world_box(volume));
-        drawing.active_voxels += active_voxels(volume);
-    }
-    const bool is_mesh = are_levels(levels, arguments.volume);
-    drawing.primitives_text = grouped(drawing.active_voxels) + " voxels";
-    if (is_mesh) drawing.primitives_text += fmt::format(" in {} levels", levels.volumes.size());
-    if (drawing.renderer == "reference")
-        draw_by_reference(arguments, levels, is_mesh, drawing);
-    else
-        draw_by_optix(levels, is_mesh, drawing);
-}
-
 // ---- models and particles
 
 /// Kernels cut elsewhere than where they were made: supports reach further, or less far.
@@ -166,30 +148,6 @@ void draw_by_cuda(const DrawingArguments& arguments, const Gaussians& model, Dra
     drawing.draw = [splat](const Camera& camera, Size size, const Progress&, DepthImage& depth) {
         depth = splat->render(camera, size.width, size.height);
     };
-}
-
-void load_gaussians(const DrawingArguments& arguments, FileKind kind,
-                    std::optional<double> extinction, Drawing& drawing) {
-    if (drawing.renderer == "reference")
-        throw Error(fmt::format("{}: holds {}; the reference renders volumes",
-                                arguments.inputs.front(),
-                                kind == FileKind::model ? "a model" : "particles"));
-    // Particles need no file between: one Gaussian each.
-    auto hierarchy = std::make_shared<Hierarchy>();
-    auto model = std::make_shared<Gaussians>(
-        kind == FileKind::points
-            ? convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
-                             point_options(arguments.points))
-            : load_models(arguments.inputs,
-                          drawing.renderer == "splat" ? hierarchy.get() : nullptr));
-    drawing.box = view_box(*model);
-    drawing.gaussians = model->size();
-    drawing.primitives_text = grouped(model->size()) + " Gaussians";
-    const TraceOptions options = trace_options(arguments, extinction);
-    if (drawing.renderer == "splat") draw_by_splat(arguments, model, hierarchy, drawing);
-    if (drawing.renderer == "trace") draw_by_trace(arguments, options, *model, drawing);
-    if (drawing.renderer == "optix") draw_by_optix(arguments, options, *model, drawing);
-    if (drawing.renderer == "cuda") draw_by_cuda(arguments, *model, drawing);
 }
 
 void add_trace_options(CLI::App& command, DrawingArguments& arguments) {
@@ -262,19 +220,77 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
     add_point_options(command, arguments.points);
 }
 
+void set_primitives_text(Drawing& drawing, std::size_t levels) {
+    if (drawing.kind != FileKind::volume) {
+        drawing.primitives_text = grouped(drawing.gaussians) + " Gaussians";
+        return;
+    }
+    drawing.primitives_text = grouped(drawing.active_voxels) + " voxels";
+    if (levels) drawing.primitives_text += fmt::format(" in {} levels", levels);
+}
+
+void draw_volumes(const DrawingArguments& arguments, const Levels& levels, bool is_mesh,
+                  Drawing& drawing) {
+    for (const Volume& volume : levels.volumes) {
+        if (!volume.empty()) drawing.box.include(world_box(volume));
+        drawing.active_voxels += active_voxels(volume);
+    }
+    set_primitives_text(drawing, is_mesh ? levels.volumes.size() : 0);
+    if (drawing.renderer == "reference")
+        draw_by_reference(arguments, levels, is_mesh, drawing);
+    else
+        draw_by_optix(levels, is_mesh, drawing);
+}
+
+void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
+                std::shared_ptr<Gaussians> model, std::shared_ptr<Hierarchy> hierarchy,
+                Drawing& drawing) {
+    drawing.box = view_box(*model);
+    drawing.gaussians = model->size();
+    set_primitives_text(drawing, 0);
+    const TraceOptions options = trace_options(arguments, extinction);
+    if (drawing.renderer == "splat") draw_by_splat(arguments, model, hierarchy, drawing);
+    if (drawing.renderer == "trace") draw_by_trace(arguments, options, *model, drawing);
+    if (drawing.renderer == "optix") draw_by_optix(arguments, options, *model, drawing);
+    if (drawing.renderer == "cuda") draw_by_cuda(arguments, *model, drawing);
+}
+
+Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command) {
+    Drawing drawing;
+    drawing.kind = common_kind(arguments.inputs, arguments.volume.grid);
+    const std::string& input = arguments.inputs.front();
+    if (drawing.kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
+    drawing.renderer = !arguments.renderer.empty()        ? arguments.renderer
+                       : drawing.kind == FileKind::volume ? "reference"
+                                                          : "splat";
+    check_renderer_options(drawing.renderer, drawing.kind, command);
+    const bool voxels = drawing.renderer == "reference" || drawing.renderer == "optix";
+    if (drawing.kind == FileKind::volume && !voxels)
+        throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
+                                input, input));
+    if (drawing.kind != FileKind::volume && drawing.renderer == "reference")
+        throw Error(fmt::format("{}: holds {}; the reference renders volumes", input,
+                                drawing.kind == FileKind::model ? "a model" : "particles"));
+    return drawing;
+}
+
 Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> extinction,
                      const CLI::App& command) {
-    const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
-    if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
-    Drawing drawing;
-    drawing.renderer = !arguments.renderer.empty() ? arguments.renderer
-                       : kind == FileKind::volume  ? "reference"
-                                                   : "splat";
-    check_renderer_options(drawing.renderer, kind, command);
-    if (kind == FileKind::volume)
-        load_volumes(arguments, drawing);
-    else
-        load_gaussians(arguments, kind, extinction, drawing);
+    Drawing drawing = begin_drawing(arguments, command);
+    if (drawing.kind == FileKind::volume) {
+        const Levels levels = load_levels(arguments.inputs, arguments.volume);
+        draw_volumes(arguments, levels, are_levels(levels, arguments.volume), drawing);
+        return drawing;
+    }
+    // Particles need no file between: one Gaussian each.
+    auto hierarchy = std::make_shared<Hierarchy>();
+    auto model = std::make_shared<Gaussians>(
+        drawing.kind == FileKind::points
+            ? convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
+                             point_options(arguments.points))
+            : load_models(arguments.inputs,
+                          drawing.renderer == "splat" ? hierarchy.get() : nullptr));
+    draw_model(arguments, extinction, std::move(model), std::move(hierarchy), drawing);
     return drawing;
 }
 

@@ -34,6 +34,7 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments);
 
 /// What is drawn: models by splatting or rays, volumes by the reference, either on a GPU.
 struct Drawing {
+    FileKind kind = FileKind::model;
     std::string renderer;
     std::string primitives_text;  ///< "20,000 Gaussians"
     std::uint64_t gaussians = 0, active_voxels = 0;
@@ -49,5 +50,20 @@ struct Drawing {
 ///             `command` that are another renderer's
 Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> extinction,
                      const CLI::App& command);
+
+// The steps of load_drawing, for those who read the inputs in another way.
+
+/// Kind and renderer of the inputs. throws as load_drawing does for options that do not go with
+/// them
+Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command);
+/// Gives volumes to the renderer; box and counts are theirs.
+void draw_volumes(const DrawingArguments& arguments, const Levels& levels, bool is_mesh,
+                  Drawing& drawing);
+/// Gives a model to the renderer, with its hierarchy or an empty one; box and counts are its.
+void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
+                std::shared_ptr<Gaussians> model, std::shared_ptr<Hierarchy> hierarchy,
+                Drawing& drawing);
+/// "20,000 Gaussians", "1,000 voxels in 3 levels"
+void set_primitives_text(Drawing& drawing, std::size_t levels);
 
 }  // namespace vog::cli

@@ -1,28 +1,17 @@
 // evaluate.cpp: vog evaluate: load -> every conversion, every view -> tables, plots and pictures.
-#include "vog/evaluate.h"
-
 #include <fmt/core.h>
 
 #include <fstream>
 #include <sstream>
 
 #include "commands.h"
-#include "inputs.h"
+#include "evaluation.h"
 #include "terminal.h"
 #include "vog/error.h"
 
 namespace vog::cli {
 
 namespace {
-
-struct EvaluateArguments {
-    std::vector<std::string> inputs;
-    std::string folder, size = "512x512", extinction = "auto";
-    VolumeInputOptions volume;
-    EvaluateOptions options;
-    int threads = 0;
-    bool json = false, verbose = false;
-};
 
 /// The paper view's figures, one line a row.
 void print(const Evaluation& evaluation) {
@@ -37,7 +26,24 @@ void print(const Evaluation& evaluation) {
     }
 }
 
-void evaluate_files(EvaluateArguments& arguments) {
+Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateTogether& others,
+                     Stages& stages) {
+    if (others.load) {
+        const std::vector<Volume> volumes =
+            stages.run("load", [&] { return others.load(arguments); });
+        return stages.run("evaluate",
+                          [&] { return evaluate(volumes, arguments.folder, arguments.options); });
+    }
+    const Levels levels =
+        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
+    return stages.run("evaluate", [&] {
+        return are_levels(levels, arguments.volume)
+                   ? evaluate(levels, arguments.folder, arguments.options)
+                   : evaluate(levels.volumes, arguments.folder, arguments.options);
+    });
+}
+
+void evaluate_files(EvaluateArguments& arguments, const EvaluateTogether& others) {
     if (const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
         kind != FileKind::volume)
         throw Error(fmt::format("{}: holds {}, expected volumes: they are the reference",
@@ -49,16 +55,12 @@ void evaluate_files(EvaluateArguments& arguments) {
     if (arguments.extinction != "auto")
         arguments.options.extinction = parse_extinction(arguments.extinction);
     const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose);
+    Stages stages(arguments.verbose && others.together.first());
     arguments.options.progress = stages.progress();
 
-    const Levels levels =
-        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
-    const Evaluation evaluation = stages.run("evaluate", [&] {
-        return are_levels(levels, arguments.volume)
-                   ? evaluate(levels, arguments.folder, arguments.options)
-                   : evaluate(levels.volumes, arguments.folder, arguments.options);
-    });
+    arguments.options.together = others.together;
+    const Evaluation evaluation = evaluated(arguments, others, stages);
+    if (!others.together.first()) return;
 
     const std::filesystem::path folder = arguments.folder;
     if (arguments.json) {
@@ -73,8 +75,10 @@ void evaluate_files(EvaluateArguments& arguments) {
 
 }  // namespace
 
-void add_evaluate(CLI::App& app) {
-    auto arguments = std::make_shared<EvaluateArguments>();
+void add_evaluate(CLI::App& app) { add_evaluate(app, std::make_shared<EvaluateArguments>(), {}); }
+
+void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,
+                  const EvaluateTogether& others) {
     CLI::App* command = app.add_subcommand(
         "evaluate", "Make the paper's tables and plots for volumes, against the voxels themselves");
     command->add_option("inputs", arguments->inputs, "Volumes; several make one picture")
@@ -107,7 +111,7 @@ void add_evaluate(CLI::App& app) {
         ->capture_default_str();
     command->add_flag("--json", arguments->json, "Print results.json and nothing else");
     command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
-    command->callback([arguments] { evaluate_files(*arguments); });
+    command->callback([arguments, others] { evaluate_files(*arguments, others); });
 }
 
 }  // namespace vog::cli

@@ -51,12 +51,12 @@ FileKind kind_of(const fs::path& file, const std::string& grid) {
     if (extension == ".vdb" && fs::is_regular_file(file) && vdb_holds_points(file, grid))
         return FileKind::points;
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
-    if (extension == ".ply") return FileKind::model;
+    if (extension == ".ply" || extension == ".json") return FileKind::model;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
         if (extension == text) return FileKind::points;
     throw Error(
         fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
-                    ".tsv, .txt or .dat (particles) or .ply (model)",
+                    ".tsv, .txt or .dat (particles), .ply or .json (model, index of models)",
                     file.string(), extension));
 }
 
@@ -84,7 +84,7 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
                      "Take the inside of a level set as fog");
 }
 
-Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options) {
+LevelOptions level_options(const VolumeInputOptions& options) {
     const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
     if (!options.mask.empty() && options.no_mask)
         throw CLI::ValidationError("--mask and --no-mask exclude each other");
@@ -92,10 +92,13 @@ Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptio
         throw CLI::ValidationError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or no pattern",
                         options.grid, options.mask));
+    return {options.grid, options.mask, options.level_set_to_fog};
+}
+
+Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options) {
     const std::vector<fs::path> paths(files.begin(), files.end());
     std::vector<std::string> notes;
-    Levels levels =
-        read_levels(paths, {options.grid, options.mask, options.level_set_to_fog}, &notes);
+    Levels levels = read_levels(paths, level_options(options), &notes);
     for (const std::string& text : notes) note(text);
     return levels;
 }
@@ -157,10 +160,22 @@ void refuse_group(const CLI::App& command, const std::string& group, const std::
                 fmt::format("{} does not go with {}", option->get_name(), with));
 }
 
+std::vector<std::string> model_files(const std::vector<std::string>& files) {
+    std::vector<std::string> all;
+    for (const std::string& file : files) {
+        if (extension_of(file) != ".json") {
+            all.push_back(file);
+            continue;
+        }
+        for (const fs::path& named : read_model_index(file)) all.push_back(named.string());
+    }
+    return all;
+}
+
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy) {
     Gaussians model;
     Hierarchy one;
-    for (const std::string& file : files) {
+    for (const std::string& file : model_files(files)) {
         const std::size_t before = model.size();
         append(model, read_ply(file, hierarchy ? &one : nullptr));
         if (hierarchy) append(*hierarchy, one, before);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vog/convert_points.h"
+#include "vog/files.h"
 #include "vog/gaussians.h"
 #include "vog/hierarchy.h"
 #include "vog/image.h"
@@ -31,6 +32,8 @@ struct VolumeInputOptions {
 };
 /// Adds --grid, --mask, --no-mask and --level-set-to-fog.
 void add_volume_options(CLI::App& command, VolumeInputOptions& options);
+/// throws CLI::ValidationError for options that clash
+LevelOptions level_options(const VolumeInputOptions& options);
 /// Reads volumes: of each file one, or all whose names match --grid; says on standard error what
 /// reading changed. Masks come with them where --mask is given.
 Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options);
@@ -54,6 +57,8 @@ PointOptions point_options(const PointInputOptions& options);
 /// throws CLI::ValidationError: "--radius does not go with volumes"
 void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
 
+/// Files of models, indices replaced by what they name.
+std::vector<std::string> model_files(const std::vector<std::string>& files);
 /// Reads models and joins them.
 /// hierarchy  becomes that of those which have one; null: not read
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr);

@@ -9,6 +9,7 @@
 #include "vog/moments.h"
 #include "vog/points.h"
 #include "vog/progress.h"
+#include "vog/together.h"
 
 namespace vog {
 
@@ -26,6 +27,8 @@ struct PointOptions {
     double mass_threshold = 0;  ///< the lightest go, up to this share of the mass, [0, 1)
     bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
     bool measure = false;       ///< measure the error of a uniform cut or a budget too
+    Together together{};  ///< with others who have all the particles: adaptive widths are shared
+                          ///< out, all the rest each does for itself
     Progress progress{};
 };
 

@@ -15,6 +15,7 @@
 #include "vog/levels.h"
 #include "vog/progress.h"
 #include "vog/shade.h"
+#include "vog/together.h"
 #include "vog/volume.h"
 
 namespace vog {
@@ -107,6 +108,9 @@ struct EvaluateOptions {
     double extinction = 0;          ///< 0: for each view the auto_extinction of its reference
     std::string tf = "inferno";     ///< of the RGB figures and the pictures: a name or a JSON file
     std::vector<Conversion> conversions = all_conversions();
+    /// With others who have other parts of the volumes: the first of them compares and writes. For
+    /// conversions that go together too; not for levels.
+    Together together{};
     bool resume = false;  ///< keep the rows of folder/results.json, if it is there
     Progress progress{};
 };

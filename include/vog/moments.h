@@ -12,9 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/progress.h"
+#include "vog/together.h"
 #include "vog/volume.h"
 
 namespace vog {
@@ -36,6 +38,9 @@ struct MomentOptions {
                                 ///< same bytes each time; [0, 1e6]
     bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
     bool measure = false;       ///< measure the error of a uniform cut or a budget too
+    Together together{};        ///< with others who have other parts of the volume: a hard uniform
+                                ///< cut, whose parts together are the whole's model where they are
+                                ///< aligned to its cells
     Progress progress{};
 };
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
@@ -62,9 +67,15 @@ struct MomentReport {
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 };
 
+/// The views that measured errors are of, as MomentReport has it; 256^2 pixels.
+std::vector<Camera> error_views(const Box& box);
+inline constexpr int kErrorViewSize_px = 256;
+
 /// What convert_moments and convert_points say in Gaussians::reached: counts, mass, measured error.
 /// of  what the model stands for: "active voxels", "particles"
 std::string reached_text(const Gaussians& model, const MomentReport& report, const std::string& of);
+std::string reached_text(std::uint64_t gaussians, std::uint64_t source_voxels,
+                         const MomentReport& report, const std::string& of);
 
 /// Levels of detail 1 (finest) to 5: uniform cells of 2, 4, 8, 16, 32 voxels.
 /// throws vog::Error outside 1..5

@@ -47,9 +47,12 @@ class VdbReader {
     std::uint64_t active_voxels() const;  ///< of the whole, as stored
     std::size_t leaf_count() const;       ///< of the whole: those with active voxels
     Box world_box() const;                ///< of the whole, as world_box(Volume) has it
+    const Affine& world_from_index() const;
     /// throws vog::Error for values that are not finite, for bytes that are not sound, for a mask
     ///        without a value above 0 (of the whole)
     Volume read(const VolumePart& part = {}, VdbNotes* notes = nullptr);
+    /// Those leaves and tiles alone. throws as read does
+    Volume read_where(const NodeChoice& wanted, VdbNotes* notes = nullptr);
 
   private:
     struct State;

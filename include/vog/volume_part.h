@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,6 +31,12 @@ struct PartNode {
 /// Which of these nodes, in any order, are in the part: their numbers, ascending.
 [[nodiscard]] std::vector<std::uint32_t> nodes_of(std::span<const PartNode> nodes,
                                                   const VolumePart& part);
+
+/// Which leaves and tiles are wanted: by the index of their first voxel and the voxels along an
+/// edge.
+using NodeChoice = std::function<bool(Vec3i origin, std::int32_t edge)>;
+/// Those leaves and tiles of a volume, with its name, source and transform.
+[[nodiscard]] Volume nodes_where(const Volume& volume, const NodeChoice& wanted);
 
 /// A part of a volume, with its name, source and transform. Its box is its own: views of the whole
 /// are taken of the whole's. throws vog::Error as validate() does

@@ -39,15 +39,6 @@ double milliseconds(const Work& work) {
         .count();
 }
 
-/// Runs `work` once without counting it, then `repeats` times.
-template <class Work>
-Timing time_repeated(int repeats, const Work& work) {
-    work();
-    std::vector<double> ms;
-    for (int n = 0; n < repeats; ++n) ms.push_back(milliseconds(work));
-    return timing_of(std::move(ms));
-}
-
 /// Linux tells the processor's name; elsewhere it stays unknown.
 std::string processor_name() {
     std::ifstream in("/proc/cpuinfo");
@@ -56,8 +47,8 @@ std::string processor_name() {
     return "unknown processor";
 }
 
-/// Voxels of the box around the active voxels: what the paper counts against.
-std::uint64_t box_voxels(const Volume& volume) {
+/// Voxels of the box around the active voxels, of all parts: what the paper counts against.
+std::uint64_t box_voxels(const Volume& volume, const Together& together) {
     std::array<std::int64_t, 3> lower, upper;
     lower.fill(std::numeric_limits<std::int64_t>::max());
     upper.fill(std::numeric_limits<std::int64_t>::min());
@@ -73,10 +64,37 @@ std::uint64_t box_voxels(const Volume& volume) {
         for (int n = 0; n < kLeafVoxels; ++n)
             if (leaf.active(n)) include(leaf.origin, n >> 6, n >> 3 & 7, n & 7, 1);
     for (const Tile& tile : volume.tiles) include(tile.origin, 0, 0, 0, tile.edge);
-    std::uint64_t voxels = 1;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-        voxels *= static_cast<std::uint64_t>(upper[axis] - lower[axis]);
-    return voxels;
+    // Indices are exact in doubles, but for those of an empty part, which count for nothing.
+    std::array<double, 6> bounds;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        bounds[axis] = -static_cast<double>(lower[axis]);
+        bounds[axis + 3] = static_cast<double>(upper[axis]);
+    }
+    together.keep_largest(bounds);
+    double voxels = 1;
+    for (std::size_t axis = 0; axis < 3; ++axis) voxels *= bounds[axis + 3] + bounds[axis];
+    return static_cast<std::uint64_t>(std::max(voxels, 0.0));
+}
+
+/// Counts are exact in doubles.
+void add_up(const Together& together, std::uint64_t& count) {
+    auto sum = static_cast<double>(count);
+    together.add_up(sum);
+    count = static_cast<std::uint64_t>(sum);
+}
+
+/// The box around the volumes, of all parts.
+Box box_of(std::span<const Volume> volumes, const Together& together) {
+    Box box;
+    for (const Volume& volume : volumes)
+        if (!volume.empty()) box.include(world_box(volume));
+    std::array<double, 6> bounds;
+    for (int axis = 0; axis < 3; ++axis) {
+        bounds[static_cast<std::size_t>(axis)] = -box.lower[axis];
+        bounds[static_cast<std::size_t>(axis) + 3] = box.upper[axis];
+    }
+    together.keep_largest(bounds);
+    return {{-bounds[0], -bounds[1], -bounds[2]}, {bounds[3], bounds[4], bounds[5]}};
 }
 
 /// What the evaluation is of and how it is made: all but its views and rows.
@@ -86,12 +104,17 @@ Evaluation begin(std::span<const Volume> volumes, const EvaluateOptions& options
         evaluation.title += evaluation.title.empty() ? "" : ", ";
         evaluation.title += fs::path(volume.source).filename().string() + " " + volume.name;
         evaluation.active_voxels += active_voxels(volume);
-        if (!volume.empty()) evaluation.bounding_voxels += box_voxels(volume);
+        evaluation.bounding_voxels += box_voxels(volume, options.together);
         evaluation.leaves += volume.leaves.size();
         for (const Leaf& leaf : volume.leaves) evaluation.dense_leaves += leaf.dense();
         evaluation.tiles += volume.tiles.size();
         evaluation.mass += mass(volume);
     }
+    add_up(options.together, evaluation.active_voxels);
+    add_up(options.together, evaluation.leaves);
+    add_up(options.together, evaluation.dense_leaves);
+    add_up(options.together, evaluation.tiles);
+    options.together.add_up(evaluation.mass);
     evaluation.width = options.width;
     evaluation.height = options.height;
     evaluation.tf = options.tf;
@@ -145,7 +168,7 @@ class Run {
             for (const Volume& part : volumes_) evaluation_.mass += mass(part);
             box_ = mesh_.box;
         } else {
-            for (const Volume& volume : volumes) box_.include(world_box(volume));
+            box_ = box_of(volumes, options.together);
         }
         evaluation_.views = evaluation_views(box_);
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
@@ -154,7 +177,7 @@ class Run {
     Evaluation all() {
         const std::vector<EvaluationRow> kept =
             kept_rows(folder_ / "results.json", evaluation_, options_);
-        fs::create_directories(folder_ / "pictures");
+        if (writes()) fs::create_directories(folder_ / "pictures");
         render_references();
         for (const Conversion& conversion : options_.conversions) {
             const auto same = [&](const EvaluationRow& row) {
@@ -167,14 +190,43 @@ class Run {
                 evaluation_.rows.push_back(*found);
                 advance(evaluation_.views.size());
             }
-            write_results(folder_ / "results.json", evaluation_);
+            if (writes()) write_results(folder_ / "results.json", evaluation_);
         }
+        if (!writes()) return evaluation_;
         write_markdown(folder_ / "results.md", evaluation_);
         write_html(folder_ / "index.html", evaluation_, folder_ / "pictures");
         return evaluation_;
     }
 
   private:
+    bool writes() const { return options_.together.first(); }
+
+    /// Of the slowest part.
+    template <class Work>
+    double shared_ms(const Work& work) const {
+        double ms = milliseconds(work);
+        options_.together.keep_largest(std::span(&ms, 1));
+        return ms;
+    }
+
+    /// Runs `work` once without counting it, then as often as asked.
+    template <class Work>
+    Timing time_repeated(const Work& work) const {
+        work();
+        std::vector<double> ms;
+        for (int n = 0; n < options_.repeats; ++n) ms.push_back(shared_ms(work));
+        return timing_of(std::move(ms));
+    }
+
+    /// T of all parts.
+    void add_up_depth(DepthImage& depth) const {
+        if (!options_.together.sum) return;
+        std::vector<double> sum(depth.depth.begin(), depth.depth.end());
+        options_.together.add_up(sum);
+        std::ranges::transform(sum, depth.depth.begin(),
+                               [](double t) { return static_cast<float>(t); });
+    }
+
     void advance(std::size_t steps) {
         done_ += static_cast<double>(steps);
         if (options_.progress) options_.progress(done_ / steps_);
@@ -189,6 +241,7 @@ class Run {
         std::vector<VoxelGrid> grids;
         for (const Volume& volume : volumes_) grids.push_back(voxel_grid(volume));
         for (const VoxelGrid& grid : grids) evaluation_.reference_bytes += grid.memory_bytes();
+        add_up(options_.together, evaluation_.reference_bytes);
         render_references_of(grids);
     }
 
@@ -196,9 +249,10 @@ class Run {
     void render_references_of(const Grids& grids) {
         for (EvaluationView& view : evaluation_.views) {
             DepthImage depth;
-            view.reference = time_repeated(options_.repeats, [&] {
+            view.reference = time_repeated([&] {
                 depth = render_reference(grids, view.camera, options_.width, options_.height);
             });
+            add_up_depth(depth);
             view.extinction =
                 options_.extinction > 0 ? options_.extinction : auto_extinction(depth);
             const auto covered = std::count_if(depth.depth.begin(), depth.depth.end(),
@@ -207,7 +261,7 @@ class Run {
             set_extinction(depth, view.extinction);
             references_.shaded.push_back(shade(depth, tf_));
             references_.depth.push_back(std::move(depth));
-            if (keeps_picture(view.name))
+            if (writes() && keeps_picture(view.name))
                 write_png(folder_ / "pictures" / picture_name(nullptr, view.name, false),
                           references_.shaded.back());
             advance(1);
@@ -238,8 +292,8 @@ class Run {
         for (const Volume& volume : volumes_) all_voxels += active_voxels(volume);
         Gaussians model;
         for (const Volume& volume : volumes_) {
-            const double share =
-                static_cast<double>(active_voxels(volume)) / static_cast<double>(all_voxels);
+            const double share = static_cast<double>(active_voxels(volume)) /
+                                 static_cast<double>(std::max<std::uint64_t>(all_voxels, 1));
             const auto part_budget = static_cast<std::size_t>(static_cast<double>(budget) * share);
             Gaussians part = conversion.convert(volume, part_budget);
             if (model.size() == 0)
@@ -257,7 +311,7 @@ class Run {
         const std::size_t budget = budget_of(conversion);
         Gaussians model;
         std::vector<double> ms;
-        do ms.push_back(milliseconds([&] { model = converted(conversion, budget); }));
+        do ms.push_back(shared_ms([&] { model = converted(conversion, budget); }));
         while (ms.size() < kMostRuns && ms.back() < kQuickMs);
         timing = timing_of(std::move(ms));
         model.box = box_;
@@ -273,20 +327,34 @@ class Run {
         const Gaussians model = convert(conversion, row.convert);
         row.options = fmt::format("--method {} {}", model.method, model.options);
         row.gaussians = model.size();
-        row.bytes = ply_bytes(model);
-        row.mass_ratio = evaluation_.mass > 0 ? mass(model) / evaluation_.mass : 1;
+        add_up(options_.together, row.gaussians);
+        double rotated = model.axis_aligned() ? 0 : 1;  // of an empty part nothing is known
+        options_.together.keep_largest(std::span(&rotated, 1));
+        Gaussians about;  // the header's, of the whole
+        about.cutoff = model.cutoff, about.box = model.box, about.source = model.source;
+        about.method = model.method, about.options = model.options;
+        about.reached = model.reached, about.source_voxels = model.source_voxels;
+        if (options_.together.sum) about.source_voxels = evaluation_.active_voxels;
+        row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
+                    row.gaussians * (rotated > 0 ? 11 : 7) * sizeof(float);
+        double model_mass = mass(model);
+        options_.together.add_up(model_mass);
+        row.mass_ratio = evaluation_.mass > 0 ? model_mass / evaluation_.mass : 1;
 
         SplatOptions splat;
         splat.aabb_sigma = conversion.aabb_sigma;
         SplatRenderer renderer(model, splat);
         DepthImage depth;
         for (std::size_t n = 0; n < evaluation_.views.size(); ++n) {
-            const Timing timing = time_repeated(options_.repeats, [&] {
+            const Timing timing = time_repeated([&] {
                 renderer.render(evaluation_.views[n].camera, options_.width, options_.height,
                                 depth);
             });
-            row.views.push_back(compare_view(row, n, depth));
-            row.views.back().render = timing;
+            add_up_depth(depth);
+            if (writes()) {
+                row.views.push_back(compare_view(row, n, depth));
+                row.views.back().render = timing;
+            }
             advance(1);
         }
         return row;
@@ -347,7 +415,7 @@ Evaluation evaluate(std::span<const Volume> volumes, const fs::path& folder,
     if (volumes.empty()) throw Error("evaluate: no volume, expected at least one");
     for (const Volume& volume : volumes) {
         validate(volume);
-        if (volume.empty())
+        if (volume.empty() && !options.together.sum)
             throw Error(fmt::format("{}: nothing active, expected a volume", volume.source));
     }
     return Run(volumes, nullptr, folder, options).all();

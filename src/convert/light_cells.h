@@ -1,9 +1,11 @@
 // light_cells.h: which cells are too light to keep.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <vector>
 
 #include "vog/moments.h"
@@ -19,10 +21,21 @@ class LightCells {
         const std::size_t bin = std::bit_cast<std::uint32_t>(mass) >> 16;
         sum_[bin] += static_cast<double>(mass);
         ++count_[bin];
-        total_ += static_cast<double>(mass);
+    }
+    /// With the cells of others. The sum of up to 2^29 floats of one bin is exact in a double, so
+    /// neither the order of cells nor how they are shared out makes a difference.
+    void add_up(const Together& together) {
+        if (!together.sum) return;
+        std::vector<double> all = sum_;
+        all.insert(all.end(), count_.begin(), count_.end());
+        together.add_up(all);
+        std::copy_n(all.begin(), kBins, sum_.begin());
+        std::transform(all.begin() + kBins, all.end(), count_.begin(),
+                       [](double count) { return static_cast<std::size_t>(count); });
     }
     /// The least mass that stays, where `share` of the total may go.
     float least_mass(double share) {
+        total_ = std::accumulate(sum_.begin(), sum_.end(), 0.0);
         std::size_t bin = 0;
         for (; bin < kBins && dropped_mass_ + sum_[bin] <= share * total_; ++bin) {
             dropped_mass_ += sum_[bin];

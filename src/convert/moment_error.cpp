@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "vog/moments.h"
 #include "vog/reference.h"
 #include "vog/render.h"
 
@@ -11,33 +12,33 @@ namespace vog {
 
 namespace {
 
-constexpr int kViews = 8;
-constexpr int kSize_px = 256;
+constexpr int kSize_px = kErrorViewSize_px;
 
 }  // namespace
 
-void ErrorViews::set_cameras(const Box& box) {
+std::vector<Camera> error_views(const Box& box) {
+    constexpr int kViews = 8;
+    std::vector<Camera> cameras;
     // An eighth of a turn apart from the paper's azimuth on, its elevation and 50 degrees by turns,
     // above and below: no two look along the same axis.
     constexpr double kSteep = 0.87;
     for (int view = 0; view < kViews; ++view) {
         const double azimuth = kPaperAzimuthRad + view * std::numbers::pi / 4;
         const double elevation = (view & 1 ? kSteep : kPaperElevationRad) * (view & 2 ? -1.0 : 1.0);
-        cameras_.push_back(
+        cameras.push_back(
             orbit_view(box, azimuth, elevation, kPaperDistanceRadii, kPaperFovDegrees));
     }
+    return cameras;
 }
 
-ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) {
-    set_cameras(box);
+ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) : cameras_(error_views(box)) {
     std::vector<VoxelGrid> grids;
     for (const Volume& part : parts) grids.push_back(voxel_grid(part));
     for (const Camera& camera : cameras_)
         reference_.push_back(render_reference(grids, camera, kSize_px, kSize_px));
 }
 
-ErrorViews::ErrorViews(const Gaussians& finest) {
-    set_cameras(view_box(finest));
+ErrorViews::ErrorViews(const Gaussians& finest) : cameras_(error_views(view_box(finest))) {
     for (const Camera& camera : cameras_)
         reference_.push_back(render_splat(finest, camera, kSize_px, kSize_px));
 }

@@ -23,7 +23,6 @@ class ErrorViews {
     double measure(const Gaussians& model) const;
 
   private:
-    void set_cameras(const Box& box);
     std::vector<Camera> cameras_;
     std::vector<DepthImage> reference_;
 };

@@ -170,7 +170,8 @@ MomentOctree moment_octree(const Volume& volume, int finest_edge) {
     return octree;
 }
 
-MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_from_index) {
+MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_from_index,
+                          double least_top) {
     MomentOctree octree;
     octree.world_from_index = world_from_index;
     double largest = 1;
@@ -182,7 +183,7 @@ MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_fro
         box.include(vec_cast<double>(brick.origin) + Vec3d{reach, reach, reach});
     }
     const Vec3d size = bricks.empty() ? Vec3d{} : box.upper - box.lower;
-    const double top_edge = std::max({size.x, size.y, size.z});
+    const double top_edge = std::max({size.x, size.y, size.z, least_top});
     std::vector<BuildCell> cells;
     int edge_log2 = std::countr_zero(static_cast<unsigned>(kLeafEdge));
     for (;; ++edge_log2) {

@@ -11,16 +11,25 @@ namespace vog {
 
 namespace {
 
-/// The cells of one size of a level of the octree, and the bricks above it. A level may be missing
-/// only where the data are smaller than the block: then the last one stands for it.
+/// The cells of one size of a level of the octree, and the bricks above it, in Morton order.
 std::vector<Moments> octree_cells(const MomentOctree& octree, int edge_log2) {
+    struct Place {
+        Vec3i origin;
+        std::size_t level, cell;
+    };
+    std::vector<Place> places;
+    for (std::size_t level = 0; level < octree.levels.size(); ++level) {
+        const auto& [level_log2, cells] = octree.levels[level];
+        for (std::size_t n = 0; n < cells.size(); ++n)
+            if (level_log2 == edge_log2 || (level_log2 > edge_log2 && cells[n].child_count == 0))
+                places.push_back({cells[n].origin, level, n});
+    }
+    std::ranges::sort(places, morton_less, &Place::origin);
     std::vector<Moments> cells;
-    std::size_t at = 0;
-    while (at + 1 < octree.levels.size() && octree.levels[at].edge_log2 < edge_log2) ++at;
-    for (std::size_t level = at; level < octree.levels.size(); ++level)
-        for (const MomentCell& cell : octree.levels[level].cells)
-            if (level == at || cell.child_count == 0)
-                cells.push_back(cell_moments(cell, octree.levels[level].edge_log2));
+    for (const Place& place : places) {
+        const MomentLevel& level = octree.levels[place.level];
+        cells.push_back(cell_moments(level.cells[place.cell], level.edge_log2));
+    }
     return cells;
 }
 
@@ -30,9 +39,13 @@ std::vector<Moments> uniform_cells(const MomentField& field, int block) {
     double largest = 1;
     for (const Brick& brick : field.bricks)
         if (brick.leaf) largest = std::max(largest, brick.spacing);
-    if (block > kLeafEdge)
-        return octree_cells(brick_octree(field.bricks, field.world_from_index),
-                            std::countr_zero(unsigned(block)) + std::ilogb(largest));
+    if (block > kLeafEdge) {
+        // Also of data that are smaller than the block, as a part of a volume may be.
+        const int edge_log2 = std::countr_zero(unsigned(block)) + std::ilogb(largest);
+        return octree_cells(
+            brick_octree(field.bricks, field.world_from_index, std::ldexp(1.0, edge_log2)),
+            edge_log2);
+    }
     std::vector<std::vector<Moments>> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk);
     vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <chrono>
 #include <cmath>
@@ -34,7 +35,7 @@ struct Conversion {
     bool levels = false;  ///< parts of levels: of several lattices, under one budget
     const MomentOptions& options;
     MomentReport& report;
-    double data_mass = 0;  ///< of all parts, in voxels of the first
+    double data_mass = 0;  ///< of all parts, in unit volumes
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
     void end_stage(const char* name, double fraction) {
@@ -52,9 +53,13 @@ struct Conversion {
     MomentFrame frame(const Affine& world_from_index) const {
         return moment_frame(world_from_index, options.axis_aligned, options.spread);
     }
-    /// Voxels of the first part in one of the field's.
+    /// Unit volumes in a voxel of the field's.
     double voxels_in(const MomentField& field) const {
-        return levels ? field.voxel_volume() / voxel_volume(volume()) : 1;
+        return levels ? field.voxel_volume() / unit_volume() : 1;
+    }
+    /// What masses are in: voxels of the first part, which others may not have.
+    double unit_volume() const {
+        return levels && options.together.sum ? 1 : voxel_volume(volume());
     }
     std::vector<MomentField> fields() const {
         if (levels) return moment_fields(parts);
@@ -79,6 +84,9 @@ void check(const MomentOptions& options) {
         refuse(fmt::format("spread {}, expected in [0.5, 2]", options.spread));
     if (!(options.refine_seconds >= 0 && options.refine_seconds <= 1e6))
         refuse(fmt::format("refine {} seconds, expected in [0, 1e6]", options.refine_seconds));
+    if (options.together.sum &&
+        (!block || options.soft_steps > 0 || options.refine_seconds > 0 || options.measure))
+        refuse("together with others, expected a hard uniform cut that is not measured");
     if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
 }
@@ -109,6 +117,7 @@ Gaussians small_blocks(Conversion& job) {
     LightCells light;
     for (const auto& part : masses)
         for (const float mass : part) light.add(mass);
+    light.add_up(job.options.together);
     const float least = light.least_mass(job.options.mass_threshold);
     light.tell(job.data_mass, job.report);
 
@@ -146,6 +155,7 @@ Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields,
     };
     for (std::size_t f = 0; f < fields.size(); ++f)
         for (const Moments& cell : cells[f]) light.add(mass_of(f, cell));
+    light.add_up(job.options.together);
     const float least = light.least_mass(job.options.mass_threshold);
     light.tell(job.data_mass, job.report);
 
@@ -322,7 +332,8 @@ std::string source_text(std::span<const Volume> parts) {
 
 Gaussians run(Conversion& job) {
     job.report = {};
-    for (const Volume& part : job.parts) job.data_mass += mass(part) / voxel_volume(job.volume());
+    for (const Volume& part : job.parts) job.data_mass += mass(part) / job.unit_volume();
+    job.options.together.add_up(job.data_mass);
     if (!(job.data_mass > 0 && std::isfinite(job.data_mass)))
         throw Error(fmt::format("{}: mass {}, expected a volume with some",
                                 job.volume().source.empty() ? "volume" : job.volume().source,
@@ -342,6 +353,17 @@ Gaussians run(Conversion& job) {
     return model;
 }
 
+/// What the whole reached, of which the model may be a part.
+void tell_reached(Gaussians& model, const Conversion& job) {
+    // Counts are exact in doubles.
+    std::array<double, 2> counts{static_cast<double>(model.size()),
+                                 static_cast<double>(model.source_voxels)};
+    job.options.together.add_up(counts);
+    model.reached =
+        reached_text(static_cast<std::uint64_t>(counts[0]), static_cast<std::uint64_t>(counts[1]),
+                     job.report, "active voxels");
+}
+
 }  // namespace
 
 MomentOptions moment_lod(int lod) {
@@ -359,7 +381,7 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     Conversion job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = active_voxels(volume);
-    model.reached = reached_text(model, job.report, "active voxels");
+    tell_reached(model, job);
     return model;
 }
 
@@ -372,7 +394,7 @@ Gaussians convert_moments(const Composite& data, const MomentOptions& options,
     Conversion job{data.parts, data.box, true, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = data.voxels;
-    model.reached = reached_text(model, job.report, "active voxels");
+    tell_reached(model, job);
     return model;
 }
 

@@ -74,6 +74,16 @@ std::vector<float> masses(const Points& points, const std::string& name) {
     return values;
 }
 
+/// Distances to the k-th neighbour: each finds those of its share, which are looked for longest.
+std::vector<float> shared_distances(const std::vector<Vec3f>& places, int k,
+                                    const Together& together) {
+    if (together.count == 1) return neighbour_distances(places, k);
+    const std::vector<float> mine = neighbour_distances(places, k, together.index, together.count);
+    std::vector<double> all(mine.begin(), mine.end());
+    together.add_up(all);
+    return {all.begin(), all.end()};
+}
+
 /// Half the distance to the k-th neighbour. A Gaussian of this width has about as many neighbours
 /// within its support as a particle of smoothed-particle hydrodynamics.
 std::vector<double> adaptive_radii(const PointConversion& job) {
@@ -83,7 +93,8 @@ std::vector<double> adaptive_radii(const PointConversion& job) {
     vog::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
         places[n] = vec_cast<float>(grid.place(job.points, n));
     });
-    const std::vector<float> distance = neighbour_distances(places, job.options.neighbours);
+    const std::vector<float> distance =
+        shared_distances(places, job.options.neighbours, job.options.together);
     const float largest = *std::ranges::max_element(distance);
     if (!(largest > 0))
         throw Error(fmt::format(

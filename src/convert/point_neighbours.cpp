@@ -182,23 +182,27 @@ class GroupSearch {
 
 }  // namespace
 
-std::vector<float> neighbour_distances(const std::vector<Vec3f>& places, int k) {
+std::vector<float> neighbour_distances(const std::vector<Vec3f>& places, int k, int share,
+                                       int shares) {
     const int others = static_cast<int>(std::min<std::size_t>(places.size() - 1, kMostNeighbours));
     std::vector<float> distances(places.size(), 0.0f);
     k = std::min(k, others);
     if (k < 1) return distances;
     const Tree tree = tree_of(places);
     constexpr std::size_t kGroupsPerTask = 64;
-    vog::parallel_for(tbb::blocked_range<std::size_t>(0, tree.groups.size(), kGroupsPerTask),
-                      [&](const auto& range) {
-                          for (std::size_t group = range.begin(); group < range.end(); ++group) {
-                              const GroupSearch search(tree, group, k);
-                              const std::size_t first = group * kGroup;
-                              for (std::size_t n = first;
-                                   n < std::min(first + kGroup, places.size()); ++n)
-                                  distances[n] = std::sqrt(search.distance2(n - first));
-                          }
-                      });
+    const auto first_of = [&](int n) {
+        return tree.groups.size() * static_cast<std::size_t>(n) / static_cast<std::size_t>(shares);
+    };
+    vog::parallel_for(
+        tbb::blocked_range<std::size_t>(first_of(share), first_of(share + 1), kGroupsPerTask),
+        [&](const auto& range) {
+            for (std::size_t group = range.begin(); group < range.end(); ++group) {
+                const GroupSearch search(tree, group, k);
+                const std::size_t first = group * kGroup;
+                for (std::size_t n = first; n < std::min(first + kGroup, places.size()); ++n)
+                    distances[n] = std::sqrt(search.distance2(n - first));
+            }
+        });
     return distances;
 }
 

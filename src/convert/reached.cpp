@@ -43,11 +43,16 @@ void choose(PointOptions& options, const Cut& cut) {
 
 std::string reached_text(const Gaussians& model, const MomentReport& report,
                          const std::string& of) {
-    std::string text = fmt::format("{} Gaussians", model.size());
-    if (model.source_voxels)
+    return reached_text(model.size(), model.source_voxels, report, of);
+}
+
+std::string reached_text(std::uint64_t gaussians, std::uint64_t source_voxels,
+                         const MomentReport& report, const std::string& of) {
+    std::string text = fmt::format("{} Gaussians", gaussians);
+    if (source_voxels)
         text += fmt::format(
             ", {:.4g} % of the {}",
-            100 * static_cast<double>(model.size()) / static_cast<double>(model.source_voxels), of);
+            100 * static_cast<double>(gaussians) / static_cast<double>(source_voxels), of);
     text += fmt::format(", mass ratio {:.6f}", report.mass_ratio);
     if (report.dropped_cells)
         text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",

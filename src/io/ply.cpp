@@ -238,7 +238,8 @@ std::size_t check_nodes(const std::filesystem::path& file, const Header& header,
     return bytes_per_node(axis_aligned);
 }
 
-std::string header_text(const Gaussians& model, const Hierarchy& hierarchy) {
+std::string header_text(const Gaussians& model, std::uint64_t count, bool rotated,
+                        const Hierarchy& hierarchy) {
     // Comments are lines: a newline inside a name must not start a header line of its own.
     const auto one_line = [](std::string text) {
         std::replace_if(
@@ -266,19 +267,19 @@ std::string header_text(const Gaussians& model, const Hierarchy& hierarchy) {
         text +=
             "comment nodes depth first, each stands for the vertices first ... first + count - 1; "
             "radius: of a ball that holds them, error: half the edge of their cell\n";
-    text += fmt::format("element vertex {}\n", model.size());
+    text += fmt::format("element vertex {}\n", count);
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
         text += fmt::format("property float {}\n", name);
-    if (!model.axis_aligned())
+    if (rotated)
         for (int n = 0; n < 4; ++n) text += fmt::format("property float rot_{}\n", n);
     return text + "property float density\n" + node_header(hierarchy) + "end_header\n";
 }
 
 std::size_t floats_per_gaussian(const Gaussians& model) { return model.axis_aligned() ? 7 : 11; }
 
-}  // namespace
-
-Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
+/// hierarchy  null where only a part is read
+Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
+                     Hierarchy* hierarchy) {
     require_readable(file);
     std::ifstream in(file, std::ios::binary);
     const Header header = read_header(file, in);
@@ -307,7 +308,14 @@ Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
                          : layout == Layout::vog     ? "density"
                          : column.contains("sigmat") ? "sigmat"
                                                      : "sigmat_0";
-    const std::size_t n = header.vertices;
+    const auto first_of = [&](int index) {
+        const auto i = static_cast<std::uint64_t>(index);
+        const auto parts = static_cast<std::uint64_t>(part.count);
+        return header.vertices / parts * i + header.vertices % parts * i / parts;
+    };
+    const std::uint64_t begin = first_of(part.index);
+    const std::size_t n = first_of(part.index + 1) - begin;
+    in.seekg(static_cast<std::streamoff>(header.body_offset + begin * stride * sizeof(float)));
     Gaussians model;
     model.mean.resize(n), model.scale.resize(n), model.density.resize(n);
     if (rotated) model.rotation.resize(n);
@@ -350,33 +358,55 @@ Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
     return model;
 }
 
+}  // namespace
+
+Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
+    return read_model(file, {}, hierarchy);
+}
+
+Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part) {
+    if (part.count < 1 || part.index < 0 || part.index >= part.count)
+        fail(file, fmt::format("part {} of {}, expected 0 to one less than a number of parts",
+                               part.index, part.count));
+    return read_model(file, part, nullptr);
+}
+
+std::string ply_header(const Gaussians& description, std::uint64_t count, bool rotated) {
+    return header_text(description, count, rotated, {});
+}
+
+std::vector<float> ply_rows(const Gaussians& gaussians, std::size_t first, std::size_t count,
+                            bool rotated) {
+    std::vector<float> rows(count * (rotated ? 11 : 7));
+    float* row = rows.data();
+    for (std::size_t i = first; i < first + count; ++i) {
+        const auto put = [&row](auto... values) { ((*row++ = values), ...); };
+        put(gaussians.mean[i].x, gaussians.mean[i].y, gaussians.mean[i].z);
+        put(gaussians.scale[i].x, gaussians.scale[i].y, gaussians.scale[i].z);
+        if (rotated) {
+            const Quat q = gaussians.axis_aligned() ? Quat{} : gaussians.rotation[i];
+            put(q.w, q.x, q.y, q.z);
+        }
+        put(gaussians.density[i]);
+    }
+    return rows;
+}
+
 void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
                const Hierarchy& hierarchy) {
     validate(gaussians);
+    const bool rotated = !gaussians.axis_aligned();
     validate(hierarchy, gaussians.size(), gaussians.cutoff, file.string());
     if (!hierarchy.empty() && hierarchy.nodes.axis_aligned() != gaussians.axis_aligned())
         fail(file, "a model and a hierarchy of which one alone has rotations");
-    const std::string header = header_text(gaussians, hierarchy);
-    const std::size_t stride = floats_per_gaussian(gaussians);
+    const std::string header = header_text(gaussians, gaussians.size(), rotated, hierarchy);
     write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
         std::ofstream out(beside, std::ios::binary);
         out << header;
         constexpr std::size_t kBlock = 1 << 16;
-        std::vector<float> rows;
         for (std::size_t first = 0; first < gaussians.size(); first += kBlock) {
-            const std::size_t count = std::min(kBlock, gaussians.size() - first);
-            rows.resize(count * stride);
-            float* row = rows.data();
-            for (std::size_t i = first; i < first + count; ++i) {
-                const auto put = [&row](auto... values) { ((*row++ = values), ...); };
-                put(gaussians.mean[i].x, gaussians.mean[i].y, gaussians.mean[i].z);
-                put(gaussians.scale[i].x, gaussians.scale[i].y, gaussians.scale[i].z);
-                if (!gaussians.axis_aligned()) {
-                    const Quat q = gaussians.rotation[i];
-                    put(q.w, q.x, q.y, q.z);
-                }
-                put(gaussians.density[i]);
-            }
+            const std::vector<float> rows =
+                ply_rows(gaussians, first, std::min(kBlock, gaussians.size() - first), rotated);
             out.write(reinterpret_cast<const char*>(rows.data()),
                       static_cast<std::streamsize>(rows.size() * sizeof(float)));
         }
@@ -386,7 +416,7 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
 }
 
 std::size_t ply_bytes(const Gaussians& gaussians, const Hierarchy& hierarchy) {
-    return header_text(gaussians, hierarchy).size() +
+    return header_text(gaussians, gaussians.size(), !gaussians.axis_aligned(), hierarchy).size() +
            gaussians.size() * floats_per_gaussian(gaussians) * sizeof(float) +
            hierarchy.size() * bytes_per_node(gaussians.axis_aligned());
 }

@@ -161,7 +161,21 @@ Volume VdbLeaves::read(const VolumePart& part, VdbNotes& notes) {
     for (const Spot& spot : spots_)
         nodes.push_back({spot.origin, static_cast<std::uint32_t>(active_count(spot))});
     for (const Tile& tile : tiles_.tiles) nodes.push_back({tile.origin, kLeafVoxels});
-    std::vector<std::uint32_t> numbers = nodes_of(nodes, part);
+    return read_nodes(nodes_of(nodes, part), part.index == 0, notes);
+}
+
+Volume VdbLeaves::read_where(const NodeChoice& wanted, VdbNotes& notes) {
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t n = 0; n < spots_.size(); ++n)
+        if (wanted(spots_[n].origin, kLeafEdge)) numbers.push_back(static_cast<std::uint32_t>(n));
+    for (std::size_t n = 0; n < tiles_.tiles.size(); ++n)
+        if (wanted(tiles_.tiles[n].origin, tiles_.tiles[n].edge))
+            numbers.push_back(static_cast<std::uint32_t>(spots_.size() + n));
+    return read_nodes(std::move(numbers), true, notes);
+}
+
+Volume VdbLeaves::read_nodes(std::vector<std::uint32_t> numbers, bool tiles_noted,
+                             VdbNotes& notes) {
     const auto tiles = std::ranges::lower_bound(numbers, spots_.size());
 
     Volume volume;
@@ -173,7 +187,7 @@ Volume VdbLeaves::read(const VolumePart& part, VdbNotes& notes) {
     empty_grid_->apply<KnownGrids>(
         [&](const auto& grid) { read_leaves(grid, numbers, volume, census); });
     Census tiles_census = tile_census_;
-    if (part.index > 0) tiles_census.negative = 0;  // counted once
+    if (!tiles_noted) tiles_census.negative = 0;
     check_census(census, tiles_census, volume.leaves, tiles_.tiles, where_, notes);
     if (mask_) {
         keep_positive(volume);

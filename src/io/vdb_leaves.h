@@ -31,13 +31,17 @@ class VdbLeaves {
     std::size_t count() const { return spots_.size(); }  ///< leaves with active voxels
     std::uint64_t active_voxels() const;
     Box world_box() const;
+    const Affine& world_from_index() const { return tiles_.world_from_index; }
     /// The volume has neither name nor source.
     Volume read(const VolumePart& part, VdbNotes& notes);
+    Volume read_where(const NodeChoice& wanted, VdbNotes& notes);
 
   private:
     using Spot = WalkedTree::LeafSpot;
     void walk();
     void read_topology(std::uint64_t tree_begin, std::uint64_t end);
+    /// Leaves, then tiles, by their numbers. tiles_noted: whether their notes are to be told
+    Volume read_nodes(std::vector<std::uint32_t> numbers, bool tiles_noted, VdbNotes& notes);
     template <class GridT>
     void read_leaves(const GridT& grid, std::span<const std::uint32_t> numbers, Volume& volume,
                      Census& census);

@@ -79,6 +79,8 @@ struct VdbReader::State {
 
     State(const std::filesystem::path& path, const VdbOptions& asked);
     void read_level_set();
+    template <class Choose, class Part>
+    Volume read(const Choose& of_file, const Part& of_fog, VdbNotes* told);
 };
 
 VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& asked)
@@ -128,18 +130,36 @@ Box VdbReader::world_box() const {
     return state_->leaves ? state_->leaves->world_box() : vog::world_box(state_->fog);
 }
 
-Volume VdbReader::read(const VolumePart& part, VdbNotes* notes) {
-    State& s = *state_;
-    return with_vdb_errors(s.where, [&] {
-        VdbNotes found = s.notes;
-        Volume volume = s.leaves ? s.leaves->read(part, found) : part_of(s.fog, part);
-        if (s.options.mask && part.whole() && volume.empty())
-            throw Error(fmt::format("{}: no active voxels above 0, expected a mask", s.where));
-        volume.name = s.entry.plain_name;
-        volume.source = s.file.name();
-        if (notes) *notes = found;
+const Affine& VdbReader::world_from_index() const {
+    return state_->leaves ? state_->leaves->world_from_index() : state_->fog.world_from_index;
+}
+
+/// of_file(leaves, notes) and of_fog() are two ways to the same volume.
+template <class Choose, class Part>
+Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog, VdbNotes* told) {
+    return with_vdb_errors(where, [&] {
+        VdbNotes found = notes;
+        Volume volume = leaves ? of_file(*leaves, found) : of_fog();
+        volume.name = entry.plain_name;
+        volume.source = file.name();
+        if (told) *told = found;
         return volume;
     });
+}
+
+Volume VdbReader::read(const VolumePart& part, VdbNotes* notes) {
+    Volume volume =
+        state_->read([&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read(part, found); },
+                     [&] { return part_of(state_->fog, part); }, notes);
+    if (state_->options.mask && part.whole() && volume.empty())
+        throw Error(fmt::format("{}: no active voxels above 0, expected a mask", state_->where));
+    return volume;
+}
+
+Volume VdbReader::read_where(const NodeChoice& wanted, VdbNotes* notes) {
+    return state_->read(
+        [&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read_where(wanted, found); },
+        [&] { return nodes_where(state_->fog, wanted); }, notes);
 }
 
 Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {

@@ -74,26 +74,63 @@ std::vector<std::string> grid_names(const std::filesystem::path& file) {
     return is_nvdb(file) ? nvdb_grid_names(file) : vdb_grid_names(file);
 }
 
-Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options,
-                   std::vector<std::string>* notes) {
+VolumeReader::VolumeReader(const std::filesystem::path& file, const VdbOptions& options) {
+    if (is_nvdb(file))
+        whole_ = read_nvdb(file, options, &notes_);
+    else
+        vdb_.emplace(file, options);
+}
+
+std::uint64_t VolumeReader::active_voxels() const {
+    return vdb_ ? vdb_->active_voxels() : vog::active_voxels(whole_);
+}
+
+Box VolumeReader::world_box() const { return vdb_ ? vdb_->world_box() : vog::world_box(whole_); }
+
+const Affine& VolumeReader::world_from_index() const {
+    return vdb_ ? vdb_->world_from_index() : whole_.world_from_index;
+}
+
+Volume VolumeReader::read(const VolumePart& part, std::uint64_t* negative) {
+    VdbNotes found;
+    Volume volume = vdb_ ? vdb_->read(part, &found) : part_of(whole_, part);
+    // Of a file that is read at once, all are told with the first part.
+    if (!vdb_ && part.index == 0) found = notes_;
+    if (negative) *negative += found.clamped_negative;
+    return volume;
+}
+
+Volume VolumeReader::read_where(const NodeChoice& wanted) {
+    return vdb_ ? vdb_->read_where(wanted) : nodes_where(whole_, wanted);
+}
+
+std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> files,
+                                       const LevelOptions& options) {
     const bool pattern = is_pattern(options.grid);
     if (!options.mask.empty() && (pattern || has_star(options.mask)) &&
         !(has_star(options.grid) && has_star(options.mask)))
         throw Error(fmt::format("grid '{}' and mask '{}': expected a * in both, or no pattern",
                                 options.grid, options.mask));
-    Levels levels;
+    std::vector<LevelSource> sources;
     for (const std::filesystem::path& file : files) {
         std::vector<std::string> grids{options.grid};
         if (pattern) grids = matching_grids(file, options.grid);
         for (const std::string& grid : grids) {
-            levels.volumes.push_back(
-                read_volume(file, {grid, options.level_set_to_fog, false}, notes));
-            if (options.mask.empty()) continue;
             std::string mask = options.mask;
             if (const std::size_t star = mask.find('*'); star != std::string::npos)
                 mask.replace(star, 1, star_text(options.grid, grid));
-            levels.masks.push_back(read_volume(file, {mask, false, true}, notes));
+            sources.push_back({file, grid, mask});
         }
+    }
+    return sources;
+}
+
+Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options,
+                   std::vector<std::string>* notes) {
+    Levels levels;
+    for (const auto& [file, grid, mask] : level_sources(files, options)) {
+        levels.volumes.push_back(read_volume(file, {grid, options.level_set_to_fog, false}, notes));
+        if (!mask.empty()) levels.masks.push_back(read_volume(file, {mask, false, true}, notes));
     }
     return levels;
 }

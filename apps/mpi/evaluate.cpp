@@ -1,0 +1,68 @@
+// evaluate.cpp: vog-mpi evaluate: the rows whose models are the same in parts.
+#include "evaluation.h"
+
+#include <fmt/core.h>
+
+#include "commands.h"
+#include "inputs_part.h"
+#include "vog/error.h"
+
+namespace vog::mpi {
+
+namespace {
+
+/// The largest cells of an evaluation's uniform cuts.
+constexpr int kAlign_voxels = 16;
+
+/// The paper's rows and the uniform cuts. The adaptive ones choose their cells by the whole.
+std::vector<Conversion> conversions(const Ranks& ranks) {
+    std::vector<Conversion> rows;
+    for (Conversion& row : paper_conversions()) {
+        row.convert = [convert = row.convert](const Volume& volume, std::size_t budget) {
+            return volume.empty() ? Gaussians{} : convert(volume, budget);
+        };
+        rows.push_back(std::move(row));
+    }
+    for (Conversion& row : moment_conversions()) {
+        if (row.series != "uniform") continue;
+        const int lod = row.step == "block2"   ? 1
+                        : row.step == "block4" ? 2
+                        : row.step == "block8" ? 3
+                                               : 4;
+        row.convert = [lod, together = ranks.together()](const Volume& volume, std::size_t) {
+            MomentOptions options = moment_lod(lod);
+            options.together = together;
+            return convert_moments(volume, options);
+        };
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ranks& ranks) {
+    VolumesPart part = read_volumes_part(arguments.inputs, arguments.volume, ranks, kAlign_voxels);
+    if (part.mesh)
+        throw Error(
+            "levels hide each other, which evaluations in parts do not know; expected one process "
+            "(vog evaluate), or --no-mask");
+    if (part.by_files)
+        throw Error(
+            fmt::format("{} files for {} ranks: an evaluation shares out files alone; "
+                        "expected fewer than four a rank",
+                        part.volumes, ranks.count()));
+    return std::move(part.levels.front().volumes);
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, const Ranks& ranks) {
+    auto arguments = std::make_shared<cli::EvaluateArguments>();
+    arguments->threads = ranks.fair_threads();
+    arguments->options.conversions = conversions(ranks);
+    cli::add_evaluate(app, arguments,
+                      {ranks.together(), [&ranks](const cli::EvaluateArguments& asked) {
+                           return load_part(asked, ranks);
+                       }});
+}
+
+}  // namespace vog::mpi

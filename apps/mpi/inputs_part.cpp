@@ -1,0 +1,123 @@
+// inputs_part.cpp: every rank reads its part.
+#include "inputs_part.h"
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <numeric>
+
+#include "shares.h"
+#include "terminal.h"
+#include "vog/error.h"
+#include "vog/level_parts.h"
+#include "vog/ply.h"
+
+namespace vog::mpi {
+
+namespace {
+
+VolumePart part_of_this(const Ranks& ranks, int align_voxels) {
+    return {ranks.rank(), ranks.count(), align_voxels};
+}
+
+void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options,
+               const VolumePart& part, std::uint64_t& negative, VolumesPart& result) {
+    std::vector<VolumeReader> volumes, masks;
+    for (const auto& [file, grid, mask] : sources) {
+        volumes.emplace_back(file, VdbOptions{grid, options.level_set_to_fog, false});
+        if (!mask.empty()) masks.emplace_back(file, VdbOptions{mask, false, true});
+        result.box.include(volumes.back().world_box());
+        result.active_voxels += volumes.back().active_voxels();
+    }
+    result.levels = read_level_parts(volumes, masks, part, &negative);
+    // What every rank has counted.
+    if (part.index > 0) result.active_voxels = 0;
+}
+
+void read_sums(std::span<const LevelSource> sources, const LevelOptions& options,
+               const Ranks& ranks, int align_voxels, std::uint64_t& negative, VolumesPart& result) {
+    std::vector<std::string> files;
+    for (const LevelSource& source : sources) files.push_back(source.file.string());
+    const auto shares = shares_of(files, ranks);
+    result.levels.emplace_back();
+    for (std::size_t n = 0; n < sources.size(); ++n) {
+        if (!shares[n]) continue;
+        VolumeReader reader(sources[n].file, {sources[n].grid, options.level_set_to_fog, false});
+        VolumePart part = *shares[n];
+        part.align_voxels = align_voxels;
+        result.levels.front().volumes.push_back(reader.read(part, &negative));
+        result.sources.push_back(n);
+        result.by_files |= part.whole() && ranks.count() > 1;
+        result.box.include(reader.world_box());
+        result.active_voxels += active_voxels(result.levels.front().volumes.back());
+    }
+}
+
+/// All models have one cutoff, on all ranks that have one.
+void require_one_cutoff(const Gaussians& model, const Ranks& ranks) {
+    const bool any = !model.source.empty() || model.size() > 0;
+    const double cutoff = model.cutoff;
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const double least = ranks.least(any ? cutoff : kNone);
+    const double largest = ranks.largest(any ? cutoff : -kNone);
+    if (least < largest)
+        throw Error(
+            fmt::format("cutoffs from {} to {}: models with different kernels cannot be one model",
+                        least, largest));
+}
+
+}  // namespace
+
+VolumesPart read_volumes_part(const std::vector<std::string>& files,
+                              const cli::VolumeInputOptions& options, const Ranks& ranks,
+                              int align_voxels) {
+    const std::vector<std::filesystem::path> paths(files.begin(), files.end());
+    const LevelOptions level_options = cli::level_options(options);
+    const std::vector<LevelSource> sources = level_sources(paths, level_options);
+    VolumesPart part;
+    part.volumes = sources.size();
+    part.mesh = !options.no_mask && (sources.size() > 1 || !options.mask.empty());
+    std::uint64_t negative = 0;
+    if (part.mesh)
+        read_mesh(sources, level_options, part_of_this(ranks, align_voxels), negative, part);
+    else
+        read_sums(sources, level_options, ranks, align_voxels, negative, part);
+    part.box = ranks.united(part.box);
+    part.active_voxels = ranks.sum(part.active_voxels);
+    negative = ranks.sum(negative);
+    if (negative && ranks.first())
+        cli::note(fmt::format("{} negative values set to zero", negative));
+    return part;
+}
+
+Gaussians read_particles_part(const std::vector<std::string>& files,
+                              const cli::PointInputOptions& options, const std::string& grid,
+                              const Ranks& ranks) {
+    PointOptions point_options = cli::point_options(options);
+    point_options.together = ranks.together();
+    const Gaussians all = convert_points(cli::load_points(files, options, grid), point_options);
+    const auto first_of = [&](int rank) {
+        return all.size() * static_cast<std::size_t>(rank) /
+               static_cast<std::size_t>(ranks.count());
+    };
+    std::vector<std::size_t> mine(first_of(ranks.rank() + 1) - first_of(ranks.rank()));
+    std::iota(mine.begin(), mine.end(), first_of(ranks.rank()));
+    Gaussians part = select(all, mine);
+    part.box = view_box(all);
+    return part;
+}
+
+Gaussians read_models_part(const std::vector<std::string>& inputs, const Ranks& ranks) {
+    Gaussians model;
+    const std::vector<std::string> files = cli::model_files(inputs);
+    const auto shares = shares_of(files, ranks);
+    for (std::size_t n = 0; n < files.size(); ++n)
+        if (shares[n])
+            append(model, read_ply(files[n], ModelPart{shares[n]->index, shares[n]->count}));
+    require_one_cutoff(model, ranks);
+    model.box = ranks.united(model.box);
+    if (model.box.empty()) model.box = ranks.united(model.size() ? view_box(model) : Box{});
+    return model;
+}
+
+}  // namespace vog::mpi

@@ -1,0 +1,171 @@
+// model_file.cpp: parts of a model to files.
+#include "model_file.h"
+
+#include <fmt/core.h>
+#include <mpi.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include "vog/error.h"
+#include "vog/ply.h"
+
+namespace vog::mpi {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What all have together.
+struct Sums {
+    std::uint64_t count = 0;
+    double mass = 0;
+    bool rotated = false;
+};
+
+Sums sums_of(const SharedModel& model, const Ranks& ranks) {
+    Sums sums;
+    bool rotated = false;
+    for (const Gaussians& part : model.inputs) {
+        sums.count += part.size();
+        sums.mass += mass(part);
+        rotated |= !part.axis_aligned();
+    }
+    sums.count = ranks.sum(sums.count);
+    ranks.sum(std::span(&sums.mass, 1));
+    sums.rotated = ranks.sum(std::uint64_t{rotated}) > 0;
+    return sums;
+}
+
+cli::Converted converted(const SharedModel& model, const Sums& sums, std::uint64_t bytes) {
+    const Gaussians& about = model.description;
+    return {about.method, about.options, about.reached, sums.count, about.source_voxels, 0,
+            bytes,        sums.mass};
+}
+
+/// A file that all ranks write.
+class SharedFile {
+  public:
+    /// Opening and closing are for all ranks together.
+    explicit SharedFile(const std::string& file) : name_(file) {
+        check(MPI_File_open(MPI_COMM_WORLD, file.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY,
+                            MPI_INFO_NULL, &file_));
+    }
+    ~SharedFile() {
+        if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
+    }
+    SharedFile(const SharedFile&) = delete;
+    SharedFile& operator=(const SharedFile&) = delete;
+
+    void write(std::uint64_t offset, const void* bytes, std::size_t size) {
+        MPI_Status status;
+        check(MPI_File_write_at(file_, static_cast<MPI_Offset>(offset), bytes,
+                                static_cast<int>(size), MPI_BYTE, &status));
+        int written = 0;
+        MPI_Get_count(&status, MPI_BYTE, &written);
+        if (static_cast<std::size_t>(written) != size)
+            throw Error(fmt::format("{}: cannot write: the disk may be full", name_));
+    }
+
+  private:
+    void check(int code) const {
+        if (code == MPI_SUCCESS) return;
+        char text[MPI_MAX_ERROR_STRING];
+        int length = 0;
+        MPI_Error_string(code, text, &length);
+        throw Error(fmt::format("{}: cannot write: {}", name_,
+                                std::string_view(text, static_cast<std::size_t>(length))));
+    }
+
+    std::string name_;
+    MPI_File file_ = MPI_FILE_NULL;
+};
+
+void write_rows(SharedFile& out, std::uint64_t offset, const Gaussians& part, bool rotated) {
+    constexpr std::size_t kBlock = 1 << 16;
+    for (std::size_t first = 0; first < part.size(); first += kBlock) {
+        const std::size_t count = std::min(kBlock, part.size() - first);
+        const std::vector<float> rows = ply_rows(part, first, count, rotated);
+        out.write(offset, rows.data(), rows.size() * sizeof(float));
+        offset += rows.size() * sizeof(float);
+    }
+}
+
+}  // namespace
+
+cli::Converted write_model(const std::string& file, const SharedModel& model, const Ranks& ranks) {
+    for (const Gaussians& part : model.inputs) validate(part);
+    const Sums sums = sums_of(model, ranks);
+    const std::string header = ranks.from_first(
+        ranks.first() ? ply_header(model.description, sums.count, sums.rotated) : std::string());
+    const std::uint64_t row_bytes = (sums.rotated ? 11 : 7) * sizeof(float);
+    std::vector<std::uint64_t> offsets;
+    std::uint64_t end = header.size();
+    for (const Gaussians& part : model.inputs) {
+        const std::vector<std::uint64_t> counts = ranks.gather(part.size());
+        std::uint64_t offset = end;
+        for (int rank = 0; rank < ranks.rank(); ++rank)
+            offset += counts[static_cast<std::size_t>(rank)] * row_bytes;
+        offsets.push_back(offset);
+        for (const std::uint64_t count : counts) end += count * row_bytes;
+    }
+
+    const fs::path path = file;
+    const std::string beside = ranks.from_first(
+        (path.parent_path() / fmt::format(".{}.{}.ply", path.stem().string(), ::getpid()))
+            .string());
+    try {
+        // Made by the first, so that a folder that cannot be written is one rank's failure.
+        if (ranks.first() && !std::ofstream(beside, std::ios::binary))
+            throw Error(fmt::format("{}: cannot write into its folder", file));
+        ranks.agree();
+        Failure failure;
+        {
+            SharedFile out(beside);
+            // Whoever fails closes the file with the others, and tells them then.
+            try {
+                if (ranks.first()) out.write(0, header.data(), header.size());
+                for (std::size_t n = 0; n < model.inputs.size(); ++n)
+                    write_rows(out, offsets[n], model.inputs[n], sums.rotated);
+            } catch (const std::exception& error) {
+                failure = {1, error.what()};
+            }
+        }
+        ranks.agree(failure);
+        if (ranks.first()) fs::rename(beside, path);
+    } catch (...) {
+        std::error_code code;
+        if (ranks.first()) fs::remove(beside, code);
+        throw;
+    }
+    return converted(model, sums, end);
+}
+
+cli::Converted write_split(const std::string& file, const SharedModel& model, const Ranks& ranks) {
+    const Sums sums = sums_of(model, ranks);
+    Gaussians mine;
+    for (const Gaussians& part : model.inputs) append(mine, part);
+    // Each file says what the whole is, but for its own share of the voxels.
+    const Gaussians& about = model.description;
+    mine.box = about.box;
+    mine.source = ranks.from_first(about.source);
+    mine.method = ranks.from_first(about.method);
+    mine.options = ranks.from_first(about.options);
+    mine.reached.clear();
+    const fs::path path = file;
+    const std::string name = fmt::format("{}.{}.ply", path.stem().string(), ranks.rank());
+    std::uint64_t bytes = 0;
+    if (mine.size() > 0) {
+        write_ply(path.parent_path() / name, mine);
+        bytes = ply_bytes(mine);
+    }
+    bytes = ranks.sum(bytes);
+    std::vector<std::string> names = ranks.gather(mine.size() > 0 ? name : std::string());
+    std::erase(names, std::string());
+    if (ranks.first()) write_model_index(fs::path(path).replace_extension(".json"), names);
+    return converted(model, sums, bytes);
+}
+
+}  // namespace vog::mpi

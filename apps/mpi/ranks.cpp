@@ -1,0 +1,162 @@
+// ranks.cpp: agreements and exchanges by MPI.
+#include "ranks.h"
+
+#include <fmt/core.h>
+#include <mpi.h>
+
+#include <algorithm>
+#include <limits>
+#include <thread>
+
+namespace vog::mpi {
+
+namespace {
+
+void broadcast(std::string& text, int root, int rank) {
+    auto length = static_cast<std::uint64_t>(text.size());
+    MPI_Bcast(&length, 1, MPI_UINT64_T, root, MPI_COMM_WORLD);
+    if (rank != root) text.resize(length);
+    MPI_Bcast(text.data(), static_cast<int>(length), MPI_CHAR, root, MPI_COMM_WORLD);
+}
+
+int ranks_of_this_machine() {
+    MPI_Comm machine;
+    MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
+    int count = 1;
+    MPI_Comm_size(machine, &count);
+    MPI_Comm_free(&machine);
+    return count;
+}
+
+/// Calls exchange(first, count) for runs that fit the int of MPI's counts.
+template <class Exchange>
+void in_runs(std::size_t size, const Exchange& exchange) {
+    constexpr std::size_t kMost = std::size_t{1} << 20;
+    for (std::size_t first = 0; first < size; first += kMost)
+        exchange(first, static_cast<int>(std::min(kMost, size - first)));
+}
+
+}  // namespace
+
+Ranks::Ranks(int* argc, char*** argv) {
+    // Only the main thread speaks to MPI; vog's loops have threads of their own.
+    int provided = 0;
+    MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+    MPI_Comm_size(MPI_COMM_WORLD, &count_);
+    const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    fair_threads_ = std::max(1, cores / ranks_of_this_machine());
+}
+
+Ranks::~Ranks() { MPI_Finalize(); }
+
+Together Ranks::together() const {
+    return {rank_, count_, [this](std::span<double> values) { sum(values); },
+            [this](std::span<double> values) { largest(values); }};
+}
+
+void Ranks::agree(const Failure& mine) const {
+    const bool failed = mine.exit_code != 0;
+    int first = failed ? rank_ : std::numeric_limits<int>::max();
+    MPI_Allreduce(MPI_IN_PLACE, &first, 1, MPI_INT, MPI_MIN, MPI_COMM_WORLD);
+    if (first == std::numeric_limits<int>::max()) return;
+
+    int failures = failed;
+    MPI_Allreduce(MPI_IN_PLACE, &failures, 1, MPI_INT, MPI_SUM, MPI_COMM_WORLD);
+    Failure one = mine;
+    MPI_Bcast(&one.exit_code, 1, MPI_INT, first, MPI_COMM_WORLD);
+    broadcast(one.text, first, rank_);
+    // Where all fail alike (a wrong option, a file that is nowhere), whose failure it is says
+    // nothing.
+    if (failures < count_) one.text += fmt::format(" (rank {} of {})", first, count_);
+    throw Ended{one};
+}
+
+void Ranks::sum(std::span<double> values) const {
+    std::vector<double> all(first() ? values.size() : 0);
+    agree();
+    // Added up once: ranks that add in orders of their own could come to decisions of their own.
+    in_runs(values.size(), [&](std::size_t begin, int count) {
+        MPI_Reduce(values.data() + begin, all.data() + begin, count, MPI_DOUBLE, MPI_SUM, 0,
+                   MPI_COMM_WORLD);
+    });
+    std::ranges::copy(all, values.begin());
+    in_runs(values.size(), [&](std::size_t begin, int count) {
+        MPI_Bcast(values.data() + begin, count, MPI_DOUBLE, 0, MPI_COMM_WORLD);
+    });
+}
+
+void Ranks::sum(std::span<std::uint64_t> values) const {
+    agree();
+    in_runs(values.size(), [&](std::size_t first, int count) {
+        MPI_Allreduce(MPI_IN_PLACE, values.data() + first, count, MPI_UINT64_T, MPI_SUM,
+                      MPI_COMM_WORLD);
+    });
+}
+
+std::uint64_t Ranks::sum(std::uint64_t value) const {
+    sum(std::span(&value, 1));
+    return value;
+}
+
+double Ranks::least(double value) const { return -largest(-value); }
+
+void Ranks::largest(std::span<double> values) const {
+    agree();
+    in_runs(values.size(), [&](std::size_t begin, int count) {
+        MPI_Allreduce(MPI_IN_PLACE, values.data() + begin, count, MPI_DOUBLE, MPI_MAX,
+                      MPI_COMM_WORLD);
+    });
+}
+
+double Ranks::largest(double value) const {
+    largest(std::span(&value, 1));
+    return value;
+}
+
+Box Ranks::united(const Box& box) const {
+    // An empty box has infinite bounds the wrong way round: those of no effect.
+    double bounds[6] = {-box.lower.x, -box.lower.y, -box.lower.z,
+                        box.upper.x,  box.upper.y,  box.upper.z};
+    largest(bounds);
+    return {{-bounds[0], -bounds[1], -bounds[2]}, {bounds[3], bounds[4], bounds[5]}};
+}
+
+std::vector<std::uint64_t> Ranks::gather(std::uint64_t value) const {
+    std::vector<std::uint64_t> values(static_cast<std::size_t>(count_));
+    agree();
+    MPI_Allgather(&value, 1, MPI_UINT64_T, values.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+    return values;
+}
+
+std::vector<std::string> Ranks::gather(const std::string& text) const {
+    std::vector<std::string> texts(static_cast<std::size_t>(count_));
+    texts[static_cast<std::size_t>(rank_)] = text;
+    agree();
+    for (int n = 0; n < count_; ++n) broadcast(texts[static_cast<std::size_t>(n)], n, rank_);
+    return texts;
+}
+
+std::string Ranks::from_first(std::string text) const {
+    agree();
+    broadcast(text, 0, rank_);
+    return text;
+}
+
+void Ranks::sum_at_first(DepthImage& depth) const {
+    // In doubles: floats would round once a rank. 8 MB at a time, so that a large picture is not
+    // held twice more.
+    constexpr std::size_t kMost = std::size_t{1} << 20;
+    std::vector<double> mine(std::min(kMost, depth.depth.size())), all(first() ? mine.size() : 0);
+    agree();
+    in_runs(depth.depth.size(), [&](std::size_t begin, int count) {
+        std::copy_n(depth.depth.begin() + static_cast<std::ptrdiff_t>(begin), count, mine.begin());
+        MPI_Reduce(mine.data(), all.data(), count, MPI_DOUBLE, MPI_SUM, 0, MPI_COMM_WORLD);
+        if (!first()) return;
+        for (int n = 0; n < count; ++n)
+            depth.depth[begin + static_cast<std::size_t>(n)] =
+                static_cast<float>(all[static_cast<std::size_t>(n)]);
+    });
+}
+
+}  // namespace vog::mpi

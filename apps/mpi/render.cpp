@@ -1,0 +1,113 @@
+// render.cpp: vog-mpi render: every rank draws its part, T is summed, the first rank shades.
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "commands.h"
+#include "inputs_part.h"
+#include "rendering.h"
+#include "vog/error.h"
+
+namespace vog::mpi {
+
+namespace {
+
+using cli::Drawing;
+using cli::DrawingArguments;
+using cli::FileKind;
+using cli::Size;
+
+/// Adds what each of these draws.
+auto draw_sum(std::vector<Drawing> drawings) {
+    return [drawings = std::move(drawings)](const Camera& camera, Size size,
+                                            const Progress& progress, DepthImage& depth) {
+        depth = DepthImage(size.width, size.height);
+        DepthImage one;
+        for (const Drawing& drawing : drawings) {
+            drawing.draw(camera, size, progress, one);
+            for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] += one.depth[n];
+        }
+    };
+}
+
+void load_volumes(const DrawingArguments& arguments, const Ranks& ranks, Drawing& drawing) {
+    const VolumesPart part = read_volumes_part(arguments.inputs, arguments.volume, ranks);
+    const bool linear = arguments.interpolation == "linear" && ranks.count() > 1;
+    if (linear && arguments.step_voxels > 0)
+        throw CLI::ValidationError(
+            "--interpolation linear: samples begin where a ray enters the volume, of which a rank "
+            "has a part; expected --step 0 (exact, cell by cell), or one process (vog render)");
+    if (part.mesh && linear)
+        throw Error(
+            "linear interpolation takes values of other levels beyond a part's edge, which other "
+            "ranks have: expected constant, or one process (vog render)");
+    std::vector<Drawing> drawings;
+    for (const Levels& levels : part.levels) {
+        if (levels.volumes.empty()) continue;
+        drawings.push_back(drawing);
+        cli::draw_volumes(arguments, levels, part.mesh, drawings.back());
+    }
+    drawing.draw = draw_sum(std::move(drawings));
+    drawing.box = part.box;
+    drawing.active_voxels = part.active_voxels;
+    cli::set_primitives_text(drawing, part.mesh ? part.volumes : 0);
+}
+
+void load_gaussians(const DrawingArguments& arguments, std::optional<double> extinction,
+                    const Ranks& ranks, Drawing& drawing) {
+    auto model = std::make_shared<Gaussians>(
+        drawing.kind == FileKind::points
+            ? read_particles_part(arguments.inputs, arguments.points, arguments.volume.grid, ranks)
+            : read_models_part(arguments.inputs, ranks));
+    const std::uint64_t count = ranks.sum(model->size());
+    const Box box = model->box;
+    if (model->size() > 0)
+        cli::draw_model(arguments, extinction, std::move(model), std::make_shared<Hierarchy>(),
+                        drawing);
+    else
+        drawing.draw = draw_sum({});
+    drawing.box = box;
+    drawing.gaussians = count;
+    drawing.traced.reset();  // both of a part only
+    drawing.cut.reset();
+    cli::set_primitives_text(drawing, 0);
+}
+
+Drawing load_part(const DrawingArguments& arguments, std::optional<double> extinction,
+                  const CLI::App& command, const Ranks& ranks) {
+    if (arguments.stop_transmittance > 0 && ranks.count() > 1)
+        throw CLI::ValidationError(
+            "--stop-transmittance: a rank does not know what lies before its part of a ray; "
+            "expected one process (vog render)");
+    Drawing drawing = cli::begin_drawing(arguments, command);
+    if (drawing.kind == FileKind::volume)
+        load_volumes(arguments, ranks, drawing);
+    else
+        load_gaussians(arguments, extinction, ranks, drawing);
+    drawing.draw = [draw = std::move(drawing.draw), &ranks](const Camera& camera, Size size,
+                                                            const Progress& progress,
+                                                            DepthImage& depth) {
+        draw(camera, size, progress, depth);
+        ranks.sum_at_first(depth);
+    };
+    return drawing;
+}
+
+}  // namespace
+
+void add_render(CLI::App& app, const Ranks& ranks) {
+    auto arguments = std::make_shared<cli::RenderArguments>();
+    CLI::App* command =
+        app.add_subcommand("render", "Render models, volumes or particles to a picture");
+    arguments->threads = ranks.fair_threads();
+    cli::add_render_options(*command, *arguments);
+    command->callback([arguments, command, &ranks] {
+        const auto load = [&](const DrawingArguments& drawing, std::optional<double> extinction,
+                              const CLI::App& asked) {
+            return load_part(drawing, extinction, asked, ranks);
+        };
+        cli::render(*arguments, *command, load, ranks.first());
+    });
+}
+
+}  // namespace vog::mpi

@@ -1,0 +1,68 @@
+// level_parts_test.cpp: parts of levels, with what hides them, add up to the levels.
+#include "vog/level_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/data.h"
+#include "vog/reference.h"
+#include "vog/vdb.h"
+
+namespace vog {
+namespace {
+
+/// A block of leaves with their lower corner there, voxels of this edge, turned or not.
+Volume block(Vec3i first, Vec3i leaves, double edge, double turn, const std::string& name) {
+    Volume volume;
+    volume.name = name;
+    const double c = std::cos(turn), s = std::sin(turn);
+    volume.world_from_index.linear = {
+        {Vec3d{edge * c, -edge * s, 0}, {edge * s, edge * c, 0}, {0, 0, edge}}};
+    for (int x = 0; x < leaves.x; ++x)
+        for (int y = 0; y < leaves.y; ++y)
+            for (int z = 0; z < leaves.z; ++z) {
+                Leaf leaf;
+                leaf.origin = first + kLeafEdge * Vec3i{x, y, z};
+                for (int n = 0; n < kLeafVoxels; ++n)
+                    leaf.set(n, 1 + 0.1f * static_cast<float>((n * 7 + x + 3 * y) % 13));
+                volume.leaves.push_back(leaf);
+            }
+    sort_nodes(volume);
+    return volume;
+}
+
+class level_parts : public testing::TestWithParam<double> {};
+
+TEST_P(level_parts, depths_add_up_to_the_levels) {
+    const test::TempDir dir;
+    const std::vector<Volume> volumes = {block({-16, -16, -16}, {4, 4, 4}, 1, 0, "coarse"),
+                                         block({-8, -16, -8}, {3, 2, 2}, 0.5, GetParam(), "fine"),
+                                         block({0, 0, 0}, {1, 1, 1}, 0.25, GetParam(), "finest")};
+    write_vdb(dir / "levels.vdb", volumes);
+    const Camera camera = paper_view(world_box(volumes[0]));
+    constexpr int kSize = 48, kParts = 4;
+    const DepthImage whole = render_reference(level_grids({volumes, {}}), camera, kSize, kSize);
+
+    std::vector<double> sum(whole.depth.size());
+    std::size_t leaves_held = 0;
+    for (int index = 0; index < kParts; ++index) {
+        std::vector<VolumeReader> readers;
+        for (const Volume& volume : volumes)
+            readers.emplace_back(dir / "levels.vdb", VdbOptions{volume.name});
+        for (const Levels& levels : read_level_parts(readers, {}, {index, kParts})) {
+            for (const Volume& volume : levels.volumes) leaves_held += volume.leaves.size();
+            const DepthImage part = render_reference(level_grids(levels), camera, kSize, kSize);
+            for (std::size_t n = 0; n < sum.size(); ++n) sum[n] += part.depth[n];
+        }
+    }
+    for (std::size_t n = 0; n < sum.size(); ++n)
+        EXPECT_NEAR(sum[n], whole.depth[n], 1e-6 * whole.depth[n]) << n;
+    // Levels are not read whole by every part.
+    EXPECT_LT(leaves_held, 2 * (64 + 12 + 1));
+}
+
+INSTANTIATE_TEST_SUITE_P(turned, level_parts, testing::Values(0.0, 0.3));
+
+}  // namespace
+}  // namespace vog

@@ -1,0 +1,63 @@
+// mpi_command.h: vog-mpi by several processes, more than there are cores if need be.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "support/command.h"
+#include "vog/image.h"
+
+namespace vog::test {
+
+class Mpi : public CommandLine {
+  protected:
+    /// apps  `-n 2 COMMAND a b : -n 1 COMMAND c`, COMMAND standing for vog-mpi
+    Result mpi(const std::string& apps) const {
+        std::string all = apps;
+        for (std::size_t at; (at = all.find("COMMAND")) != std::string::npos;)
+            all.replace(at, 7, "'" VOG_MPI_COMMAND "'");
+        // A rank that never came to its end would keep the test waiting.
+        const std::string command = "cd '" + (dir_ / "").string() + "' && " +
+                                    "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+                                    "timeout 120 " VOG_MPIRUN " --oversubscribe --bind-to none " +
+                                    all + " >stdout.txt 2>stderr.txt </dev/null";
+        const int status = std::system(command.c_str());
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
+                read_text(dir_ / "stderr.txt")};
+    }
+    Result must_mpi(int count, const std::string& arguments) const {
+        const Result result = mpi(fmt::format("-n {} COMMAND {}", count, arguments));
+        EXPECT_EQ(result.exit_code, 0) << count << " ranks: " << arguments << "\n" << result.error;
+        return result;
+    }
+    /// Expects the exit code, and that vog-mpi says one line, with `text`.
+    void must_fail_mpi(int exit_code, const std::string& apps, const std::string& text) const {
+        const Result result = mpi(apps);
+        EXPECT_EQ(result.exit_code, exit_code) << apps << "\n" << result.error;
+        EXPECT_NE(result.error.find(text), std::string::npos) << apps << "\n" << result.error;
+        int lines = 0;
+        std::istringstream in(result.error);
+        for (std::string line; std::getline(in, line);) lines += line.starts_with("vog-mpi: ");
+        EXPECT_EQ(lines, 1) << apps << "\n" << result.error;
+        EXPECT_EQ(result.out, "") << apps;
+    }
+
+    /// Largest difference of two T, relative to the larger of both, over all pixels.
+    double difference(const std::string& a, const std::string& b) const {
+        const DepthImage one = read_depth(dir_ / a), other = read_depth(dir_ / b);
+        EXPECT_EQ(one.depth.size(), other.depth.size());
+        EXPECT_EQ(one.extinction, other.extinction);
+        double largest = 0;
+        for (std::size_t n = 0; n < one.depth.size(); ++n) {
+            const double x = one.depth[n], y = other.depth[n];
+            if (x != y) largest = std::max(largest, std::abs(x - y) / std::max(x, y));
+        }
+        return largest;
+    }
+};
+
+/// What the issue of distributed rendering asks for: T of any number of ranks is T of one.
+inline constexpr double kSameT = 1e-6;
+
+}  // namespace vog::test

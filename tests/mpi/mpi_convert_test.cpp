@@ -1,0 +1,167 @@
+// mpi_convert_test.cpp: vog-mpi convert makes what vog convert makes.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <tuple>
+
+#include "mpi_command.h"
+#include "vog/compare.h"
+#include "vog/ply.h"
+#include "vog/vdb.h"
+
+namespace vog::test {
+
+class mpi_convert : public Mpi {
+  protected:
+    /// Converts by vog and by as many ranks; both files. Parts of a model have no hierarchy.
+    std::pair<std::string, std::string> both(int count, const std::string& arguments) const {
+        must("convert --no-hierarchy " + arguments + " -o one.ply");
+        must_mpi(count, "convert --no-hierarchy " + arguments + " -o many.ply");
+        return {read_text(dir_ / "one.ply"), read_text(dir_ / "many.ply")};
+    }
+    void expect_same_bytes(int count, const std::string& arguments) const {
+        const auto [one, many] = both(count, arguments);
+        EXPECT_FALSE(one.empty());
+        EXPECT_TRUE(one == many) << count << " ranks: " << arguments;
+    }
+    /// Relative L2 of T of two inputs, as rendered.
+    double distance(const std::string& reference, const std::string& input) const {
+        must("render " + reference + " --size 96 --extinction 1 --depth-out r.exr");
+        must("render " + input + " --size 96 --extinction 1 --depth-out i.exr");
+        return compare(read_depth(dir_ / "r.exr"), read_depth(dir_ / "i.exr")).relative_l2;
+    }
+};
+
+class mpi_convert_ranks : public mpi_convert, public testing::WithParamInterface<int> {};
+
+/// The sample has tiles of 8^3 voxels; cells of 32 are of many leaves.
+TEST_P(mpi_convert_ranks, uniform_cuts_are_the_same_bytes) {
+    must("sample cloud c.vdb --size 64");
+    expect_same_bytes(GetParam(), "c.vdb --block 2");
+    expect_same_bytes(GetParam(), "c.vdb --block 8 --mass-threshold 0.02 --axis-aligned");
+    expect_same_bytes(GetParam(), "c.vdb --lod 5");
+}
+
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::Values(1, 2, 3, 5),
+                         testing::PrintToStringParamName());
+
+TEST_F(mpi_convert, cells_larger_than_the_volume_are_the_same_bytes) {
+    must("sample explosion e.vdb --size 64");
+    expect_same_bytes(3, "e.vdb --block 128");
+    expect_same_bytes(2, "e.vdb --block 1");
+}
+
+TEST_F(mpi_convert, ranks_without_a_leaf_change_nothing) {
+    Volume volume;
+    volume.name = "density";
+    volume.leaves.resize(2);
+    volume.leaves[1].origin = {8, 0, 0};
+    for (int n = 0; n < kLeafVoxels; ++n)
+        for (Leaf& leaf : volume.leaves) leaf.set(n, 1.0f + static_cast<float>(n % 7));
+    write_vdb(dir_ / "leaf.vdb", volume);
+    expect_same_bytes(4, "leaf.vdb --block 4");
+    const auto [one, many] = both(4, "leaf.vdb --budget 12");
+    EXPECT_LE(read_ply(dir_ / "many.ply").size(), 12u);
+}
+
+TEST_F(mpi_convert, many_files_are_divided_by_files) {
+    std::string volumes;
+    for (int n = 0; n < 8; ++n) {
+        must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
+        volumes += fmt::format("v{}.vdb ", n);
+    }
+    expect_same_bytes(2, volumes + "--no-mask --block 4");
+    expect_same_bytes(3, volumes + "--no-mask --block 4");
+}
+
+TEST_F(mpi_convert, particles_are_the_same_bytes) {
+    must("sample particles p.xyz --size 12");
+    expect_same_bytes(3, "p.xyz");
+    expect_same_bytes(3, "p.xyz --budget 100");
+}
+
+/// Leaf by leaf the same Gaussians, in the order of the parts.
+TEST_F(mpi_convert, paper_makes_the_same_gaussians) {
+    must("sample cloud c.vdb --size 64");
+    for (const char* options : {"--lod 3", "--strategy tree --tree-depth 2"}) {
+        both(3, std::string("c.vdb --method paper ") + options);
+        const auto sorted = [&](const char* name) {
+            const Gaussians model = read_ply(dir_ / name);
+            std::vector<std::tuple<float, float, float, float, float>> all;
+            for (std::size_t n = 0; n < model.size(); ++n)
+                all.emplace_back(model.mean[n].x, model.mean[n].y, model.mean[n].z,
+                                 model.scale[n].x, model.density[n]);
+            std::ranges::sort(all);
+            return all;
+        };
+        EXPECT_EQ(sorted("one.ply"), sorted("many.ply")) << options;
+    }
+    must_fail_mpi(2, "-n 2 COMMAND convert c.vdb -o p.ply --method paper --strategy neighbours",
+                  "clusters go across parts");
+}
+
+/// Each part is cut for itself: at most as many Gaussians, and about as good.
+TEST_F(mpi_convert, budget_is_kept_and_about_as_good) {
+    must("sample cloud c.vdb --size 64");
+    both(3, "c.vdb --budget 600");
+    const Gaussians many = read_ply(dir_ / "many.ply");
+    EXPECT_LE(many.size(), 600u);
+    EXPECT_GE(many.size(), 500u);
+    constexpr double kWorse = 1.25;  // 1.1 here
+    EXPECT_LE(distance("c.vdb", "many.ply"), kWorse * distance("c.vdb", "one.ply"));
+}
+
+TEST_F(mpi_convert, error_asked_for_is_reached_by_the_whole) {
+    must("sample explosion e.vdb --size 64");
+    const auto json =
+        nlohmann::json::parse(must_mpi(2, "convert e.vdb -o many.ply --error 0.05 --json").out);
+    EXPECT_LE(json["measured_error"].get<double>(), 0.05);
+    EXPECT_GT(json["measured_error"].get<double>(), 0);
+}
+
+TEST_F(mpi_convert, levels_keep_their_mass_and_picture) {
+    must("sample amr a.vdb --size 64");
+    const std::string levels = "a.vdb --grid 'density_L*' ";
+    both(3, levels + "--block 2");
+    const Gaussians one = read_ply(dir_ / "one.ply"), many = read_ply(dir_ / "many.ply");
+    EXPECT_NEAR(mass(many), mass(one), 1e-5 * mass(one));
+    EXPECT_EQ(many.source_voxels, one.source_voxels);
+    EXPECT_EQ(many.box, one.box);
+    // At seams between parts a coarse voxel does not know of the fine ones beside it.
+    const std::string data = "a.vdb --grid 'density_L*'";
+    EXPECT_LE(distance(data, "many.ply"), 1.1 * distance(data, "one.ply"));
+    both(3, levels + "--method paper --lod 4");
+    EXPECT_LE(distance("one.ply", "many.ply"), 1e-4);
+}
+
+TEST_F(mpi_convert, split_models_are_one_model) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o one.ply --block 4 --no-hierarchy");
+    must_mpi(3, "convert c.vdb -o parts.ply --block 4 --split");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "parts.ply"));
+    EXPECT_EQ(distance("one.ply", "parts.json"), 0);
+    must_mpi(2, "render parts.json --size 32 -o parts.png");
+    write("wrong.json", "{\"eye\": [0,0,1]}");
+    must_fail(1, "render wrong.json -o w.png", "no index of models");
+}
+
+/// Time steps go to ranks whole.
+TEST_F(mpi_convert, sequences_are_divided_by_files) {
+    for (int n = 0; n < 3; ++n)
+        must(fmt::format("sample cloud f_{}.vdb --size 64 --seed {}", n, n + 1));
+    must("convert 'f_*.vdb' -o one/ --block 8");
+    const auto json =
+        nlohmann::json::parse(must_mpi(2, "convert 'f_*.vdb' -o many/ --block 8 --json").out);
+    EXPECT_EQ(json["models"].size(), 3u);
+    for (int n = 0; n < 3; ++n) {
+        const std::string name = fmt::format("f_{}.ply", n);
+        EXPECT_EQ(read_text(dir_ / "one" / name), read_text(dir_ / "many" / name));
+    }
+}
+
+TEST_F(mpi_convert, file_that_cannot_be_written_ends_all) {
+    must("sample cloud c.vdb --size 64");
+    must_fail_mpi(1, "-n 3 COMMAND convert c.vdb -o nowhere/c.ply --block 8", "no folder");
+}
+
+}  // namespace vog::test

@@ -1,0 +1,110 @@
+// mpi_render_test.cpp: vog-mpi render draws what vog render draws.
+#include <nlohmann/json.hpp>
+
+#include "mpi_command.h"
+#include "vog/gaussians.h"
+#include "vog/ply.h"
+#include "vog/vdb.h"
+
+namespace vog::test {
+
+/// By number of ranks.
+class mpi_render : public Mpi, public testing::WithParamInterface<int> {
+  protected:
+    /// Renders both ways. returns the largest relative difference of T
+    double differs(const std::string& arguments) const {
+        const std::string common = " --size 96x80 --extinction 1 " + arguments + " --depth-out ";
+        must("render" + common + "one.exr");
+        must_mpi(GetParam(), "render" + common + "many.exr");
+        return difference("one.exr", "many.exr");
+    }
+};
+
+TEST_P(mpi_render, volumes_are_the_same) {
+    must("sample cloud c.vdb --size 64");
+    EXPECT_LE(differs("c.vdb"), kSameT);
+    EXPECT_LE(differs("c.vdb --interpolation linear --step 0"), kSameT);
+}
+
+TEST_P(mpi_render, levels_that_hide_each_other_are_the_same) {
+    must("sample amr a.vdb --size 64");
+    EXPECT_LE(differs("a.vdb --grid 'density_L*'"), kSameT);
+    EXPECT_LE(differs("a.vdb --grid 'density_L*' --no-mask"), kSameT);
+}
+
+TEST_P(mpi_render, models_are_the_same) {
+    must("sample explosion e.vdb --size 64");
+    must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
+    must("convert e.vdb -o f.ply --block 8 --axis-aligned --no-hierarchy");
+    EXPECT_LE(differs("e.ply f.ply --eye 10,20,90 --look-at 24,24,24"), kSameT);
+    // Rays are traced in single precision about the centre of what a rank has.
+    constexpr double kTraced = 3e-5;
+    EXPECT_LE(differs("e.ply --renderer trace"), kTraced);
+}
+
+TEST_P(mpi_render, particles_are_the_same) {
+    must("sample particles p.xyz --size 10");
+    EXPECT_LE(differs("p.xyz"), kSameT);
+    EXPECT_LE(differs("p.xyz --radius 2 --value speed"), kSameT);
+    // Where 1000 particles lie over each pixel, one process's own sum in single precision is off by
+    // their square root times 6e-8.
+    EXPECT_LE(differs("p.xyz --radius 300"), 32 * 3 * 6e-8);
+}
+
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_render, testing::Values(1, 2, 3, 5, 8),
+                         testing::PrintToStringParamName());
+
+class mpi_inputs : public Mpi {};
+
+TEST_F(mpi_inputs, auto_extinction_and_report_are_of_the_whole) {
+    must("sample cloud c.vdb --size 64");
+    const auto one = nlohmann::json::parse(must("render c.vdb -o one.png --size 64 --json").out);
+    const auto many =
+        nlohmann::json::parse(must_mpi(3, "render c.vdb -o many.png --size 64 --json").out);
+    EXPECT_EQ(one["active_voxels"], many["active_voxels"]);
+    EXPECT_NEAR(one["extinction"].get<double>(), many["extinction"].get<double>(),
+                kSameT * one["extinction"].get<double>());
+    EXPECT_EQ(one["covered"], many["covered"]);
+}
+
+/// One leaf is one part: the others are empty.
+TEST_F(mpi_inputs, ranks_without_a_leaf_have_nothing_to_draw) {
+    Volume volume;
+    volume.name = "density";
+    volume.leaves.resize(1);
+    for (int n = 0; n < kLeafVoxels; ++n) volume.leaves[0].set(n, 1.0f + static_cast<float>(n % 7));
+    write_vdb(dir_ / "leaf.vdb", volume);
+    must("render leaf.vdb --size 32 --extinction 1 --depth-out one.exr");
+    must_mpi(4, "render leaf.vdb --size 32 --extinction 1 --depth-out many.exr");
+    EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
+
+    Gaussians model;
+    model.mean = {{0, 0, 0}};
+    model.scale = {{1, 2, 3}};
+    model.density = {1};
+    model.source = "one";
+    write_ply(dir_ / "one.ply", model);
+    must("render one.ply --size 32 --extinction 1 --depth-out one.exr");
+    must_mpi(4, "render one.ply --size 32 --extinction 1 --depth-out many.exr");
+    EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
+}
+
+/// From four files a rank on, files go to ranks whole.
+TEST_F(mpi_inputs, many_files_are_divided_by_files) {
+    std::string models, volumes;
+    for (int n = 0; n < 8; ++n) {
+        must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
+        must(fmt::format("convert v{}.vdb -o m{}.ply --block 8 --no-hierarchy", n, n));
+        models += fmt::format(" m{}.ply", n);
+        volumes += fmt::format(" v{}.vdb", n);
+    }
+    const std::string common = " --size 48 --extinction 1 --depth-out ";
+    must("render" + models + common + "one.exr");
+    must_mpi(2, "render" + models + common + "many.exr");
+    EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
+    must("render --no-mask" + volumes + common + "one.exr");
+    must_mpi(2, "render --no-mask" + volumes + common + "many.exr");
+    EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
+}
+
+}  // namespace vog::test
