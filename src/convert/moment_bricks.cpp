@@ -7,8 +7,8 @@
 
 namespace vog {
 
-std::vector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes) {
-    std::vector<Brick> bricks;
+BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes) {
+    BigVector<Brick> bricks;
     bricks.reserve(nodes.size());
     for (const MomentNode& node : nodes) {
         look_in();

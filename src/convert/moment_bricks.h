@@ -8,6 +8,7 @@
 
 #include "convert/moment_nodes.h"
 #include "convert/moment_sums.h"
+#include "vog/memory.h"
 #include "vog/volume.h"
 
 namespace vog {
@@ -26,7 +27,7 @@ struct Brick {
 };
 
 /// Bricks with mass, in Morton order: one for each node.
-std::vector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes);
+BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes);
 
 /// The moment octree above bricks that do not overlap: cells of 8 voxels and more.
 /// bricks     in Morton order

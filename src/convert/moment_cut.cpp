@@ -69,10 +69,40 @@ void find_bricks(CutTree& tree) {
     }
 }
 
+/// Nodes of a brick that have mass.
+std::size_t node_count(const Brick& brick) {
+    if (!brick.leaf) return kBrickNodes;
+    std::uint64_t twos = 0;
+    std::uint8_t fours = 0;
+    for (int n = 0; n < 64; ++n) {
+        const Vec3i place = morton_place(n);
+        const float* v =
+            brick.leaf->value.data() + leaf_offset(2 * place.x, 2 * place.y, 2 * place.z);
+        const bool has_mass = v[0] > 0 || v[1] > 0 || v[8] > 0 || v[9] > 0 || v[64] > 0 ||
+                              v[65] > 0 || v[72] > 0 || v[73] > 0;
+        twos |= std::uint64_t{has_mass} << n;
+        fours |= static_cast<std::uint8_t>(has_mass << n / 8);
+    }
+    return 1 + static_cast<std::size_t>(std::popcount(fours) + std::popcount(twos));
+}
+
+/// Where the nodes inside node n follow in a brick's list, those without mass left out; its end if
+/// they are samples.
+std::size_t first_inside(std::span<const Halves> halves, std::size_t n) {
+    if (n == 0) return 1;
+    const auto fours = static_cast<std::size_t>(std::popcount(halves[0].present));
+    if (n > fours) return halves.size();
+    std::size_t first = 1 + fours;
+    for (std::size_t four = 1; four < n; ++four)
+        first += static_cast<std::size_t>(std::popcount(halves[four].present));
+    return first;
+}
+
 /// Gains of all nodes of a brick, bottom up; what is seen is told for cells of four samples and
 /// more.
 void set_brick_halves(const Brick& brick, const SeenShare& seen, double scale,
-                      std::array<Halves, kBrickNodes>& halves) {
+                      std::span<Halves> with_mass) {
+    std::array<Halves, kBrickNodes> halves{};
     const BrickSums sums = brick_sums(brick);
     std::array<double, 9> weight{};
     for (std::size_t n = 0; n < 9; ++n)
@@ -85,19 +115,21 @@ void set_brick_halves(const Brick& brick, const SeenShare& seen, double scale,
             for (std::size_t child = 8 * n + 1; child <= 8 * n + 8; ++child)
                 halves[n].most = std::max(halves[n].most, halves[child].most);
     }
+    std::copy_if(halves.begin(), halves.end(), with_mass.begin(),
+                 [](const Halves& node) { return node.present != 0; });
 }
 
 /// The best cut of node n of a brick and those inside it; `splits` of each node that may be split.
-Priced priced_brick(const std::array<Halves, kBrickNodes>& halves, std::size_t n, double price,
+Priced priced_brick(std::span<const Halves> halves, std::size_t n, double price,
                     std::array<std::uint8_t, kBrickNodes>& splits) {
     splits[n] = 0;
     if (double{whole_float(halves[n].most)} <= price) return {0, 1};
     std::array<Priced, 8> octants;
+    std::size_t inside = first_inside(halves, n);
+    const bool samples = inside == halves.size();
     for (std::size_t o = 0; o < 8; ++o)
         if (halves[n].present >> o & 1)
-            octants[o] = 8 * n + 1 < kBrickNodes
-                             ? priced_brick(halves, 8 * n + 1 + o, price, splits)
-                             : Priced{0, 1};
+            octants[o] = samples ? Priced{0, 1} : priced_brick(halves, inside++, price, splits);
     return priced(halves[n], octants, price, splits[n]);
 }
 
@@ -125,7 +157,7 @@ class PricedTree {
     Priced best(std::size_t level, std::size_t n) {
         if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
             std::array<std::uint8_t, kBrickNodes> splits{};
-            return priced_brick(tree_.brick_halves[b], 0, price_, splits);
+            return priced_brick(tree_.halves_of_brick(b), 0, price_, splits);
         }
         const CellOctants of =
             cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
@@ -134,14 +166,19 @@ class PricedTree {
             if (of.present >> o & 1) octants[o] = best_[level - 1][of.child[o]];
         return priced(tree_.cell_halves[level][n], octants, price_, splits_[level][n]);
     }
+    /// place  of node n in the brick's list
     void take_brick_node(std::size_t b, const BrickSums& sums,
                          const std::array<std::uint8_t, kBrickNodes>& splits, std::size_t n,
-                         std::vector<Moments>& cut) const {
+                         std::size_t place, std::vector<Moments>& cut) const {
+        const std::span<const Halves> halves = tree_.halves_of_brick(b);
         const Octants octants = brick_octants(tree_.bricks[b], sums, n);
-        for_each_part(tree_.brick_halves[b][n], splits[n], [&](std::uint8_t mask) {
+        const std::size_t inside = first_inside(halves, place);
+        for_each_part(halves[place], splits[place], [&](std::uint8_t mask) {
             const std::size_t child = 8 * n + 1 + static_cast<std::size_t>(std::countr_zero(mask));
+            const auto before = static_cast<std::uint8_t>(halves[place].present & (mask - 1));
             if (std::has_single_bit(mask) && child < kBrickNodes)
-                take_brick_node(b, sums, splits, child, cut);
+                take_brick_node(b, sums, splits, child,
+                                inside + static_cast<std::size_t>(std::popcount(before)), cut);
             else
                 cut.push_back(joined_octants(octants, mask));
         });
@@ -149,8 +186,8 @@ class PricedTree {
     void take_cell(std::size_t level, std::size_t n, std::vector<Moments>& cut) const {
         if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
             std::array<std::uint8_t, kBrickNodes> splits{};
-            priced_brick(tree_.brick_halves[b], 0, price_, splits);
-            return take_brick_node(b, brick_sums(tree_.bricks[b]), splits, 0, cut);
+            priced_brick(tree_.halves_of_brick(b), 0, price_, splits);
+            return take_brick_node(b, brick_sums(tree_.bricks[b]), splits, 0, 0, cut);
         }
         const CellOctants of =
             cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
@@ -191,14 +228,18 @@ CutTree cut_tree(const MomentField& field, double scale) {
                 halves_of(moments_of(tree.octree, level, of), scale * seen(mean));
         });
     }
-    tree.brick_halves.resize(tree.bricks.size());
+    tree.first_halves.resize(tree.bricks.size() + 1);
+    for (std::size_t b = 0; b < tree.bricks.size(); ++b)
+        tree.first_halves[b + 1] = tree.first_halves[b] + node_count(tree.bricks[b]);
+    tree.brick_halves.resize(tree.first_halves.back());
     vog::parallel_for(std::size_t{0}, tree.bricks.size(), [&](std::size_t b) {
-        set_brick_halves(tree.bricks[b], seen, scale, tree.brick_halves[b]);
+        set_brick_halves(tree.bricks[b], seen, scale,
+                         std::span(tree.brick_halves).subspan(tree.first_halves[b]));
     });
     for (const auto& level : tree.cell_halves)
         for (const Halves& halves : level) tree.most_gain = std::max(tree.most_gain, halves.most);
-    for (const auto& brick : tree.brick_halves)
-        tree.most_gain = std::max(tree.most_gain, brick[0].most);
+    for (const Halves& halves : tree.brick_halves)
+        tree.most_gain = std::max(tree.most_gain, halves.most);
     return tree;
 }
 

@@ -9,6 +9,7 @@
 
 #include "convert/moment_field.h"
 #include "convert/moment_halves.h"
+#include "vog/memory.h"
 #include "vog/moments.h"
 
 namespace vog {
@@ -21,11 +22,18 @@ struct CutTree {
     std::span<const Brick> bricks;  ///< with mass, in Morton order
     std::vector<std::vector<std::uint32_t>> brick_of;  ///< [level][cell]: its brick, or kNoBrick
     std::vector<std::vector<Halves>> cell_halves;      ///< [level][cell]; of bricks: theirs below
-    std::vector<std::array<Halves, kBrickNodes>> brick_halves;
-    HalfFloat most_gain = 0;  ///< no split is worth more
+    BigVector<Halves> brick_halves;                    ///< of all bricks' nodes with mass
+    std::vector<std::size_t> first_halves;             ///< of each brick, and the end
+    HalfFloat most_gain = 0;                           ///< no split is worth more
+
+    /// Of a brick's nodes with mass: the whole, its fours, their twos.
+    std::span<const Halves> halves_of_brick(std::size_t b) const {
+        return std::span(brick_halves)
+            .subspan(first_halves[b], first_halves[b + 1] - first_halves[b]);
+    }
 };
 
-/// The field must outlive the tree. cost: O(voxels) time, 1.3 kB to each leaf
+/// The field must outlive the tree. cost: O(voxels) time, up to 1.3 kB to each leaf
 /// scale  makes the gains of several fields comparable: cut_scale of their voxels
 CutTree cut_tree(const MomentField& field, double scale = 1);
 double cut_scale(double voxel_edge);

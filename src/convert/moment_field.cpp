@@ -147,8 +147,8 @@ class BrickMap {
         }
     }
 
-    std::vector<Brick> bricks() const {
-        std::vector<Brick> all;
+    BigVector<Brick> bricks() const {
+        BigVector<Brick> all;
         for (std::size_t size = 0; size < sizes_.size(); ++size)
             for (const auto& [origin, samples] : sizes_[size]) {
                 const bool has_mass =

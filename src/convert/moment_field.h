@@ -11,7 +11,7 @@
 namespace vog {
 
 struct MomentField {
-    std::vector<Brick> bricks;                  ///< with mass, in Morton order, disjoint
+    BigVector<Brick> bricks;                    ///< with mass, in Morton order, disjoint
     std::vector<std::unique_ptr<Leaf>> leaves;  ///< that bricks refer to and no volume has
     Affine world_from_index;
 

@@ -43,7 +43,7 @@ Vec3i SeenShare::place_of(Vec3d index) const {
     return place;
 }
 
-std::vector<SeenShare::Piece> SeenShare::pieces(const std::vector<Brick>& bricks) const {
+std::vector<SeenShare::Piece> SeenShare::pieces(std::span<const Brick> bricks) const {
     std::vector<Piece> all;
     all.reserve(8 * bricks.size());
     for (const Brick& brick : bricks) {

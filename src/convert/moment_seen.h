@@ -34,7 +34,7 @@ class SeenShare {
         Vec3i place;
         float mass;
     };
-    std::vector<Piece> pieces(const std::vector<Brick>& bricks) const;
+    std::vector<Piece> pieces(std::span<const Brick> bricks) const;
     void set_bins(std::span<const Piece> pieces, Direction& direction, const Affine& map) const;
 
     Vec3i lower_;      ///< of the field, an index

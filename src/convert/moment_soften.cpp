@@ -13,6 +13,7 @@
 
 #include "convert/moment_share.h"
 #include "parallel.h"
+#include "vog/memory.h"
 
 namespace vog {
 
@@ -21,7 +22,7 @@ namespace {
 /// Cells of less variance than this along an axis, in samples squared, feel a sample's own box.
 constexpr double kFineVariance = 1;
 
-/// A cell's Gaussian, ready for samples.
+/// A cell's Gaussian, ready for samples. As large as a cell: made anew for each brick.
 struct Kernel {
     Vec3d mean, reach;                    ///< half extents of the box it reaches
     std::array<float, 6> half_inverse{};  ///< half the inverse covariance
@@ -53,6 +54,7 @@ struct Points {
 
 /// What a thread needs for a brick.
 struct Scratch {
+    std::vector<Kernel> kernels;  ///< of the brick's list
     std::vector<RunKernel> runs;
     hwy::AlignedFreeUniquePtr<float[]> values;
     std::size_t capacity = 0;  ///< runs of values
@@ -89,17 +91,16 @@ RunKernel run_kernel(const Kernel& kernel, const Points& points, double spacing)
 }
 
 /// Samples that no Gaussian reaches go whole to the one nearest in its own standard deviations.
-void take_orphans(const Brick& brick, const Points& points, std::span<const std::uint32_t> list,
-                  std::span<const Kernel> kernels, const BrickFloats& weight,
-                  std::span<MomentSums> parts) {
+void take_orphans(const Brick& brick, const Points& points, std::span<const Kernel> kernels,
+                  const BrickFloats& weight, std::span<MomentSums> parts) {
     for (int n = 0; n < kLeafVoxels; ++n) {
         if (brick.sample(n) <= 0 || weight[static_cast<std::size_t>(n)] > 0) continue;
         const Vec3d at =
             points.first + brick.spacing * Vec3d{double(n >> 6), double(n >> 3 & 7), double(n & 7)};
         std::size_t nearest = 0;
         double least = std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < list.size(); ++i) {
-            const Kernel& k = kernels[list[i]];
+        for (std::size_t i = 0; i < kernels.size(); ++i) {
+            const Kernel& k = kernels[i];
             const Vec3d d = at - k.mean;
             const auto& h = k.half_inverse;
             const double e = h[0] * d.x * d.x + h[3] * d.y * d.y + h[5] * d.z * d.z +
@@ -107,19 +108,19 @@ void take_orphans(const Brick& brick, const Points& points, std::span<const std:
             if (e < least) least = e, nearest = i;
         }
         const double mass = brick.sample(n) * points.volume;
-        const Vec3d d = at - kernels[list[nearest]].mean;
+        const Vec3d d = at - kernels[nearest].mean;
         add_shifted(parts[nearest], {mass, {}, {}}, d);
     }
 }
 
-/// What each Gaussian of the list takes of the points of one brick, added to parts[i] about its
-/// mean.
-void share_points(const Brick& brick, const Points& points, std::span<const std::uint32_t> list,
-                  std::span<const Kernel> kernels, Scratch& scratch, std::span<MomentSums> parts) {
+/// What each of the scratch's Gaussians takes of the points of one brick, added to parts[i] about
+/// its mean.
+void share_points(const Brick& brick, const Points& points, Scratch& scratch,
+                  std::span<MomentSums> parts) {
     scratch.runs.clear();
     std::size_t count = 0;
-    for (const std::uint32_t cell : list) {
-        scratch.runs.push_back(run_kernel(kernels[cell], points, brick.spacing));
+    for (const Kernel& kernel : scratch.kernels) {
+        scratch.runs.push_back(run_kernel(kernel, points, brick.spacing));
         scratch.runs.back().first_run = count;
         count += scratch.runs.back().run_count();
     }
@@ -133,25 +134,29 @@ void share_points(const Brick& brick, const Points& points, std::span<const std:
     const float* value = brick.leaf ? brick.leaf->value.data() : scratch.tile.data();
     const bool any_orphan = weights_of(value, static_cast<float>(points.volume), scratch.sum);
     take_shares(scratch.runs, scratch.values.get(), scratch.sum, parts);
-    if (any_orphan) take_orphans(brick, points, list, kernels, scratch.sum, parts);
+    if (any_orphan) take_orphans(brick, points, scratch.kernels, scratch.sum, parts);
 }
 
 /// What each Gaussian of the list takes of one brick: parts[i] for list[i], about its mean.
+/// highest  peak of all Gaussians
 void share_brick(const Brick& brick, std::span<const std::uint32_t> list,
-                 std::span<const Moments> cells, std::span<const Kernel> kernels, Scratch& scratch,
+                 std::span<const Moments> cells, double highest, Scratch& scratch,
                  std::span<MomentSums> parts) {
     const Vec3d center = brick_cell_center(brick, 0, 1);
     const double box = kBoxVariance * brick.spacing * brick.spacing;
     if (!brick.leaf) scratch.tile.fill(brick.value);
     bool fine = false;
+    scratch.kernels.clear();
     for (const std::uint32_t cell : list) {
+        scratch.kernels.push_back(kernel_of(cells[cell]));
+        scratch.kernels.back().peak /= highest;
         const std::array<double, 6>& c = cells[cell].covariance;
         fine = fine || std::min({c[0], c[3], c[5]}) < kFineVariance * brick.spacing * brick.spacing;
     }
     if (!fine) {
         // Samples at their centres, their own variance added to what is taken. Where all densities
         // are even this widens a cell by as much at every step, which a large one does not feel.
-        share_points(brick, {center, brick.sample_volume()}, list, kernels, scratch, parts);
+        share_points(brick, {center, brick.sample_volume()}, scratch, parts);
         for (MomentSums& part : parts)
             for (const std::size_t n : {0, 3, 5}) part.second[n] += box * part.mass;
         return;
@@ -163,8 +168,8 @@ void share_brick(const Brick& brick, std::span<const std::uint32_t> list,
     const double offset = std::sqrt(kPointShare * box);
     for (const Vec3d& corner :
          {Vec3d{1, 1, 1}, Vec3d{1, -1, -1}, Vec3d{-1, 1, -1}, Vec3d{-1, -1, 1}})
-        share_points(brick, {center + offset * corner, brick.sample_volume() / kPoints}, list,
-                     kernels, scratch, parts);
+        share_points(brick, {center + offset * corner, brick.sample_volume() / kPoints}, scratch,
+                     parts);
     for (MomentSums& part : parts)
         for (const std::size_t n : {0, 3, 5}) part.second[n] += (1 - kPointShare) * box * part.mass;
 }
@@ -261,46 +266,52 @@ void Softener::find_bricks(const Vec3d& lower, const Vec3d& upper, std::uint32_t
 void Softener::share(std::vector<Moments>& cells) const {
     // Gaussians, and the bricks each one reaches.
     constexpr std::size_t kCellChunk = 1024;
-    std::vector<Kernel> kernels(cells.size());
-    std::vector<std::vector<Pair>> found((cells.size() + kCellChunk - 1) / kCellChunk);
+    struct Found {
+        std::vector<Pair> pairs;
+        double highest = 0;
+    };
+    std::vector<Found> found((cells.size() + kCellChunk - 1) / kCellChunk);
     vog::parallel_for(std::size_t{0}, found.size(), [&](std::size_t chunk) {
+        auto& [pairs, highest] = found[chunk];
         const std::size_t end = std::min((chunk + 1) * kCellChunk, cells.size());
         for (std::size_t i = chunk * kCellChunk; i < end; ++i) {
-            kernels[i] = kernel_of(cells[i]);
-            find_bricks(cells[i].mean - kernels[i].reach, cells[i].mean + kernels[i].reach,
-                        static_cast<std::uint32_t>(i), found[chunk]);
+            const Kernel kernel = kernel_of(cells[i]);
+            highest = std::max(highest, kernel.peak);
+            find_bricks(kernel.mean - kernel.reach, kernel.mean + kernel.reach,
+                        static_cast<std::uint32_t>(i), pairs);
         }
+        pairs.shrink_to_fit();
     });
-
     double highest = 0;
-    for (const Kernel& kernel : kernels) highest = std::max(highest, kernel.peak);
-    for (Kernel& kernel : kernels) kernel.peak /= highest;
+    for (const Found& chunk : found) highest = std::max(highest, chunk.highest);
 
     // Each brick's Gaussians, in order: a counting sort.
     std::vector<std::size_t> first(bricks_.size() + 1);
-    for (const auto& pairs : found)
-        for (const Pair& pair : pairs) ++first[pair.brick + 1];
+    for (const Found& chunk : found)
+        for (const Pair& pair : chunk.pairs) ++first[pair.brick + 1];
     for (std::size_t b = 0; b < bricks_.size(); ++b) {
         if (first[b + 1] == 0) first[b + 1] = 1;  // reached by none: a place for the nearest
         first[b + 1] += first[b];
     }
     constexpr std::uint32_t kNone = 0xffffffffu;
-    std::vector<std::uint32_t> list(first.back(), kNone);
+    BigVector<std::uint32_t> list(first.back(), kNone);
     std::vector<std::size_t> next(first.begin(), first.end() - 1);
-    for (auto& pairs : found) {
+    for (auto& [pairs, _] : found) {
         for (const Pair& pair : pairs) list[next[pair.brick]++] = pair.cell;
         pairs = {};
     }
 
     // Shares, batch by batch: the parts of a batch are held apart, then added in order.
-    constexpr std::size_t kBatch = 512;
+    // 64 batches, so that parts are few beside the cells; none too small for its threads.
+    constexpr std::size_t kBatches = 64, kLeastBatch = 64;
+    const std::size_t batch_size = std::max(kLeastBatch, bricks_.size() / kBatches);
     tbb::enumerable_thread_specific<Scratch> scratches;
-    std::vector<MomentSums> sums(cells.size()), parts;
-    for (std::size_t batch = 0; batch < bricks_.size(); batch += kBatch) {
-        const std::size_t end = std::min(batch + kBatch, bricks_.size());
+    BigVector<MomentSums> sums(cells.size()), parts;
+    for (std::size_t batch = 0; batch < bricks_.size(); batch += batch_size) {
+        const std::size_t end = std::min(batch + batch_size, bricks_.size());
         parts.assign(first[end] - first[batch], {});
         vog::parallel_for(
-            tbb::blocked_range<std::size_t>(batch, end, 4),
+            tbb::blocked_range<std::size_t>(batch, end, 2),
             [&](const tbb::blocked_range<std::size_t>& range) {
                 Scratch& scratch = scratches.local();
                 for (std::size_t b = range.begin(); b != range.end(); ++b) {
@@ -308,7 +319,7 @@ void Softener::share(std::vector<Moments>& cells) const {
                     if (list[first[b]] == kNone)
                         list[first[b]] = nearest_cell(brick_cell_center(bricks_[b], 0, 8), cells);
                     share_brick(bricks_[b], std::span(list).subspan(first[b], count), cells,
-                                kernels, scratch,
+                                highest, scratch,
                                 std::span(parts).subspan(first[b] - first[batch], count));
                 }
             });
@@ -334,12 +345,14 @@ void Softener::step(std::vector<Moments>& cells, SoftSteps& steps) const {
     constexpr double kMostMomentum = 0.8;
     const double momentum = std::min(kMostMomentum, steps.taken / (steps.taken + 3.0));
     const bool moving = steps.taken > 0 && steps.last.size() == cells.size();
-    std::vector<Moments> from = cells;
     if (moving)
         vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
-            cells[i] = ahead(cells[i], steps.last[i], momentum);
+            const Moments from = cells[i];
+            cells[i] = ahead(from, steps.last[i], momentum);
+            steps.last[i] = from;
         });
-    steps.last = std::move(from);
+    else
+        steps.last = cells;
     ++steps.taken;
     share(cells);
 }

@@ -180,7 +180,9 @@ Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields,
 /// The softeners of all fields, and how far each has come.
 class FieldSoftener {
   public:
-    explicit FieldSoftener(std::span<const MomentField> fields) : steps_(fields.size()) {
+    /// goes_on  steps will follow those of `soften`: what they remember, a set of cells, is kept
+    FieldSoftener(std::span<const MomentField> fields, bool goes_on)
+        : steps_(fields.size()), goes_on_(goes_on) {
         for (const MomentField& field : fields) softeners_.emplace_back(field.bricks);
     }
     void step(FieldCells& cells) {
@@ -191,11 +193,13 @@ class FieldSoftener {
     void soften(FieldCells& cells, int steps) {
         steps_.assign(steps_.size(), {});
         for (int n = 0; n < steps; ++n) step(cells);
+        if (!goes_on_) steps_.assign(steps_.size(), {});
     }
 
   private:
     std::vector<Softener> softeners_;
     std::vector<SoftSteps> steps_;
+    bool goes_on_;
 };
 
 /// The model as it will be written, and its measured error.
@@ -246,6 +250,7 @@ FieldCells search(Conversion& job, const FieldTrees& all, FieldSoftener& softene
             FieldCells cells = best_cut(all.trees, budget);
             softener.soften(cells, job.soft_steps());
             FoundModel tried = judged(job, all.fields, views, cells);
+            tried.model = {};  // made again of the best cells, which are needed for refinement
             if (tried.error <= job.options.error || budget >= finest) best = std::move(cells);
             return tried;
         },
@@ -278,11 +283,13 @@ Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSo
 
 /// The cut of a budget, or the search for an error.
 Gaussians best_cells(Conversion& job) {
-    const FieldTrees all = field_trees(job);
+    FieldTrees all = field_trees(job);
     job.end_stage("octree", 0.2);
-    FieldSoftener softener(all.fields);
-    if (!job.options.budget) return finished(job, all.fields, softener, search(job, all, softener));
-    FieldCells cells = best_cut(all.trees, job.options.budget);
+    FieldSoftener softener(all.fields, job.options.refine_seconds > 0);
+    FieldCells cells =
+        job.options.budget ? best_cut(all.trees, job.options.budget) : search(job, all, softener);
+    all.trees = {};
+    if (!job.options.budget) return finished(job, all.fields, softener, std::move(cells));
     job.end_stage("cut", 0.3);
     softener.soften(cells, job.soft_steps());
     job.end_stage("soften", 0.9);
@@ -297,7 +304,7 @@ Gaussians block_model(Conversion& job) {
     FieldCells cells;
     for (const MomentField& field : fields) cells.push_back(uniform_cells(field, block));
     job.end_stage("cells", 0.3);
-    FieldSoftener softener(fields);
+    FieldSoftener softener(fields, job.options.refine_seconds > 0);
     softener.soften(cells, job.soft_steps());
     job.end_stage("soften", 0.9);
     return finished(job, fields, softener, std::move(cells));
