@@ -73,6 +73,22 @@ TEST_F(sequence, a_broken_frame_ends_it_with_its_own_line) {
     EXPECT_TRUE(std::filesystem::exists(dir_ / "models/frame_1.ply"));
 }
 
+TEST_F(sequence, pictures_of_time_steps_share_camera_and_extinction) {
+    must("sample cloud step_2.vdb --size 64");
+    must("sample explosion step_10.vdb --size 64");
+    must("convert 'step_*.vdb' -o models/ --block 4");
+    for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
+        const auto json = nlohmann::json::parse(
+            must("render " + inputs + " -o pictures/ --depth-out depths/ --size 32 --json").out);
+        ASSERT_EQ(json["pictures"].size(), 2u);
+        EXPECT_EQ(json["pictures"][0]["output"], "pictures/step_2.png");
+        EXPECT_EQ(json["pictures"][1]["output"], "pictures/step_10.png");
+        EXPECT_EQ(json["pictures"][0]["extinction"], json["pictures"][1]["extinction"]);
+        EXPECT_TRUE(std::filesystem::exists(dir_ / "depths/step_10.exr"));
+    }
+    must_fail(2, "render 'models/*.ply' -o pictures/ --depth-out one.exr", "--depth-out");
+}
+
 // 16.6 million voxels: 84 MB of leaves, and 45 MB for a process that does next to nothing.
 TEST_F(sequence, a_volume_larger_than_the_memory_given_makes_the_same_model) {
     must("sample cloud cloud.vdb --size 512");

@@ -35,8 +35,9 @@ void check_arguments(const RenderArguments& arguments, bool writes) {
             "--stop-transmittance needs --extinction with a number: auto is known only after");
 }
 
-void report(const RenderArguments& arguments, const Drawing& drawing, const DepthImage& depth,
-            const std::vector<double>& render_ms, const Stages& stages) {
+nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& drawing,
+                              const DepthImage& depth, const std::vector<double>& render_ms,
+                              const Stages& stages) {
     std::size_t covered = 0;
     double sum = 0, largest = 0;
     for (const float t : depth.depth) {
@@ -61,7 +62,7 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
         if (arguments.repeat)
             fmt::print("render: min {:.2f} ms, median {:.2f} ms, max {:.2f} ms over {}\n",
                        times.min, times.median, times.max, render_ms.size());
-        return;
+        return {};
     }
     nlohmann::ordered_json json = {{"output", arguments.output},
                                    {"depth_output", arguments.depth_output},
@@ -91,13 +92,16 @@ void report(const RenderArguments& arguments, const Drawing& drawing, const Dept
         json["most_slabs"] = drawing.traced->most_slabs;
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
-    fmt::print("{}\n", json.dump(2));
+    return json;
 }
 
 }  // namespace
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
-    command.add_option("-o,--output", arguments.output, "Picture to write, .png or float .exr");
+    command.add_option(
+        "-o,--output", arguments.output,
+        "Picture to write, .png or float .exr. A folder (or a name that ends in /): one of each "
+        "input, under one camera and one extinction");
     command.add_option("--depth-out", arguments.depth_output,
                        "Optical depth T to write: .exr, one float channel Y");
     command.add_option("--size", arguments.size, "WxH or one number, pixels")
@@ -116,8 +120,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     command.add_flag("--verbose,-v", arguments.verbose, "Print the time of each stage");
 }
 
-void render(const RenderArguments& arguments, const CLI::App& command, const LoadDrawing& load,
-            bool writes) {
+nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& command,
+                              const LoadDrawing& load, bool writes) {
     check_arguments(arguments, writes);
     const Size size = parse_size(arguments.size);
     const std::optional<double> extinction = asked_extinction(arguments.color);
@@ -128,7 +132,7 @@ void render(const RenderArguments& arguments, const CLI::App& command, const Loa
 
     const Drawing drawing =
         stages.run("load", [&] { return load(arguments.drawing, extinction, command); });
-    const Camera camera = camera_from(arguments.view, command, drawing.box);
+    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box));
     if (writes && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, camera);
 
@@ -143,7 +147,7 @@ void render(const RenderArguments& arguments, const CLI::App& command, const Loa
             if (n >= 0) render_ms.push_back(milliseconds_since(start));
         }
     });
-    if (!writes) return;
+    if (!writes) return {};
     set_extinction(depth, extinction ? *extinction : auto_extinction(depth));
 
     if (!arguments.output.empty()) {
@@ -151,7 +155,7 @@ void render(const RenderArguments& arguments, const CLI::App& command, const Loa
         stages.run("save", [&] { write_image(arguments.output, image); });
     }
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
-    report(arguments, drawing, depth, render_ms, stages);
+    return report(arguments, drawing, depth, render_ms, stages);
 }
 
 }  // namespace vog::cli

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -19,6 +20,7 @@ struct RenderArguments {
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
+    std::optional<Box> box;  ///< views look at this, not at what is drawn: one camera for many
 };
 
 /// Adds the options of `vog render`.
@@ -26,9 +28,10 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 
 using LoadDrawing = std::function<Drawing(const DrawingArguments&, std::optional<double> extinction,
                                           const CLI::App&)>;
+/// Prints what was made, unless JSON is asked for: which it returns.
 /// load    reads the inputs
 /// writes  false: draws only, as one of several who make a picture together
-void render(const RenderArguments& arguments, const CLI::App& command,
-            const LoadDrawing& load = load_drawing, bool writes = true);
+nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& command,
+                              const LoadDrawing& load = load_drawing, bool writes = true);
 
 }  // namespace vog::cli

@@ -106,7 +106,8 @@ void add_render(CLI::App& app, const Ranks& ranks) {
                               const CLI::App& asked) {
             return load_part(drawing, extinction, asked, ranks);
         };
-        cli::render(*arguments, *command, load, ranks.first());
+        const auto json = cli::render(*arguments, *command, load, ranks.first());
+        if (arguments->json && ranks.first()) fmt::print("{}\n", json.dump(2));
     });
 }
 
