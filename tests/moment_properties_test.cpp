@@ -91,7 +91,7 @@ TEST(moment_properties, refining_lowers_the_error_at_the_same_count) {
     options.mass_threshold = 0;
     MomentReport plain, refined;
     const Gaussians before = convert_moments(volume, options, &plain);
-    options.refine_seconds = 0.5;
+    options.refine_seconds = 3;
     const Gaussians after = convert_moments(volume, options, &refined);
     EXPECT_EQ(before.size(), after.size());
     EXPECT_LT(refined.measured_error, 0.95 * plain.measured_error);

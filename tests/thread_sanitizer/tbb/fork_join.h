@@ -101,6 +101,10 @@ template <class Iterator, class Less>
 void parallel_sort(Iterator begin, Iterator end, const Less& less) {
     std::sort(begin, end, less);
 }
+template <class Iterator>
+void parallel_sort(Iterator first, Iterator last) {
+    std::sort(first, last);
+}
 
 template <class T>
 class enumerable_thread_specific {
