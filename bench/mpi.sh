@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Strong and weak scaling of vog-mpi, one thread a rank: bench/mpi.sh [folder for data] [largest size].
-# Prints a table in Markdown: median of three runs, load apart. T of every run is held to that of one rank.
+# On a machine that is not idle, at real-time priority: chrt -r 5 bench/mpi.sh. Prints a table in Markdown: median of three runs, load apart. T of every run is held to that of one rank.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -21,7 +21,7 @@ print(at)' "$@"; }
 measure() {  # ranks, volume: times in ms of load, convert, save and render
     local ranks=$1 volume=$2 n
     for n in 1 2 3; do
-        run "$ranks" convert "$volume.vdb" -o "m$ranks.ply" --block 4 >"c$n.json"
+        run "$ranks" convert "$volume.vdb" -o "m$ranks.ply" --block 4 --no-hierarchy >"c$n.json"
         for stage in load convert save; do value "c$n.json" ms $stage >>"$stage.ms"; done
     done
     run "$ranks" render "$volume.vdb" --extinction 1 --depth-out "t$ranks.exr" --repeat 3 >r.json
