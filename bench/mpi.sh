@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Strong and weak scaling of vog-mpi, one thread a rank: bench/mpi.sh [folder for data] [largest size].
-# On a machine that is not idle, at real-time priority: chrt -r 5 bench/mpi.sh. Prints a table in Markdown: median of three runs, load apart. T of every run is held to that of one rank.
+# On a machine that is not idle, at real-time priority: chrt -r 5 bench/mpi.sh. Prints a table in Markdown:
+# median of three runs, load apart. Models and T of every run are held to those of one rank.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
