@@ -6,7 +6,6 @@
 #include <linux/magic.h>
 #include <malloc.h>
 #include <sys/mman.h>
-#include <sys/resource.h>
 #include <sys/vfs.h>
 #include <unistd.h>
 
@@ -17,9 +16,11 @@
 #include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <new>
+#include <string>
 #include <thread>
 
 #include "memory_pages.h"
@@ -201,7 +202,7 @@ MemoryLimit::MemoryLimit(std::uint64_t bytes, const std::filesystem::path& folde
         throw Error("a memory limit is set already, expected one at a time");
     mappings().forget_most();
     files.folder = where;
-    files.high = bytes - bytes / 4;
+    files.high = bytes / 8 * 5;  // threads go on while pages are let go of
     files.least_bytes = bytes / kShareOfFiles;
     pager_ = std::make_unique<Pager>();
 }
@@ -211,9 +212,11 @@ MemoryLimit::~MemoryLimit() { policy().least_bytes = 0; }
 std::uint64_t MemoryLimit::scratch_bytes() const { return mappings().most(); }
 
 std::uint64_t peak_memory() {
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+    // Not getrusage: its figure begins with that of the process this one was started from.
+    std::ifstream status("/proc/self/status");
+    for (std::string line; std::getline(status, line);)
+        if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
+    return 0;
 }
 
 void* allocate_big(std::size_t bytes, std::size_t alignment) {

@@ -103,7 +103,7 @@ TEST_F(sequence, a_volume_larger_than_the_memory_given_makes_the_same_model) {
         std::uint64_t megabytes;
     };
     for (const Case& c : {Case{" --block 4", " --memory 128M", 128},
-                          Case{" --budget 3000", " --memory 180M", 180}}) {
+                          Case{" --budget 3000", " --memory 160M", 160}}) {
         EXPECT_GT(peak_of("free.ply", c.cut), c.megabytes << 20) << c.cut;
         EXPECT_LT(peak_of("bound.ply", c.cut + c.memory + " --scratch ."), c.megabytes << 20)
             << c.cut;
