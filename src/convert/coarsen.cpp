@@ -43,20 +43,14 @@ Lattice lattice_of(const Gaussians& model) {
 
 /// Mean, mass and covariance after the cut; those without mass are left out.
 std::vector<Particle> particles_of(const Gaussians& model, const Lattice& lattice) {
-    const double variance_share = variance_within(model.cutoff);
+    const double variance_share = variance_within(model.cutoff) / (lattice.length * lattice.length);
     std::vector<Particle> all(model.size());
     vog::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
-        const Mat3 r = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
-        const Vec3d s = (1 / lattice.length) * vec_cast<double>(model.scale[i]);
-        const auto covariance = [&](int a, int b) {
-            double sum = 0;
-            for (int k = 0; k < 3; ++k) sum += r(a, k) * s[k] * s[k] * r(b, k);
-            return static_cast<float>(variance_share * sum);
-        };
-        all[i] = {(1 / lattice.length) * (vec_cast<double>(model.mean[i]) - lattice.origin),
-                  static_cast<float>(mass(model, i) / lattice.mass),
-                  {covariance(0, 0), covariance(0, 1), covariance(0, 2), covariance(1, 1),
-                   covariance(1, 2), covariance(2, 2)}};
+        all[i].place = (1 / lattice.length) * (vec_cast<double>(model.mean[i]) - lattice.origin);
+        all[i].mass = static_cast<float>(mass(model, i) / lattice.mass);
+        const std::array<double, 6> covariance = kernel_covariance(model, i);
+        for (std::size_t n = 0; n < 6; ++n)
+            all[i].covariance[n] = static_cast<float>(variance_share * covariance[n]);
     });
     std::erase_if(all, [](const Particle& particle) { return !(particle.mass > 0); });
     return all;
@@ -69,13 +63,8 @@ Gaussians model_of(const Gaussians& source, const std::vector<Moments>& cells,
         moment_frame({{{Vec3d{edge, 0, 0}, {0, edge, 0}, {0, 0, edge}}}, lattice.origin}, false, 1,
                      source.cutoff);
     frame.voxel_volume = lattice.mass;  // cells hold masses, not densities
-    Gaussians model;
-    model.cutoff = source.cutoff;
-    model.box = source.box;
+    Gaussians model = select(source, {});
     model.source_voxels = source.source_voxels;
-    model.source = source.source;
-    model.method = source.method;
-    model.options = source.options;
     resize(model, cells.size(), false);
     vog::parallel_for(std::size_t{0}, cells.size(),
                       [&](std::size_t i) { set_gaussian(model, i, cells[i], frame); });

@@ -29,18 +29,11 @@ struct Kernel {
 
 /// Of one Gaussian, after the cut.
 Moments moments_of(const Gaussians& model, std::size_t i, const Kernel& kernel) {
-    const Mat3 r = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
     const Vec3d s = vec_cast<double>(model.scale[i]);
-    const Mat3 scaled{{Vec3d{r(0, 0) * s.x, r(0, 1) * s.y, r(0, 2) * s.z},
-                       {r(1, 0) * s.x, r(1, 1) * s.y, r(1, 2) * s.z},
-                       {r(2, 0) * s.x, r(2, 1) * s.y, r(2, 2) * s.z}}};
-    const auto covariance = [&](std::size_t a, std::size_t b) {
-        return kernel.variance * dot(scaled.row[a], scaled.row[b]);
-    };
-    return {kernel.mass * model.density[i] * s.x * s.y * s.z,
-            vec_cast<double>(model.mean[i]),
-            {covariance(0, 0), covariance(0, 1), covariance(0, 2), covariance(1, 1),
-             covariance(1, 2), covariance(2, 2)}};
+    Moments moments{kernel.mass * model.density[i] * s.x * s.y * s.z,
+                    vec_cast<double>(model.mean[i]), kernel_covariance(model, i)};
+    for (double& c : moments.covariance) c *= kernel.variance;
+    return moments;
 }
 
 /// Moments of a sum. Parts without any mass count alike: they still have a place.

@@ -136,4 +136,12 @@ void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,
                                           (s.x * s.y * s.z));
 }
 
+std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i) {
+    Mat3 scaled = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
+    const Vec3d s = vec_cast<double>(model.scale[i]);
+    for (Vec3d& row : scaled.row) row = {row.x * s.x, row.y * s.y, row.z * s.z};
+    const auto at = [&](std::size_t a, std::size_t b) { return dot(scaled.row[a], scaled.row[b]); };
+    return {at(0, 0), at(0, 1), at(0, 2), at(1, 1), at(1, 2), at(2, 2)};
+}
+
 }  // namespace vog

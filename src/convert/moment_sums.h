@@ -88,6 +88,8 @@ MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, doub
 /// index.
 void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,
                   const MomentFrame& frame);
+/// Covariance of Gaussian i's kernel before the cut, in world units: xx xy xz yy yz zz.
+std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i);
 /// Arrays for `count` Gaussians.
 void resize(Gaussians& model, std::size_t count, bool axis_aligned);
 
