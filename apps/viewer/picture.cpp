@@ -25,7 +25,9 @@ void Picture::require_target(PixelSize size) {
 }
 
 void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models) {
-    if (!(valid_ && key == key_)) {
+    // Fewer sub-frames than are summed already: a picture of that many.
+    const int begun = key.renderer == Renderer::gl ? subframes_ : rays_asked_ * rays_asked_;
+    if (!(valid_ && key == key_) || begun > subframes) {
         key_ = key;
         valid_ = true;
         complete_ = false;

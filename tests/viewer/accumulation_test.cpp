@@ -68,6 +68,17 @@ TEST_F(accumulation, a_moved_camera_begins_anew) {
     EXPECT_EQ(session_->left().subframes(), 8);
 }
 
+TEST_F(accumulation, fewer_sub_frames_than_there_are_begin_anew) {
+    session_->settings.subframes = 3;
+    rest();
+    EXPECT_EQ(session_->left().subframes(), 3);
+    const DepthImage three =
+        render_gl(random_gaussians(300, 0.01, 0.2, 41), session_->camera, 80, 60, 3);
+    const DepthImage shown = session_->left().read();
+    for (std::size_t n = 0; n < three.depth.size(); ++n)
+        ASSERT_NEAR(shown.depth[n], three.depth[n], 1e-6);
+}
+
 TEST_F(accumulation, a_moving_camera_has_one_sub_frame_until_it_rests) {
     for (int n = 0; n < 5; ++n) {
         session_->camera = orbited(session_->camera, 0.01, 0);

@@ -109,7 +109,8 @@ TEST_F(view_command, the_split_shows_gaussians_and_voxels) {
 TEST_F(view_command, automatic_exposure_is_the_command_lines) {
     make_cloud();
     play("cloud.ply",
-         "panels off\noverlay off\ncolorbar off\nsubframes 1\nwait\npicture auto.png\n",
+         "panels off\noverlay off\ncolorbar off\nsubframes 1\nwait\nexposure auto\npicture "
+         "auto.png\n",
          "--size 200x160 --tf plasma --background 0.2,0.4,0.6 --blend --azimuth 2 --fov 30");
     must(
         "render cloud.ply -o expected.png --size 200x160 --tf plasma --background 0.2,0.4,0.6 "
