@@ -1,0 +1,19 @@
+// evaluated_volumes.h: what an evaluation is of: voxels, boxes and mass of all parts
+// (vog/together.h).
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "vog/evaluate.h"
+
+namespace vog {
+
+/// Counts are exact in doubles.
+void add_up(const Together& together, std::uint64_t& count);
+/// The box around the volumes, of all parts.
+Box box_of(std::span<const Volume> volumes, const Together& together);
+/// What the evaluation is of and how it is made: all but its views and rows.
+Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptions& options);
+
+}  // namespace vog
