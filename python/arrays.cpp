@@ -61,7 +61,7 @@ py::array_t<Scalar> row_of(const py::handle& data, const std::string& what) {
 }
 
 template <class Scalar, class Item>
-void assign(std::vector<Item>& items, const py::handle& data, const std::string& what) {
+void assign(BigVector<Item>& items, const py::handle& data, const std::string& what) {
     constexpr int kColumns = sizeof(Item) / sizeof(Scalar);
     py::array_t<Scalar> from;
     if constexpr (kColumns == 1)
@@ -80,10 +80,10 @@ template py::array_t<float> rows_of(const py::handle&, const std::string&, int);
 template py::array_t<double> rows_of(const py::handle&, const std::string&, int);
 template py::array_t<float> row_of(const py::handle&, const std::string&);
 template py::array_t<double> row_of(const py::handle&, const std::string&);
-template void assign<float>(std::vector<Vec3f>&, const py::handle&, const std::string&);
-template void assign<double>(std::vector<Vec3d>&, const py::handle&, const std::string&);
-template void assign<float>(std::vector<Quat>&, const py::handle&, const std::string&);
-template void assign<float>(std::vector<float>&, const py::handle&, const std::string&);
+template void assign<float>(BigVector<Vec3f>&, const py::handle&, const std::string&);
+template void assign<double>(BigVector<Vec3d>&, const py::handle&, const std::string&);
+template void assign<float>(BigVector<Quat>&, const py::handle&, const std::string&);
+template void assign<float>(BigVector<float>&, const py::handle&, const std::string&);
 
 py::object box_array(const Box& box) {
     if (box.empty()) return py::none();

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "vog/memory.h"
 
 namespace vog::python {
 
@@ -23,7 +24,7 @@ py::array_t<Scalar> row_of(const py::handle& data, const std::string& what);
 
 /// A copy of [N, sizeof(Item) / sizeof(Scalar)] as the library holds it.
 template <class Item, class Scalar>
-std::vector<Item> vector_of(const py::handle& data, const std::string& what) {
+BigVector<Item> vector_of(const py::handle& data, const std::string& what) {
     constexpr int kColumns = sizeof(Item) / sizeof(Scalar);
     const py::array_t<Scalar> rows = rows_of<Scalar>(data, what, kColumns);
     const auto* first = reinterpret_cast<const Item*>(rows.data());
@@ -32,7 +33,7 @@ std::vector<Item> vector_of(const py::handle& data, const std::string& what) {
 
 /// [N, columns] in the memory of `owner`, which it keeps alive.
 template <class Scalar, class Item>
-py::array view_of(std::vector<Item>& items, const py::object& owner) {
+py::array view_of(BigVector<Item>& items, const py::object& owner) {
     constexpr py::ssize_t kColumns = sizeof(Item) / sizeof(Scalar);
     const auto n = static_cast<py::ssize_t>(items.size());
     auto* data = reinterpret_cast<Scalar*>(items.data());
@@ -42,7 +43,7 @@ py::array view_of(std::vector<Item>& items, const py::object& owner) {
 
 /// Writes data of the same shape over items. throws vog::Error for another number of rows
 template <class Scalar, class Item>
-void assign(std::vector<Item>& items, const py::handle& data, const std::string& what);
+void assign(BigVector<Item>& items, const py::handle& data, const std::string& what);
 
 /// "(3, 4)".
 std::string shape_text(const py::array& array);

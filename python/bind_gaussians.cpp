@@ -39,7 +39,7 @@ py::array rotation_of(const py::object& self) {
 }
 
 void set_rotation(Gaussians& model, const py::object& data) {
-    std::vector<Quat> rotation = vector_of<Quat, float>(data, "rotation");
+    BigVector<Quat> rotation = vector_of<Quat, float>(data, "rotation");
     if (rotation.size() != model.size())
         throw Error("rotation: " + std::to_string(rotation.size()) + " rows, expected " +
                     std::to_string(model.size()));

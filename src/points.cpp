@@ -93,10 +93,10 @@ std::vector<std::string> point_value_names(const Points& points) {
     return names;
 }
 
-std::vector<float> point_values(const Points& points, const std::string& name) {
-    if (name == "count") return std::vector<float>(points.size(), 1.0f);
+BigVector<float> point_values(const Points& points, const std::string& name) {
+    if (name == "count") return BigVector<float>(points.size(), 1.0f);
     if (name == "speed" && !points.velocity.empty()) {
-        std::vector<float> speed(points.size());
+        BigVector<float> speed(points.size());
         std::ranges::transform(points.velocity, speed.begin(), [](Vec3f v) {
             return static_cast<float>(length(vec_cast<double>(v)));
         });

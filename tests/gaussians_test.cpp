@@ -89,7 +89,7 @@ TEST(gaussians, select_takes_any_in_any_order_and_keeps_the_view) {
     model.cutoff = 3;
     const std::size_t index[] = {4, 0, 4};
     const Gaussians some = select(model, index);
-    EXPECT_EQ(some.density, (std::vector<float>{5, 1, 5}));
+    EXPECT_EQ(some.density, (BigVector<float>{5, 1, 5}));
     EXPECT_EQ(some.rotation[2], model.rotation[4]);
     EXPECT_EQ(some.box, model.box);
     EXPECT_EQ(some.cutoff, 3);

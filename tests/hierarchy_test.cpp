@@ -147,7 +147,7 @@ TEST(hierarchy, nodes_of_uniform_cells_are_the_next_uniform_cells) {
     Gaussians fine = convert_moments(volume, options);
     options.block_voxels = 4;
     const Gaussians coarse = convert_moments(volume, options);
-    const std::vector<Vec3f> order = fine.mean;
+    const BigVector<Vec3f> order = fine.mean;
     const Hierarchy tree = build_hierarchy(fine, {inverse(volume.world_from_index)});
     EXPECT_EQ(fine.mean, order);  // Morton order already
     // Full cells of 4 voxels: eight leaves, half an edge of 2 voxels.

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <span>
 
 #include "convert/point_neighbours.h"
 #include "support/refused_files.h"
@@ -40,7 +41,7 @@ Points clustered(std::size_t count, std::uint32_t seed = 1) {
     return points;
 }
 
-double sum(const std::vector<float>& values) {
+double sum(std::span<const float> values) {
     return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
@@ -103,7 +104,7 @@ TEST(points_convert, neighbour_distances_are_those_of_all_pairs) {
 TEST(points_convert, a_particle_has_its_value_as_mass_where_it_is) {
     const Points points = clustered(3000);
     for (const char* value : {"count", "speed", "mass"}) {
-        const std::vector<float> values = point_values(points, value);
+        const BigVector<float> values = point_values(points, value);
         PointOptions options;
         options.value = value;
         const Gaussians model = convert_points(points, options);
@@ -316,7 +317,7 @@ TEST(points_convert, the_papers_particles_have_their_speed_as_peak) {
     EXPECT_NEAR(model.cutoff, std::sqrt(-2 * std::log(0.01)), 1e-6);
     EXPECT_EQ(model.method, "paper");
     const double voxel = point_voxel_size(points);
-    std::vector<float> peaks = model.density, speeds = point_values(points, "speed");
+    BigVector<float> peaks = model.density, speeds = point_values(points, "speed");
     for (const Vec3f& scale : model.scale)
         EXPECT_NEAR(scale.x, 0.5 * voxel / std::numbers::sqrt2, 1e-6 * voxel);
     std::ranges::sort(peaks);

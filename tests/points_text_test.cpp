@@ -111,7 +111,7 @@ TEST_F(points_text, chemists_files_have_a_count_a_title_and_elements) {
 TEST_F(points_text, three_columns_have_no_speed) {
     const Points points = read("1 2 3\n4 5 6\n");
     EXPECT_TRUE(points.velocity.empty());
-    EXPECT_EQ(point_values(points, "count"), (std::vector<float>{1, 1}));
+    EXPECT_EQ(point_values(points, "count"), (BigVector<float>{1, 1}));
     EXPECT_NE(error_of([&] {
                   point_values(points, "speed");
               }).find("p.xyz: no value named 'speed' (it has: count)"),
@@ -150,7 +150,7 @@ TEST_F(points_text, a_file_without_particles_is_refused) {
 TEST_F(points_text, many_chunks_are_read_as_one) {
     // Lines of very different lengths, comments between: every chunk border is met by something.
     std::string text;
-    std::vector<Vec3d> expected;
+    BigVector<Vec3d> expected;
     std::mt19937 random(5);
     std::uint64_t lines = 0, last_line = 0;
     while (text.size() < 5u << 20) {
@@ -210,10 +210,10 @@ TEST_F(points_text, what_is_written_reads_back_bit_for_bit) {
 TEST_F(points_text, values_go_by_name) {
     const Points points = read("x,y,z,vx,vy,vz,mass\n1,2,3,3,4,0,5\n", "p.csv");
     EXPECT_EQ(point_value_names(points), (Names{"count", "speed", "mass"}));
-    EXPECT_EQ(point_values(points, "speed"), std::vector<float>{5});
-    EXPECT_EQ(point_values(points, "mass"), std::vector<float>{5});
+    EXPECT_EQ(point_values(points, "speed"), BigVector<float>{5});
+    EXPECT_EQ(point_values(points, "mass"), BigVector<float>{5});
     const Points scalar = read("x,y,z,velocity\n1,2,3,7\n", "p.csv");
-    EXPECT_EQ(point_values(scalar, "speed"), std::vector<float>{7});
+    EXPECT_EQ(point_values(scalar, "speed"), BigVector<float>{7});
 }
 
 }  // namespace vog::test

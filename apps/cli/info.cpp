@@ -189,7 +189,7 @@ std::vector<ValueRange> value_ranges(const Points& points) {
     std::vector<ValueRange> ranges;
     for (const std::string& name : point_value_names(points)) {
         if (name == "count") continue;
-        const std::vector<float> values = point_values(points, name);
+        const BigVector<float> values = point_values(points, name);
         const auto [low, high] = std::minmax_element(values.begin(), values.end());
         ranges.push_back({name, *low, *high});
     }

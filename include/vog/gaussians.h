@@ -16,14 +16,15 @@
 #include <vector>
 
 #include "vog/linear.h"
+#include "vog/memory.h"
 
 namespace vog {
 
 struct Gaussians {
-    std::vector<Vec3f> mean;     ///< [N] world units
-    std::vector<Vec3f> scale;    ///< [N] standard deviations along the own axes, > 0, world units
-    std::vector<Quat> rotation;  ///< [N], or empty: every own axis is a world axis
-    std::vector<float> density;  ///< [N] peak, per world unit, >= 0
+    BigVector<Vec3f> mean;     ///< [N] world units
+    BigVector<Vec3f> scale;    ///< [N] standard deviations along the own axes, > 0, world units
+    BigVector<Quat> rotation;  ///< [N], or empty: every own axis is a world axis
+    BigVector<float> density;  ///< [N] peak, per world unit, >= 0
 
     float cutoff = 2.25f;  ///< k: support radius in standard deviations, (0, 8]
 

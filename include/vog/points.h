@@ -8,19 +8,20 @@
 #include <vector>
 
 #include "vog/linear.h"
+#include "vog/memory.h"
 
 namespace vog {
 
 /// One number a particle: a mass, a temperature.
 struct PointAttribute {
     std::string name;
-    std::vector<float> value;  ///< [N]
+    BigVector<float> value;  ///< [N]
 };
 
 /// Particles in world space. Positions are doubles: a box of 50,000 kpc/h keeps its halos.
 struct Points {
-    std::vector<Vec3d> position;  ///< [N]
-    std::vector<Vec3f> velocity;  ///< [N], or empty: not known
+    BigVector<Vec3d> position;  ///< [N]
+    BigVector<Vec3f> velocity;  ///< [N], or empty: not known
     std::vector<PointAttribute> attributes;
     std::string source;  ///< file they came from, for messages and model headers
 
@@ -38,7 +39,7 @@ void validate(const Points& points);
 /// One number a particle by name: "count" (1), "speed" (of the velocity, or the attribute of that
 /// name or "velocity"), or an attribute.
 /// throws vog::Error listing the names if there is none such
-std::vector<float> point_values(const Points& points, const std::string& name);
+BigVector<float> point_values(const Points& points, const std::string& name);
 /// What point_values takes for these particles: "count", "speed", ...
 std::vector<std::string> point_value_names(const Points& points);
 

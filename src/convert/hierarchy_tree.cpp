@@ -88,9 +88,9 @@ std::vector<Place> sorted_places(const Gaussians& model, const Affine& code_from
 }
 
 template <class T>
-void reorder(std::vector<T>& values, const std::vector<Place>& places) {
+void reorder(BigVector<T>& values, const std::vector<Place>& places) {
     if (values.empty()) return;
-    std::vector<T> ordered(values.size());
+    BigVector<T> ordered(values.size());
     for_all(places.size(), [&](std::size_t i) { ordered[i] = values[places[i].index]; });
     values = std::move(ordered);
 }

@@ -29,7 +29,7 @@ struct PointConversion {
     const Points& points;
     const PointOptions& options;
     MomentReport& report;
-    std::vector<float> values;   ///< [N] of the particles
+    BigVector<float> values;     ///< [N] of the particles
     std::vector<double> radius;  ///< [N] standard deviations, world units
     double total = 0;            ///< sum of the values
     PointGrid grid{};            ///< where it is needed
@@ -63,8 +63,8 @@ void check(const PointOptions& options) {
 }
 
 /// Values by name, none below zero, not all of them zero.
-std::vector<float> masses(const Points& points, const std::string& name) {
-    std::vector<float> values = point_values(points, name);
+BigVector<float> masses(const Points& points, const std::string& name) {
+    BigVector<float> values = point_values(points, name);
     const auto negative = std::ranges::find_if(values, [](float value) { return value < 0; });
     if (negative != values.end())
         throw Error(fmt::format("{}: '{}' of particle {} is {}, expected 0 or more", where(points),
@@ -294,7 +294,7 @@ Gaussians convert_points_paper(const Points& points, const std::string& value, d
         throw Error(fmt::format("particles: radius {}, expected more than 0, or 0", radius));
     if (!(kappa > 0 && kappa < 1))
         throw Error(fmt::format("particles: kappa {}, expected in (0, 1)", kappa));
-    const std::vector<float> values = masses(points, value);
+    const BigVector<float> values = masses(points, value);
     const double voxel_size = point_voxel_size(points);
     const double paper_radius = radius > 0 ? radius : 0.5 * voxel_size;
     const LeafOrder order = leaf_order(points, voxel_size);

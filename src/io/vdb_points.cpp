@@ -233,7 +233,7 @@ class PointGridReader {
                                  at * from.codec.bytes());
     }
     /// Positions are kept from the centre of their voxel.
-    void read_places(const Numbers& from, std::size_t leaf, std::vector<Vec3d>& to) const {
+    void read_places(const Numbers& from, std::size_t leaf, BigVector<Vec3d>& to) const {
         const std::size_t count = first_[leaf + 1] - first_[leaf];
         std::size_t n = 0;
         for (std::size_t voxel = 0; voxel < 512; ++voxel) {
@@ -246,7 +246,7 @@ class PointGridReader {
                     world_from_index_(vec_cast<double>(index) + value(from, leaf, n));
         }
     }
-    void read_velocity(const Numbers& from, std::vector<Vec3f>& to) const {
+    void read_velocity(const Numbers& from, BigVector<Vec3f>& to) const {
         to.resize(first_.back());
         for_each_leaf([&](std::size_t leaf) {
             for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n)

@@ -97,7 +97,7 @@ struct Piece {
 constexpr std::uint32_t kWhole = 1 << 14;
 
 template <class T>
-void copy_run(const std::vector<T>& from, const Run& run, std::vector<T>& to, std::size_t slot) {
+void copy_run(const BigVector<T>& from, const Run& run, BigVector<T>& to, std::size_t slot) {
     std::copy(from.begin() + run.first, from.begin() + run.last,
               to.begin() + static_cast<std::ptrdiff_t>(slot));
 }
