@@ -146,8 +146,8 @@ class PricedTree {
         }
     }
     std::size_t count() const { return best_.empty() ? 0 : best_.back()[0].count; }
-    std::vector<Moments> cells() const {
-        std::vector<Moments> cut;
+    PackedCells cells() const {
+        PackedCells cut(tree_.bricks);
         cut.reserve(count());
         if (!best_.empty()) take_cell(best_.size() - 1, 0, cut);
         return cut;
@@ -169,7 +169,7 @@ class PricedTree {
     /// place  of node n in the brick's list
     void take_brick_node(std::size_t b, const BrickSums& sums,
                          const std::array<std::uint8_t, kBrickNodes>& splits, std::size_t n,
-                         std::size_t place, std::vector<Moments>& cut) const {
+                         std::size_t place, PackedCells& cut) const {
         const std::span<const Halves> halves = tree_.halves_of_brick(b);
         const Octants octants = brick_octants(tree_.bricks[b], sums, n);
         const std::size_t inside = first_inside(halves, place);
@@ -183,7 +183,7 @@ class PricedTree {
                 cut.push_back(joined_octants(octants, mask));
         });
     }
-    void take_cell(std::size_t level, std::size_t n, std::vector<Moments>& cut) const {
+    void take_cell(std::size_t level, std::size_t n, PackedCells& cut) const {
         if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
             std::array<std::uint8_t, kBrickNodes> splits{};
             priced_brick(tree_.halves_of_brick(b), 0, price_, splits);
@@ -245,7 +245,7 @@ CutTree cut_tree(const MomentField& field, double scale) {
 
 double cut_scale(double voxel_edge) { return gain_scale(voxel_edge, ColumnDepth::seen); }
 
-std::vector<std::vector<Moments>> best_cut(std::span<const CutTree> trees, std::size_t budget) {
+std::vector<PackedCells> best_cut(std::span<const CutTree> trees, std::size_t budget) {
     double most = 0;
     for (const CutTree& tree : trees) most = std::max(most, double{whole_float(tree.most_gain)});
     const double price = price_of_budget(budget, most, [&](double tried) {
@@ -253,7 +253,7 @@ std::vector<std::vector<Moments>> best_cut(std::span<const CutTree> trees, std::
         for (const CutTree& tree : trees) count += PricedTree(tree, tried).count();
         return count;
     });
-    std::vector<std::vector<Moments>> cuts;
+    std::vector<PackedCells> cuts;
     for (const CutTree& tree : trees) cuts.push_back(PricedTree(tree, price).cells());
     return cuts;
 }

@@ -9,6 +9,7 @@
 
 #include "convert/moment_field.h"
 #include "convert/moment_halves.h"
+#include "convert/packed_cells.h"
 #include "vog/memory.h"
 #include "vog/moments.h"
 
@@ -41,8 +42,8 @@ double cut_scale(double voxel_edge);
 /// At most `budget` cells of all trees together, at least one of each: the cut of most worth at the
 /// price that leaves as many (price_search.h). May fall short of the budget where several splits
 /// are worth the same.
-/// returns for each tree its cells in Morton order of the octree's, means as indices
-std::vector<std::vector<Moments>> best_cut(std::span<const CutTree> trees, std::size_t budget);
+/// returns for each tree its cells in Morton order of the octree's
+std::vector<PackedCells> best_cut(std::span<const CutTree> trees, std::size_t budget);
 
 /// Cells of the finest cut: samples with mass.
 std::size_t finest_count(const CutTree& tree);

@@ -12,7 +12,7 @@ namespace vog {
 namespace {
 
 /// The cells of one size of a level of the octree, and the bricks above it, in Morton order.
-std::vector<Moments> octree_cells(const MomentOctree& octree, int edge_log2) {
+PackedCells octree_cells(const MomentOctree& octree, std::span<const Brick> bricks, int edge_log2) {
     struct Place {
         Vec3i origin;
         std::size_t level, cell;
@@ -25,7 +25,8 @@ std::vector<Moments> octree_cells(const MomentOctree& octree, int edge_log2) {
                 places.push_back({cells[n].origin, level, n});
     }
     std::ranges::sort(places, morton_less, &Place::origin);
-    std::vector<Moments> cells;
+    PackedCells cells(bricks);
+    cells.reserve(places.size());
     for (const Place& place : places) {
         const MomentLevel& level = octree.levels[place.level];
         cells.push_back(cell_moments(level.cells[place.cell], level.edge_log2));
@@ -35,7 +36,7 @@ std::vector<Moments> octree_cells(const MomentOctree& octree, int edge_log2) {
 
 }  // namespace
 
-std::vector<Moments> uniform_cells(const MomentField& field, int block) {
+PackedCells uniform_cells(const MomentField& field, int block) {
     double largest = 1;
     for (const Brick& brick : field.bricks)
         if (brick.leaf) largest = std::max(largest, brick.spacing);
@@ -44,9 +45,10 @@ std::vector<Moments> uniform_cells(const MomentField& field, int block) {
         const int edge_log2 = std::countr_zero(unsigned(block)) + std::ilogb(largest);
         return octree_cells(
             brick_octree(field.bricks, field.world_from_index, std::ldexp(1.0, edge_log2)),
-            edge_log2);
+            field.bricks, edge_log2);
     }
-    std::vector<std::vector<Moments>> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk);
+    const PackedCells none(field.bricks);
+    std::vector<PackedCells> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk, none);
     vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b) {
@@ -64,8 +66,14 @@ std::vector<Moments> uniform_cells(const MomentField& field, int block) {
                     parts[chunk].push_back(cell);
         }
     });
-    std::vector<Moments> cells;
-    for (const auto& part : parts) cells.insert(cells.end(), part.begin(), part.end());
+    PackedCells cells = none;
+    std::size_t count = 0;
+    for (const PackedCells& part : parts) count += part.size();
+    cells.reserve(count);
+    for (PackedCells& part : parts) {
+        cells.append(part);
+        part = PackedCells();
+    }
     return cells;
 }
 

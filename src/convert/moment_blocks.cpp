@@ -1,0 +1,85 @@
+// moment_blocks.cpp: uniform cuts.
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "convert/light_cells.h"
+#include "convert/moment_cells.h"
+#include "convert/moment_conversion.h"
+#include "convert/moment_uniform.h"
+#include "parallel.h"
+
+namespace vog {
+
+namespace {
+
+/// Runs take(node) over one chunk of the volume's nodes.
+template <class Take>
+void for_each_cell_of(const Conversion& job, const std::vector<MomentNode>& nodes,
+                      std::size_t chunk, const Take& take) {
+    const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes.size());
+    for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
+        for_each_cell(job.volume(), nodes[n], job.options.block_voxels, take);
+}
+
+std::size_t chunk_count(const std::vector<MomentNode>& nodes) {
+    return (nodes.size() + kNodeChunk - 1) / kNodeChunk;
+}
+
+/// Hard cells of up to a leaf's edge, straight to Gaussians: the masses first, then every chunk of
+/// leaves writes at its own place, so that nothing but the masses is held besides the result.
+Gaussians small_blocks(Conversion& job) {
+    const std::vector<MomentNode> nodes = morton_nodes(job.volume());
+    std::vector<std::vector<float>> masses(chunk_count(nodes));
+    vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
+        for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
+            masses[chunk].push_back(static_cast<float>(sums.mass));
+        });
+    });
+    LightCells light;
+    for (const auto& part : masses)
+        for (const float mass : part) light.add(mass);
+    light.add_up(job.options.together);
+    const float least = light.least_mass(job.options.mass_threshold);
+    light.tell(job.data_mass, job.report);
+
+    std::vector<std::size_t> first(masses.size() + 1);
+    for (std::size_t chunk = 0; chunk < masses.size(); ++chunk) {
+        const auto stays = [&](float mass) { return mass >= least; };
+        first[chunk + 1] = first[chunk] + static_cast<std::size_t>(std::count_if(
+                                              masses[chunk].begin(), masses[chunk].end(), stays));
+        masses[chunk] = std::vector<float>();  // {} would keep its memory
+    }
+    Gaussians model;
+    resize(model, first.back(), job.options.axis_aligned);
+    const MomentFrame frame = job.frame(job.volume().world_from_index);
+    vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
+        std::size_t i = first[chunk];
+        for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
+            if (static_cast<float>(sums.mass) < least) return;
+            Moments moments = moments_of(sums);
+            moments.mean = moments.mean + center;
+            set_gaussian(model, i++, moments, frame);
+        });
+    });
+    job.end_stage("cells", 1);
+    return model;
+}
+
+}  // namespace
+
+Gaussians block_model(Conversion& job) {
+    const int block = job.options.block_voxels;
+    const bool hard = job.soft_steps() == 0 && job.options.refine_seconds == 0;
+    if (!job.levels && hard && block <= kLeafEdge) return small_blocks(job);
+    const std::vector<MomentField> fields = job.fields();
+    FieldCells cells;
+    for (const MomentField& field : fields) cells.push_back(uniform_cells(field, block));
+    job.end_stage("cells", 0.3);
+    FieldSoftener softener(fields, job.options.refine_seconds > 0);
+    softener.soften(cells, job.soft_steps());
+    job.end_stage("soften", 0.9);
+    return finished(job, fields, softener, std::move(cells));
+}
+
+}  // namespace vog

@@ -1,0 +1,103 @@
+// moment_conversion.h: what the stages of one moment conversion share: what is asked, the cells of
+// all fields, how they are softened and become the model.
+#pragma once
+
+#include <chrono>
+#include <span>
+#include <vector>
+
+#include "convert/budget_search.h"
+#include "convert/moment_error.h"
+#include "convert/moment_field.h"
+#include "convert/moment_soften.h"
+#include "convert/packed_cells.h"
+#include "vog/moments.h"
+
+namespace vog {
+
+/// One conversion: what is asked, and what is to be reported.
+struct Conversion {
+    std::span<const Volume> parts;  ///< volumes that do not overlap
+    Box box;
+    bool levels = false;  ///< parts of levels: of several lattices, under one budget
+    const MomentOptions& options;
+    MomentReport& report;
+    double data_mass = 0;  ///< of all parts, in unit volumes
+    std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+
+    void end_stage(const char* name, double fraction) {
+        const auto now = std::chrono::steady_clock::now();
+        const double ms = std::chrono::duration<double, std::milli>(now - last).count();
+        report.stage_ms.emplace_back(name, ms);
+        last = now;
+        if (options.progress) options.progress(fraction);
+    }
+    int soft_steps() const {
+        if (options.soft_steps >= 0) return options.soft_steps;
+        return options.block_voxels ? 0 : options.budget ? kSoftSteps : kSearchSoftSteps;
+    }
+    const Volume& volume() const { return parts.front(); }
+    MomentFrame frame(const Affine& world_from_index) const {
+        return moment_frame(world_from_index, options.axis_aligned, options.spread);
+    }
+    /// Unit volumes in a voxel of the field's.
+    double voxels_in(const MomentField& field) const {
+        return levels ? field.voxel_volume() / unit_volume() : 1;
+    }
+    /// What masses are in: voxels of the first part, which others may not have.
+    double unit_volume() const {
+        return levels && options.together.sum ? 1 : voxel_volume(volume());
+    }
+    std::vector<MomentField> fields() const {
+        if (levels) return moment_fields(parts);
+        std::vector<MomentField> one;
+        one.push_back(moment_field(volume()));
+        return one;
+    }
+};
+
+/// Cells of every field.
+using FieldCells = std::vector<PackedCells>;
+
+/// The softeners of all fields, and how far each has come.
+class FieldSoftener {
+  public:
+    /// goes_on  steps will follow those of `soften`: what they remember is kept
+    FieldSoftener(std::span<const MomentField> fields, bool goes_on)
+        : steps_(fields.size()), goes_on_(goes_on) {
+        for (const MomentField& field : fields) softeners_.emplace_back(field.bricks);
+    }
+    void step(FieldCells& cells) {
+        for (std::size_t f = 0; f < softeners_.size(); ++f)
+            if (!cells[f].empty()) softeners_[f].step(cells[f], steps_[f]);
+    }
+    /// From hard cells.
+    void soften(FieldCells& cells, int steps) {
+        forget();
+        for (int n = 0; n < steps; ++n) step(cells);
+        if (!goes_on_) forget();
+    }
+
+  private:
+    void forget() { steps_ = std::vector<SoftSteps>(softeners_.size()); }
+
+    std::vector<Softener> softeners_;
+    std::vector<SoftSteps> steps_;
+    bool goes_on_;
+};
+
+/// The model of the cells, without the lightest, which are told in the report.
+Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, FieldCells cells);
+/// That, as it will be written, and its measured error.
+FoundModel judged(Conversion& job, std::span<const MomentField> fields, const ErrorViews& views,
+                  FieldCells cells);
+/// More soft steps while the error falls and there is time, if asked for; then the model.
+Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+                   FieldCells cells);
+
+/// A uniform cut.
+Gaussians block_model(Conversion& job);
+/// The cut of a budget, or the search for an error.
+Gaussians best_model(Conversion& job);
+
+}  // namespace vog

@@ -1,0 +1,61 @@
+// moment_finish.cpp: from cells to the model.
+#include <algorithm>
+#include <utility>
+
+#include "convert/light_cells.h"
+#include "convert/moment_conversion.h"
+
+namespace vog {
+
+Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, FieldCells cells) {
+    LightCells light;
+    const auto mass_of = [&](std::size_t field, std::size_t cell) {
+        return static_cast<float>(cells[field].mass(cell) * job.voxels_in(fields[field]));
+    };
+    for (std::size_t f = 0; f < fields.size(); ++f)
+        for (std::size_t n = 0; n < cells[f].size(); ++n) light.add(mass_of(f, n));
+    light.add_up(job.options.together);
+    const float least = light.least_mass(job.options.mass_threshold);
+    light.tell(job.data_mass, job.report);
+
+    Gaussians model;
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+        cells[f].keep_if([&](std::size_t n) { return mass_of(f, n) >= least; });
+        Gaussians part = std::move(cells[f]).to_gaussians(job.frame(fields[f].world_from_index));
+        if (model.size() == 0)
+            model = std::move(part);
+        else
+            append(model, part);
+    }
+    return model;
+}
+
+FoundModel judged(Conversion& job, std::span<const MomentField> fields, const ErrorViews& views,
+                  FieldCells cells) {
+    FoundModel found{gaussians_of(job, fields, std::move(cells))};
+    found.model.cutoff = kMomentCutoff;
+    found.error = views.measure(found.model);
+    return found;
+}
+
+Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+                   FieldCells cells) {
+    if (job.options.refine_seconds == 0) return gaussians_of(job, fields, std::move(cells));
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + std::chrono::duration<double>(job.options.refine_seconds);
+    const ErrorViews views(job.parts, job.box);
+    FieldCells best = cells;
+    double least = judged(job, fields, views, cells).error;
+    constexpr int kStepsBetween = 4, kPatience = 3;
+    for (int failures = 0; failures < kPatience && Clock::now() < end;) {
+        for (int n = 0; n < kStepsBetween && Clock::now() < end; ++n) softener.step(cells);
+        const double error = judged(job, fields, views, cells).error;
+        failures = error < least ? 0 : failures + 1;
+        if (error < least) best = cells, least = error;
+    }
+    job.report.measured_error = least;
+    job.end_stage("refine", 1);
+    return gaussians_of(job, fields, std::move(best));
+}
+
+}  // namespace vog
