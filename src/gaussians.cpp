@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "memory_pages.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -47,7 +48,10 @@ double mass(const Gaussians& gaussians, std::size_t i) {
 
 double mass(const Gaussians& gaussians) {
     double sum = 0;
-    for (std::size_t i = 0; i < gaussians.size(); ++i) sum += mass(gaussians, i);
+    for (std::size_t i = 0; i < gaussians.size(); ++i) {
+        sum += mass(gaussians, i);
+        keep_memory_at(i);
+    }
     return sum;
 }
 
@@ -93,17 +97,14 @@ void append(Gaussians& gaussians, const Gaussians& other) {
             fmt::format("{}: cutoff {}, expected {} as in {}: models with different kernels "
                         "cannot be one model",
                         other.source, other.cutoff, gaussians.cutoff, gaussians.source));
-    const auto join = [](auto& to, const auto& from) {
-        to.insert(to.end(), from.begin(), from.end());
-    };
     if (!gaussians.axis_aligned() || !other.axis_aligned()) {
-        gaussians.rotation.resize(gaussians.size());
-        join(gaussians.rotation, other.rotation);
-        gaussians.rotation.resize(gaussians.size() + other.size());
+        resize_kept(gaussians.rotation, gaussians.size());
+        append_kept(gaussians.rotation, other.rotation);
+        resize_kept(gaussians.rotation, gaussians.size() + other.size());
     }
-    join(gaussians.mean, other.mean);
-    join(gaussians.scale, other.scale);
-    join(gaussians.density, other.density);
+    append_kept(gaussians.mean, other.mean);
+    append_kept(gaussians.scale, other.scale);
+    append_kept(gaussians.density, other.density);
     gaussians.box.include(other.box);
     gaussians.source_voxels += other.source_voxels;
     if (gaussians.source != other.source) gaussians.source += " + " + other.source;
@@ -147,6 +148,7 @@ void validate(const Gaussians& gaussians) {
     if (!(gaussians.cutoff > 0 && gaussians.cutoff <= 8))
         fail(fmt::format("cutoff {}, expected in (0, 8] standard deviations", gaussians.cutoff));
     for (std::size_t i = 0; i < n; ++i) {
+        keep_memory_at(i);
         const Vec3f s = gaussians.scale[i];
         if (!finite(gaussians.mean[i])) fail(fmt::format("Gaussian {}: its mean is not finite", i));
         if (!finite(s) || !(s.x > 0 && s.y > 0 && s.z > 0))

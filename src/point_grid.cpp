@@ -1,13 +1,13 @@
 // point_grid.cpp: the spacing of particles, their Morton keys, their order.
 #include "point_grid.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
+#include "memory_pages.h"
 #include "parallel.h"
+#include "parallel_sort.h"
 
 namespace vog {
 
@@ -25,21 +25,22 @@ std::uint64_t every_third(std::uint64_t bits) {
 
 /// Particles in the order of key_of(particle), then of their own.
 template <class KeyOf>
-void sort_by_key(std::size_t count, const KeyOf& key_of, std::vector<std::uint64_t>& key,
-                 std::vector<std::uint32_t>& index) {
+void sort_by_key(std::size_t count, const KeyOf& key_of, BigVector<std::uint64_t>& key,
+                 BigVector<std::uint32_t>& index) {
     struct Entry {
         std::uint64_t key;
         std::uint32_t index;
     };
-    std::vector<Entry> entries(count);
+    BigVector<Entry> entries;
+    resize_kept(entries, count);
     vog::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
         entries[n] = {key_of(n), static_cast<std::uint32_t>(n)};
     });
-    tbb::parallel_sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
+    vog::parallel_sort(entries, [](const Entry& a, const Entry& b) {
         return a.key != b.key ? a.key < b.key : a.index < b.index;
     });
-    key.resize(count);
-    index.resize(count);
+    resize_kept(key, count);
+    resize_kept(index, count);
     vog::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
         key[n] = entries[n].key;
         index[n] = entries[n].index;
@@ -66,8 +67,10 @@ double uniform_spacing(const Box& box, std::size_t count) {
 std::size_t occupied_cells(const PointGrid& grid, int level) {
     const int shift = 3 * level;
     std::size_t count = 1;
-    for (std::size_t n = 1; n < grid.size(); ++n)
+    for (std::size_t n = 1; n < grid.size(); ++n) {
         count += grid.key[n] >> shift != grid.key[n - 1] >> shift;
+        keep_memory_at(n);
+    }
     return count;
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
 #include "vog/points.h"
 
@@ -13,11 +12,11 @@ inline constexpr int kKeyBits = 21;
 
 /// Particles in the order of an octree whose cells are aligned with voxels of about one particle.
 struct PointGrid {
-    Vec3d origin;                      ///< world position of the octree's lower corner
-    double voxel_size = 1;             ///< world units
-    int root_log2 = 0;                 ///< the root's edge is 2^root_log2 voxels
-    std::vector<std::uint64_t> key;    ///< [N], sorted; x the most significant of each three bits
-    std::vector<std::uint32_t> index;  ///< [N] of the particle with this key
+    Vec3d origin;                    ///< world position of the octree's lower corner
+    double voxel_size = 1;           ///< world units
+    int root_log2 = 0;               ///< the root's edge is 2^root_log2 voxels
+    BigVector<std::uint64_t> key;    ///< [N], sorted; x the most significant of each three bits
+    BigVector<std::uint32_t> index;  ///< [N] of the particle with this key
 
     std::size_t size() const { return key.size(); }
     /// Position of the n-th in order, in voxels from the origin.
@@ -32,9 +31,9 @@ PointGrid point_grid(const Points& points);
 /// The order of a PointDataGrid with this voxel size: leaf by leaf, voxel by voxel, then as given.
 /// Voxel [0, 0, 0] has its lower corner at the lower corner of all.
 struct LeafOrder {
-    Vec3d origin;                      ///< world position of the centre of voxel [0, 0, 0]
-    std::vector<std::uint64_t> key;    ///< [N], sorted: root's child, its child, leaf, voxel
-    std::vector<std::uint32_t> index;  ///< [N] of the particle
+    Vec3d origin;                    ///< world position of the centre of voxel [0, 0, 0]
+    BigVector<std::uint64_t> key;    ///< [N], sorted: root's child, its child, leaf, voxel
+    BigVector<std::uint32_t> index;  ///< [N] of the particle
     static constexpr int kLeafBits = 9;
 
     /// Voxel of a key.

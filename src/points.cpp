@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "memory_pages.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -29,7 +30,10 @@ const PointAttribute* speed_attribute(const Points& points) {
 
 Box bounds(const Points& points) {
     Box box;
-    for (const Vec3d& p : points.position) box.include(p);
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        box.include(points.position[n]);
+        keep_memory_at(n);
+    }
     return box;
 }
 
@@ -46,13 +50,10 @@ void append(Points& points, const Points& other) {
         throw Error(fmt::format("{}: has {}, expected those of {}: {}", where(other),
                                 fmt::join(point_value_names(other), ", "), where(points),
                                 fmt::join(point_value_names(points), ", ")));
-    const auto join = [](auto& to, const auto& from) {
-        to.insert(to.end(), from.begin(), from.end());
-    };
-    join(points.position, other.position);
-    join(points.velocity, other.velocity);
+    append_kept(points.position, other.position);
+    append_kept(points.velocity, other.velocity);
     for (std::size_t n = 0; n < points.attributes.size(); ++n)
-        join(points.attributes[n].value, other.attributes[n].value);
+        append_kept(points.attributes[n].value, other.attributes[n].value);
 }
 
 void validate(const Points& points) {
@@ -71,16 +72,17 @@ void validate(const Points& points) {
             refuse(fmt::format("the position of particle {} is not finite", n));
         if (!points.velocity.empty() && !finite(points.velocity[n]))
             refuse(fmt::format("the velocity of particle {} is not finite", n));
+        keep_memory_at(n);
     }
     for (const PointAttribute& attribute : points.attributes) {
         if (attribute.value.size() != count)
             refuse(fmt::format("{} values of '{}' for {} particles", attribute.value.size(),
                                attribute.name, count));
-        const auto bad = std::ranges::find_if_not(attribute.value,
-                                                  [](float value) { return std::isfinite(value); });
-        if (bad != attribute.value.end())
-            refuse(fmt::format("'{}' of particle {} is not finite", attribute.name,
-                               bad - attribute.value.begin()));
+        for (std::size_t n = 0; n < count; ++n) {
+            if (!std::isfinite(attribute.value[n]))
+                refuse(fmt::format("'{}' of particle {} is not finite", attribute.name, n));
+            keep_memory_at(n);
+        }
     }
 }
 
@@ -94,20 +96,26 @@ std::vector<std::string> point_value_names(const Points& points) {
 }
 
 BigVector<float> point_values(const Points& points, const std::string& name) {
-    if (name == "count") return BigVector<float>(points.size(), 1.0f);
-    if (name == "speed" && !points.velocity.empty()) {
-        BigVector<float> speed(points.size());
-        std::ranges::transform(points.velocity, speed.begin(), [](Vec3f v) {
-            return static_cast<float>(length(vec_cast<double>(v)));
+    BigVector<float> values;
+    values.reserve(points.size());
+    const auto take = [&](const auto& value_of) {
+        for (std::size_t n = 0; n < points.size(); ++n) {
+            values.push_back(value_of(n));
+            keep_memory_at(n);
+        }
+        return values;
+    };
+    if (name == "count") return take([](std::size_t) { return 1.0f; });
+    if (name == "speed" && !points.velocity.empty())
+        return take([&](std::size_t n) {
+            return static_cast<float>(length(vec_cast<double>(points.velocity[n])));
         });
-        return speed;
-    }
     const PointAttribute* attribute =
         name == "speed" ? speed_attribute(points) : find_attribute(points, name);
     if (!attribute)
         throw Error(fmt::format("{}: no value named '{}' (it has: {})", where(points), name,
                                 fmt::join(point_value_names(points), ", ")));
-    return attribute->value;
+    return take([&](std::size_t n) { return attribute->value[n]; });
 }
 
 }  // namespace vog

@@ -83,12 +83,12 @@ TEST(points_convert, neighbour_distances_are_those_of_all_pairs) {
     std::mt19937 random(2);
     std::normal_distribution<float> normal;
     for (const std::size_t count : {2u, 7u, 8u, 9u, 65u, 700u}) {
-        std::vector<Vec3f> places(count);
+        BigVector<Vec3f> places(count);
         for (std::size_t n = 0; n < count; ++n)
             places[n] = n % 3 == 2 ? places[n - 1]  // some in one place
                                    : Vec3f{normal(random), 9 * normal(random), normal(random)};
         for (const int k : {1, 2, 8, 31, 64}) {
-            const std::vector<float> found = neighbour_distances(places, k);
+            const BigVector<float> found = neighbour_distances(places, k);
             for (std::size_t n = 0; n < count; ++n) {
                 std::vector<float> all;
                 for (std::size_t other = 0; other < count; ++other)

@@ -137,11 +137,14 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     double volume_mass = 0;
     for (const Volume& volume : volumes) volume_mass += mass(volume);
     MomentTotals totals;
-    const auto add = [&](const Gaussians& part, const MomentReport& one, double part_mass) {
-        append(model, part);
+    const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
         totals.add(one, part_mass);
         if (one.measured_error > moments.error && !moments.block_voxels && !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
+        if (model.size() == 0 && model.source.empty())
+            model = std::move(part);
+        else
+            append(model, part);
     };
     stages.run("convert", [&] {
         MomentReport one;

@@ -134,9 +134,9 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
 
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
                    const std::string& grid) {
-    Points points;
-    for (const std::string& file : files)
-        append(points, read_points(file, {options.columns, grid}));
+    Points points = read_points(files.front(), {options.columns, grid});
+    for (std::size_t n = 1; n < files.size(); ++n)
+        append(points, read_points(files[n], {options.columns, grid}));
     return points;
 }
 

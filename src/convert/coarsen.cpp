@@ -42,9 +42,9 @@ Lattice lattice_of(const Gaussians& model) {
 }
 
 /// Mean, mass and covariance after the cut; those without mass are left out.
-std::vector<Particle> particles_of(const Gaussians& model, const Lattice& lattice) {
+BigVector<Particle> particles_of(const Gaussians& model, const Lattice& lattice) {
     const double variance_share = variance_within(model.cutoff) / (lattice.length * lattice.length);
-    std::vector<Particle> all(model.size());
+    BigVector<Particle> all(model.size());
     vog::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
         all[i].place = (1 / lattice.length) * (vec_cast<double>(model.mean[i]) - lattice.origin);
         all[i].mass = static_cast<float>(mass(model, i) / lattice.mass);
@@ -56,7 +56,7 @@ std::vector<Particle> particles_of(const Gaussians& model, const Lattice& lattic
     return all;
 }
 
-Gaussians model_of(const Gaussians& source, const std::vector<Moments>& cells,
+Gaussians model_of(const Gaussians& source, const BigVector<Moments>& cells,
                    const Lattice& lattice) {
     const double edge = lattice.length;
     MomentFrame frame =
@@ -88,7 +88,7 @@ std::vector<Gaussians> coarsen(const Gaussians& model, std::span<const std::size
             results.push_back(model);
             continue;
         }
-        std::vector<Moments> cells;
+        BigVector<Moments> cells;
         if (!tree.particles.empty()) cells = best_cut(tree, budget);
         results.push_back(model_of(model, cells, lattice));
         results.back().options +=

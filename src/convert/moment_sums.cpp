@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "memory_pages.h"
+
 namespace vog {
 
 Moments moments_of(const MomentSums& sums) {
@@ -104,10 +106,10 @@ MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, doub
 }
 
 void resize(Gaussians& model, std::size_t count, bool axis_aligned) {
-    model.mean.resize(count);
-    model.scale.resize(count);
-    model.density.resize(count);
-    if (!axis_aligned) model.rotation.resize(count);
+    resize_kept(model.mean, count);
+    resize_kept(model.scale, count);
+    resize_kept(model.density, count);
+    if (!axis_aligned) resize_kept(model.rotation, count);
 }
 
 void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,

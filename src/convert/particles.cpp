@@ -14,6 +14,7 @@
 #include "convert/moment_error.h"
 #include "convert/point_neighbours.h"
 #include "convert/point_tree.h"
+#include "memory_pages.h"
 #include "parallel.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
@@ -29,10 +30,10 @@ struct PointConversion {
     const Points& points;
     const PointOptions& options;
     MomentReport& report;
-    BigVector<float> values;     ///< [N] of the particles
-    std::vector<double> radius;  ///< [N] standard deviations, world units
-    double total = 0;            ///< sum of the values
-    PointGrid grid{};            ///< where it is needed
+    BigVector<float> values;   ///< [N] of the particles
+    BigVector<double> radius;  ///< [N] standard deviations, world units
+    double total = 0;          ///< sum of the values
+    PointGrid grid{};          ///< where it is needed
     std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
 
     bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
@@ -65,20 +66,22 @@ void check(const PointOptions& options) {
 /// Values by name, none below zero, not all of them zero.
 BigVector<float> masses(const Points& points, const std::string& name) {
     BigVector<float> values = point_values(points, name);
-    const auto negative = std::ranges::find_if(values, [](float value) { return value < 0; });
-    if (negative != values.end())
-        throw Error(fmt::format("{}: '{}' of particle {} is {}, expected 0 or more", where(points),
-                                name, negative - values.begin(), *negative));
-    if (std::ranges::none_of(values, [](float value) { return value > 0; }))
-        throw Error(fmt::format("{}: '{}' is 0 for all particles", where(points), name));
+    bool any = false;
+    for (std::size_t n = 0; n < values.size(); ++n) {
+        if (values[n] < 0)
+            throw Error(fmt::format("{}: '{}' of particle {} is {}, expected 0 or more",
+                                    where(points), name, n, values[n]));
+        any |= values[n] > 0;
+        keep_memory_at(n);
+    }
+    if (!any) throw Error(fmt::format("{}: '{}' is 0 for all particles", where(points), name));
     return values;
 }
 
 /// Distances to the k-th neighbour: each finds those of its share, which are looked for longest.
-std::vector<float> shared_distances(const std::vector<Vec3f>& places, int k,
-                                    const Together& together) {
+BigVector<float> shared_distances(const BigVector<Vec3f>& places, int k, const Together& together) {
     if (together.count == 1) return neighbour_distances(places, k);
-    const std::vector<float> mine = neighbour_distances(places, k, together.index, together.count);
+    const BigVector<float> mine = neighbour_distances(places, k, together.index, together.count);
     std::vector<double> all(mine.begin(), mine.end());
     together.add_up(all);
     return {all.begin(), all.end()};
@@ -86,16 +89,21 @@ std::vector<float> shared_distances(const std::vector<Vec3f>& places, int k,
 
 /// Half the distance to the k-th neighbour. A Gaussian of this width has about as many neighbours
 /// within its support as a particle of smoothed-particle hydrodynamics.
-std::vector<double> adaptive_radii(const PointConversion& job) {
+BigVector<double> adaptive_radii(const PointConversion& job) {
     constexpr double kShare = 0.5;
     const PointGrid& grid = job.grid;
-    std::vector<Vec3f> places(grid.size());
+    BigVector<Vec3f> places;
+    resize_kept(places, grid.size());
     vog::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
         places[n] = vec_cast<float>(grid.place(job.points, n));
     });
-    const std::vector<float> distance =
+    const BigVector<float> distance =
         shared_distances(places, job.options.neighbours, job.options.together);
-    const float largest = *std::ranges::max_element(distance);
+    float largest = 0;
+    for (std::size_t n = 0; n < distance.size(); ++n) {
+        largest = std::max(largest, distance[n]);
+        keep_memory_at(n);
+    }
     if (!(largest > 0))
         throw Error(fmt::format(
             "{}: {}, so there is no spacing for an adaptive radius, expected a constant one "
@@ -106,7 +114,8 @@ std::vector<double> adaptive_radii(const PointConversion& job) {
                 : fmt::format("all {} particles lie in one place", job.points.size())));
     // Where more than k particles coincide: what single precision resolves in the whole.
     const double least = std::ldexp(1.0, grid.root_log2 - 20);
-    std::vector<double> radius(grid.size());
+    BigVector<double> radius;
+    resize_kept(radius, grid.size());
     vog::parallel_for(std::size_t{0}, radius.size(), [&](std::size_t n) {
         radius[grid.index[n]] =
             std::max(kShare * static_cast<double>(distance[n]), least) * grid.voxel_size;
@@ -122,9 +131,12 @@ Box view_box_of(const Points& points) {
 
 /// One Gaussian a particle, those without mass left out.
 Gaussians all_particles(const PointConversion& job) {
-    std::vector<std::uint32_t> kept;
-    for (std::size_t n = 0; n < job.values.size(); ++n)
+    BigVector<std::uint32_t> kept;
+    kept.reserve(job.values.size());
+    for (std::size_t n = 0; n < job.values.size(); ++n) {
         if (job.values[n] > 0) kept.push_back(static_cast<std::uint32_t>(n));
+        keep_memory_at(n);
+    }
     Gaussians model;
     model.cutoff = kMomentCutoff;
     model.box = view_box_of(job.points);
@@ -143,11 +155,12 @@ Gaussians all_particles(const PointConversion& job) {
 }
 
 /// The particles with mass in the grid's order and units, masses by `mass_unit`.
-std::vector<Particle> grid_particles(const PointConversion& job, double mass_unit) {
+BigVector<Particle> grid_particles(const PointConversion& job, double mass_unit) {
     const PointGrid& grid = job.grid;
-    std::vector<Particle> particles;
+    BigVector<Particle> particles;
     particles.reserve(grid.size());
     for (std::size_t n = 0; n < grid.size(); ++n) {
+        keep_memory();
         const std::uint32_t from = grid.index[n];
         if (!(job.values[from] > 0)) continue;
         const double radius = job.radius[from] / grid.voxel_size;
@@ -160,17 +173,19 @@ std::vector<Particle> grid_particles(const PointConversion& job, double mass_uni
 }
 
 /// Cells of block_voxels: particles whose keys agree from there on.
-std::vector<Moments> uniform_cells(const PointConversion& job, double mass_unit) {
+BigVector<Moments> uniform_cells(const PointConversion& job, double mass_unit) {
     const PointGrid& grid = job.grid;
     const int level =
         kKeyBits - grid.root_log2 + std::countr_zero(unsigned(job.options.block_voxels));
     const auto cell_of = [&](std::size_t n) {
         return 3 * level >= 64 ? 0 : grid.key[n] >> (3 * level);
     };
-    const std::vector<Particle> particles = grid_particles(job, mass_unit);
-    std::vector<Moments> cells, inside;
+    const BigVector<Particle> particles = grid_particles(job, mass_unit);
+    BigVector<Moments> cells;
+    std::vector<Moments> inside;
     std::size_t particle = 0;
     for (std::size_t n = 0; n < grid.size(); ++n) {
+        keep_memory();
         if (job.values[grid.index[n]] > 0)
             inside.push_back(particle_moments(particles[particle++]));
         if (n + 1 < grid.size() && cell_of(n + 1) == cell_of(n)) continue;
@@ -180,15 +195,20 @@ std::vector<Moments> uniform_cells(const PointConversion& job, double mass_unit)
     return cells;
 }
 
-Gaussians gaussians_of(PointConversion& job, const std::vector<Moments>& cells, double mass_unit) {
+Gaussians gaussians_of(PointConversion& job, const BigVector<Moments>& cells, double mass_unit) {
     LightCells light;
-    for (const Moments& cell : cells) light.add(static_cast<float>(cell.mass));
+    for (std::size_t n = 0; n < cells.size(); ++n) {
+        light.add(static_cast<float>(cells[n].mass));
+        keep_memory_at(n);
+    }
     const float least = light.least_mass(job.options.mass_threshold);
     light.tell(job.total / mass_unit, job.report);
-    std::vector<std::uint32_t> kept;
-    for (std::size_t n = 0; n < cells.size(); ++n)
+    BigVector<std::uint32_t> kept;
+    for (std::size_t n = 0; n < cells.size(); ++n) {
         if (static_cast<float>(cells[n].mass) >= least)
             kept.push_back(static_cast<std::uint32_t>(n));
+        keep_memory_at(n);
+    }
 
     const double edge = job.grid.voxel_size;
     const Affine world_from_grid{{{Vec3d{edge, 0, 0}, {0, edge, 0}, {0, 0, edge}}},
@@ -263,15 +283,18 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     PointConversion job{
         points, options, report ? *report : unwanted, masses(points, options.value), {}};
     job.report = {};
-    for (const float value : job.values) job.total += value;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        job.total += job.values[n];
+        keep_memory_at(n);
+    }
     job.end_stage("check", 0.05);
 
     if (options.radius == 0 || job.cuts()) {
         job.grid = point_grid(points);
         job.end_stage("sort", 0.2);
     }
-    job.radius = options.radius > 0 ? std::vector<double>(points.size(), options.radius)
-                                    : adaptive_radii(job);
+    job.radius =
+        options.radius > 0 ? BigVector<double>(points.size(), options.radius) : adaptive_radii(job);
     job.end_stage("radii", 0.5);
 
     Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 
+#include "memory_pages.h"
 #include "parallel.h"
 
 // The inner loops, also compiled for AVX2 and chosen at run time: the same operations in the same
@@ -65,14 +66,15 @@ Bounds bounds_of(const Boxes& boxes) {
 
 struct Tree {
     std::size_t count = 0;
-    std::vector<Group> groups;
-    std::vector<std::vector<Boxes>> levels;  ///< [0]: boxes of groups, eight to an entry; ...
+    BigVector<Group> groups;
+    std::vector<BigVector<Boxes>> levels;  ///< [0]: boxes of groups, eight to an entry; ...
 };
 
 /// Boxes of the `things`, eight to an entry.
 template <class Thing>
-std::vector<Boxes> boxes_of(const std::vector<Thing>& things) {
-    std::vector<Boxes> boxes((things.size() + kGroup - 1) / kGroup);
+BigVector<Boxes> boxes_of(const BigVector<Thing>& things) {
+    BigVector<Boxes> boxes;
+    resize_kept(boxes, (things.size() + kGroup - 1) / kGroup);
     vog::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t n) {
         for (std::size_t lane = 0; lane < kGroup; ++lane) {
             const std::size_t thing = n * kGroup + lane;
@@ -86,14 +88,16 @@ std::vector<Boxes> boxes_of(const std::vector<Thing>& things) {
     return boxes;
 }
 
-Tree tree_of(const std::vector<Vec3f>& places) {
+Tree tree_of(const BigVector<Vec3f>& places) {
     Tree tree;
     tree.count = places.size();
-    tree.groups.resize((places.size() + kGroup - 1) / kGroup);
-    for (std::size_t n = 0; n < tree.groups.size() * kGroup; ++n)
+    resize_kept(tree.groups, (places.size() + kGroup - 1) / kGroup);
+    for (std::size_t n = 0; n < tree.groups.size() * kGroup; ++n) {
         for (int axis = 0; axis < 3; ++axis)
             tree.groups[n / kGroup].at[static_cast<std::size_t>(axis)][n % kGroup] =
                 n < places.size() ? places[n][axis] : kNowhere;
+        keep_memory_at(n);
+    }
     tree.levels.push_back(boxes_of(tree.groups));
     while (tree.levels.back().size() > 1) tree.levels.push_back(boxes_of(tree.levels.back()));
     return tree;
@@ -182,10 +186,10 @@ class GroupSearch {
 
 }  // namespace
 
-std::vector<float> neighbour_distances(const std::vector<Vec3f>& places, int k, int share,
-                                       int shares) {
+BigVector<float> neighbour_distances(const BigVector<Vec3f>& places, int k, int share, int shares) {
     const int others = static_cast<int>(std::min<std::size_t>(places.size() - 1, kMostNeighbours));
-    std::vector<float> distances(places.size(), 0.0f);
+    BigVector<float> distances;
+    resize_kept(distances, places.size());
     k = std::min(k, others);
     if (k < 1) return distances;
     const Tree tree = tree_of(places);

@@ -1,8 +1,6 @@
 // point_neighbours.h: how far the k-th neighbour of each particle is.
 #pragma once
 
-#include <vector>
-
 #include "point_grid.h"
 
 namespace vog {
@@ -13,7 +11,7 @@ inline constexpr int kMostNeighbours = 64;
 /// there are no k others: to the farthest. The same for any number of threads.
 /// places  of the grid's particles, in voxels
 /// share, shares  for those of this share alone, 0 for the others: the shares' results add up
-std::vector<float> neighbour_distances(const std::vector<Vec3f>& places, int k, int share = 0,
-                                       int shares = 1);
+BigVector<float> neighbour_distances(const BigVector<Vec3f>& places, int k, int share = 0,
+                                     int shares = 1);
 
 }  // namespace vog

@@ -6,6 +6,7 @@
 
 #include "convert/moment_gain.h"
 #include "convert/price_search.h"
+#include "memory_pages.h"
 #include "parallel.h"
 
 namespace vog {
@@ -40,15 +41,17 @@ Vec3d longest_axis(Mat3 matrix) {
 }
 
 /// Parts the particles of a node at their mean, across their longest axis.
-void part(std::vector<Particle>& particles, PointNode& node) {
+void part(BigVector<Particle>& particles, PointNode& node) {
     const auto begin = particles.begin() + node.first, end = particles.begin() + node.last;
     node.middle = node.first + 1;
     if (node.last - node.first == 2) return;
     double mass = 0;
     Vec3d mean;
+    std::size_t turns = 0;
     for (auto particle = begin; particle != end; ++particle) {
         mass += particle->mass;
         mean = mean + double{particle->mass} * particle->place;
+        keep_memory_at(++turns);
     }
     mean = (1 / mass) * mean;
     std::array<double, 6> c{};
@@ -57,11 +60,14 @@ void part(std::vector<Particle>& particles, PointNode& node) {
         const double m = particle->mass;
         c[0] += m * d.x * d.x, c[1] += m * d.x * d.y, c[2] += m * d.x * d.z;
         c[3] += m * d.y * d.y, c[4] += m * d.y * d.z, c[5] += m * d.z * d.z;
+        keep_memory_at(++turns);
     }
     const Vec3d axis =
         longest_axis({{Vec3d{c[0], c[1], c[2]}, {c[1], c[3], c[4]}, {c[2], c[4], c[5]}}});
-    const auto middle = std::partition(
-        begin, end, [&](const Particle& p) { return dot(p.place - mean, axis) < 0; });
+    const auto middle = std::partition(begin, end, [&](const Particle& p) {
+        keep_memory_at(++turns);
+        return dot(p.place - mean, axis) < 0;
+    });
     // Particles in one place are parted by number.
     node.middle = middle == begin || middle == end
                       ? node.first + (node.last - node.first) / 2
@@ -80,6 +86,7 @@ void build_nodes(PointTree& tree) {
         const std::size_t begin = generations.back(), end = tree.nodes.size();
         vog::parallel_for(begin, end, [&](std::size_t n) { part(tree.particles, tree.nodes[n]); });
         for (std::size_t n = begin; n < end; ++n) {
+            keep_memory_at(n);
             tree.nodes[n].first_child = static_cast<std::uint32_t>(tree.nodes.size());
             for (const Half& half : halves(tree.nodes[n]))
                 if (half.is_node()) {
@@ -120,7 +127,8 @@ void set_moments(PointTree& tree, PointNode& node) {
 /// The best cut at a price (price_search.h): what each node is worth, 0 where it stays whole.
 class PricedPoints {
   public:
-    PricedPoints(const PointTree& tree, double price) : tree_(tree), best_(tree.nodes.size()) {
+    PricedPoints(const PointTree& tree, double price) : tree_(tree) {
+        resize_kept(best_, tree.nodes.size());
         for (std::size_t g = tree.generations.size() - 1; g-- > 0;)
             vog::parallel_for(tree.generations[g], tree.generations[g + 1], [&](std::size_t n) {
                 Best best{double{tree.nodes[n].gain} - price, 0};
@@ -132,8 +140,8 @@ class PricedPoints {
             });
     }
     std::size_t count() const { return best_.front().count; }
-    std::vector<Moments> cells() const {
-        std::vector<Moments> cut;
+    BigVector<Moments> cells() const {
+        BigVector<Moments> cut;
         cut.reserve(count());
         take({tree_.nodes[0].first, tree_.nodes[0].last, 0}, cut);
         return cut;
@@ -144,7 +152,8 @@ class PricedPoints {
         double worth = 0;
         std::uint32_t count = 0;
     };
-    void take(const Half& part, std::vector<Moments>& cut) const {
+    void take(const Half& part, BigVector<Moments>& cut) const {
+        keep_memory();
         if (!part.is_node() || !(best_[part.node].worth > 0))
             cut.push_back(half_moments(tree_, part));
         else
@@ -152,7 +161,7 @@ class PricedPoints {
     }
 
     const PointTree& tree_;
-    std::vector<Best> best_;
+    BigVector<Best> best_;
 };
 
 }  // namespace
@@ -163,7 +172,7 @@ Moments particle_moments(const Particle& particle) {
     return moments;
 }
 
-PointTree point_tree(std::vector<Particle> particles) {
+PointTree point_tree(BigVector<Particle> particles) {
     PointTree tree;
     tree.particles = std::move(particles);
     build_nodes(tree);
@@ -173,10 +182,13 @@ PointTree point_tree(std::vector<Particle> particles) {
     return tree;
 }
 
-std::vector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
+BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
     if (tree.nodes.empty()) return {particle_moments(tree.particles.front())};
     float most = 0;
-    for (const PointNode& node : tree.nodes) most = std::max(most, node.gain);
+    for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
+        most = std::max(most, tree.nodes[n].gain);
+        keep_memory_at(n);
+    }
     const double price = price_of_budget(
         budget, double{most}, [&](double tried) { return PricedPoints(tree, tried).count(); });
     return PricedPoints(tree, price).cells();

@@ -32,17 +32,17 @@ struct PointNode {
 };
 
 struct PointTree {
-    std::vector<Particle> particles;          ///< a node's are contiguous
-    std::vector<PointNode> nodes;             ///< root first, parents before children; none for one
+    BigVector<Particle> particles;            ///< a node's are contiguous
+    BigVector<PointNode> nodes;               ///< root first, parents before children; none for one
     std::vector<std::size_t> generations{0};  ///< where each begins, and the end
 };
 
 /// The same for any number of threads.
 /// cost  O(N log N) time, 120 bytes a particle
-PointTree point_tree(std::vector<Particle> particles);
+PointTree point_tree(BigVector<Particle> particles);
 
 /// At most `budget` nodes and particles, in the order of the tree; means in voxels from the grid's
 /// origin.
-std::vector<Moments> best_cut(const PointTree& tree, std::size_t budget);
+BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget);
 
 }  // namespace vog

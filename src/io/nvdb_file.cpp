@@ -156,7 +156,7 @@ void NvdbFile::read_segment() {
 }
 
 NanoBuffer NvdbFile::load(const NvdbEntry& entry) {
-    const std::vector<char> packed = file_.range(entry.begin, entry.end);
+    const BigVector<char> packed = file_.range(entry.begin, entry.end);
     NanoBuffer grid(entry.grid_bytes);
     MemoryBytes in(packed, where(entry), entry.begin);
     switch (entry.codec) {

@@ -13,6 +13,7 @@
 #include "io/points_columns.h"
 #include "io/points_files.h"
 #include "io/text_fields.h"
+#include "memory_pages.h"
 #include "parallel.h"
 #include "vog/error.h"
 
@@ -197,9 +198,9 @@ std::string ChunkReader::fault(std::string_view line) const {
 }
 
 void resize(Points& points, std::uint64_t count, const PointColumns& columns) {
-    points.position.resize(count);
-    if (columns.has_velocity) points.velocity.resize(count);
-    for (PointAttribute& attribute : points.attributes) attribute.value.resize(count);
+    resize_kept(points.position, count);
+    if (columns.has_velocity) resize_kept(points.velocity, count);
+    for (PointAttribute& attribute : points.attributes) resize_kept(attribute.value, count);
 }
 
 /// Moves the chunks' particles together: comments and empty lines left gaps.
@@ -212,6 +213,7 @@ void close_gaps(Points& points, const std::vector<Chunk>& chunks, const ChunkRea
                 values.begin() + static_cast<std::ptrdiff_t>(reader.first_particle(chunk));
             const auto count = static_cast<std::ptrdiff_t>(chunk.particles);
             to = to == from ? from + count : std::move(from, from + count, to);
+            keep_memory();
         }
     };
     close(points.position);

@@ -41,8 +41,8 @@ class VdbFile {
     std::uint32_t version() const { return version_; }
     const std::vector<VdbEntry>& entries() const { return entries_; }
     /// The bytes of a grid: head, tree topology, voxel values.
-    std::vector<char> bytes(const VdbEntry& entry) { return bytes(entry.begin, entry.end); }
-    std::vector<char> bytes(std::uint64_t begin, std::uint64_t end) {
+    BigVector<char> bytes(const VdbEntry& entry) { return bytes(entry.begin, entry.end); }
+    BigVector<char> bytes(std::uint64_t begin, std::uint64_t end) {
         return file_.range(begin, end);
     }
     /// The same, read as needed. One at a time, and no bytes() meanwhile.

@@ -70,7 +70,7 @@ std::optional<TreeLayout> layout_of(const std::string& tree_type, openvdb::TypeL
 LoadedGrid load_own_tree(VdbFile& file, const VdbEntry& entry) {
     LoadedGrid loaded;
     loaded.has_points = entry.tree_type == kPointTree;
-    const std::vector<char> bytes = file.bytes(entry);
+    const BigVector<char> bytes = file.bytes(entry);
     MemoryBytes in(bytes, file.where(entry), entry.begin);
     loaded.head = read_vdb_head(in);
 
@@ -150,7 +150,7 @@ LoadedGrid load_grid(VdbFile& file, const VdbEntry& entry) {
         const VdbEntry& owner = tree_owner(file, entry);
         LoadedGrid loaded = load_own_tree(file, owner);
         if (&owner != &entry) {
-            const std::vector<char> bytes = file.bytes(entry);
+            const BigVector<char> bytes = file.bytes(entry);
             MemoryBytes in(bytes, file.where(entry), entry.begin);
             loaded.head = read_vdb_head(in);
         }

@@ -87,7 +87,7 @@ void VdbLeaves::walk() {
 
 /// Tiles come from OpenVDB's own tree, whose leaves stay empty.
 void VdbLeaves::read_topology(std::uint64_t tree_begin, std::uint64_t end) {
-    const std::vector<char> bytes = file_.bytes(tree_begin, end);
+    const BigVector<char> bytes = file_.bytes(tree_begin, end);
     const openvdb::GridBase::Ptr grid =
         read_vdb_topology(bytes, tree_type_, file_.version(), storage_);
     tile_census_ = tiles_from_grid(*grid, tiles_);
@@ -133,7 +133,7 @@ void VdbLeaves::read_leaves(const GridT& grid, std::span<const std::uint32_t> nu
         look_in();
         const std::uint64_t begin = wanted[first].spot->buffer;
         const Spot& back = *wanted[last - 1].spot;
-        const std::vector<char> bytes = file_.bytes(begin, back.buffer + back.bytes);
+        const BigVector<char> bytes = file_.bytes(begin, back.buffer + back.bytes);
         census = Census::sum(
             census,
             tbb::parallel_reduce(

@@ -12,6 +12,7 @@
 #include "io/vdb_point_codecs.h"
 #include "io/vdb_volume.h"
 #include "io/vdb_walk.h"
+#include "memory_pages.h"
 #include "parallel.h"
 
 namespace vog {
@@ -30,10 +31,10 @@ struct Packed {
 /// The values of one attribute as stored, leaf after leaf.
 struct StoredColumn {
     std::vector<std::size_t> first;  ///< [leaf]: offset of its values in `bytes`
-    std::vector<char> bytes;
+    BigVector<char> bytes;           ///< empty until it is unpacked
 };
 
-void unpack(const std::vector<Packed>& packed, std::vector<char>& bytes, const MemoryBytes& in) {
+void unpack(std::span<const Packed> packed, std::span<char> bytes, const MemoryBytes& in) {
     vog::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t n) {
         const Packed& p = packed[n];
         if (!p.blosc) {
@@ -64,11 +65,12 @@ class PointPasses {
     }
     StoredColumn unpacked(std::size_t column) const {
         StoredColumn stored = columns_[column];
+        resize_kept(stored.bytes, total_[column]);
         unpack(packed_[column], stored.bytes, in_);
         return stored;
     }
     /// Where the points of each of a leaf's voxels end: [leaf][512].
-    const std::vector<std::array<std::uint32_t, 512>>& ends() const { return ends_; }
+    const BigVector<std::array<std::uint32_t, 512>>& ends() const { return ends_; }
 
   private:
     /// Page headers of a column, and the place of each leaf's values.
@@ -102,18 +104,17 @@ class PointPasses {
         total_.push_back(total);
     }
     void voxel_ends() {
-        ends_.resize(tree_.leaves.size());
+        resize_kept(ends_, tree_.leaves.size());
         constexpr std::uint64_t kMaskBytes = 64, kEndBytes = 512 * 4;
         constexpr std::uint16_t kNotPacked = 0xffff;
         for (auto& ends : ends_) {
             in_.take(kMaskBytes);
             const auto size = in_.number<std::uint16_t>();
             const char* from = in_.take(size == kNotPacked ? kEndBytes : size);
-            std::vector<char> bytes(kEndBytes);
-            unpack(
-                {{{from, size == kNotPacked ? kEndBytes : size}, 0, kEndBytes, size != kNotPacked}},
-                bytes, in_);
-            std::memcpy(ends.data(), bytes.data(), kEndBytes);
+            const Packed packed{
+                {from, size == kNotPacked ? kEndBytes : size}, 0, kEndBytes, size != kNotPacked};
+            unpack({&packed, 1}, {reinterpret_cast<char*>(ends.data()), kEndBytes}, in_);
+            keep_memory();
         }
     }
     /// Finds the bytes of a column's pages, or of its leaves where they are not paged.
@@ -142,7 +143,6 @@ class PointPasses {
         constexpr std::uint64_t kMostPacked = 4096;
         if (total_[column] / kMostPacked > stored)
             in_.fail("corrupt: more points than its bytes can hold");
-        columns_[column].bytes.resize(total_[column]);
     }
     static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // of a leaf
 
@@ -152,7 +152,7 @@ class PointPasses {
     std::vector<std::vector<Packed>> packed_;
     std::vector<std::size_t> sizes_, total_;
     std::size_t next_size_ = 0;
-    std::vector<std::array<std::uint32_t, 512>> ends_;
+    BigVector<std::array<std::uint32_t, 512>> ends_;
 };
 
 /// A column that can be particles' numbers.
@@ -178,7 +178,7 @@ class PointGridReader {
         const Numbers places = numbers(column_named("P"));
         if (places.codec.components != 3) in_.fail("has positions 'P' that are no vectors");
         Points points;
-        points.position.resize(first_.back());
+        resize_kept(points.position, first_.back());
         for_each_leaf([&](std::size_t leaf) { read_places(places, leaf, points.position); });
 
         for (std::size_t column = 0; column < passes_.columns(); ++column) {
@@ -247,7 +247,7 @@ class PointGridReader {
         }
     }
     void read_velocity(const Numbers& from, BigVector<Vec3f>& to) const {
-        to.resize(first_.back());
+        resize_kept(to, first_.back());
         for_each_leaf([&](std::size_t leaf) {
             for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n)
                 to[n] = vec_cast<float>(value(from, leaf, n - first_[leaf]));
@@ -255,7 +255,7 @@ class PointGridReader {
     }
     /// Other vectors count by their length.
     void read_attribute(const Numbers& from, PointAttribute& to) const {
-        to.value.resize(first_.back());
+        resize_kept(to.value, first_.back());
         for_each_leaf([&](std::size_t leaf) {
             for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n) {
                 const Vec3d v = value(from, leaf, n - first_[leaf]);
@@ -306,7 +306,7 @@ Points read_points_vdb(const std::filesystem::path& path, const PointReadOptions
     if (!entry.parent.empty())
         throw Error(fmt::format("{}: shares the tree of another grid, expected its own", where));
     return with_vdb_errors(where, [&] {
-        const std::vector<char> bytes = file.bytes(entry);
+        const BigVector<char> bytes = file.bytes(entry);
         MemoryBytes in(bytes, where, entry.begin);
         const VdbHead head = read_vdb_head(in);
         if (!head.world_from_index)

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "io/atomic_file.h"
+#include "memory_pages.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -40,13 +41,19 @@ void FileBytes::seek(std::uint64_t position) {
 
 const char* FileBytes::take(std::uint64_t count) {
     if (count > size_ - position_) fail_short(count, size_ - position_);
-    taken_.resize(count);
-    if (!stream_.read(taken_.data(), static_cast<std::streamsize>(count))) fail("cannot be read");
+    resize_kept(taken_, count);
+    constexpr std::uint64_t kStep = 1 << 20;
+    for (std::uint64_t at = 0; at < count; at += kStep) {
+        const std::uint64_t bytes = std::min(kStep, count - at);
+        if (!stream_.read(taken_.data() + at, static_cast<std::streamsize>(bytes)))
+            fail("cannot be read");
+        keep_memory();
+    }
     position_ += count;
     return taken_.data();
 }
 
-std::vector<char> FileBytes::range(std::uint64_t begin, std::uint64_t end) {
+BigVector<char> FileBytes::range(std::uint64_t begin, std::uint64_t end) {
     seek(begin);
     take(end - begin);
     return std::move(taken_);

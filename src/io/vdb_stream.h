@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "vog/memory.h"
+
 namespace vog {
 
 /// Little-endian bytes, in order. A read past the end throws vog::Error.
@@ -53,12 +55,12 @@ class FileBytes : public ByteSource {
     bool at_end() const override { return position_ == size_; }
     std::uint64_t size() const { return size_; }
     void seek(std::uint64_t position);
-    std::vector<char> range(std::uint64_t begin, std::uint64_t end);
+    BigVector<char> range(std::uint64_t begin, std::uint64_t end);
 
   private:
     std::ifstream stream_;
     std::uint64_t size_ = 0, position_ = 0;
-    std::vector<char> taken_;
+    BigVector<char> taken_;
 };
 
 /// A part of a file, read through a window that moves along; what is skipped beyond it is not read.
@@ -79,7 +81,7 @@ class FileRange : public ByteSource {
     FileBytes& file_;
     std::uint64_t position_, end_;
     std::uint64_t window_begin_ = 0;
-    std::vector<char> window_;
+    BigVector<char> window_;
 };
 
 /// Bytes in memory that lay at `file_offset` of a file.

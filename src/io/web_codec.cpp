@@ -35,8 +35,10 @@ std::vector<std::uint32_t> morton_order(const Gaussians& model) {
         kept.push_back(static_cast<std::uint32_t>(i));
     }
     if (kept.empty()) return kept;
-    std::vector<std::uint32_t> order = point_grid(means).index;
-    for (std::uint32_t& n : order) n = kept[n];
+    const PointGrid grid = point_grid(means);
+    std::vector<std::uint32_t> order;
+    order.reserve(grid.size());
+    for (const std::uint32_t n : grid.index) order.push_back(kept[n]);
     return order;
 }
 
