@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "level_clip.h"
+#include "memory_pages.h"
 #include "parallel.h"
 #include "vog/error.h"
 
@@ -44,6 +45,8 @@ class LevelCut {
         map.translation = map({shift, shift, shift});
         for (Vec3d& row : map.linear.row) row = (1.0 / pieces_) * row;
 
+        // Room at once: arrays that grow are copied whole.
+        part.whole.leaves.reserve(level_.leaves.size());
         std::vector<Leaf> of_tiles;
         for (const Tile& tile : level_.tiles) cut_tile(tile, part, of_tiles);
         cut_leaves(level_.leaves, part);
@@ -87,14 +90,15 @@ class LevelCut {
     };
 
     void cut_leaves(std::span<const Leaf> leaves, LevelPart& part) const {
-        // Batches bound what is held twice.
-        constexpr std::size_t kBatch = 4096;
+        // Batches bound what is held twice: a leaf and up to eight of pieces, 19 kB.
+        constexpr std::size_t kBatch = 512;
         std::vector<LeafPart> cut;
         for (std::size_t first = 0; first < leaves.size(); first += kBatch) {
             cut.assign(std::min(kBatch, leaves.size() - first), {});
             vog::parallel_for(std::size_t{0}, cut.size(),
                               [&](std::size_t n) { cut_leaf(leaves[first + n], cut[n]); });
             for (LeafPart& leaf : cut) {
+                keep_memory();
                 if (leaf.whole.active_count() > 0) part.whole.leaves.push_back(leaf.whole);
                 part.pieces.leaves.insert(part.pieces.leaves.end(), leaf.pieces.begin(),
                                           leaf.pieces.end());

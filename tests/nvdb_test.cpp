@@ -12,10 +12,12 @@
 #include <limits>
 
 #include "support/data.h"
+#include "support/larger_than_memory.h"
 #include "support/random_volume.h"
 #include "vog/error.h"
 #include "vog/nvdb.h"
 #include "vog/openvdb.h"
+#include "vog/vdb.h"
 
 namespace vog {
 namespace {
@@ -321,6 +323,15 @@ TEST(nvdb, shared_children_do_not_multiply) {
     for (std::uint32_t n = 0; n < 32768; ++n) upper.data()->setChild(n, &lower);
     write(folder / "a.nvdb", handle);
     expect_says(refusal(folder / "a.nvdb"), "nodes that overlap");
+}
+
+class nvdb_larger_than_memory : public test::LargerThanMemory {};
+
+// 40,000 leaves: 84 MB in the file, unpacked, and as a volume.
+TEST_F(nvdb_larger_than_memory, a_grid_makes_the_same_model) {
+    must("sample cloud cloud.vdb --size 512");
+    vog::write(dir_ / "cloud.nvdb", nano(grid_from_volume(read_vdb(dir_ / "cloud.vdb"))));
+    expect_same("cloud.nvdb", "--block 8", 144);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstring>
 
+#include "memory_pages.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -167,7 +168,12 @@ NanoBuffer NvdbFile::load(const NvdbEntry& entry) {
             unpack_blosc(in, grid);
             break;
         default:
-            std::copy_n(in.take(grid.size()), grid.size(), reinterpret_cast<char*>(grid.data()));
+            for (std::size_t at = 0; at < grid.size(); keep_memory()) {
+                constexpr std::size_t kStep = 1 << 20;
+                const std::size_t bytes = std::min(kStep, grid.size() - at);
+                std::memcpy(grid.data() + at, in.take(bytes), bytes);
+                at += bytes;
+            }
     }
     if (!in.at_end()) in.fail("corrupt: bytes left after the grid");
     check_header(grid, where(entry));

@@ -4,10 +4,13 @@
 #include <fmt/core.h>
 
 #include <cstdint>
+#include <mutex>
+#include <set>
 #include <type_traits>
 #include <vector>
 
 #include "io/nvdb_file.h"
+#include "memory_pages.h"
 #include "parallel.h"
 #include "vog/error.h"
 
@@ -42,8 +45,9 @@ class NanoReader {
     };
 
   public:
-    NanoReader(const NanoBuffer& buffer, const std::string& where)
-        : buffer_(buffer), where_(where) {}
+    /// leaves  takes them, in place of the grid; null: the grid does
+    NanoReader(const NanoBuffer& buffer, const std::string& where, NanoLeaves* leaves)
+        : buffer_(buffer), where_(where), volume_leaves_(leaves) {}
 
     typename GridT::Ptr read() {
         const auto& header = node<nanovdb::GridData>(0);
@@ -60,15 +64,18 @@ class NanoReader {
         const auto grid =
             std::static_pointer_cast<GridT>(openvdb::GridBase::createGrid(GridT::gridType()));
         grid->tree().root().setBackground(convert<Value>(table.mBackground), false);
+        std::set<openvdb::Coord> origins;
         for (std::uint32_t i = 0; i < table.mTableSize; ++i) {
             const auto& tile = *table.tile(i);
+            if (!origins.insert(to_coord(tile.origin())).second)
+                fail("two entries of its root in one place");
             if (tile.isChild())
                 read_upper(child<Upper>(root_at, tile.child), tile.origin(), grid->tree());
             else
                 add_tile(grid->tree(), 3, tile.origin(), tile.value, tile.isActive());
         }
         check_nodes(header);
-        add_leaves(grid->tree());
+        volume_leaves_ ? take_leaves() : add_leaves(grid->tree());
         return grid;
     }
 
@@ -142,6 +149,35 @@ class NanoReader {
         });
     }
 
+    /// Those with active voxels, sorted by origin.
+    void take_leaves() {
+        const auto is_empty = [](const Placed& placed) { return placed.leaf->valueMask().isOff(); };
+        std::erase_if(leaves_, is_empty);
+        std::ranges::sort(leaves_, {},
+                          [](const Placed& placed) { return to_coord(placed.origin); });
+        resize_kept(volume_leaves_->leaves, leaves_.size());
+        std::mutex mutex;
+        constexpr std::size_t kLeavesPerTask = 64;
+        vog::parallel_for(tbb::blocked_range<std::size_t>(0, leaves_.size(), kLeavesPerTask),
+                          [&](const auto& range) {
+                              Census census;
+                              for (std::size_t i = range.begin(); i < range.end(); ++i)
+                                  take_leaf(i, census);
+                              const std::lock_guard lock(mutex);
+                              volume_leaves_->census = Census::sum(volume_leaves_->census, census);
+                          });
+    }
+    void take_leaf(std::size_t i, Census& census) const {
+        const auto& [from, origin] = leaves_[i];
+        Leaf& leaf = volume_leaves_->leaves[i];
+        leaf.origin = from_coord(to_coord(origin));
+        for (std::uint32_t n = 0; n < NanoLeafT::SIZE; ++n)
+            if (from->valueMask().isOn(n))
+                leaf.set(
+                    static_cast<int>(n),
+                    census.admit(density(convert<Value>(from->getValue(n))), i * kLeafVoxels + n));
+    }
+
     template <class TreeT>
     void add_leaves(TreeT& tree) const {
         std::vector<LeafT*> leaves(leaves_.size());
@@ -177,7 +213,10 @@ class NanoReader {
             return;
         }
         std::vector<std::uint32_t> sums;
-        const auto add = [&](const auto& one) { sums.push_back(crc32(&one, sizeof one)); };
+        const auto add = [&](const auto& one) {
+            keep_memory();
+            sums.push_back(crc32(&one, sizeof one));
+        };
         for (const Upper* upper : uppers_) add(*upper);
         for (const Lower* lower : lowers_) add(*lower);
         for (const Placed& placed : leaves_) add(*placed.leaf);
@@ -194,6 +233,7 @@ class NanoReader {
         std::vector<std::uint32_t> sums((buffer_.size() - kBegin) / kBlock);
         for (std::size_t i = 0; i < sums.size(); ++i) {
             const std::size_t at = kBegin + i * kBlock;
+            keep_memory();
             const bool last = i + 1 == sums.size();  // takes the remainder too
             sums[i] = crc32(buffer_.data() + at, last ? buffer_.size() - at : kBlock);
         }
@@ -203,6 +243,7 @@ class NanoReader {
     static constexpr std::uint32_t kNoChecksum = ~std::uint32_t{0};
     const NanoBuffer& buffer_;
     const std::string& where_;
+    NanoLeaves* volume_leaves_;
     std::uint64_t node_bytes_ = 0;
     std::vector<const Upper*> uppers_;
     std::vector<const Lower*> lowers_;
@@ -218,11 +259,12 @@ bool is_scalar(nanovdb::GridType type) {
     return false;
 }
 
-openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& buffer, const std::string& where) {
+openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& buffer, const std::string& where,
+                                      NanoLeaves* leaves) {
     using nanovdb::GridType;
     const auto& header = *reinterpret_cast<const nanovdb::GridData*>(buffer.data());
     const auto read = [&]<class Build, class GridT>() -> openvdb::GridBase::Ptr {
-        return NanoReader<Build, GridT>(buffer, where).read();
+        return NanoReader<Build, GridT>(buffer, where, leaves).read();
     };
     const auto read_typed = [&]() -> openvdb::GridBase::Ptr {
         switch (header.mGridType) {

@@ -6,6 +6,7 @@
 
 #include "io/nvdb_file.h"
 #include "io/nvdb_grid.h"
+#include "io/vdb_density.h"
 #include "io/vdb_volume.h"
 #include "vog/nvdb.h"
 
@@ -38,6 +39,33 @@ const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
                     file.name(), scalar.size(), list));
 }
 
+/// Straight from the file's leaves: OpenVDB's tree has the tiles alone.
+Volume density_of(const NanoBuffer& buffer, const std::string& where, bool mask, VdbNotes& notes) {
+    NanoLeaves from;
+    const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where, &from);
+    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
+        throw Error(fmt::format(
+            "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+    Volume volume;
+    volume.world_from_index = nano_transform(buffer);
+    check_transform(volume.world_from_index, where);
+    volume.leaves = std::move(from.leaves);
+    const Census tiles = tiles_from_grid(*grid, volume);
+    check_census(from.census, tiles, volume.leaves, volume.tiles, where, notes);
+    if (mask) {
+        keep_positive(volume);
+        notes = {};
+    }
+    return volume;
+}
+
+Volume fog_of_level_set(const NanoBuffer& buffer, const std::string& where, bool mask,
+                        VdbNotes& notes) {
+    const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where);
+    level_set_to_fog(*grid, where);
+    return density_from_grid(*grid, nano_transform(buffer), where, notes, mask);
+}
+
 }  // namespace
 
 std::vector<std::string> nvdb_grid_names(const std::filesystem::path& path) {
@@ -55,16 +83,10 @@ Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, V
     const std::string where = file.where(entry);
     return with_vdb_errors(where, [&] {
         const NanoBuffer buffer = file.load(entry);
-        const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where);
-        if (options.level_set_to_fog)
-            level_set_to_fog(*grid, where);
-        else if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
-            throw Error(fmt::format(
-                "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
-
         VdbNotes found;
-        Volume volume =
-            density_from_grid(*grid, nano_transform(buffer), where, found, options.mask);
+        Volume volume = options.level_set_to_fog
+                            ? fog_of_level_set(buffer, where, options.mask, found)
+                            : density_of(buffer, where, options.mask, found);
         if (volume.empty())
             throw Error(fmt::format("{}: no active voxels{}", where,
                                     options.mask ? " above 0, expected a mask" : ""));
