@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Volumes larger than memory: `vog sample cloud --size N` converted in memory and under --memory, one after
+# Data larger than memory: `vog sample cloud --size N`, and (N / 4)^3 particles, converted in memory and under --memory, one after
 # the other: wall time and the most memory held, measured by the kernel. Prints a Markdown table.
 #
 # usage: bench/memory.sh [VOG, default build/release/apps/cli/vog] [SIZE, default 1024] [FOLDER for data, default
@@ -16,11 +16,12 @@ else
     cd "$folder"
 fi
 [[ -f cloud$size.vdb ]] || "$vog" sample cloud "cloud$size.vdb" --size "$size" >&2
+[[ -f particles$size.xyz ]] || "$vog" sample particles "particles$size.xyz" --size $((size / 4)) >&2
 
-convert() {  # options: "seconds megabytes" of the faster of two runs
+convert() {  # input, options: "seconds megabytes" of the faster of two runs
     local best='' report
     for _ in 1 2; do
-        report=$("$vog" convert "cloud$size.vdb" -o model.ply --json "$@" 2>/dev/null | python3 -c '
+        report=$("$vog" convert "$@" -o model.ply --json 2>/dev/null | python3 -c '
 import json, sys
 report = json.load(sys.stdin)
 print("%.2f %.0f" % (sum(report["ms"].values()) / 1e3, report["peak_memory"] / 1e6))')
@@ -29,20 +30,22 @@ print("%.2f %.0f" % (sum(report["ms"].values()) / 1e3, report["peak_memory"] / 1
     echo "$best"
 }
 
-echo "| cut of \`cloud$size\` | in memory | | \`--memory\` | | | time against in memory |"
-echo "|---|---|---|---|---|---|---|"
-while read -r memory cut; do
-    read -r free_s free_mb <<<"$(convert $cut)"
+echo "| input | cut | in memory | | \`--memory\` | | | time against in memory |"
+echo "|---|---|---|---|---|---|---|---|"
+while read -r input memory cut; do
+    read -r free_s free_mb <<<"$(convert "$input" $cut)"
     cp model.ply free.ply
-    read -r bound_s bound_mb <<<"$(convert $cut --memory "$memory" --scratch .)"
+    read -r bound_s bound_mb <<<"$(convert "$input" $cut --memory "$memory" --scratch .)"
     cmp model.ply free.ply >&2  # the same bytes, or an error
     ratio=$(awk "BEGIN{printf \"%.2f\", $bound_s / $free_s}")
-    echo "| \`${cut:---error 0.03}\` | $free_s s | $free_mb MB | $memory | $bound_s s | $bound_mb MB | ${ratio}x |"
-done <<'CASES'
-2G --block 2
-2G --block 4
-300M --block 4
-2G --budget 300000
-700M --budget 300000
-2G
+    echo "| \`$input\` | \`${cut:---error 0.03}\` | $free_s s | $free_mb MB | $memory | $bound_s s | $bound_mb MB | ${ratio}x |"
+done <<CASES
+cloud$size.vdb 2G --block 2
+cloud$size.vdb 2G --block 4
+cloud$size.vdb 300M --block 4
+cloud$size.vdb 2G --budget 300000
+cloud$size.vdb 700M --budget 300000
+cloud$size.vdb 2G
+particles$size.xyz 700M --no-hierarchy
+particles$size.xyz 700M --budget 160000
 CASES
