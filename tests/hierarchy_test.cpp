@@ -41,6 +41,26 @@ struct Sums {
 // of them, summed over a few thousand, by a few 1e-7 of the largest.
 constexpr double kFloat = 2e-6;
 
+/// Leaves and nodes below node n.
+struct Below {
+    std::vector<std::size_t> leaves, nodes;
+};
+Below below(const Hierarchy& tree, std::size_t n) {
+    Below all;
+    std::vector<std::size_t> open{n};
+    while (!open.empty()) {
+        const std::size_t at = open.back();
+        open.pop_back();
+        for (std::size_t k = 0; k < tree.leaf_count[at]; ++k)
+            all.leaves.push_back(tree.first_leaf[at] + k);
+        for (std::size_t k = 0; k < tree.node_count[at]; ++k) {
+            all.nodes.push_back(tree.first_node[at] + k);
+            open.push_back(all.nodes.back());
+        }
+    }
+    return all;
+}
+
 /// Moments of every node are those of its leaves; of an axis-aligned model, but for off-diagonals.
 void expect_moments_of_leaves(const Gaussians& model, const Hierarchy& tree) {
     double extent = 0;
@@ -50,7 +70,7 @@ void expect_moments_of_leaves(const Gaussians& model, const Hierarchy& tree) {
     for (std::size_t n = 0; n < tree.size(); ++n) {
         Sums node, leaves;
         node.add(tree.nodes, n);
-        for (std::uint32_t i = 0; i < tree.count[n]; ++i) leaves.add(model, tree.first[n] + i);
+        for (const std::size_t i : below(tree, n).leaves) leaves.add(model, i);
         const double tolerance = kFloat * leaves.mass;
         ASSERT_NEAR(node.mass, leaves.mass, tolerance) << n;
         for (int a = 0; a < 3; ++a) {
@@ -76,39 +96,32 @@ void expect_balls_that_hold(const Gaussians& model, const Hierarchy& tree) {
             return length(vec_cast<double>(of.mean[i]) - center) + reach(of, i) <= tree.radius[n];
         };
         EXPECT_TRUE(holds(tree.nodes, n)) << n;
-        for (std::uint32_t i = 0; i < tree.count[n]; ++i)
-            EXPECT_TRUE(holds(model, tree.first[n] + i)) << n;
-        for (std::size_t below = n + 1; below < tree.end[n]; ++below) {
-            EXPECT_TRUE(holds(tree.nodes, below)) << n;
-            EXPECT_GE(tree.error[n], tree.error[below]);
+        const Below all = below(tree, n);
+        for (const std::size_t i : all.leaves) EXPECT_TRUE(holds(model, i)) << n;
+        for (const std::size_t node : all.nodes) {
+            EXPECT_TRUE(holds(tree.nodes, node)) << n;
+            EXPECT_GE(tree.error[n], tree.error[node]);
         }
     }
 }
 
-/// No leaf is lost, no node has a single child or too many.
+/// No leaf is lost, no node has a single child or too many, and all lie level by level: children of
+/// one node behind those of the node before.
 void expect_a_tree(const Gaussians& model, const Hierarchy& tree) {
     validate(tree, model.size(), model.cutoff, "tree");
+    EXPECT_TRUE(in_one_order(tree));
     ASSERT_GT(tree.size(), 0u);
-    EXPECT_EQ(tree.first[0], 0u);
-    EXPECT_EQ(tree.count[0], model.size());
-    EXPECT_EQ(tree.end[0], tree.size());
+    std::size_t node = 1, leaf = 0;  // the root is the first
     for (std::size_t n = 0; n < tree.size(); ++n) {
-        std::size_t children = 0, next = tree.first[n];
-        for_each_child(
-            tree, n,
-            [&](std::size_t i) {
-                EXPECT_EQ(i, next++);
-                ++children;
-            },
-            [&](std::size_t child) {
-                EXPECT_EQ(tree.first[child], next);
-                next += tree.count[child];
-                ++children;
-            });
-        EXPECT_EQ(next, tree.first[n] + tree.count[n]);
-        EXPECT_GE(children, 2u);
-        EXPECT_LE(children, 8u);
+        EXPECT_EQ(tree.first_node[n], node);
+        EXPECT_EQ(tree.first_leaf[n], leaf);
+        node += tree.node_count[n];
+        leaf += tree.leaf_count[n];
+        EXPECT_GE(tree.node_count[n] + tree.leaf_count[n], 2);
+        EXPECT_LE(tree.node_count[n] + tree.leaf_count[n], 8);
     }
+    EXPECT_EQ(node, tree.size());
+    EXPECT_EQ(leaf, model.size());
 }
 
 }  // namespace
@@ -128,14 +141,14 @@ TEST(hierarchy, nodes_have_the_moments_of_what_is_below_for_random_models) {
 }
 
 TEST(hierarchy, large_models_are_trees_too) {
-    // Above the size of a task, where subtrees are built side by side.
+    // Levels of more nodes than a task has.
     Gaussians model = random_gaussians(90000, 1e-3, 0.01, 5);
     const Hierarchy tree = build_hierarchy(model);
     expect_a_tree(model, tree);
     for (const std::size_t n : {std::size_t{0}, tree.size() / 3, tree.size() - 1}) {
-        double below = 0;
-        for (std::uint32_t i = 0; i < tree.count[n]; ++i) below += mass(model, tree.first[n] + i);
-        EXPECT_NEAR(mass(tree.nodes, n), below, kFloat * below);
+        double leaves = 0;
+        for (const std::size_t i : below(tree, n).leaves) leaves += mass(model, i);
+        EXPECT_NEAR(mass(tree.nodes, n), leaves, kFloat * leaves);
     }
 }
 
@@ -147,19 +160,20 @@ TEST(hierarchy, nodes_of_uniform_cells_are_the_next_uniform_cells) {
     Gaussians fine = convert_moments(volume, options);
     options.block_voxels = 4;
     const Gaussians coarse = convert_moments(volume, options);
-    const BigVector<Vec3f> order = fine.mean;
     const Hierarchy tree = build_hierarchy(fine, {inverse(volume.world_from_index)});
-    EXPECT_EQ(fine.mean, order);  // Morton order already
     // Full cells of 4 voxels: eight leaves, half an edge of 2 voxels.
     const double half_edge = 2 * length(volume.world_from_index.linear.column(0));
     std::size_t full = 0, next = 0;
     for (std::size_t n = 0; n < tree.size(); ++n) {
-        if (tree.count[n] != 8 || std::abs(tree.error[n] - half_edge) > 1e-5 * half_edge) continue;
+        if (tree.leaf_count[n] != 8 || std::abs(tree.error[n] - half_edge) > 1e-5 * half_edge)
+            continue;
         const auto at = [&](std::size_t c) {
             return length(vec_cast<double>(coarse.mean[c]) - vec_cast<double>(tree.nodes.mean[n]));
         };
-        while (next < coarse.size() && at(next) > 1e-5) ++next;
-        ASSERT_LT(next, coarse.size()) << "node " << n << " is none of the coarser cells";
+        // Both lie along one curve, but for the levels, of which each begins anew.
+        for (std::size_t tried = 0; tried < coarse.size() && at(next) > 1e-5; ++tried)
+            next = (next + 1) % coarse.size();
+        ASSERT_LE(at(next), 1e-5) << "node " << n << " is none of the coarser cells";
         EXPECT_NEAR(mass(tree.nodes, n), mass(coarse, next), 1e-5 * mass(coarse, next));
         ++full;
     }
@@ -207,9 +221,8 @@ TEST(hierarchy, is_the_same_for_any_number_of_threads) {
     Gaussians many = model, single = model;
     const Hierarchy a = build(many, 8), b = build(single, 1);
     EXPECT_EQ(many.mean, single.mean);
-    EXPECT_EQ(a.first, b.first);
-    EXPECT_EQ(a.count, b.count);
-    EXPECT_EQ(a.end, b.end);
+    EXPECT_EQ(a.node_count, b.node_count);
+    EXPECT_EQ(a.leaf_count, b.leaf_count);
     EXPECT_EQ(a.nodes.mean, b.nodes.mean);
     EXPECT_EQ(a.nodes.scale, b.nodes.scale);
     EXPECT_EQ(a.nodes.rotation, b.nodes.rotation);
@@ -226,6 +239,7 @@ TEST(hierarchy, joined_models_have_joined_hierarchies) {
     append(model, other);
     append(tree, Hierarchy{}, model.size());
     validate(tree, model.size(), model.cutoff, "joined");
+    EXPECT_FALSE(in_one_order(tree));
     expect_moments_of_leaves(model, tree);
     expect_balls_that_hold(model, tree);
 }
@@ -249,12 +263,31 @@ TEST(hierarchy, what_is_none_is_refused_by_its_first_wrong_node) {
         return text.find(part) != std::string::npos;
     };
     EXPECT_EQ(error_of([](Hierarchy&) {}), "no error");
-    EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.count[0] = 201; }), "node 0"));
-    EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.first[3] = 0xffffffff; }), "node 3"));
-    EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.count[3] = 1; }), "2 or more"));
-    EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.count[3] = 0xffffffff; }), "node 3"));
-    EXPECT_NE(error_of([](Hierarchy& t) { std::swap(t.first[2], t.first[t.size() - 1]); }),
-              "no error");
+    const auto last = good.size() - 1;
+    EXPECT_TRUE(
+        contains(error_of([&](Hierarchy& t) { t.leaf_count[last] = 255; }), "the model's 200"));
+    EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.node_count[0] = 255; }), "node 0"));
+    EXPECT_TRUE(
+        contains(error_of([&](Hierarchy& t) { t.node_count[last] = 0, t.leaf_count[last] = 1; }),
+                 "2 or more"));
+    EXPECT_TRUE(
+        contains(error_of([&](Hierarchy& t) { t.leaf_count.assign(t.size(), 0); }), "2 or more"));
+    // Not in one order.
+    const auto error_as_it_is = [&](const auto& spoil) {
+        Hierarchy tree = good;
+        spoil(tree);
+        try {
+            validate(tree, model.size(), model.cutoff, "memory");
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string("no error");
+    };
+    EXPECT_TRUE(contains(error_as_it_is([](Hierarchy& t) { t.first_node[0] = 0; }), "behind it"));
+    EXPECT_TRUE(contains(error_as_it_is([](Hierarchy& t) { t.first_node[2] = t.first_node[1]; }),
+                         "no other's"));
+    EXPECT_TRUE(contains(error_as_it_is([&](Hierarchy& t) { t.first_leaf[last] = 0xffffffff; }),
+                         "no other's"));
     EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.radius[5] = -1; }), "node 5"));
     EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.error[5] = NAN; }), "node 5"));
     EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.nodes.scale[7].y = 0; }), "scales"));

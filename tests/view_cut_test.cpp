@@ -99,6 +99,29 @@ TEST(view_cut, what_is_left_out_never_changes_a_pixel) {
     EXPECT_GT(left_out, cameras().size());
 }
 
+/// Also where leaves of one model lie between those of others, and some are no node's.
+TEST(view_cut, joined_models_are_drawn_in_one_order) {
+    Tree all = tree_of(random_gaussians(5000, 0.002, 0.05, 64));
+    for (const std::uint64_t seed : {65, 66}) {
+        const Tree other = tree_of(random_gaussians(5000, 0.002, 0.05, seed));
+        append(all.hierarchy, other.hierarchy, all.model.size());
+        append(all.model, other.model);
+        append(all.model, random_gaussians(20, 0.01, 0.1, seed + 2));
+    }
+    validate(all.hierarchy, all.model.size(), all.model.cutoff, "joined");
+    for (const Camera& camera : cameras()) {
+        EXPECT_EQ(draw(all, camera, 60, 90, {0, true}).depth,
+                  render_splat(all.model, camera, 60, 90).depth);
+        EXPECT_EQ(draw(all, camera, 60, 90, {4, true}).depth,
+                  draw(all, camera, 60, 90, {4, false}).depth);
+    }
+    ViewCut cut(all.model, all.hierarchy);
+    for (const double pixel_error : {0.3, 5.0, 1e9})
+        EXPECT_NEAR(mass(cut.choose(frame_of(cameras()[0], 50, 50), {pixel_error, false})) /
+                        mass(all.model),
+                    1, 1e-6);
+}
+
 TEST(view_cut, has_the_mass_of_the_model) {
     for (const std::uint64_t seed : {54, 55, 56}) {
         const Tree tree = tree_of(random_gaussians(5000, 1e-3, 0.1, seed));

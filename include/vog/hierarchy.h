@@ -17,14 +17,14 @@
 
 namespace vog {
 
-/// A forest over a model's Gaussians, its leaves. A node stands for the leaves first ... first +
-/// count - 1. Nodes are in depth-first order, so what is below node n is also the nodes n + 1 ...
-/// end[n] - 1; leaves of a node that are in none of these are children of its own.
+/// A forest over a model's Gaussians, its leaves. Nodes lie level by level, and so do leaves, those
+/// of one size side by side: what a view draws is read in long runs.
 struct Hierarchy {
-    Gaussians nodes;                   ///< [M] mass, mean and covariance of the leaves below
-    std::vector<std::uint32_t> first;  ///< [M] leaf
-    std::vector<std::uint32_t> count;  ///< [M] leaves, >= 2
-    std::vector<std::uint32_t> end;    ///< [M] the next node that is not below; > n
+    Gaussians nodes;  ///< [M] mass, mean and covariance of the leaves below
+    /// [M] children of node n: the nodes first_node[n] ... first_node[n] + node_count[n] - 1, all
+    /// behind n, and the leaves first_leaf[n] ... first_leaf[n] + leaf_count[n] - 1.
+    std::vector<std::uint32_t> first_node, first_leaf;
+    std::vector<std::uint8_t> node_count, leaf_count;  ///< [M] together at least 2
     /// [M] of the ball around the mean that holds the supports of the node and of all below.
     std::vector<float> radius;
     /// [M] how far from its place mass is drawn: half the edge of the node's cell in the octree, or
@@ -32,8 +32,8 @@ struct Hierarchy {
     /// has a larger one. What a view compares with its pixels.
     std::vector<float> error;
 
-    std::size_t size() const { return first.size(); }
-    bool empty() const { return first.empty(); }
+    std::size_t size() const { return node_count.size(); }
+    bool empty() const { return node_count.empty(); }
 };
 
 struct HierarchyOptions {
@@ -45,22 +45,24 @@ struct HierarchyOptions {
 /// Builds it, and puts the model's Gaussians into its order. The same bytes for any number of
 /// threads.
 /// throws  vog::Error for an invalid model, or one of 2^32 Gaussians
-/// cost    O(N log N) time; 16 bytes a Gaussian and 80 a node while it is built. Nodes are a
+/// cost    O(N log N) time; 20 bytes a Gaussian and 80 a node while it is built. Nodes are a
 /// seventh
 ///         as many as Gaussians that fill their cells, up to a third where they are scattered
 [[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
 
-/// Fills `end` from `first` and `count`.
-/// leaves  of the model
-/// throws  vog::Error naming `where` and the first node that is none: its leaves are not within the
-///         model, or not within those of the node it is below
+/// Fills first_node and first_leaf from the counts: the roots are the first nodes, then come the
+/// children of all nodes in the order of their parents, and so do leaves; leaves of no node are
+/// the last.
+/// throws  vog::Error naming `where` if the counts are not those of a forest over `leaves`
 void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where);
+/// Whether it lies as link() has it: what build_hierarchy makes, and a file holds.
+bool in_one_order(const Hierarchy& hierarchy);
 /// Checks lengths, order and values of a hierarchy over `leaves` Gaussians with this cutoff.
 /// throws  vog::Error naming `where` and what is wrong
 void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
               const std::string& where);
 
-/// Joins those of two models, in the order of vog::append of these.
+/// Joins those of two models, as vog::append joins these: level by level each for itself.
 /// leaves  of the model before
 void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves);
 
@@ -88,10 +90,9 @@ class ViewCut {
     ViewCut(ViewCut&&) noexcept;
     ViewCut& operator=(ViewCut&&) noexcept;
 
-    /// returns  the Gaussians to draw, in the order of the leaves below them; the model itself
-    /// where
-    ///          that is all of it. The same bytes for any number of threads. Good until the next
-    ///          call
+    /// returns  the Gaussians to draw, nodes level by level, then leaves in the model's order; the
+    ///          model itself where that is all of it. The same bytes for any number of threads.
+    ///          Good until the next call
     /// throws   vog::Error for an error that is negative or no number
     /// cost     O(nodes visited + Gaussians drawn) time, parallel; 32 bytes a node for good, 44 a
     ///          Gaussian drawn
@@ -103,18 +104,5 @@ class ViewCut {
     struct State;
     std::unique_ptr<State> state_;
 };
-
-/// Visits the children of node n in the order of their leaves: on_leaf(i), on_node(n).
-template <class OnLeaf, class OnNode>
-void for_each_child(const Hierarchy& hierarchy, std::size_t n, const OnLeaf& on_leaf,
-                    const OnNode& on_node) {
-    std::size_t leaf = hierarchy.first[n];
-    for (std::size_t child = n + 1; child < hierarchy.end[n]; child = hierarchy.end[child]) {
-        for (; leaf < hierarchy.first[child]; ++leaf) on_leaf(leaf);
-        on_node(child);
-        leaf = std::size_t{hierarchy.first[child]} + hierarchy.count[child];
-    }
-    for (; leaf < std::size_t{hierarchy.first[n]} + hierarchy.count[n]; ++leaf) on_leaf(leaf);
-}
 
 }  // namespace vog

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <ranges>
 #include <span>
 
 #include "convert/hierarchy_tree.h"
@@ -74,20 +73,23 @@ double radius_of(const Growth& growth, std::size_t n) {
     };
     const auto distance = [&](Vec3f mean) { return length(vec_cast<double>(mean) - center); };
     double radius = reach(tree.nodes, n);
-    const auto include_leaf = [&](std::size_t i) {
-        radius = std::max(radius, distance(model.mean[i]) + reach(model, i));
-    };
-    const auto include_node = [&](std::size_t c) {
-        radius = std::max(radius, distance(tree.nodes.mean[c]) + tree.radius[c]);
-    };
-    // Balls in balls grow with each level; small nodes can afford to ask every leaf.
-    constexpr std::uint32_t kFew = 512;
-    if (tree.count[n] > kFew) {
-        for_each_child(tree, n, include_leaf, include_node);
-    } else {
-        for (std::uint32_t i = 0; i < tree.count[n]; ++i) include_leaf(tree.first[n] + i);
-        for (std::uint32_t c = static_cast<std::uint32_t>(n) + 1; c < tree.end[n]; ++c)
-            radius = std::max(radius, distance(tree.nodes.mean[c]) + reach(tree.nodes, c));
+    // Balls in balls grow with each level; small nodes can afford to ask all that is below, which
+    // on each level is a run.
+    constexpr std::size_t kFew = 64;  // nodes of a level, of some 8 leaves each
+    for (std::size_t first = n, last = n + 1; first < last;) {
+        const std::size_t end = last - 1;
+        for (std::size_t i = tree.first_leaf[first];
+             i < tree.first_leaf[end] + tree.leaf_count[end]; ++i)
+            radius = std::max(radius, distance(model.mean[i]) + reach(model, i));
+        const std::size_t below = tree.first_node[first];
+        const std::size_t below_last = tree.first_node[end] + tree.node_count[end];
+        const bool few = below_last - below <= kFew;
+        for (std::size_t c = below; c < below_last; ++c)
+            radius = std::max(radius, distance(tree.nodes.mean[c]) +
+                                          (few ? reach(tree.nodes, c) : double{tree.radius[c]}));
+        if (!few) break;
+        first = below;
+        last = below_last;
     }
     constexpr double kRounding = 1e-6;
     return radius * (1 + kRounding);
@@ -105,34 +107,18 @@ void make_node(Growth& growth, std::size_t n) {
         for (const std::size_t axis : {0, 3, 5})
             largest_variance = std::max(largest_variance, part.covariance[axis]);
     };
-    for_each_child(
-        tree, n, [&](std::size_t i) { include(moments_of(growth.model, i, growth.kernel)); },
-        [&](std::size_t child) {
-            include(growth.moments[child]);
-            error = std::max(error, double{tree.error[child]});
-        });
+    for (std::size_t k = 0; k < tree.leaf_count[n]; ++k)
+        include(moments_of(growth.model, tree.first_leaf[n] + k, growth.kernel));
+    for (std::size_t k = 0; k < tree.node_count[n]; ++k) {
+        const std::size_t child = tree.first_node[n] + k;
+        include(growth.moments[child]);
+        error = std::max(error, double{tree.error[child]});
+    }
     growth.moments[n] = sum_of({parts, count});
     set_gaussian(tree.nodes, n, growth.moments[n], growth.frame);
     tree.error[n] =
         static_cast<float>(std::max(error, 0.5 * std::sqrt(largest_variance / kBoxVariance)));
     tree.radius[n] = static_cast<float>(radius_of(growth, n));
-}
-
-/// From the leaves up: subtrees side by side, then what is above them.
-void make_nodes(Growth& growth) {
-    Hierarchy& tree = growth.tree;
-    constexpr std::uint32_t kWhole = 1 << 15;  // leaves of a task
-    std::vector<std::size_t> above, subtrees;
-    for (std::size_t n = 0; n < tree.size();) {
-        const bool whole = tree.count[n] <= kWhole;
-        (whole ? subtrees : above).push_back(n);
-        n = whole ? tree.end[n] : n + 1;
-    }
-    vog::parallel_for(std::size_t{0}, subtrees.size(), [&](std::size_t task) {
-        const std::size_t root = subtrees[task];
-        for (std::size_t n = tree.end[root]; n-- > root;) make_node(growth, n);
-    });
-    for (const std::size_t n : above | std::views::reverse) make_node(growth, n);
 }
 
 }  // namespace
@@ -142,7 +128,7 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     if (model.size() >= std::numeric_limits<std::uint32_t>::max())
         throw Error(fmt::format("{}: {} Gaussians, expected fewer than 2^32 in a hierarchy",
                                 name_of(model), model.size()));
-    Hierarchy tree = hierarchy_tree(model, options);
+    auto [tree, levels] = hierarchy_tree(model, options);
     link(tree, model.size(), name_of(model));
     tree.nodes.cutoff = model.cutoff;
     resize(tree.nodes, tree.size(), model.axis_aligned());
@@ -150,39 +136,79 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     const MomentFrame frame = moment_frame(Affine{}, model.axis_aligned(), 1, model.cutoff);
     Growth growth{model, tree, frame, {1 / frame.density_factor, 1 / frame.widening2}};
     growth.moments.resize(tree.size());
-    make_nodes(growth);
-    return tree;
+    // Level by level, from the leaves up.
+    constexpr std::size_t kGrain = 256;
+    for (std::size_t level = levels.size() - 1; level-- > 0;)
+        vog::parallel_for(tbb::blocked_range<std::size_t>(levels[level], levels[level + 1], kGrain),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (std::size_t n = range.begin(); n < range.end(); ++n)
+                                  make_node(growth, n);
+                          });
+    return std::move(tree);
 }
+
+namespace {
+
+/// Nodes that are no one's children, if they lie in one order.
+std::size_t root_count(const Hierarchy& hierarchy) {
+    std::size_t below = 0;
+    for (const std::uint8_t count : hierarchy.node_count) below += count;
+    return below < hierarchy.size() ? hierarchy.size() - below : 0;
+}
+
+/// Every node and every leaf is a child once at most, and behind its parent: so it is a forest.
+void check_children(const Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
+    std::vector<bool> node_taken(hierarchy.size()), leaf_taken(leaves);
+    const auto take = [](std::vector<bool>& taken, std::size_t first, std::size_t count) {
+        if (first > taken.size() || count > taken.size() - first) return false;
+        for (std::size_t i = first; i < first + count; ++i) {
+            if (taken[i]) return false;
+            taken[i] = true;
+        }
+        return true;
+    };
+    for (std::size_t n = 0; n < hierarchy.size(); ++n) {
+        const std::size_t nodes = hierarchy.node_count[n], own = hierarchy.leaf_count[n];
+        const auto fail = [&](const std::string& expected) {
+            throw Error(fmt::format(
+                "{}: node {} of the hierarchy has {} nodes from {} and {} Gaussians from {}: "
+                "expected {}",
+                where, n, nodes, hierarchy.first_node[n], own, hierarchy.first_leaf[n], expected));
+        };
+        if (nodes + own < 2) fail("2 or more in all");
+        if (nodes > 0 && hierarchy.first_node[n] <= n) fail("nodes behind it");
+        if (!take(node_taken, nodes ? hierarchy.first_node[n] : 0, nodes))
+            fail(fmt::format("nodes of the {} that are no other's", hierarchy.size()));
+        if (!take(leaf_taken, own ? hierarchy.first_leaf[n] : 0, own))
+            fail(fmt::format("Gaussians of the model's {} that are no other's", leaves));
+    }
+}
+
+}  // namespace
 
 void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
     const std::size_t count = hierarchy.size();
-    hierarchy.end.resize(count);
-    // Nodes on the way from a root to this one.
-    std::vector<std::uint32_t> open;
-    const auto last = [&](std::size_t n) {
-        return std::uint64_t{hierarchy.first[n]} + hierarchy.count[n];
-    };
-    const auto fail = [&](std::size_t n, const std::string& expected) {
-        throw Error(
-            fmt::format("{}: node {} of the hierarchy is of {} Gaussians from {}: expected {}",
-                        where, n, hierarchy.count[n], hierarchy.first[n], expected));
-    };
-    std::uint64_t free = 0;  // leaves before this are another node's
+    hierarchy.first_node.resize(count);
+    hierarchy.first_leaf.resize(count);
+    std::uint64_t node = root_count(hierarchy), leaf = 0;
     for (std::size_t n = 0; n < count; ++n) {
-        if (hierarchy.count[n] < 2 || last(n) > leaves)
-            fail(n, fmt::format("2 or more of the model's {}", leaves));
-        while (!open.empty() && last(open.back()) <= hierarchy.first[n]) {
-            free = last(open.back());
-            hierarchy.end[open.back()] = static_cast<std::uint32_t>(n);
-            open.pop_back();
-        }
-        if (!open.empty() && last(n) > last(open.back()))
-            fail(n, fmt::format("within those of node {}", open.back()));
-        if (hierarchy.first[n] < (open.empty() ? free : hierarchy.first[open.back()]))
-            fail(n, "after those of the node before");
-        open.push_back(static_cast<std::uint32_t>(n));
+        // Beyond 2^32 they are beyond the model, too, which is said below.
+        hierarchy.first_node[n] = static_cast<std::uint32_t>(node);
+        hierarchy.first_leaf[n] = static_cast<std::uint32_t>(leaf);
+        node += hierarchy.node_count[n];
+        leaf += hierarchy.leaf_count[n];
     }
-    for (const std::uint32_t n : open) hierarchy.end[n] = static_cast<std::uint32_t>(count);
+    check_children(hierarchy, leaves, where);
+}
+
+bool in_one_order(const Hierarchy& hierarchy) {
+    std::size_t node = root_count(hierarchy), leaf = 0;
+    for (std::size_t n = 0; n < hierarchy.size(); ++n) {
+        if (hierarchy.first_node[n] != node || hierarchy.first_leaf[n] != leaf) return false;
+        node += hierarchy.node_count[n];
+        leaf += hierarchy.leaf_count[n];
+    }
+    return true;
 }
 
 void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
@@ -191,14 +217,12 @@ void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
     const auto fail = [&](const std::string& what) {
         throw Error(fmt::format("{}: {}", where, what));
     };
-    if (hierarchy.nodes.size() != count || hierarchy.count.size() != count ||
-        hierarchy.end.size() != count || hierarchy.radius.size() != count ||
-        hierarchy.error.size() != count)
+    if (hierarchy.nodes.size() != count || hierarchy.first_node.size() != count ||
+        hierarchy.first_leaf.size() != count || hierarchy.leaf_count.size() != count ||
+        hierarchy.radius.size() != count || hierarchy.error.size() != count)
         fail(fmt::format("a hierarchy of {} nodes with arrays of other lengths", count));
     if (count == 0) return;
-    Hierarchy linked{{}, hierarchy.first, hierarchy.count, {}, {}, {}};
-    link(linked, leaves, where);
-    if (linked.end != hierarchy.end) fail("a hierarchy whose ends do not fit its nodes");
+    check_children(hierarchy, leaves, where);
     if (double{hierarchy.nodes.cutoff} != cutoff)
         fail(fmt::format("a hierarchy with a cutoff of {}, expected the model's {}",
                          hierarchy.nodes.cutoff, cutoff));
@@ -220,15 +244,16 @@ void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves) {
     if (other.empty()) return;
     const std::size_t nodes = hierarchy.size();
     append(hierarchy.nodes, other.nodes);
-    const auto join = [](auto& to, const auto& from, std::size_t shift) {
-        for (const std::uint32_t value : from)
-            to.push_back(static_cast<std::uint32_t>(value + shift));
+    const auto join = []<class T>(std::vector<T>& to, const std::vector<T>& from,
+                                  std::size_t shift) {
+        for (const T value : from) to.push_back(static_cast<T>(value + static_cast<T>(shift)));
     };
-    join(hierarchy.first, other.first, leaves);
-    join(hierarchy.count, other.count, 0);
-    join(hierarchy.end, other.end, nodes);
-    hierarchy.radius.insert(hierarchy.radius.end(), other.radius.begin(), other.radius.end());
-    hierarchy.error.insert(hierarchy.error.end(), other.error.begin(), other.error.end());
+    join(hierarchy.first_node, other.first_node, nodes);
+    join(hierarchy.first_leaf, other.first_leaf, leaves);
+    join(hierarchy.node_count, other.node_count, 0);
+    join(hierarchy.leaf_count, other.leaf_count, 0);
+    join(hierarchy.radius, other.radius, 0);
+    join(hierarchy.error, other.error, 0);
 }
 
 }  // namespace vog

@@ -1,5 +1,5 @@
 // hierarchy_tree.cpp: Morton codes of the means, sorted; each cell of the octree is then a run of
-// them, found by bisection.
+// them, found by bisection, level by level.
 #include "convert/hierarchy_tree.h"
 
 #include <tbb/parallel_sort.h>
@@ -88,10 +88,10 @@ std::vector<Place> sorted_places(const Gaussians& model, const Affine& code_from
 }
 
 template <class T>
-void reorder(BigVector<T>& values, const std::vector<Place>& places) {
+void reorder(BigVector<T>& values, const std::vector<std::uint32_t>& order) {
     if (values.empty()) return;
     BigVector<T> ordered(values.size());
-    for_all(places.size(), [&](std::size_t i) { ordered[i] = values[places[i].index]; });
+    for_all(order.size(), [&](std::size_t i) { ordered[i] = values[order[i]]; });
     values = std::move(ordered);
 }
 
@@ -134,60 +134,81 @@ float half_edge(std::span<const Place> places, Run run, double unit) {
         std::ldexp(unit, (static_cast<int>(std::bit_width(differing)) - 1) / 3));
 }
 
-/// Nodes of a cell and below, depth first. Single Gaussians are no nodes.
-void grow(std::span<const Place> places, Run cell, std::vector<Run>& nodes) {
-    if (cell.size() < 2) return;
-    nodes.push_back(cell);
-    if (cell.size() > kMostChildren)
-        divide(places, cell, [&](Run part) { grow(places, part, nodes); });
-}
-
-/// A part of the tree, in depth-first order of all: a large node alone, or a whole subtree.
-struct Piece {
-    Run cell;
-    bool whole = false;
-    std::vector<Run> nodes{};
+/// What a run of nodes of one level has for children, in their order.
+struct Children {
+    std::vector<Run> nodes;             ///< that are cells of the next level,
+    std::vector<std::uint32_t> leaves;  ///< and single Gaussians, which are no nodes
 };
 
-void cut_to_pieces(std::span<const Place> places, Run cell, std::vector<Piece>& pieces) {
-    constexpr std::uint32_t kWhole = 1 << 15;  // Gaussians of a task
-    pieces.push_back({cell, cell.size() <= kWhole});
-    if (cell.size() > kWhole)
-        divide(places, cell, [&](Run part) { cut_to_pieces(places, part, pieces); });
+/// Adds the children of one cell, and counts them.
+void divide_node(std::span<const Place> places, Run cell, Children& children,
+                 std::uint8_t& node_count, std::uint8_t& leaf_count) {
+    const auto add = [&](Run part) {
+        if (part.size() > 1) {
+            children.nodes.push_back(part);
+            ++node_count;
+            return;
+        }
+        children.leaves.push_back(part.first);
+        ++leaf_count;
+    };
+    if (cell.size() > kMostChildren)
+        divide(places, cell, add);
+    else
+        for (std::uint32_t i = cell.first; i < cell.last; ++i) add({i, i + 1});
+}
+
+/// Adds the nodes of one level, which are these cells, and their leaves.
+/// returns  the cells of the next level
+std::vector<Run> add_level(std::span<const Place> places, std::span<const Run> cells, double unit,
+                           Hierarchy& tree, std::vector<std::uint32_t>& leaves) {
+    constexpr std::size_t kOfTask = 4096;
+    const std::size_t before = tree.error.size();
+    tree.node_count.resize(before + cells.size());
+    tree.leaf_count.resize(before + cells.size());
+    tree.error.resize(before + cells.size());
+    std::vector<Children> tasks((cells.size() + kOfTask - 1) / kOfTask);
+    vog::parallel_for(std::size_t{0}, tasks.size(), [&](std::size_t task) {
+        const std::size_t end = std::min((task + 1) * kOfTask, cells.size());
+        for (std::size_t i = task * kOfTask; i < end; ++i) {
+            const std::size_t n = before + i;
+            divide_node(places, cells[i], tasks[task], tree.node_count[n], tree.leaf_count[n]);
+            tree.error[n] = half_edge(places, cells[i], unit);
+        }
+    });
+    std::vector<Run> next;
+    for (const Children& children : tasks) {
+        next.insert(next.end(), children.nodes.begin(), children.nodes.end());
+        leaves.insert(leaves.end(), children.leaves.begin(), children.leaves.end());
+    }
+    return next;
 }
 
 }  // namespace
 
-Hierarchy hierarchy_tree(Gaussians& model, const HierarchyOptions& options) {
-    Hierarchy tree;
+HierarchyTree hierarchy_tree(Gaussians& model, const HierarchyOptions& options) {
+    HierarchyTree tree{{}, {0}};
     if (model.size() < 2) return tree;
     const Affine code_from = code_from_world(model, options);
     const std::vector<Place> places = sorted_places(model, code_from);
-    reorder(model.mean, places);
-    reorder(model.scale, places);
-    reorder(model.rotation, places);
-    reorder(model.density, places);
-
     // World length of a code's step, the longest of the three.
     const Mat3 world_from_code = inverse(code_from.linear);
     const double unit =
         std::max({length(world_from_code.column(0)), length(world_from_code.column(1)),
                   length(world_from_code.column(2))});
-    std::vector<Piece> pieces;
-    cut_to_pieces(places, {0, static_cast<std::uint32_t>(places.size())}, pieces);
-    vog::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t n) {
-        Piece& piece = pieces[n];
-        if (piece.whole)
-            grow(places, piece.cell, piece.nodes);
-        else
-            piece.nodes.push_back(piece.cell);
-    });
-    for (const Piece& piece : pieces)
-        for (const Run& node : piece.nodes) {
-            tree.first.push_back(node.first);
-            tree.count.push_back(node.size());
-            tree.error.push_back(half_edge(places, node, unit));
-        }
+
+    std::vector<std::uint32_t> leaves;  // places, in the order of the tree
+    leaves.reserve(places.size());
+    std::vector<Run> cells{{0, static_cast<std::uint32_t>(places.size())}};
+    while (!cells.empty()) {
+        cells = add_level(places, cells, unit, tree.hierarchy, leaves);
+        tree.levels.push_back(tree.hierarchy.error.size());
+    }
+    for_all(leaves.size(), [&](std::size_t i) { leaves[i] = places[leaves[i]].index; });
+    reorder(model.mean, leaves);
+    reorder(model.scale, leaves);
+    reorder(model.rotation, leaves);
+    reorder(model.density, leaves);
     return tree;
 }
 

@@ -1,6 +1,9 @@
 // hierarchy_tree.h: which Gaussians of a model belong together: an octree over the means.
 #pragma once
 
+#include <cstddef>
+#include <vector>
+
 #include "vog/hierarchy.h"
 
 namespace vog {
@@ -8,8 +11,11 @@ namespace vog {
 /// Cells with no more Gaussians than this are not divided: a node is to save more than it costs.
 inline constexpr std::uint32_t kMostChildren = 8;
 
-/// Puts the Gaussians into the order of the tree; fills first and count, and half the edges
-/// of the cells as errors.
-Hierarchy hierarchy_tree(Gaussians& model, const HierarchyOptions& options);
+struct HierarchyTree {
+    Hierarchy hierarchy;              ///< counts, and half the edges of the cells as errors
+    std::vector<std::size_t> levels;  ///< first node of each, and where the last one ends
+};
+/// Puts the Gaussians into the order of the tree.
+HierarchyTree hierarchy_tree(Gaussians& model, const HierarchyOptions& options);
 
 }  // namespace vog

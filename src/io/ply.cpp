@@ -265,8 +265,9 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     if (!model.reached.empty()) text += "comment reached " + one_line(model.reached) + "\n";
     if (!hierarchy.empty())
         text +=
-            "comment nodes depth first, each stands for the vertices first ... first + count - 1; "
-            "radius: of a ball that holds them, error: half the edge of their cell\n";
+            "comment nodes level by level: roots, then of each node in turn its children, nodes "
+            "and vertices; radius: of a ball that holds all below, error: half the edge of its "
+            "cell\n";
     text += fmt::format("element vertex {}\n", count);
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
         text += fmt::format("property float {}\n", name);
@@ -399,6 +400,8 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
     validate(hierarchy, gaussians.size(), gaussians.cutoff, file.string());
     if (!hierarchy.empty() && hierarchy.nodes.axis_aligned() != gaussians.axis_aligned())
         fail(file, "a model and a hierarchy of which one alone has rotations");
+    if (!in_one_order(hierarchy))
+        fail(file, "a hierarchy joined of several, expected that of the whole (build_hierarchy)");
     const std::string header = header_text(gaussians, gaussians.size(), rotated, hierarchy);
     write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
         std::ofstream out(beside, std::ios::binary);

@@ -4,7 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <bit>
+#include <cstring>
 #include <istream>
 #include <ostream>
 
@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kBlock = 1 << 16;
 
-std::size_t words_per_node(bool axis_aligned) { return axis_aligned ? 11 : 15; }
+std::size_t floats_per_node(bool axis_aligned) { return axis_aligned ? 9 : 13; }
 
 }  // namespace
 
@@ -24,12 +24,14 @@ std::vector<std::string> node_properties(bool axis_aligned) {
     if (!axis_aligned)
         for (int n = 0; n < 4; ++n) names.push_back(fmt::format("float rot_{}", n));
     for (const char* name :
-         {"float density", "float radius", "float error", "uint first", "uint count"})
+         {"float density", "float radius", "float error", "uchar nodes", "uchar vertices"})
         names.emplace_back(name);
     return names;
 }
 
-std::size_t bytes_per_node(bool axis_aligned) { return 4 * words_per_node(axis_aligned); }
+std::size_t bytes_per_node(bool axis_aligned) {
+    return floats_per_node(axis_aligned) * sizeof(float) + 2;
+}
 
 std::string node_header(const Hierarchy& hierarchy) {
     if (hierarchy.empty()) return {};
@@ -41,11 +43,14 @@ std::string node_header(const Hierarchy& hierarchy) {
 
 void write_nodes(std::ostream& out, const Hierarchy& hierarchy) {
     const Gaussians& nodes = hierarchy.nodes;
-    std::vector<float> rows;
+    std::vector<char> rows(std::min(hierarchy.size(), kBlock) *
+                           bytes_per_node(nodes.axis_aligned()));
     for (std::size_t begin = 0; begin < hierarchy.size(); begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, hierarchy.size());
-        rows.clear();
-        const auto put = [&rows](auto... values) { (rows.push_back(values), ...); };
+        char* at = rows.data();
+        const auto put = [&at](auto... values) {
+            ((std::memcpy(at, &values, sizeof(values)), at += sizeof(values)), ...);
+        };
         for (std::size_t n = begin; n < end; ++n) {
             put(nodes.mean[n].x, nodes.mean[n].y, nodes.mean[n].z);
             put(nodes.scale[n].x, nodes.scale[n].y, nodes.scale[n].z);
@@ -54,10 +59,9 @@ void write_nodes(std::ostream& out, const Hierarchy& hierarchy) {
                 put(q.w, q.x, q.y, q.z);
             }
             put(nodes.density[n], hierarchy.radius[n], hierarchy.error[n]);
-            put(std::bit_cast<float>(hierarchy.first[n]), std::bit_cast<float>(hierarchy.count[n]));
+            put(hierarchy.node_count[n], hierarchy.leaf_count[n]);
         }
-        out.write(reinterpret_cast<const char*>(rows.data()),
-                  static_cast<std::streamsize>(rows.size() * sizeof(float)));
+        out.write(rows.data(), at - rows.data());
     }
 }
 
@@ -65,26 +69,27 @@ bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarch
     Gaussians& nodes = hierarchy.nodes;
     nodes.mean.resize(count), nodes.scale.resize(count), nodes.density.resize(count);
     if (!axis_aligned) nodes.rotation.resize(count);
-    hierarchy.first.resize(count), hierarchy.count.resize(count);
+    hierarchy.node_count.resize(count), hierarchy.leaf_count.resize(count);
     hierarchy.radius.resize(count), hierarchy.error.resize(count);
-    const std::size_t stride = words_per_node(axis_aligned);
-    std::vector<float> rows(std::min(count, kBlock) * stride);
+    const std::size_t row_bytes = bytes_per_node(axis_aligned);
+    std::vector<char> rows(std::min(count, kBlock) * row_bytes);
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, count);
-        const std::size_t bytes = (end - begin) * stride * sizeof(float);
-        if (!in.read(reinterpret_cast<char*>(rows.data()), static_cast<std::streamsize>(bytes)))
+        if (!in.read(rows.data(), static_cast<std::streamsize>((end - begin) * row_bytes)))
             return false;
-        const float* row = rows.data();
-        for (std::size_t n = begin; n < end; ++n, row += stride) {
-            nodes.mean[n] = {row[0], row[1], row[2]};
-            nodes.scale[n] = {row[3], row[4], row[5]};
-            const float* rest = row + (axis_aligned ? 6 : 10);
-            if (!axis_aligned) nodes.rotation[n] = {row[6], row[7], row[8], row[9]};
-            nodes.density[n] = rest[0];
-            hierarchy.radius[n] = rest[1];
-            hierarchy.error[n] = rest[2];
-            hierarchy.first[n] = std::bit_cast<std::uint32_t>(rest[3]);
-            hierarchy.count[n] = std::bit_cast<std::uint32_t>(rest[4]);
+        const char* at = rows.data();
+        const auto take = [&at](auto&... values) {
+            ((std::memcpy(&values, at, sizeof(values)), at += sizeof(values)), ...);
+        };
+        for (std::size_t n = begin; n < end; ++n) {
+            take(nodes.mean[n].x, nodes.mean[n].y, nodes.mean[n].z);
+            take(nodes.scale[n].x, nodes.scale[n].y, nodes.scale[n].z);
+            if (!axis_aligned) {
+                Quat& q = nodes.rotation[n];
+                take(q.w, q.x, q.y, q.z);
+            }
+            take(nodes.density[n], hierarchy.radius[n], hierarchy.error[n]);
+            take(hierarchy.node_count[n], hierarchy.leaf_count[n]);
         }
     }
     return true;

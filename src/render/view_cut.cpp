@@ -1,5 +1,5 @@
-// view_cut.cpp: what of a hierarchy one view draws: a scan over the nodes that jumps over what it
-// draws or leaves out, then a copy of what it chose.
+// view_cut.cpp: what of a hierarchy one view draws: a sweep over its levels, each the children of
+// what the one above divided, then a copy of what it chose. Both read memory in runs.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,11 +15,12 @@ namespace vog {
 
 namespace {
 
-/// What the scan needs of a node, side by side.
+/// What the sweep needs of a node, side by side.
 struct Bound {
     Vec3f center;
     float radius = 0, error = 0;
-    std::uint32_t end = 0, first = 0, count = 0;
+    std::uint32_t first_node = 0, first_leaf = 0;
+    std::uint8_t node_count = 0, leaf_count = 0;
 };
 static_assert(sizeof(Bound) == 32);
 
@@ -66,35 +67,53 @@ class View {
     bool skip_unseen_;
 };
 
-/// Nodes or leaves first ... last - 1, drawn.
+/// Nodes or leaves first ... last - 1.
 struct Run {
-    bool nodes;
     std::uint32_t first, last;
 };
 
-/// A part of the cut, in the order of leaves: of one subtree that a task scans, or of what lies
-/// above and between.
-struct Piece {
-    std::uint32_t root = 0, end = 0;  ///< nodes of the subtree; none where end is 0
-    std::vector<Run> runs;
-    std::size_t visited = 0, slot = 0;
+/// Adds a run, to the last one where it goes on.
+void add_run(std::vector<Run>& runs, std::uint32_t first, std::uint32_t last) {
+    if (first == last) return;
+    if (!runs.empty() && runs.back().last == first)
+        runs.back().last = last;
+    else
+        runs.push_back({first, last});
+}
 
-    void clear(std::uint32_t subtree, std::uint32_t subtree_end) {
-        root = subtree, end = subtree_end;
-        runs.clear();
-        visited = 0;
-    }
-    void draw(bool nodes, std::uint32_t first, std::uint32_t last) {
-        if (first == last) return;
-        if (!runs.empty() && runs.back().nodes == nodes && runs.back().last == first)
-            runs.back().last = last;
-        else
-            runs.push_back({nodes, first, last});
+/// Runs of what of `all` is in none of the runs of `count[n]` from first[n].
+std::vector<Run> not_taken(std::size_t all, const std::vector<std::uint32_t>& first,
+                           const std::vector<std::uint8_t>& count) {
+    std::vector<bool> taken(all);
+    for (std::size_t n = 0; n < first.size(); ++n)
+        std::fill_n(taken.begin() + first[n], count[n], true);
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i < all; ++i)
+        if (!taken[i])
+            add_run(runs, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + 1));
+    return runs;
+}
+
+/// Some nodes of a level, which one task judges, and what comes of them.
+struct Task {
+    std::vector<Run> nodes;
+    std::vector<Run> drawn, leaves;  ///< to draw
+    std::vector<Run> children;       ///< to judge next
+
+    void clear() {
+        for (std::vector<Run>* runs : {&nodes, &drawn, &leaves, &children}) runs->clear();
     }
 };
 
-/// Leaves of a task: large enough to be worth one, small enough to share out.
-constexpr std::uint32_t kWhole = 1 << 14;
+/// Nodes of a task: large enough to be worth one, small enough to share out.
+constexpr std::uint32_t kOfTask = 1 << 12;
+
+/// A run to draw, and where it goes.
+struct Placed {
+    bool nodes;
+    Run run;
+    std::size_t slot;
+};
 
 template <class T>
 void copy_run(const BigVector<T>& from, const Run& run, BigVector<T>& to, std::size_t slot) {
@@ -120,82 +139,107 @@ struct ViewCut::State {
     const Gaussians* model = nullptr;
     const Hierarchy* hierarchy = nullptr;
     std::vector<Bound> bounds;
-    std::vector<Piece> pieces;
-    std::size_t piece_count = 0;
+    std::vector<Run> roots, loose;  ///< nodes and leaves that are no node's
+    std::vector<Task> tasks;        ///< of all levels, the coarsest first
+    std::size_t task_count = 0;
+    std::vector<Run> level, leaves;
+    std::vector<Placed> placed;
     Gaussians chosen;
     CutReport report;
 
-    Piece& next_piece(std::uint32_t root, std::uint32_t end) {
-        if (piece_count == pieces.size()) pieces.emplace_back();
-        Piece& piece = pieces[piece_count++];
-        piece.clear(root, end);
-        return piece;
+    Task& next_task() {
+        if (task_count == tasks.size()) tasks.emplace_back();
+        Task& task = tasks[task_count++];
+        task.clear();
+        return task;
     }
-    void divide(const View& view);
-    void scan(const View& view, Piece& piece) const;
+    void share_out_level();
+    void judge(const View& view, Task& task) const;
+    void sweep(const View& view);
+    void place();
     void gather();
 };
 
-/// Judges the nodes that are too large for one task, and leaves the subtrees below to tasks.
-void ViewCut::State::divide(const View& view) {
-    piece_count = 0;
-    next_piece(0, 0);
-    std::uint32_t leaf = 0;
-    // Piece by piece in the order of leaves: what is drawn here goes to the last one, unless that
-    // is a task's.
-    const auto draw = [&](bool nodes, std::uint32_t first, std::uint32_t last) {
-        if (first == last) return;
-        if (pieces[piece_count - 1].end != 0) next_piece(0, 0);
-        pieces[piece_count - 1].draw(nodes, first, last);
-    };
-    for (std::uint32_t n = 0; n < bounds.size();) {
-        const Bound& node = bounds[n];
-        draw(false, leaf, node.first);
-        leaf = node.first;
-        Fate fate = Fate::skip;
-        if (node.count <= kWhole) {
-            next_piece(n, node.end);
-        } else {
-            ++pieces[0].visited;
-            fate = view.fate(node);
-            if (fate == Fate::draw) draw(true, n, n + 1);
+/// Cuts the level into tasks, which depend on its runs alone.
+void ViewCut::State::share_out_level() {
+    std::uint32_t room = 0;
+    for (Run run : level)
+        while (run.first < run.last) {
+            if (room == 0) {
+                next_task();
+                room = kOfTask;
+            }
+            const std::uint32_t size = std::min(room, run.last - run.first);
+            tasks[task_count - 1].nodes.push_back({run.first, run.first + size});
+            run.first += size;
+            room -= size;
         }
-        if (fate != Fate::divide) leaf += node.count;
-        n = fate == Fate::divide ? n + 1 : node.end;
-    }
-    draw(false, leaf, static_cast<std::uint32_t>(model->size()));
 }
 
-void ViewCut::State::scan(const View& view, Piece& piece) const {
-    if (piece.end == 0) return;
-    std::uint32_t leaf = bounds[piece.root].first;
-    const std::uint32_t last_leaf = leaf + bounds[piece.root].count;
-    for (std::uint32_t n = piece.root; n < piece.end;) {
-        const Bound& node = bounds[n];
-        piece.draw(false, leaf, node.first);
-        leaf = node.first;
-        ++piece.visited;
-        const Fate fate = view.fate(node);
-        if (fate == Fate::draw) piece.draw(true, n, n + 1);
-        if (fate != Fate::divide) leaf += node.count;
-        n = fate == Fate::divide ? n + 1 : node.end;
-    }
-    piece.draw(false, leaf, last_leaf);
+void ViewCut::State::judge(const View& view, Task& task) const {
+    for (const Run& run : task.nodes)
+        for (std::uint32_t n = run.first; n < run.last; ++n) {
+            const Bound& node = bounds[n];
+            const Fate fate = view.fate(node);
+            if (fate == Fate::skip) continue;
+            if (fate == Fate::draw) {
+                add_run(task.drawn, n, n + 1);
+                continue;
+            }
+            add_run(task.children, node.first_node, node.first_node + node.node_count);
+            add_run(task.leaves, node.first_leaf, node.first_leaf + node.leaf_count);
+        }
 }
 
-/// Copies what is drawn, in order.
+/// From the roots down, level by level; a level is the children of all that is divided above it.
+void ViewCut::State::sweep(const View& view) {
+    task_count = 0;
+    report = {};
+    level = roots;
+    while (!level.empty()) {
+        const std::size_t first = task_count;
+        share_out_level();
+        vog::parallel_for(first, task_count, [&](std::size_t n) { judge(view, tasks[n]); });
+        level.clear();
+        for (std::size_t n = first; n < task_count; ++n) {
+            for (const Run& run : tasks[n].nodes) report.visited += run.last - run.first;
+            for (const Run& run : tasks[n].children) add_run(level, run.first, run.last);
+        }
+    }
+}
+
+/// Gives each run its place: nodes as they were judged, then leaves in the model's order, so that
+/// what is left out changes no order.
+void ViewCut::State::place() {
+    placed.clear();
+    leaves = loose;
+    for (std::size_t n = 0; n < task_count; ++n) {
+        for (const Run& run : tasks[n].drawn) {
+            placed.push_back({true, run, report.nodes});
+            report.nodes += run.last - run.first;
+        }
+        leaves.insert(leaves.end(), tasks[n].leaves.begin(), tasks[n].leaves.end());
+    }
+    // Of one tree they are in order already.
+    const auto before = [](const Run& a, const Run& b) { return a.first < b.first; };
+    if (!std::is_sorted(leaves.begin(), leaves.end(), before))
+        std::sort(leaves.begin(), leaves.end(), before);
+    for (const Run& run : leaves) {
+        placed.push_back({false, run, report.drawn()});
+        report.leaves += run.last - run.first;
+    }
+}
+
+/// Copies what is drawn.
 void ViewCut::State::gather() {
     chosen.mean.resize(report.drawn());
     chosen.scale.resize(report.drawn());
     chosen.density.resize(report.drawn());
     const bool aligned = model->axis_aligned() && hierarchy->nodes.axis_aligned();
     chosen.rotation.resize(aligned ? 0 : report.drawn());
-    vog::parallel_for(std::size_t{0}, piece_count, [&](std::size_t n) {
-        std::size_t slot = pieces[n].slot;
-        for (const Run& run : pieces[n].runs) {
-            copy_run(run.nodes ? hierarchy->nodes : *model, run, chosen, slot);
-            slot += run.last - run.first;
-        }
+    vog::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t n) {
+        const Placed& one = placed[n];
+        copy_run(one.nodes ? hierarchy->nodes : *model, one.run, chosen, one.slot);
     });
 }
 
@@ -204,10 +248,14 @@ ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy)
     state_->model = &model;
     state_->hierarchy = &hierarchy;
     state_->chosen.cutoff = model.cutoff;
+    state_->roots = not_taken(hierarchy.size(), hierarchy.first_node, hierarchy.node_count);
+    state_->loose = not_taken(model.size(), hierarchy.first_leaf, hierarchy.leaf_count);
     state_->bounds.resize(hierarchy.size());
     for (std::size_t n = 0; n < hierarchy.size(); ++n)
-        state_->bounds[n] = {hierarchy.nodes.mean[n], hierarchy.radius[n], hierarchy.error[n],
-                             hierarchy.end[n],        hierarchy.first[n],  hierarchy.count[n]};
+        state_->bounds[n] = {hierarchy.nodes.mean[n], hierarchy.radius[n],
+                             hierarchy.error[n],      hierarchy.first_node[n],
+                             hierarchy.first_leaf[n], hierarchy.node_count[n],
+                             hierarchy.leaf_count[n]};
 }
 ViewCut::~ViewCut() = default;
 ViewCut::ViewCut(ViewCut&&) noexcept = default;
@@ -218,17 +266,8 @@ const Gaussians& ViewCut::choose(const CameraFrame& frame, const CutOptions& opt
         throw Error(fmt::format("a pixel error of {}, expected 0 or more", options.pixel_error));
     State& s = *state_;
     const View view(frame, options);
-    s.divide(view);
-    vog::parallel_for(std::size_t{0}, s.piece_count,
-                      [&](std::size_t n) { s.scan(view, s.pieces[n]); });
-    s.report = {};
-    for (std::size_t n = 0; n < s.piece_count; ++n) {
-        Piece& piece = s.pieces[n];
-        piece.slot = s.report.drawn();
-        s.report.visited += piece.visited;
-        for (const Run& run : piece.runs)
-            (run.nodes ? s.report.nodes : s.report.leaves) += run.last - run.first;
-    }
+    s.sweep(view);
+    s.place();
     if (s.report.leaves == s.model->size()) return *s.model;
     s.gather();
     return s.chosen;
