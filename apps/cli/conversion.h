@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "asked_memory.h"
 #include "inputs.h"
 #include "terminal.h"
 #include "vog/convert.h"
@@ -29,7 +30,7 @@ struct ConvertArguments {
     MomentOptions moments;
     int threads = 0;
     bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
-    std::string memory, scratch;
+    MemoryArguments memory;
 };
 
 /// What was asked of the conversion of volumes: options of the one method or the other.

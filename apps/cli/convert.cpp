@@ -204,7 +204,7 @@ nlohmann::ordered_json joined(nlohmann::ordered_json mine, const ConvertTogether
 
 /// A model of each input; those that are there already, newer than their input, stay.
 nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const CLI::App& command,
-                                        const ConvertTogether& others) {
+                                        std::uint64_t memory, const ConvertTogether& others) {
     if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
         throw CLI::ValidationError(
             "--grid with a pattern makes levels of one mesh: give the files one by one");
@@ -218,8 +218,7 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const
     std::mutex mutex;
     std::map<std::string, nlohmann::ordered_json> reports;
     for_each_frame(
-        frames, arguments.memory.empty() ? 0 : parse_memory(arguments.memory),
-        [&](const Frame& frame) { return memory_needed(arguments, frame.input); },
+        frames, memory, [&](const Frame& frame) { return memory_needed(arguments, frame.input); },
         [&](const Frame& frame) {
             ConvertArguments one = arguments;
             one.inputs = {frame.input};
@@ -239,21 +238,12 @@ void convert(const ConvertArguments& given, const CLI::App& command,
              const ConvertTogether& others) {
     ConvertArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
-    std::optional<MemoryLimit> memory;
-    if (!arguments.memory.empty())
-        memory.emplace(parse_memory(arguments.memory), arguments.scratch);
-    else if (!arguments.scratch.empty())
-        throw CLI::ValidationError("--scratch goes with --memory");
+    const AskedMemory memory(arguments.memory);
     const ThreadLimit threads(arguments.threads);
-    const nlohmann::ordered_json json = is_sequence(arguments.output)
-                                            ? convert_sequence(arguments, command, others)
-                                            : convert_one(arguments, command, others);
+    const nlohmann::ordered_json json =
+        is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), others)
+                                      : convert_one(arguments, command, others);
     if (arguments.json && others.writes) fmt::print("{}\n", json.dump(2));
-    if (memory && peak_memory() > parse_memory(arguments.memory))
-        note(
-            fmt::format("peak memory {}, above --memory {}: what was more than that is no voxels "
-                        "(the model, its cells)",
-                        bytes_text(peak_memory()), arguments.memory));
 }
 
 }  // namespace
@@ -336,20 +326,12 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
     add_moment_options(*command, *arguments);
     add_paper_options(*command, *arguments);
     add_point_options(*command, arguments->points);
-    const auto memory_group = "Large data";
-    command
-        ->add_option("--memory", arguments->memory,
-                     "Memory to stay under, such as 2G: voxels that do not fit lie in a scratch "
-                     "file; of a sequence, as many models at once as fit. The results are the same")
-        ->group(memory_group);
-    command
-        ->add_option("--scratch", arguments->scratch,
-                     "Folder of scratch files; default: that of temporary files")
-        ->group(memory_group);
+    add_memory_options(*command, arguments->memory,
+                       "; of a sequence, as many models at once as fit");
     command
         ->add_flag("--again", arguments->again,
                    "Of a sequence, make models anew that are there already")
-        ->group(memory_group);
+        ->group(kLargeDataGroup);
     command->add_flag("--no-hierarchy", arguments->no_hierarchy,
                       "Write no coarser Gaussians beside the model: a smaller file, but views from "
                       "afar cost as much as near ones");

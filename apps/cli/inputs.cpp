@@ -183,6 +183,22 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
     return model;
 }
 
+Box box_of(const std::string& input, const VolumeInputOptions& volume,
+           const PointInputOptions& points) {
+    const FileKind kind = kind_of(input, volume.grid);
+    if (kind == FileKind::model) return view_box(load_models({input}));
+    if (kind == FileKind::points)
+        return view_box(
+            convert_points(load_points({input}, points, volume.grid), point_options(points)));
+    const bool one_grid = volume.grid.find_first_of("*?") == std::string::npos;
+    if (extension_of(input) == ".vdb" && one_grid)
+        return VdbReader(input, {volume.grid, volume.level_set_to_fog}).world_box();
+    Box box;
+    for (const Volume& level : load_levels({input}, volume).volumes)
+        if (!level.empty()) box.include(world_box(level));
+    return box;
+}
+
 Size parse_size(const std::string& text) {
     Size size;
     const char *begin = text.data(), *end = begin + text.size();

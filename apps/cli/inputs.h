@@ -63,6 +63,10 @@ std::vector<std::string> model_files(const std::vector<std::string>& files);
 /// hierarchy  becomes that of those which have one; null: not read
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr);
 
+/// What views of an input look at, without its values where that is known without.
+Box box_of(const std::string& input, const VolumeInputOptions& volume,
+           const PointInputOptions& points);
+
 /// "640x480" or "512". throws CLI::ValidationError: wrong usage
 struct Size {
     int width = 512, height = 512;

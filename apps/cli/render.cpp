@@ -2,72 +2,93 @@
 #include <fmt/core.h>
 
 #include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "rendering.h"
 #include "sequence.h"
-#include "vog/ply.h"
-#include "vog/vdb.h"
 
 namespace vog::cli {
 
 namespace {
 
-/// What views of an input look at, without its values where that is known without.
-Box box_of(const DrawingArguments& arguments, const std::string& input, const CLI::App& command) {
-    const FileKind kind = kind_of(input, arguments.volume.grid);
-    if (kind == FileKind::model && input.ends_with(".ply")) return view_box(read_ply(input));
-    const bool one_grid = arguments.volume.grid.find_first_of("*?") == std::string::npos;
-    if (kind == FileKind::volume && input.ends_with(".vdb") && one_grid)
-        return VdbReader(input, {arguments.volume.grid, arguments.volume.level_set_to_fog})
-            .world_box();
-    DrawingArguments one = arguments;
-    one.inputs = {input};
-    return load_drawing(one, {}, command).box;
+using Json = nlohmann::ordered_json;
+
+void print(const Json& made) {
+    fmt::print("{}: {}x{}, {:.1f} ms, extinction {:.6g}\n", made.at("output").get<std::string>(),
+               made.at("width").get<int>(), made.at("height").get<int>(),
+               made.at("render_ms").at("median").get<double>(),
+               made.at("extinction").get<double>());
 }
 
-/// A picture of each input: the same camera, and the extinction of the first.
-nlohmann::ordered_json render_sequence(const RenderArguments& all, const CLI::App& command) {
+/// Of all frames what was made of them, in their order, from those that each has drawn.
+Json pictures_of(const std::vector<Frame>& frames, const std::vector<std::string>& drawn) {
+    std::map<std::string, Json> by_output;
+    for (const std::string& text : drawn)
+        for (const Json& made : Json::parse(text)) by_output[made.at("output")] = made;
+    Json pictures = Json::array();
+    for (const Frame& frame : frames) pictures.push_back(by_output.at(frame.output));
+    return pictures;
+}
+
+/// A picture of each input: one camera, of all boxes, and the extinction of the first picture.
+Json render_sequence(const RenderArguments& all, const CLI::App& command,
+                     const RenderTogether& others) {
     if (!all.depth_output.empty() && !is_sequence(all.depth_output))
         throw CLI::ValidationError("--depth-out takes a folder where -o does");
-    const std::vector<Frame> frames = frames_of(all.drawing.inputs, all.output, ".png");
+    const std::vector<std::string>& inputs = all.drawing.inputs;
+    const std::vector<Frame> frames = frames_of(inputs, all.output, ".png");
     const std::vector<Frame> depths = all.depth_output.empty()
                                           ? std::vector<Frame>{}
-                                          : frames_of(all.drawing.inputs, all.depth_output, ".exr");
+                                          : frames_of(inputs, all.depth_output, ".exr");
+    const std::vector<bool> mine =
+        others.mine ? others.mine(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = all;
-    one.box = Box{};
-    for (const Frame& frame : frames) one.box->include(box_of(all.drawing, frame.input, command));
-    nlohmann::ordered_json pictures = nlohmann::ordered_json::array();
+    Box box;
+    for (std::size_t n = 0; n < frames.size(); ++n)
+        if (mine[n]) box.include(box_of(inputs[n], all.drawing.volume, all.drawing.points));
+    one.box = others.united ? others.united(box) : box;
+    one.json = true;  // the extinction is in it
+    if (!others.writes) one.view.save_camera.clear();
+    Json drawn = Json::array();
     for (std::size_t n = 0; n < frames.size(); ++n) {
-        one.drawing.inputs = {frames[n].input};
-        one.output = frames[n].output;
-        if (!depths.empty()) one.depth_output = depths[n].output;
-        one.json = true;  // the extinction is in it
-        const nlohmann::ordered_json made = render(one, command);
-        const auto extinction = made.at("extinction").get<double>();
+        double extinction = 0;
+        if (mine[n]) {
+            one.drawing.inputs = {frames[n].input};
+            one.output = frames[n].output;
+            if (!depths.empty()) one.depth_output = depths[n].output;
+            drawn.push_back(render(one, command));
+            extinction = drawn.back().at("extinction");
+            if (!all.json && !others.gather) print(drawn.back());
+        }
+        if (n > 0) continue;
+        if (others.largest) extinction = others.largest(extinction);
         one.color.extinction = fmt::format("{:.17g}", extinction);
-        if (!all.json)
-            fmt::print("{}: {}x{}, {:.1f} ms, extinction {:.6g}\n", one.output,
-                       made.at("width").get<int>(), made.at("height").get<int>(),
-                       made.at("render_ms").at("median").get<double>(), extinction);
-        pictures.push_back(made);
     }
+    const Json pictures = pictures_of(
+        frames, others.gather ? others.gather(drawn.dump()) : std::vector{drawn.dump()});
+    if (!all.json && others.gather && others.writes)
+        for (const Json& made : pictures) print(made);
     return {{"output", all.output}, {"pictures", pictures}};
 }
 
 }  // namespace
 
-void add_render(CLI::App& app) {
-    auto arguments = std::make_shared<RenderArguments>();
+void add_render(CLI::App& app) { add_render(app, std::make_shared<RenderArguments>(), {}); }
+
+void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,
+                const RenderTogether& others) {
     CLI::App* command =
         app.add_subcommand("render", "Render models, volumes or particles to a picture");
     add_render_options(*command, *arguments);
-    command->callback([arguments, command] {
+    command->callback([arguments, command, others] {
         RenderArguments all = *arguments;
         all.drawing.inputs = expanded(all.drawing.inputs);
-        const nlohmann::ordered_json json =
-            is_sequence(all.output) ? render_sequence(all, *command) : render(all, *command);
-        if (all.json) fmt::print("{}\n", json.dump(2));
+        const AskedMemory memory(all.memory);
+        const Json json = is_sequence(all.output) ? render_sequence(all, *command, others)
+                                                  : render(all, *command, others);
+        if (all.json && others.writes) fmt::print("{}\n", json.dump(2));
     });
 }
 

@@ -92,6 +92,7 @@ nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& d
         json["most_slabs"] = drawing.traced->most_slabs;
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    json["peak_memory"] = peak_memory();
     return json;
 }
 
@@ -109,6 +110,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     add_drawing_options(command, arguments.drawing);
     add_view_options(command, arguments.view);
     add_color_options(command, arguments.color);
+    add_memory_options(command, arguments.memory, "");
     command.add_option("--threads", arguments.threads, "Threads to use; 0: all cores")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
@@ -121,7 +123,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
 }
 
 nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& command,
-                              const LoadDrawing& load, bool writes) {
+                              const RenderTogether& others) {
+    const bool writes = others.writes;
     check_arguments(arguments, writes);
     const Size size = parse_size(arguments.size);
     const std::optional<double> extinction = asked_extinction(arguments.color);
@@ -131,7 +134,7 @@ nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& 
     Stages stages(arguments.verbose && writes);
 
     const Drawing drawing =
-        stages.run("load", [&] { return load(arguments.drawing, extinction, command); });
+        stages.run("load", [&] { return others.load(arguments.drawing, extinction, command); });
     const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box));
     if (writes && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, camera);

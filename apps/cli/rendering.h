@@ -1,12 +1,15 @@
-// rendering.h: load -> render -> shade -> image: what every command that makes a picture does.
+// rendering.h: load -> render -> shade -> image: what vog render and vog-mpi render share.
 #pragma once
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "asked_memory.h"
 #include "color.h"
 #include "drawing.h"
 #include "view.h"
@@ -17,6 +20,7 @@ struct RenderArguments {
     DrawingArguments drawing;
     ViewArguments view;
     ColorArguments color;
+    MemoryArguments memory;
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
@@ -26,12 +30,25 @@ struct RenderArguments {
 /// Adds the options of `vog render`.
 void add_render_options(CLI::App& command, RenderArguments& arguments);
 
-using LoadDrawing = std::function<Drawing(const DrawingArguments&, std::optional<double> extinction,
-                                          const CLI::App&)>;
-/// Prints what was made, unless JSON is asked for: which it returns.
-/// load    reads the inputs
-/// writes  false: draws only, as one of several who make a picture together
+/// Several who render together; alone by default.
+struct RenderTogether {
+    /// Reads this one's part of the inputs.
+    std::function<Drawing(const DrawingArguments&, std::optional<double> extinction,
+                          const CLI::App&)>
+        load = load_drawing;
+    bool writes = true;  ///< false: another one shades, writes and reports
+    /// Of the inputs of a sequence, those that are this one's to draw, each by itself.
+    std::function<std::vector<bool>(const std::vector<std::string>&)> mine{};
+    std::function<Box(const Box&)> united{};                               ///< box of all
+    std::function<double(double)> largest{};                               ///< number of all
+    std::function<std::vector<std::string>(const std::string&)> gather{};  ///< texts of all
+};
+/// One picture. Prints what was made, unless JSON is asked for: which it returns.
 nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& command,
-                              const LoadDrawing& load = load_drawing, bool writes = true);
+                              const RenderTogether& others = {});
+
+/// Adds the subcommand.
+void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,
+                const RenderTogether& others);
 
 }  // namespace vog::cli

@@ -7,8 +7,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cctype>
-#include <charconv>
-#include <CLI/CLI.hpp>
 #include <exception>
 #include <filesystem>
 #include <map>
@@ -133,22 +131,6 @@ void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,
         take_turns();
     }
     if (first_error) std::rethrow_exception(first_error);
-}
-
-std::uint64_t parse_memory(const std::string& text) {
-    double number = 0;
-    const char* end = text.data() + text.size();
-    const auto [stop, code] = std::from_chars(text.data(), end, number);
-    std::string unit(stop, end);
-    if (unit.ends_with('B') && unit.size() > 1) unit.pop_back();
-    const std::map<std::string, double> bytes{
-        {"", 1},       {"K", 0x1p10},  {"M", 0x1p20},  {"G", 0x1p30},  {"T", 0x1p40},
-        {"k", 0x1p10}, {"Ki", 0x1p10}, {"Mi", 0x1p20}, {"Gi", 0x1p30}, {"Ti", 0x1p40}};
-    const auto scale = bytes.find(unit);
-    if (code != std::errc{} || scale == bytes.end() || !(number > 0) || number > 1e15)
-        throw CLI::ValidationError(
-            fmt::format("--memory {}: expected bytes, such as 500M or 2G", text));
-    return static_cast<std::uint64_t>(number * scale->second);
 }
 
 }  // namespace vog::cli

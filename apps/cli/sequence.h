@@ -35,7 +35,4 @@ void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,
                     const std::function<std::uint64_t(const Frame&)>& need,
                     const std::function<void(const Frame&)>& work);
 
-/// "2G", "500M", "1.5G", "123456": bytes. throws CLI::ValidationError naming --memory
-std::uint64_t parse_memory(const std::string& text);
-
 }  // namespace vog::cli

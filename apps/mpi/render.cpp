@@ -1,4 +1,5 @@
-// render.cpp: vog-mpi render: every rank draws its part, T is summed, the first rank shades.
+// render.cpp: vog-mpi render: every rank draws its part, T is summed, the first rank shades; of a
+// sequence, every rank draws pictures of its own.
 #include <fmt/core.h>
 
 #include <memory>
@@ -6,6 +7,7 @@
 #include "commands.h"
 #include "inputs_part.h"
 #include "rendering.h"
+#include "shares.h"
 #include "vog/error.h"
 
 namespace vog::mpi {
@@ -97,18 +99,21 @@ Drawing load_part(const DrawingArguments& arguments, std::optional<double> extin
 
 void add_render(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<cli::RenderArguments>();
-    CLI::App* command =
-        app.add_subcommand("render", "Render models, volumes or particles to a picture");
     arguments->threads = ranks.fair_threads();
-    cli::add_render_options(*command, *arguments);
-    command->callback([arguments, command, &ranks] {
-        const auto load = [&](const DrawingArguments& drawing, std::optional<double> extinction,
-                              const CLI::App& asked) {
-            return load_part(drawing, extinction, asked, ranks);
-        };
-        const auto json = cli::render(*arguments, *command, load, ranks.first());
-        if (arguments->json && ranks.first()) fmt::print("{}\n", json.dump(2));
-    });
+    cli::RenderTogether others;
+    others.load = [&ranks](const DrawingArguments& drawing, std::optional<double> extinction,
+                           const CLI::App& command) {
+        return load_part(drawing, extinction, command, ranks);
+    };
+    others.writes = ranks.first();
+    // Of a sequence each rank draws whole pictures, alone.
+    others.mine = [&ranks](const std::vector<std::string>& files) {
+        return whole_files_of(files, ranks);
+    };
+    others.united = [&ranks](const Box& box) { return ranks.united(box); };
+    others.largest = [&ranks](double value) { return ranks.largest(value); };
+    others.gather = [&ranks](const std::string& text) { return ranks.gather(text); };
+    cli::add_render(app, arguments, others);
 }
 
 }  // namespace vog::mpi

@@ -3,9 +3,11 @@
 
 #include <nanovdb/NanoVDB.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 
+#include "memory_pages.h"
 #include "vog/memory.h"
 
 namespace vog {
@@ -14,8 +16,16 @@ namespace vog {
 class NanoBuffer {
   public:
     NanoBuffer() = default;
-    explicit NanoBuffer(std::size_t bytes)
-        : bytes_(bytes), blocks_((bytes + sizeof(Block) - 1) / sizeof(Block)) {}
+    explicit NanoBuffer(std::size_t bytes) : bytes_(bytes) {
+        // Zeroed bit by bit: it may be larger than memory.
+        constexpr std::size_t kAtOnce = (1 << 20) / NANOVDB_DATA_ALIGNMENT;
+        const std::size_t count = (bytes + sizeof(Block) - 1) / sizeof(Block);
+        blocks_.reserve(count);
+        while (blocks_.size() < count) {
+            keep_memory();
+            blocks_.resize(std::min(blocks_.size() + kAtOnce, count));
+        }
+    }
 
     std::byte* data() { return reinterpret_cast<std::byte*>(blocks_.data()); }
     const std::byte* data() const { return reinterpret_cast<const std::byte*>(blocks_.data()); }

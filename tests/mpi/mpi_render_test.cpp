@@ -51,6 +51,30 @@ TEST_P(mpi_render, particles_are_the_same) {
     EXPECT_LE(differs("p.xyz --radius 300"), 32 * 3 * 6e-8);
 }
 
+/// Three pictures, which one, two or three ranks draw; of five, two have none.
+TEST_P(mpi_render, pictures_of_time_steps_are_the_same) {
+    must("sample cloud step_2.vdb --size 64");
+    must("sample explosion step_9.vdb --size 64");
+    must("sample cloud step_10.vdb --size 64 --seed 3");
+    must("convert 'step_*.vdb' -o models/ --block 8");
+    for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
+        const std::string common = "render " + inputs + " --size 40 --json ";
+        const auto one = nlohmann::json::parse(must(common + "-o one/ --depth-out one/").out);
+        const auto many =
+            nlohmann::json::parse(must_mpi(GetParam(), common + "-o many/ --depth-out many/").out);
+        ASSERT_EQ(many["pictures"].size(), 3u);
+        for (int n = 0; n < 3; ++n)
+            EXPECT_EQ(many["pictures"][n]["extinction"], one["pictures"][n]["extinction"]);
+        EXPECT_EQ(many["pictures"][2]["output"], "many/step_10.png");
+        for (const std::string file : {"step_2", "step_9", "step_10"})
+            for (const std::string kind : {".png", ".exr"}) {
+                const std::string picture = read_text(dir_ / ("many/" + file + kind));
+                EXPECT_FALSE(picture.empty());
+                EXPECT_EQ(picture, read_text(dir_ / ("one/" + file + kind))) << file << kind;
+            }
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(ranks, mpi_render, testing::Values(1, 2, 3, 5, 8),
                          testing::PrintToStringParamName());
 
