@@ -166,6 +166,34 @@ TEST_F(cli_export, pages_of_models_volumes_and_particles) {
     must("export p.xyz -o particles.html --value speed --background system --blend");
 }
 
+TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction) {
+    must("sample cloud step_2.vdb --size 64");
+    must("sample explosion step_10.vdb --size 64");
+    must("convert 'step_*.vdb' -o models/ --block 8");
+    for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
+        const auto told =
+            nlohmann::json::parse(must("export " + inputs + " -o pages/ --json --levels 1").out);
+        ASSERT_EQ(told["pages"].size(), 2u);
+        EXPECT_EQ(told["pages"][0]["output"], "pages/step_2.html");
+        EXPECT_EQ(told["pages"][1]["output"], "pages/step_10.html");
+        const auto first = page_of(read_text(dir_ / "pages/step_2.html"));
+        const auto last = page_of(read_text(dir_ / "pages/step_10.html"));
+        EXPECT_EQ(first["title"], "step_2");
+        EXPECT_EQ(first["camera"], last["camera"]);
+        EXPECT_EQ(first["models"].size(), 1u);
+        EXPECT_EQ(first["models"][0]["extinction"], last["models"][0]["extinction"]);
+        EXPECT_NE(first["models"][0]["box"], last["models"][0]["box"]);
+    }
+    // Alone it has another camera and extinction, and a page may have all of them.
+    must("export models/step_10.ply -o alone.html");
+    const auto alone = page_of(read_text(dir_ / "alone.html"));
+    const auto last = page_of(read_text(dir_ / "pages/step_10.html"));
+    EXPECT_NE(alone["models"][0]["extinction"], last["models"][0]["extinction"]);
+    must("export 'models/*.ply' -o all.html");
+    EXPECT_EQ(page_of(read_text(dir_ / "all.html"))["models"].size(), 2u);
+    must_fail(2, "export 'models/*.ply' -o pages/ --name a", "--name");
+}
+
 TEST_F(cli_export, models_join_and_shrink_as_ply) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o fine.ply --block 2");

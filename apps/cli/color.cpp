@@ -5,8 +5,8 @@
 
 namespace vog::cli {
 
-void add_color_options(CLI::App& command, ColorArguments& arguments) {
-    const auto group = "Colour";
+void add_color_options(CLI::App& command, ColorArguments& arguments, const std::string& group,
+                       const std::string& backgrounds) {
     command
         .add_option("--extinction", arguments.extinction,
                     "Factor on density, or auto: the 99th percentile of the non-zero T of the "
@@ -25,7 +25,7 @@ void add_color_options(CLI::App& command, ColorArguments& arguments) {
         ->group(group);
     command
         .add_option("--background", arguments.background,
-                    "R,G,B in [0, 1], black, white or transparent")
+                    "R,G,B in [0, 1], black, white or transparent" + backgrounds)
         ->capture_default_str()
         ->group(group);
     command

@@ -1,4 +1,4 @@
-// color.h: how T becomes colour: the options that render and view share.
+// color.h: how T becomes colour: the options that render, view and export share.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,7 +15,9 @@ struct ColorArguments {
 };
 
 /// Adds --extinction, --tf, --background and --blend.
-void add_color_options(CLI::App& command, ColorArguments& arguments);
+/// backgrounds  what --background takes besides, for its help
+void add_color_options(CLI::App& command, ColorArguments& arguments,
+                       const std::string& group = "Colour", const std::string& backgrounds = "");
 
 /// The number of --extinction; none for auto.
 /// throws CLI::ValidationError for anything else

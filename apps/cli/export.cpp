@@ -1,12 +1,15 @@
 // export.cpp: vog export: models, or volumes and particles converted as they come, to one page for
-// a browser, or to one PLY.
+// a browser, to one page an input, or to one PLY.
 #include <fmt/core.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
+#include "color.h"
 #include "commands.h"
 #include "inputs.h"
+#include "sequence.h"
 #include "terminal.h"
 #include "view.h"
 #include "vog/coarsen.h"
@@ -19,18 +22,21 @@ namespace vog::cli {
 
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 constexpr const char* kPageGroup = "Page (.html)";
 
 struct ExportArguments {
     std::vector<std::string> inputs, names;
-    std::string output, title, description, extinction = "auto", tf = "inferno";
-    std::string background = "black";
+    std::string output, title, description;
+    ColorArguments color;
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
     std::size_t budget = 0, levels = 8;
     int threads = 0;
-    bool blend = false, json = false, verbose = false;
+    bool json = false, verbose = false;
+    std::optional<Box> box;  ///< views look at this, not at the model: one camera for many
 };
 
 std::string stem_of(const std::string& file) { return std::filesystem::path(file).stem().string(); }
@@ -101,22 +107,18 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
     return entries;
 }
 
-void write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
+Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
                   Stages& stages) {
     Gaussians model;
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
     stages.run("save", [&] { write_ply(arguments.output, model); });
-    if (!arguments.json) {
+    if (!arguments.json)
         fmt::print("{}: {} Gaussians, {}\n", arguments.output, grouped(model.size()),
                    bytes_text(ply_bytes(model)));
-        return;
-    }
-    const nlohmann::ordered_json json = {
-        {"output", arguments.output}, {"gaussians", model.size()}, {"bytes", ply_bytes(model)}};
-    fmt::print("{}\n", json.dump(2));
+    return {{"output", arguments.output}, {"gaussians", model.size()}, {"bytes", ply_bytes(model)}};
 }
 
-void report_page(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
+Json report_page(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
                  const HtmlReport& report, const Stages& stages) {
     if (!arguments.json) {
         for (const HtmlModel& entry : entries) {
@@ -127,50 +129,59 @@ void report_page(const ExportArguments& arguments, const std::vector<HtmlModel>&
         }
         fmt::print("{}: {}, of which the viewer {}\n", arguments.output, bytes_text(report.bytes),
                    bytes_text(report.viewer_bytes));
-        return;
     }
-    nlohmann::ordered_json json = {{"output", arguments.output},
-                                   {"bytes", report.bytes},
-                                   {"viewer_bytes", report.viewer_bytes},
-                                   {"gaussians", report.gaussians}};
+    Json json = {{"output", arguments.output},
+                 {"bytes", report.bytes},
+                 {"viewer_bytes", report.viewer_bytes},
+                 {"gaussians", report.gaussians},
+                 {"extinction", report.extinction}};
     for (const HtmlModel& entry : entries) {
-        nlohmann::ordered_json counts = nlohmann::ordered_json::array();
+        Json counts = Json::array();
         for (const Gaussians& level : entry.levels) counts.push_back(level.size());
         json["models"].push_back({{"name", entry.name}, {"levels", counts}});
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
-    fmt::print("{}\n", json.dump(2));
+    return json;
 }
 
-void write_page(const ExportArguments& arguments, const CLI::App& command,
+HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& command,
+                         const HtmlModel& first) {
+    HtmlOptions options;
+    options.title = command.count("--title") ? arguments.title : first.name;
+    options.description = arguments.description;
+    options.tf = load_transfer_function(arguments.color.tf);
+    options.extinction = asked_extinction(arguments.color);
+    ColorArguments color = arguments.color;
+    options.system_background = color.background == "system";
+    if (options.system_background) color.background = ColorArguments{}.background;
+    options.shading = shading_of(color);
+    // Without a word about the view each model has its own, but for pages of one sequence.
+    bool viewed = arguments.box.has_value();
+    for (const char* option : {"--azimuth", "--elevation", "--distance", "--fov", "--eye",
+                               "--look-at", "--up", "--camera", "--save-camera"})
+        viewed |= command.count(option) > 0;
+    if (viewed)
+        options.camera = camera_from(arguments.view, command,
+                                     arguments.box ? *arguments.box : view_box(first.levels[0]));
+    if (viewed && !arguments.view.save_camera.empty())
+        write_camera(arguments.view.save_camera, *options.camera);
+    return options;
+}
+
+Json write_page(const ExportArguments& arguments, const CLI::App& command,
                 std::vector<HtmlModel> entries, Stages& stages) {
     if (!arguments.names.empty() && arguments.names.size() != entries.size())
         throw CLI::ValidationError(fmt::format("{} names for {} models, expected one each",
                                                arguments.names.size(), entries.size()));
     for (std::size_t n = 0; n < arguments.names.size(); ++n) entries[n].name = arguments.names[n];
-    HtmlOptions options;
-    options.title = command.count("--title") ? arguments.title : entries.front().name;
-    options.description = arguments.description;
-    options.tf = load_transfer_function(arguments.tf);
-    options.system_background = arguments.background == "system";
-    options.shading.blend = arguments.blend;
-    if (!options.system_background)
-        options.shading.background = parse_background(arguments.background);
-    if (arguments.extinction != "auto") options.extinction = parse_extinction(arguments.extinction);
-    // Without a word about the view each model has its own.
-    for (const char* option : {"--azimuth", "--elevation", "--distance", "--fov", "--eye",
-                               "--look-at", "--up", "--camera", "--save-camera"})
-        if (command.count(option))
-            options.camera = camera_from(arguments.view, command, view_box(entries[0].levels[0]));
-    if (options.camera && !arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, *options.camera);
-
+    const HtmlOptions options = page_options(arguments, command, entries.front());
     const HtmlReport report =
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
-    report_page(arguments, entries, report, stages);
+    return report_page(arguments, entries, report, stages);
 }
 
-void export_files(const ExportArguments& arguments, const CLI::App& command) {
+/// One page, or one PLY.
+Json export_one(const ExportArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs, {".html", ".ply"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
@@ -179,14 +190,38 @@ void export_files(const ExportArguments& arguments, const CLI::App& command) {
         refuse_group(command, kPageGroup, "-o " + arguments.output);
         refuse_group(command, "View", "-o " + arguments.output);
     }
-    const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
     std::vector<HtmlModel> entries =
         load_entries(arguments, kind, page ? arguments.levels : 1, stages);
-    if (page)
-        write_page(arguments, command, std::move(entries), stages);
-    else
-        write_joined(arguments, entries, stages);
+    return page ? write_page(arguments, command, std::move(entries), stages)
+                : write_joined(arguments, entries, stages);
+}
+
+/// A page of each input: one camera, of all boxes, and the extinction of the first page.
+Json export_sequence(const ExportArguments& all, const CLI::App& command) {
+    if (!all.names.empty())
+        throw CLI::ValidationError("--name is for the switch of one page, not for a folder");
+    ExportArguments one = all;
+    one.box = Box{};
+    for (const std::string& input : all.inputs)
+        one.box->include(box_of(input, all.volume, all.points));
+    Json pages = Json::array();
+    for (const Frame& frame : frames_of(all.inputs, all.output, ".html")) {
+        one.inputs = {frame.input};
+        one.output = frame.output;
+        pages.push_back(export_one(one, command));
+        one.color.extinction = fmt::format("{:.17g}", pages.front().at("extinction").get<double>());
+    }
+    return {{"output", all.output}, {"pages", pages}};
+}
+
+void export_files(const ExportArguments& given, const CLI::App& command) {
+    ExportArguments arguments = given;
+    arguments.inputs = expanded(given.inputs);
+    const ThreadLimit limit(arguments.threads);
+    const Json json = is_sequence(arguments.output) ? export_sequence(arguments, command)
+                                                    : export_one(arguments, command);
+    if (arguments.json) fmt::print("{}\n", json.dump(2));
 }
 
 void add_page_options(CLI::App& command, ExportArguments& arguments) {
@@ -204,16 +239,8 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
         "1: the model alone")
         ->check(CLI::Range(1, 32))
         ->capture_default_str();
-    add("--extinction", arguments.extinction,
-        "Factor on density, or auto: by the first view of each model")
-        ->capture_default_str();
-    add("--tf", arguments.tf, "Transfer function to begin with: a name or a JSON file")
-        ->capture_default_str();
-    add("--background", arguments.background,
-        "R,G,B in [0, 1], black, white or transparent; system: black or white, as the reader's is")
-        ->capture_default_str();
-    command.add_flag("--blend", arguments.blend, "Colours fade into the background as V goes to 0")
-        ->group(kPageGroup);
+    add_color_options(command, arguments.color, kPageGroup,
+                      ", or system: black or white, as the reader's is");
 }
 
 }  // namespace
@@ -225,9 +252,13 @@ void add_export(CLI::App& app) {
     command
         ->add_option("inputs", arguments->inputs,
                      "PLY models, which the page offers in a switch; or volumes or particles, "
-                     "which are converted as vog convert does by default")
+                     "which are converted as vog convert does by default; quoted patterns match "
+                     "in natural order: 'frame_*.ply'")
         ->required();
-    command->add_option("-o,--output", arguments->output, "Page to write (.html), or model (.ply)")
+    command
+        ->add_option("-o,--output", arguments->output,
+                     "Page to write (.html), or model (.ply). A folder (or a name that ends in /): "
+                     "a page of each input, under one camera and one extinction")
         ->required();
     command
         ->add_option("--budget", arguments->budget,

@@ -37,6 +37,7 @@ struct HtmlReport {
     std::size_t bytes = 0;         ///< of the file
     std::size_t viewer_bytes = 0;  ///< of it: all but the models
     std::size_t gaussians = 0;     ///< of the finest levels
+    double extinction = 1;         ///< of the first model
 };
 
 /// Every Gaussian takes 14 or 20 bytes before compression (docs/web.md, "What is in the page"):

@@ -201,6 +201,7 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
         entries.push_back(model_json(model, entries.size(), options, data));
         report.gaussians += model.levels.front().size();
     }
+    report.extinction = entries.front().at("extinction");
     const Camera camera =
         options.camera ? *options.camera : paper_view(seen_box(models.front().levels.front()));
     const Rgba& ground = options.shading.background;
