@@ -1,4 +1,4 @@
-// memory_test.cpp: particles larger than the memory given.
+// memory_test.cpp: arrays in files, and data larger than the memory given.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -6,16 +6,51 @@
 #include <vector>
 
 #include "support/larger_than_memory.h"
+#include "vog/error.h"
+#include "vog/memory.h"
 
 namespace vog::test {
 
+TEST(memory_limit, arrays_in_files_hold_what_is_put_into_them) {
+    const MemoryLimit limit(64 << 20);
+    EXPECT_THROW(MemoryLimit(64 << 20), Error);  // one at a time
+    BigVector<std::uint64_t> numbers;
+    for (std::uint64_t n = 0; n < (32u << 20); ++n) numbers.push_back(n * n);  // 256 MB
+    EXPECT_GE(limit.scratch_bytes(), sizeof(std::uint64_t) * numbers.size());
+    for (std::uint64_t n = 0; n < numbers.size(); ++n) ASSERT_EQ(numbers[n], n * n);
+}
+
+TEST(memory_limit, arrays_outlive_it) {
+    BigVector<int> numbers;
+    {
+        const MemoryLimit limit(64 << 20);
+        numbers.assign(8u << 20, 7);
+    }
+    const BigVector<int> copy = numbers;  // in memory
+    EXPECT_EQ(copy, numbers);
+}
+
 class larger_than_memory : public LargerThanMemory {};
+
+// 16.6 million voxels: 84 MB of leaves, and 45 MB for a process that does next to nothing.
+TEST_F(larger_than_memory, a_volume_makes_the_same_model) {
+    must("sample cloud cloud.vdb --size 512");
+    expect_same("convert cloud.vdb --block 4 -o", ".ply", 128);
+    expect_same("convert cloud.vdb --budget 3000 -o", ".ply", 160);
+}
+
+// Leaves and the tree that rays walk through: 234 MB.
+TEST_F(larger_than_memory, a_volume_makes_the_same_picture) {
+    must("sample cloud cloud.vdb --size 512");
+    expect_same("render cloud.vdb --size 64 --depth-out", ".exr", 168);
+    must_fail(2, "render cloud.vdb -o a.png --scratch .", "--memory");
+}
 
 // A million particles: 24 MB of positions, 12 of velocities, then what the conversion takes.
 TEST_F(larger_than_memory, particles_make_the_same_model) {
     must("sample particles p.xyz --size 100");
-    expect_same("p.xyz", "--radius 3 --budget 20000", 128);
-    expect_same("p.xyz", "--radius 3 --block 2 --no-hierarchy", 128);
+    expect_same("convert p.xyz --radius 3 --budget 20000 -o", ".ply", 128);
+    expect_same("convert p.xyz --radius 3 --block 2 --no-hierarchy -o", ".ply", 128);
 }
 
 TEST_F(larger_than_memory, particles_in_no_order_make_the_same_model) {

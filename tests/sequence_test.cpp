@@ -1,14 +1,11 @@
-// sequence_test.cpp: vog convert of time steps, and of volumes larger than the memory given.
+// sequence_test.cpp: time steps, converted and drawn file by file.
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/command.h"
-#include "vog/error.h"
-#include "vog/memory.h"
 
 namespace vog::test {
 
@@ -87,64 +84,6 @@ TEST_F(sequence, pictures_of_time_steps_share_camera_and_extinction) {
         EXPECT_TRUE(std::filesystem::exists(dir_ / "depths/step_10.exr"));
     }
     must_fail(2, "render 'models/*.ply' -o pictures/ --depth-out one.exr", "--depth-out");
-}
-
-// 16.6 million voxels: 84 MB of leaves, and 45 MB for a process that does next to nothing.
-TEST_F(sequence, a_volume_larger_than_the_memory_given_makes_the_same_model) {
-    must("sample cloud cloud.vdb --size 512");
-    const auto peak_of = [&](const std::string& output, const std::string& options) {
-        return nlohmann::json::parse(
-                   must("convert cloud.vdb --json --threads 2 -o " + output + options).out)
-            .at("peak_memory")
-            .get<std::uint64_t>();
-    };
-    struct Case {
-        std::string cut, memory;
-        std::uint64_t megabytes;
-    };
-    for (const Case& c : {Case{" --block 4", " --memory 128M", 128},
-                          Case{" --budget 3000", " --memory 160M", 160}}) {
-        EXPECT_GT(peak_of("free.ply", c.cut), c.megabytes << 20) << c.cut;
-        EXPECT_LT(peak_of("bound.ply", c.cut + c.memory + " --scratch ."), c.megabytes << 20)
-            << c.cut;
-        EXPECT_EQ(read_text(dir_ / "bound.ply"), read_text(dir_ / "free.ply")) << c.cut;
-    }
-}
-
-// Leaves and the tree that rays walk through: 234 MB in memory, 121 MB with 168 MB given.
-TEST_F(sequence, a_volume_larger_than_the_memory_given_makes_the_same_picture) {
-    must("sample cloud cloud.vdb --size 512");
-    const auto peak_of = [&](const std::string& output, const std::string& options) {
-        return nlohmann::json::parse(must("render cloud.vdb --json --size 64 --threads 2 "
-                                          "--depth-out " +
-                                          output + options)
-                                         .out)
-            .at("peak_memory")
-            .get<std::uint64_t>();
-    };
-    EXPECT_GT(peak_of("free.exr", ""), 160u << 20);
-    EXPECT_LT(peak_of("bound.exr", " --memory 160M --scratch ."), 160u << 20);
-    EXPECT_EQ(read_text(dir_ / "bound.exr"), read_text(dir_ / "free.exr"));
-    must_fail(2, "render cloud.vdb -o a.png --scratch .", "--memory");
-}
-
-TEST(memory_limit, arrays_in_files_hold_what_is_put_into_them) {
-    const MemoryLimit limit(64 << 20);
-    EXPECT_THROW(MemoryLimit(64 << 20), Error);  // one at a time
-    BigVector<std::uint64_t> numbers;
-    for (std::uint64_t n = 0; n < (32u << 20); ++n) numbers.push_back(n * n);  // 256 MB
-    EXPECT_GE(limit.scratch_bytes(), sizeof(std::uint64_t) * numbers.size());
-    for (std::uint64_t n = 0; n < numbers.size(); ++n) ASSERT_EQ(numbers[n], n * n);
-}
-
-TEST(memory_limit, arrays_outlive_it) {
-    BigVector<int> numbers;
-    {
-        const MemoryLimit limit(64 << 20);
-        numbers.assign(8u << 20, 7);
-    }
-    const BigVector<int> copy = numbers;  // in memory
-    EXPECT_EQ(copy, numbers);
 }
 
 }  // namespace vog::test
