@@ -9,6 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
+#include "memory_pages.h"
 #include "vog/levels.h"
 
 namespace vog {
@@ -102,7 +103,8 @@ struct OriginHash {
 };
 
 Leaf& new_leaf(MomentField& field, Vec3i origin) {
-    Leaf& leaf = *field.leaves.emplace_back(std::make_unique<Leaf>());
+    keep_memory();
+    Leaf& leaf = field.leaves.add();
     leaf.origin = origin;
     return leaf;
 }
@@ -150,18 +152,18 @@ class BrickMap {
     BigVector<Brick> bricks() const {
         BigVector<Brick> all;
         for (std::size_t size = 0; size < sizes_.size(); ++size)
-            for (const auto& [origin, samples] : sizes_[size]) {
-                const bool has_mass =
-                    samples.leaf
-                        ? std::any_of(samples.leaf->value.begin(), samples.leaf->value.end(),
-                                      [](float value) { return value > 0; })
-                        : samples.value > 0;
-                if (has_mass)
-                    all.push_back({origin, std::ldexp(1.0, static_cast<int>(size)), samples.leaf,
-                                   samples.value});
-            }
+            for (const auto& [origin, samples] : sizes_[size])
+                all.push_back(
+                    {origin, std::ldexp(1.0, static_cast<int>(size)), samples.leaf, samples.value});
         std::sort(all.begin(), all.end(),
                   [](const Brick& a, const Brick& b) { return morton_less(a.origin, b.origin); });
+        // In the order of the leaves, so that few pages are touched at a time.
+        std::erase_if(all, [](const Brick& brick) {
+            keep_memory();
+            return brick.leaf ? std::ranges::none_of(brick.leaf->value,
+                                                     [](float value) { return value > 0; })
+                              : !(brick.value > 0);
+        });
         return all;
     }
 
@@ -199,7 +201,7 @@ class BrickMap {
             if (largest > 0)
                 add(size - 1, at, &fine, 0);
             else
-                field_.leaves.pop_back();
+                field_.leaves.remove_last();
         }
     }
 
@@ -217,10 +219,12 @@ void add_moved(const Volume& volume, Vec3i corner, int size, MomentField& field,
         leaf->value[static_cast<std::size_t>(leaf_offset(index.x & 7, index.y & 7, index.z & 7))] =
             value;
     };
-    for (const Leaf& leaf : volume.leaves)
+    for (const Leaf& leaf : volume.leaves) {
+        keep_memory();
         for (int n = 0; n < kLeafVoxels; ++n)
             if (const float value = leaf.value[static_cast<std::size_t>(n)]; value > 0)
                 set(leaf.origin - corner + Vec3i{n >> 6, n >> 3 & 7, n & 7}, value);
+    }
     for (const Tile& tile : volume.tiles)
         if (tile.edge == kLeafEdge)
             for (int n = 0; n < kLeafVoxels; ++n)
@@ -233,8 +237,10 @@ void add_member(const Member& member, int size, MomentField& field, BrickMap& ma
     const Vec3i corner = member.division.corner;
     const bool whole_leaves = ((corner.x | corner.y | corner.z) & 7) == 0;
     if (!whole_leaves) add_moved(volume, corner, size, field, map);
-    for (const Leaf& leaf : volume.leaves)
+    for (const Leaf& leaf : volume.leaves) {
+        keep_memory();
         if (whole_leaves) map.add(size, (1 << size) * (leaf.origin - corner), &leaf, 0);
+    }
     for (const Tile& tile : volume.tiles)
         if (whole_leaves || tile.edge > kLeafEdge)
             map.add(size + std::countr_zero(static_cast<unsigned>(tile.edge / kLeafEdge)),
@@ -242,6 +248,14 @@ void add_member(const Member& member, int size, MomentField& field, BrickMap& ma
 }
 
 }  // namespace
+
+Leaf& StableLeaves::add() {
+    if (runs_.empty() || runs_.back().size() == runs_.back().capacity()) {
+        const std::size_t size = runs_.empty() ? 64 : 2 * runs_.back().capacity();
+        runs_.emplace_back().reserve(size);
+    }
+    return runs_.back().emplace_back();
+}
 
 MomentField moment_field(const Volume& volume) {
     return {volume_bricks(volume, morton_nodes(volume)), {}, volume.world_from_index};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <memory>
 #include <span>
 #include <vector>
 
@@ -10,9 +9,19 @@
 
 namespace vog {
 
+/// Leaves that stay where they are as more come, in arrays of twice the size of the one before.
+class StableLeaves {
+  public:
+    Leaf& add();
+    void remove_last() { runs_.back().pop_back(); }
+
+  private:
+    std::vector<BigVector<Leaf>> runs_;
+};
+
 struct MomentField {
-    BigVector<Brick> bricks;                    ///< with mass, in Morton order, disjoint
-    std::vector<std::unique_ptr<Leaf>> leaves;  ///< that bricks refer to and no volume has
+    BigVector<Brick> bricks;  ///< with mass, in Morton order, disjoint
+    StableLeaves leaves;      ///< that bricks refer to and no volume has
     Affine world_from_index;
 
     double voxel_volume() const { return std::abs(determinant(world_from_index.linear)); }
