@@ -17,7 +17,8 @@ std::vector<std::string> node_properties(bool axis_aligned);
 std::size_t bytes_per_node(bool axis_aligned);
 
 void write_nodes(std::ostream& out, const Hierarchy& hierarchy);
-/// Reads `count` nodes; which children they have is left to link(). False where the stream ends before.
+/// Reads `count` nodes; which children they have is left to link(). False where the stream ends
+/// before.
 bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarchy& hierarchy);
 
 }  // namespace vog
