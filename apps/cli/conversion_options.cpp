@@ -147,7 +147,8 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
                     kSoftSteps, kSearchSoftSteps))
         ->check(CLI::Range(0, 1000));
     add("--refine", moments.refine_seconds,
-        "Spend this many seconds on more soft steps, as long as the measured error falls")
+        "Spend up to this many seconds on moving Gaussians to where pictures err: as many as "
+        "before")
         ->check(CLI::Range(0.0, 1e6));
     add("--spread", moments.spread, "Widen every standard deviation at constant mass")
         ->check(CLI::Range(0.5, 2.0))

@@ -34,8 +34,8 @@ struct MomentOptions {
                              ///< an error, which makes several models
     float spread = 1;        ///< widens each standard deviation at constant mass, [0.5, 2]
     double mass_threshold = 1e-4;  ///< the lightest cells go, up to this share of the mass, [0, 1)
-    double refine_seconds = 0;  ///< goes on softening that long while the error falls: no more the
-                                ///< same bytes each time; [0, 1e6]
+    double refine_seconds = 0;  ///< soft steps, and cells moved to where pictures err, for so long,
+                                ///< while they err less: no more the same bytes each time; [0, 1e6]
     bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
     bool measure = false;       ///< measure the error of a uniform cut or a budget too
     Together together{};        ///< with others who have other parts of the volume: a hard uniform

@@ -78,9 +78,10 @@ class FieldSoftener {
         if (!goes_on_) forget();
     }
 
-  private:
+    /// Cells that did not come from the last ones are next.
     void forget() { steps_ = std::vector<SoftSteps>(softeners_.size()); }
 
+  private:
     std::vector<Softener> softeners_;
     std::vector<SoftSteps> steps_;
     bool goes_on_;
@@ -91,7 +92,11 @@ Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, Fie
 /// That, as it will be written, and its measured error.
 FoundModel judged(Conversion& job, std::span<const MomentField> fields, const ErrorViews& views,
                   FieldCells cells);
-/// More soft steps while the error falls and there is time, if asked for; then the model.
+/// For the seconds asked for, soft steps and cells taken from where they are of little use to where
+/// pictures err, as long as the pictures err less: as many cells as before.
+FieldCells refined(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+                   FieldCells cells);
+/// The refined cells, if that is asked for, as a model.
 Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
                    FieldCells cells);
 

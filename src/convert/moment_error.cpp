@@ -1,12 +1,15 @@
 // moment_error.cpp: eight small pictures of the volume, and how far a model's are from them.
 #include "convert/moment_error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "parallel.h"
 #include "vog/moments.h"
 #include "vog/reference.h"
 #include "vog/render.h"
+#include "vog/shade.h"
 
 namespace vog {
 
@@ -40,20 +43,6 @@ CroppedDepth::CroppedDepth(const DepthImage& image) {
         rows_.push_back(row);
     }
     values_.shrink_to_fit();
-}
-
-void CroppedDepth::compare(const DepthImage& image, double& error2, double& norm2) const {
-    for (int y = 0; y < image.height; ++y) {
-        const Row& row = rows_[static_cast<std::size_t>(y)];
-        for (int x = 0; x < image.width; ++x) {
-            const bool inside = x >= row.first && x < row.end;
-            const double t =
-                inside ? values_[row.values + static_cast<std::size_t>(x - row.first)] : 0;
-            const double d = image.at(x, y) - t;
-            error2 += d * d;
-            norm2 += t * t;
-        }
-    }
 }
 
 namespace {
@@ -90,22 +79,91 @@ ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) : cameras_
     std::vector<DepthImage> images(cameras_.size(), DepthImage(kSize_px, kSize_px));
     for (const Volume& part : parts) add_reference(part, cameras_, images);
     for (const DepthImage& image : images) reference_.emplace_back(image);
+    extinction_ = auto_extinction(images.front());
 }
 
 ErrorViews::ErrorViews(const Gaussians& finest) : cameras_(error_views(view_box(finest))) {
-    for (const Camera& camera : cameras_)
-        reference_.emplace_back(render_splat(finest, camera, kSize_px, kSize_px));
+    for (const Camera& camera : cameras_) {
+        const DepthImage image = render_splat(finest, camera, kSize_px, kSize_px);
+        if (reference_.empty()) extinction_ = auto_extinction(image);
+        reference_.emplace_back(image);
+    }
 }
 
-double ErrorViews::measure(const Gaussians& model) const {
-    double error2 = 0, norm2 = 0;
+template <class Take>
+void ErrorViews::for_each_picture(const Gaussians& model, const Take& take) const {
     SplatRenderer renderer(model);
     DepthImage image;
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
         renderer.render(cameras_[view], kSize_px, kSize_px, image);
-        reference_[view].compare(image, error2, norm2);
+        take(view, image);
     }
+}
+
+double ErrorViews::measure(const Gaussians& model) const {
+    double error2 = 0, norm2 = 0;
+    for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
+        for (int y = 0; y < kSize_px; ++y)
+            for (int x = 0; x < kSize_px; ++x) {
+                const double t = reference_[view].at(x, y), d = image.at(x, y) - t;
+                error2 += d * d;
+                norm2 += t * t;
+            }
+    });
     return norm2 > 0 ? std::sqrt(error2 / norm2) : 0;
+}
+
+double ErrorViews::seen2(double t, double reference) const {
+    constexpr double kUnseen = 0.1;
+    const double dv = std::exp(-extinction_ * reference) - std::exp(-extinction_ * t);
+    const double dt = extinction_ * (t - reference);
+    return dv * dv + kUnseen * dt * dt;
+}
+
+double ErrorViews::visible(const Gaussians& model) const {
+    double sum = 0;
+    for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
+        for (int y = 0; y < kSize_px; ++y)
+            for (int x = 0; x < kSize_px; ++x)
+                sum += seen2(image.at(x, y), reference_[view].at(x, y));
+    });
+    return std::sqrt(sum / (static_cast<double>(cameras_.size()) * kSize_px * kSize_px));
+}
+
+std::vector<float> ErrorViews::errors(const Gaussians& model) const {
+    std::vector<float> errors(model.size());
+    for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
+        const CameraFrame frame = frame_of(cameras_[view], kSize_px, kSize_px);
+        vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
+            const Vec3d to = vec_cast<double>(model.mean[i]) - frame.eye;
+            const double depth = dot(to, frame.forward);
+            if (depth <= 0) return;
+            const double pixels = frame.pixels_per_unit / depth;
+            const double column = 0.5 * (kSize_px - 1) + pixels * dot(to, frame.right);
+            const double row = 0.5 * (kSize_px - 1) - pixels * dot(to, frame.up);
+            const Vec3d scale = vec_cast<double>(model.scale[i]);
+            const double sigma = std::sqrt(dot(scale, scale) / 3);
+            // No narrower than what a pixel's middle can miss.
+            const double sigma_px = std::max(0.4, pixels * sigma), reach = 2 * sigma_px;
+            const double peak =
+                static_cast<double>(model.density[i]) * sigma * std::sqrt(2 * std::numbers::pi);
+            const auto clamped = [](double pixel) {
+                return static_cast<int>(std::clamp(pixel, 0.0, kSize_px - 1.0));
+            };
+            double sum = 0;
+            for (int y = clamped(std::ceil(row - reach)); y <= clamped(row + reach); ++y)
+                for (int x = clamped(std::ceil(column - reach)); x <= clamped(column + reach);
+                     ++x) {
+                    const double t = image.at(x, y), dx = x - column, dy = y - row;
+                    const double from2 = (dx * dx + dy * dy) / (2 * sigma_px * sigma_px);
+                    if (t <= 0 || from2 > 2) continue;
+                    const double share = std::min(1.0, peak * std::exp(-from2) / t);
+                    sum += share * seen2(t, reference_[view].at(x, y));
+                }
+            errors[i] += static_cast<float>(sum);
+        });
+    });
+    return errors;
 }
 
 }  // namespace vog

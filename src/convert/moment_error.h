@@ -15,9 +15,12 @@ namespace vog {
 class CroppedDepth {
   public:
     explicit CroppedDepth(const DepthImage& image);
-    /// Sums of |image - this|^2 and |this|^2 over all pixels of an image of the same size, row by
-    /// row.
-    void compare(const DepthImage& image, double& error2, double& norm2) const;
+    double at(int column, int row) const {
+        const Row& values = rows_[static_cast<std::size_t>(row)];
+        const bool inside = column >= values.first && column < values.end;
+        return inside ? values_[values.values + static_cast<std::size_t>(column - values.first)]
+                      : 0;
+    }
 
   private:
     struct Row {
@@ -39,10 +42,22 @@ class ErrorViews {
     explicit ErrorViews(const Gaussians& finest);
     /// sqrt(sum |T - T_ref|^2 / sum |T_ref|^2), over all pixels of all views
     double measure(const Gaussians& model) const;
+    /// Root of the mean over all pixels of dV^2 + dT^2 / 10, T in units of the extinction that the
+    /// first view is shown at: what is seen, and what another extinction would show.
+    double visible(const Gaussians& model) const;
+    /// For each Gaussian the sum of that square over its pixels, each by the share that it has of T
+    /// there; it is taken as round, with the mean of its variances.
+    std::vector<float> errors(const Gaussians& model) const;
 
   private:
+    /// Calls take(view, image) for the model's picture of each view.
+    template <class Take>
+    void for_each_picture(const Gaussians& model, const Take& take) const;
+    double seen2(double t, double reference) const;
+
     std::vector<Camera> cameras_;
     std::vector<CroppedDepth> reference_;
+    double extinction_ = 1;
 };
 
 }  // namespace vog

@@ -41,21 +41,7 @@ FoundModel judged(Conversion& job, std::span<const MomentField> fields, const Er
 Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
                    FieldCells cells) {
     if (job.options.refine_seconds == 0) return gaussians_of(job, fields, std::move(cells));
-    using Clock = std::chrono::steady_clock;
-    const auto end = Clock::now() + std::chrono::duration<double>(job.options.refine_seconds);
-    const ErrorViews views(job.parts, job.box);
-    FieldCells best = cells;
-    double least = judged(job, fields, views, cells).error;
-    constexpr int kStepsBetween = 4, kPatience = 3;
-    for (int failures = 0; failures < kPatience && Clock::now() < end;) {
-        for (int n = 0; n < kStepsBetween && Clock::now() < end; ++n) softener.step(cells);
-        const double error = judged(job, fields, views, cells).error;
-        failures = error < least ? 0 : failures + 1;
-        if (error < least) best = cells, least = error;
-    }
-    job.report.measured_error = least;
-    job.end_stage("refine", 1);
-    return gaussians_of(job, fields, std::move(best));
+    return gaussians_of(job, fields, refined(job, fields, softener, std::move(cells)));
 }
 
 }  // namespace vog

@@ -1,0 +1,20 @@
+// moment_exchange.h: cells taken from where they are of little use to where pictures err.
+#pragma once
+
+#include <span>
+
+#include "convert/moment_seen.h"
+#include "convert/packed_cells.h"
+
+namespace vog {
+
+/// Parts the cells that err most in two, and joins as many pairs of the others: those that lose
+/// least by it, the bound on the Kullback-Leibler divergence that Runnalls gives ("Kullback-Leibler
+/// approach to Gaussian mixture reduction", 2007), weighed by what is seen. Moments stay, of the
+/// whole and of each cell that is parted or joined; there are as many cells as before.
+/// error  of each cell, in any unit
+/// share  of the cells that are parted, 0 to 1/3
+void exchange(PackedCells& cells, std::span<const float> error, double share,
+              const SeenShare& seen);
+
+}  // namespace vog
