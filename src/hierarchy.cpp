@@ -1,0 +1,122 @@
+// hierarchy.cpp: whose children are where, checks, and joining.
+#include "vog/hierarchy.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <vector>
+
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+/// Nodes that are no one's children, if they lie in one order.
+std::size_t root_count(const Hierarchy& hierarchy) {
+    std::size_t below = 0;
+    for (const std::uint8_t count : hierarchy.node_count) below += count;
+    return below < hierarchy.size() ? hierarchy.size() - below : 0;
+}
+
+/// Every node and every leaf is a child once at most, and behind its parent: so it is a forest.
+void check_children(const Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
+    std::vector<bool> node_taken(hierarchy.size()), leaf_taken(leaves);
+    const auto take = [](std::vector<bool>& taken, std::size_t first, std::size_t count) {
+        if (first > taken.size() || count > taken.size() - first) return false;
+        for (std::size_t i = first; i < first + count; ++i) {
+            if (taken[i]) return false;
+            taken[i] = true;
+        }
+        return true;
+    };
+    for (std::size_t n = 0; n < hierarchy.size(); ++n) {
+        const std::size_t nodes = hierarchy.node_count[n], own = hierarchy.leaf_count[n];
+        const auto fail = [&](const std::string& expected) {
+            throw Error(fmt::format(
+                "{}: node {} of the hierarchy has {} nodes from {} and {} Gaussians from {}: "
+                "expected {}",
+                where, n, nodes, hierarchy.first_node[n], own, hierarchy.first_leaf[n], expected));
+        };
+        if (nodes + own < 2) fail("2 or more in all");
+        if (nodes > 0 && hierarchy.first_node[n] <= n) fail("nodes behind it");
+        if (!take(node_taken, nodes ? hierarchy.first_node[n] : 0, nodes))
+            fail(fmt::format("nodes of the {} that are no other's", hierarchy.size()));
+        if (!take(leaf_taken, own ? hierarchy.first_leaf[n] : 0, own))
+            fail(fmt::format("Gaussians of the model's {} that are no other's", leaves));
+    }
+}
+
+}  // namespace
+
+void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
+    const std::size_t count = hierarchy.size();
+    hierarchy.first_node.resize(count);
+    hierarchy.first_leaf.resize(count);
+    std::uint64_t node = root_count(hierarchy), leaf = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+        // Beyond 2^32 they are beyond the model, too, which is said below.
+        hierarchy.first_node[n] = static_cast<std::uint32_t>(node);
+        hierarchy.first_leaf[n] = static_cast<std::uint32_t>(leaf);
+        node += hierarchy.node_count[n];
+        leaf += hierarchy.leaf_count[n];
+    }
+    check_children(hierarchy, leaves, where);
+}
+
+bool in_one_order(const Hierarchy& hierarchy) {
+    std::size_t node = root_count(hierarchy), leaf = 0;
+    for (std::size_t n = 0; n < hierarchy.size(); ++n) {
+        if (hierarchy.first_node[n] != node || hierarchy.first_leaf[n] != leaf) return false;
+        node += hierarchy.node_count[n];
+        leaf += hierarchy.leaf_count[n];
+    }
+    return true;
+}
+
+void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
+              const std::string& where) {
+    const std::size_t count = hierarchy.size();
+    const auto fail = [&](const std::string& what) {
+        throw Error(fmt::format("{}: {}", where, what));
+    };
+    if (hierarchy.nodes.size() != count || hierarchy.first_node.size() != count ||
+        hierarchy.first_leaf.size() != count || hierarchy.leaf_count.size() != count ||
+        hierarchy.radius.size() != count || hierarchy.error.size() != count)
+        fail(fmt::format("a hierarchy of {} nodes with arrays of other lengths", count));
+    if (count == 0) return;
+    check_children(hierarchy, leaves, where);
+    if (double{hierarchy.nodes.cutoff} != cutoff)
+        fail(fmt::format("a hierarchy with a cutoff of {}, expected the model's {}",
+                         hierarchy.nodes.cutoff, cutoff));
+    try {
+        validate(hierarchy.nodes);
+    } catch (const Error& error) {
+        fail(fmt::format("nodes of the hierarchy: {}", error.what()));
+    }
+    for (std::size_t n = 0; n < count; ++n)
+        for (const float length : {hierarchy.radius[n], hierarchy.error[n]})
+            if (!(length >= 0) || !std::isfinite(length))
+                fail(
+                    fmt::format("node {} of the hierarchy: radius {}, error {}, expected finite "
+                                "and >= 0",
+                                n, hierarchy.radius[n], hierarchy.error[n]));
+}
+
+void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves) {
+    if (other.empty()) return;
+    const std::size_t nodes = hierarchy.size();
+    append(hierarchy.nodes, other.nodes);
+    const auto join = []<class T>(std::vector<T>& to, const std::vector<T>& from,
+                                  std::size_t shift) {
+        for (const T value : from) to.push_back(static_cast<T>(value + static_cast<T>(shift)));
+    };
+    join(hierarchy.first_node, other.first_node, nodes);
+    join(hierarchy.first_leaf, other.first_leaf, leaves);
+    join(hierarchy.node_count, other.node_count, 0);
+    join(hierarchy.leaf_count, other.leaf_count, 0);
+    join(hierarchy.radius, other.radius, 0);
+    join(hierarchy.error, other.error, 0);
+}
+
+}  // namespace vog
