@@ -1,33 +1,16 @@
-// image_files.cpp: which format a file is, and whether an image is fit to be written or returned.
+// image_files.cpp: which format a file is.
 #include "io/image_files.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fstream>
 
 #include "io/atomic_file.h"
 #include "vog/error.h"
 
 namespace vog {
-namespace {
-
-void require_pixel_count(const std::string& where, int width, int height, std::size_t pixels) {
-    require_valid_size(where, width, height);
-    if (pixels != static_cast<std::size_t>(width) * static_cast<std::size_t>(height))
-        throw Error(fmt::format("{}: {} pixels for an image of {}x{}, expected {}", where, pixels,
-                                width, height, std::int64_t{width} * height));
-}
-
-/// "pixel (column, row)" of the element at `index`.
-std::string pixel_name(std::size_t index, int width) {
-    const auto columns = static_cast<std::size_t>(width);
-    return fmt::format("pixel ({}, {})", index % columns, index / columns);
-}
-
-}  // namespace
 
 ImageFormat image_format(const std::filesystem::path& file) {
     require_readable(file);
@@ -43,41 +26,6 @@ ImageFormat image_format(const std::filesystem::path& file) {
     if (starts_with(kPngMagic)) return ImageFormat::kPng;
     if (starts_with(kExrMagic)) return ImageFormat::kExr;
     return ImageFormat::kOther;
-}
-
-void require_valid_size(const std::string& where, std::int64_t width, std::int64_t height) {
-    if (width < 1 || height < 1)
-        throw Error(
-            fmt::format("{}: image of {}x{} pixels, expected at least 1x1", where, width, height));
-    if (width > kMaxImageSide || height > kMaxImageSide || width * height > kMaxImagePixels)
-        throw Error(
-            fmt::format("{}: image of {}x{} pixels, expected at most {} a side and {} in all",
-                        where, width, height, kMaxImageSide, kMaxImagePixels));
-}
-
-void require_valid(const std::string& where, const Image& image) {
-    require_pixel_count(where, image.width, image.height, image.pixel.size());
-    const auto bad = std::find_if(image.pixel.begin(), image.pixel.end(), [](const Rgba& p) {
-        return std::isnan(p.r) || std::isnan(p.g) || std::isnan(p.b) || std::isnan(p.a);
-    });
-    if (bad != image.pixel.end())
-        throw Error(fmt::format(
-            "{}: {} is ({}, {}, {}, {}), expected numbers", where,
-            pixel_name(static_cast<std::size_t>(bad - image.pixel.begin()), image.width), bad->r,
-            bad->g, bad->b, bad->a));
-}
-
-void require_valid(const std::string& where, const DepthImage& image) {
-    require_pixel_count(where, image.width, image.height, image.depth.size());
-    if (!(std::isfinite(image.extinction) && image.extinction > 0))
-        throw Error(fmt::format("{}: extinction {}, expected a finite number above 0", where,
-                                image.extinction));
-    const auto bad = std::find_if(image.depth.begin(), image.depth.end(),
-                                  [](float t) { return !(std::isfinite(t) && t >= 0); });
-    if (bad != image.depth.end())
-        throw Error(fmt::format(
-            "{}: optical depth {} at {}, expected a finite number >= 0", where, *bad,
-            pixel_name(static_cast<std::size_t>(bad - image.depth.begin()), image.width)));
 }
 
 Image read_image(const std::filesystem::path& file) {
