@@ -87,6 +87,9 @@ class FieldSoftener {
     bool goes_on_;
 };
 
+/// One Gaussian for each cell, field after field.
+Gaussians all_gaussians(const Conversion& job, std::span<const MomentField> fields,
+                        FieldCells cells);
 /// The model of the cells, without the lightest, which are told in the report.
 Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, FieldCells cells);
 /// That, as it will be written, and its measured error.

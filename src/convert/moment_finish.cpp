@@ -7,6 +7,20 @@
 
 namespace vog {
 
+Gaussians all_gaussians(const Conversion& job, std::span<const MomentField> fields,
+                        FieldCells cells) {
+    Gaussians model;
+    for (std::size_t f = 0; f < fields.size(); ++f) {
+        Gaussians part = std::move(cells[f]).to_gaussians(job.frame(fields[f].world_from_index));
+        if (model.size() == 0)
+            model = std::move(part);
+        else
+            append(model, part);
+    }
+    model.cutoff = kMomentCutoff;
+    return model;
+}
+
 Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, FieldCells cells) {
     LightCells light;
     const auto mass_of = [&](std::size_t field, std::size_t cell) {
@@ -18,22 +32,14 @@ Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, Fie
     const float least = light.least_mass(job.options.mass_threshold);
     light.tell(job.data_mass, job.report);
 
-    Gaussians model;
-    for (std::size_t f = 0; f < fields.size(); ++f) {
+    for (std::size_t f = 0; f < fields.size(); ++f)
         cells[f].keep_if([&](std::size_t n) { return mass_of(f, n) >= least; });
-        Gaussians part = std::move(cells[f]).to_gaussians(job.frame(fields[f].world_from_index));
-        if (model.size() == 0)
-            model = std::move(part);
-        else
-            append(model, part);
-    }
-    return model;
+    return all_gaussians(job, fields, std::move(cells));
 }
 
 FoundModel judged(Conversion& job, std::span<const MomentField> fields, const ErrorViews& views,
                   FieldCells cells) {
     FoundModel found{gaussians_of(job, fields, std::move(cells))};
-    found.model.cutoff = kMomentCutoff;
     found.error = views.measure(found.model);
     return found;
 }

@@ -15,16 +15,7 @@ using Clock = std::chrono::steady_clock;
 std::vector<std::vector<float>> cell_errors(const Conversion& job,
                                             std::span<const MomentField> fields,
                                             const ErrorViews& views, const FieldCells& cells) {
-    Gaussians model;
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-        Gaussians part = PackedCells(cells[f]).to_gaussians(job.frame(fields[f].world_from_index));
-        if (f == 0)
-            model = std::move(part);
-        else
-            append(model, part);
-    }
-    model.cutoff = kMomentCutoff;
-    const std::vector<float> all = views.errors(model);
+    const std::vector<float> all = views.errors(all_gaussians(job, fields, cells));
     std::vector<std::vector<float>> errors;
     auto first = all.begin();
     for (const PackedCells& field : cells) {
