@@ -27,8 +27,7 @@ struct ViewerOptions {
 
 /// Runs until the window is closed, or the script has ended.
 /// throws vog::Error for no display, no OpenGL 3.3, files that cannot be shown when nothing else
-/// is,
-///        and what goes wrong in a script, naming its line
+///        is, and what goes wrong in a script, naming its line
 void run(const ViewerOptions& options);
 
 }  // namespace vog::viewer

@@ -12,9 +12,9 @@
 namespace vog {
 
 /// Coarser models of the same mass, mean and covariance. Neighbours are joined by a tree that
-/// halves the model across its longest axis, and split again where that gains most. budgets  the
-/// most Gaussians each result may have, > 0 returns  one model a budget, with the model's cutoff
-/// and box. A budget that the model meets gives
+/// halves the model across its longest axis, and split again where that gains most.
+/// budgets  the most Gaussians each result may have, > 0
+/// returns  one model a budget, with the model's cutoff and box. A budget that the model meets gives
 ///          the model itself; with rotations otherwise. The same bytes for any number of threads
 /// throws   vog::Error for a budget of 0 or an invalid model
 /// cost     O(N log N) time, once for all budgets; 200 bytes a Gaussian
@@ -23,7 +23,8 @@ namespace vog {
 [[nodiscard]] Gaussians coarsen(const Gaussians& model, std::size_t budget);
 
 /// What levels of detail below a model of this size may have: a quarter as many Gaussians each
-/// time, down to about a thousand. most  of levels, the model included
+/// time, down to about a thousand.
+/// most  levels, the model included
 [[nodiscard]] std::vector<std::size_t> detail_budgets(std::size_t size, std::size_t most = 8);
 /// The model and, coarsened, those below it.
 [[nodiscard]] std::vector<Gaussians> detail_levels(Gaussians model, std::size_t most = 8);

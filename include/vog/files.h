@@ -43,8 +43,7 @@ class VolumeReader {
 std::vector<std::string> grid_names(const std::filesystem::path& file);
 
 struct LevelOptions {
-    std::string
-        grid{};  ///< name, or a pattern with * and ?: all that match; empty: the default one
+    std::string grid{};  ///< name, or a pattern with * and ?: all that match; empty: the default
     std::string mask{};  ///< name; its * is what the * of `grid` stands for; empty: no masks
     bool level_set_to_fog = false;
 };
@@ -61,8 +60,7 @@ std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> fi
 
 /// Of each file one volume, or all whose names match.
 /// throws vog::Error as read_volume does, and for a pattern no grid matches, listing the names; for
-/// a
-///        pattern in one of grid and mask alone
+///        a pattern in one of grid and mask alone
 Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options = {},
                    std::vector<std::string>* notes = nullptr);
 

@@ -1,8 +1,7 @@
 // vog/gaussians.h: the model. N truncated 3D Gaussians in world space, as plain arrays.
 //
-//   sigma(x) = sum_i density_i * exp(-1/2 |W_i (x - mean_i)|^2)   where |W_i (x - mean_i)| <=
-//   cutoff W_i = diag(1 / scale_i) * R_i^T                               R_i the matrix of
-//   rotation_i
+//   sigma(x) = sum_i density_i * exp(-1/2 |W_i (x - mean_i)|^2)   where |W_i (x - mean_i)| <= cutoff
+//   W_i = diag(1 / scale_i) * R_i^T                               R_i: rotation matrix of rotation_i
 //
 // Conventions (docs/method.md compares them with the paper's, 3DGS's and volprim's): scales are
 // standard deviations in world units, density is the peak per world unit, the kernel is cut at

@@ -46,8 +46,8 @@ struct HierarchyOptions {
 /// threads.
 /// throws  vog::Error for an invalid model, or one of 2^32 Gaussians
 /// cost    O(N log N) time; 20 bytes a Gaussian and 80 a node while it is built. Nodes are a
-/// seventh
-///         as many as Gaussians that fill their cells, up to a third where they are scattered
+///         seventh as many as Gaussians that fill their cells, up to a third where they are
+///         scattered
 [[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
 
 /// Fills first_node and first_leaf from the counts: the roots are the first nodes, then come the

@@ -19,8 +19,7 @@ class MemoryLimit {
   public:
     /// folder  on a disk with room for the data, uncompressed; empty: that of temporary files
     /// throws  vog::Error for less than 64 MiB, another limit alive, a folder that cannot be
-    /// written
-    ///         or is itself in memory (tmpfs)
+    ///         written or is itself in memory (tmpfs)
     explicit MemoryLimit(std::uint64_t bytes, const std::filesystem::path& folder = {});
     ~MemoryLimit();
     MemoryLimit(const MemoryLimit&) = delete;

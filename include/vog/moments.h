@@ -121,8 +121,7 @@ struct MomentOctree {
 };
 
 /// finest_edge  1, 2, 4 or 8 voxels: edge of the cells of the first level. 8: the tree's own
-/// leaves,
-///              64 bytes to each leaf of the volume; 2: up to 4.7 kB to each.
+///              leaves, 64 bytes to each leaf of the volume; 2: up to 4.7 kB to each.
 /// throws       vog::Error as convert_moments does
 [[nodiscard]] MomentOctree moment_octree(const Volume& volume, int finest_edge = 8);
 

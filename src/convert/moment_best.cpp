@@ -18,7 +18,7 @@ struct FieldTrees {
     std::vector<CutTree> trees;
 };
 
-FieldTrees field_trees(const Conversion& job) {
+FieldTrees field_trees(const MomentJob& job) {
     FieldTrees all;
     all.fields = job.fields();
     double finest_edge = std::numeric_limits<double>::infinity();
@@ -31,7 +31,7 @@ FieldTrees field_trees(const Conversion& job) {
 }
 
 /// The smallest model, softened and without its lightest cells, whose measured error is low enough.
-FieldCells search(Conversion& job, const FieldTrees& all, const ErrorViews& views,
+FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
                   FieldSoftener& softener) {
     std::size_t finest = 0;
     for (const CutTree& tree : all.trees) finest += finest_count(tree);
@@ -62,7 +62,7 @@ FieldCells search(Conversion& job, const FieldTrees& all, const ErrorViews& view
 
 }  // namespace
 
-Gaussians best_model(Conversion& job) {
+Gaussians best_model(MomentJob& job) {
     // Before the trees are there: the traversal holds the voxels once more.
     std::optional<ErrorViews> views;
     if (!job.options.budget) {

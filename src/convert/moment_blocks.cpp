@@ -15,8 +15,8 @@ namespace {
 
 /// Runs take(node) over one chunk of the volume's nodes.
 template <class Take>
-void for_each_cell_of(const Conversion& job, const std::vector<MomentNode>& nodes,
-                      std::size_t chunk, const Take& take) {
+void for_each_cell_of(const MomentJob& job, const std::vector<MomentNode>& nodes, std::size_t chunk,
+                      const Take& take) {
     const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes.size());
     for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
         for_each_cell(job.volume(), nodes[n], job.options.block_voxels, take);
@@ -28,7 +28,7 @@ std::size_t chunk_count(const std::vector<MomentNode>& nodes) {
 
 /// Hard cells of up to a leaf's edge, straight to Gaussians: the masses first, then every chunk of
 /// leaves writes at its own place, so that nothing but the masses is held besides the result.
-Gaussians small_blocks(Conversion& job) {
+Gaussians small_blocks(MomentJob& job) {
     const std::vector<MomentNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<float>> masses(chunk_count(nodes));
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
@@ -68,7 +68,7 @@ Gaussians small_blocks(Conversion& job) {
 
 }  // namespace
 
-Gaussians block_model(Conversion& job) {
+Gaussians block_model(MomentJob& job) {
     const int block = job.options.block_voxels;
     const bool hard = job.soft_steps() == 0 && job.options.refine_seconds == 0;
     if (!job.levels && hard && block <= kLeafEdge) return small_blocks(job);

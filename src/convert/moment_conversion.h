@@ -16,7 +16,7 @@
 namespace vog {
 
 /// One conversion: what is asked, and what is to be reported.
-struct Conversion {
+struct MomentJob {
     std::span<const Volume> parts;  ///< volumes that do not overlap
     Box box;
     bool levels = false;  ///< parts of levels: of several lattices, under one budget
@@ -88,24 +88,24 @@ class FieldSoftener {
 };
 
 /// One Gaussian for each cell, field after field.
-Gaussians all_gaussians(const Conversion& job, std::span<const MomentField> fields,
+Gaussians all_gaussians(const MomentJob& job, std::span<const MomentField> fields,
                         FieldCells cells);
 /// The model of the cells, without the lightest, which are told in the report.
-Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, FieldCells cells);
+Gaussians gaussians_of(MomentJob& job, std::span<const MomentField> fields, FieldCells cells);
 /// That, as it will be written, and its measured error.
-FoundModel judged(Conversion& job, std::span<const MomentField> fields, const ErrorViews& views,
+FoundModel judged(MomentJob& job, std::span<const MomentField> fields, const ErrorViews& views,
                   FieldCells cells);
 /// For the seconds asked for, soft steps and cells taken from where they are of little use to where
 /// pictures err, as long as the pictures err less: as many cells as before.
-FieldCells refined(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+FieldCells refined(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
                    FieldCells cells);
 /// The refined cells, if that is asked for, as a model.
-Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+Gaussians finished(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
                    FieldCells cells);
 
 /// A uniform cut.
-Gaussians block_model(Conversion& job);
+Gaussians block_model(MomentJob& job);
 /// The cut of a budget, or the search for an error.
-Gaussians best_model(Conversion& job);
+Gaussians best_model(MomentJob& job);
 
 }  // namespace vog

@@ -7,7 +7,7 @@
 
 namespace vog {
 
-Gaussians all_gaussians(const Conversion& job, std::span<const MomentField> fields,
+Gaussians all_gaussians(const MomentJob& job, std::span<const MomentField> fields,
                         FieldCells cells) {
     Gaussians model;
     for (std::size_t f = 0; f < fields.size(); ++f) {
@@ -21,7 +21,7 @@ Gaussians all_gaussians(const Conversion& job, std::span<const MomentField> fiel
     return model;
 }
 
-Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, FieldCells cells) {
+Gaussians gaussians_of(MomentJob& job, std::span<const MomentField> fields, FieldCells cells) {
     LightCells light;
     const auto mass_of = [&](std::size_t field, std::size_t cell) {
         return static_cast<float>(cells[field].mass(cell) * job.voxels_in(fields[field]));
@@ -37,14 +37,14 @@ Gaussians gaussians_of(Conversion& job, std::span<const MomentField> fields, Fie
     return all_gaussians(job, fields, std::move(cells));
 }
 
-FoundModel judged(Conversion& job, std::span<const MomentField> fields, const ErrorViews& views,
+FoundModel judged(MomentJob& job, std::span<const MomentField> fields, const ErrorViews& views,
                   FieldCells cells) {
     FoundModel found{gaussians_of(job, fields, std::move(cells))};
     found.error = views.measure(found.model);
     return found;
 }
 
-Gaussians finished(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+Gaussians finished(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
                    FieldCells cells) {
     if (job.options.refine_seconds == 0) return gaussians_of(job, fields, std::move(cells));
     return gaussians_of(job, fields, refined(job, fields, softener, std::move(cells)));

@@ -12,7 +12,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 /// The error of each cell of each field.
-std::vector<std::vector<float>> cell_errors(const Conversion& job,
+std::vector<std::vector<float>> cell_errors(const MomentJob& job,
                                             std::span<const MomentField> fields,
                                             const ErrorViews& views, const FieldCells& cells) {
     const std::vector<float> all = views.errors(all_gaussians(job, fields, cells));
@@ -28,7 +28,7 @@ std::vector<std::vector<float>> cell_errors(const Conversion& job,
 
 }  // namespace
 
-FieldCells refined(Conversion& job, std::span<const MomentField> fields, FieldSoftener& softener,
+FieldCells refined(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
                    FieldCells cells) {
     const auto end = Clock::now() + std::chrono::duration<double>(job.options.refine_seconds);
     const ErrorViews views(job.parts, job.box);

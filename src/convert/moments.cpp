@@ -41,7 +41,7 @@ void check(const MomentOptions& options) {
 }
 
 /// What was asked for, as flags, and the error reached.
-std::string option_text(const Conversion& job) {
+std::string option_text(const MomentJob& job) {
     const MomentOptions& o = job.options;
     std::string text = o.block_voxels ? fmt::format("--block {}", o.block_voxels)
                        : o.budget     ? fmt::format("--budget {}", o.budget)
@@ -67,7 +67,7 @@ std::string source_text(std::span<const Volume> parts) {
     return all;
 }
 
-Gaussians run(Conversion& job) {
+Gaussians run(MomentJob& job) {
     job.report = {};
     for (const Volume& part : job.parts) job.data_mass += mass(part) / job.unit_volume();
     job.options.together.add_up(job.data_mass);
@@ -91,7 +91,7 @@ Gaussians run(Conversion& job) {
 }
 
 /// What the whole reached, of which the model may be a part.
-void tell_reached(Gaussians& model, const Conversion& job) {
+void tell_reached(Gaussians& model, const MomentJob& job) {
     // Counts are exact in doubles.
     std::array<double, 2> counts{static_cast<double>(model.size()),
                                  static_cast<double>(model.source_voxels)};
@@ -115,7 +115,7 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     check(options);
     validate(volume);
     MomentReport unwanted;
-    Conversion job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
+    MomentJob job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = active_voxels(volume);
     tell_reached(model, job);
@@ -128,7 +128,7 @@ Gaussians convert_moments(const Composite& data, const MomentOptions& options,
     if (data.parts.empty()) throw Error("moments: no voxel is seen, expected one within the masks");
     for (const Volume& part : data.parts) validate(part);
     MomentReport unwanted;
-    Conversion job{data.parts, data.box, true, options, report ? *report : unwanted};
+    MomentJob job{data.parts, data.box, true, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = data.voxels;
     tell_reached(model, job);

@@ -28,8 +28,7 @@ struct NanoLeaves {
 /// where   what messages start with
 /// leaves  takes the leaves, of which the grid then has none; null: they are the grid's
 /// throws  vog::Error for a type that holds neither numbers nor vectors, for nodes that reach out
-/// of
-///         the buffer or overlap, for a checksum that does not match
+///         of the buffer or overlap, for a checksum that does not match
 openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& grid, const std::string& where,
                                       NanoLeaves* leaves = nullptr);
 

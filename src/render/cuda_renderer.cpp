@@ -11,7 +11,7 @@
 namespace vog {
 
 struct CudaSplat::State {
-    SplatModel model;
+    CudaModel model;
     std::int32_t count = 0;
     GpuArray<device::SplatGaussian> gaussians;
     GpuArray<device::TileSplat> splats;
@@ -27,7 +27,7 @@ struct CudaSplat::State {
 };
 
 CudaSplat::CudaSplat(const Gaussians& gaussians, double kappa) {
-    SplatModel model = splat_model(gaussians, kappa);
+    CudaModel model = cuda_model(gaussians, kappa);
     require_cuda();
     state_ = std::make_unique<State>();
     State& s = *state_;

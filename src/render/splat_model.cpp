@@ -12,11 +12,11 @@
 
 namespace vog {
 
-SplatModel splat_model(const Gaussians& gaussians, double kappa) {
+CudaModel cuda_model(const Gaussians& gaussians, double kappa) {
     validate(gaussians);
     if (gaussians.size() >= std::numeric_limits<std::int32_t>::max())
         throw Error(fmt::format("{} Gaussians, expected fewer than 2^31", gaussians.size()));
-    SplatModel model;
+    CudaModel model;
     model.cutoff = cutoff_of_kappa(kappa, gaussians.cutoff);
     const KernelPolynomial kernel = fit_kernel(model.cutoff);
     model.kernel.degree = static_cast<std::int32_t>(kernel.coefficient.size()) - 1;

@@ -8,7 +8,7 @@
 
 namespace vog {
 
-struct SplatModel {
+struct CudaModel {
     std::vector<device::SplatGaussian> gaussians;  ///< scene units
     device::Kernel kernel{};
     double unit = 1;  ///< world units of one scene unit: a power of two
@@ -17,6 +17,6 @@ struct SplatModel {
 
 /// kappa   as in TraceSceneOptions
 /// throws  vog::Error as trace_scene does
-SplatModel splat_model(const Gaussians& gaussians, double kappa);
+CudaModel cuda_model(const Gaussians& gaussians, double kappa);
 
 }  // namespace vog

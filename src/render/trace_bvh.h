@@ -15,7 +15,8 @@ class TraceBvh {
     TraceBvh(const TraceBvh&) = delete;
     TraceBvh& operator=(const TraceBvh&) = delete;
 
-    /// Adds every Gaussian's tau to `sum`. returns  hits
+    /// Adds every Gaussian's tau to `sum`.
+    /// returns  hits
     std::uint32_t accumulate(const device::Ray& ray, device::DepthSum& sum) const;
     /// Fills `list` with the nearest hits of its slab, unsorted.
     void collect(const device::Ray& ray, device::HitList& list) const;

@@ -12,7 +12,7 @@ namespace vog::test {
 
 DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& camera, int width,
                                   int height) {
-    const SplatModel model = splat_model(gaussians, 0);
+    const CudaModel model = cuda_model(gaussians, 0);
     const device::Camera frame = scene_camera(frame_of(camera, width, height), model.unit);
     DepthImage image(width, height);
     std::vector<double> sum(image.depth.size());
