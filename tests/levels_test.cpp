@@ -5,11 +5,11 @@
 
 #include <cmath>
 
+#include "data/voxel_lookup.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
 #include "vog/error.h"
-#include "voxel_lookup.h"
 
 namespace vog {
 namespace {

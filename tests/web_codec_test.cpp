@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "io/html_text.h"
+#include "core/html_text.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
 #include "vog/render.h"

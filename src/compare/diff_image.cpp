@@ -7,7 +7,7 @@
 
 #include "compare/bitmap_font.h"
 #include "compare/grey.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/compare.h"
 #include "vog/error.h"
 

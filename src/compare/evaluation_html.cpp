@@ -10,8 +10,8 @@
 #include "compare/evaluation_report.h"
 #include "compare/paper_figures.h"
 #include "compare/svg_plot.h"
-#include "io/atomic_file.h"
-#include "io/html_text.h"
+#include "core/atomic_file.h"
+#include "core/html_text.h"
 #include "vog/error.h"
 
 namespace vog {

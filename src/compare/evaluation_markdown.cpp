@@ -5,7 +5,7 @@
 
 #include "compare/evaluation_report.h"
 #include "compare/paper_figures.h"
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -4,8 +4,8 @@
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
 
+#include "core/parallel.h"
 #include "io/image_files.h"
-#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {

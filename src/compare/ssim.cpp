@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "io/html_text.h"
+#include "core/html_text.h"
 
 namespace vog {
 

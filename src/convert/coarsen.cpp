@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "convert/point_tree.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -10,7 +10,7 @@
 
 #include "convert/hierarchy_tree.h"
 #include "convert/moment_sums.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

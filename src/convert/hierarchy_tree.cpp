@@ -11,7 +11,7 @@
 #include <tuple>
 #include <utility>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

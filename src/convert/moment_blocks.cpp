@@ -7,7 +7,7 @@
 #include "convert/moment_cells.h"
 #include "convert/moment_conversion.h"
 #include "convert/moment_uniform.h"
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

@@ -8,7 +8,7 @@
 #include "convert/moment_gain.h"
 #include "convert/moment_seen.h"
 #include "convert/price_search.h"
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/moments.h"
 #include "vog/reference.h"
 #include "vog/render.h"

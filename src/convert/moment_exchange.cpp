@@ -10,7 +10,7 @@
 #include <tuple>
 #include <vector>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 #include "vog/levels.h"
 
 namespace vog {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "convert/moment_sums.h"
-#include "morton.h"
+#include "core/morton.h"
 #include "vog/moments.h"
 #include "vog/volume.h"
 

@@ -9,7 +9,7 @@
 #include "convert/moment_cells.h"
 #include "convert/moment_nodes.h"
 #include "convert/moment_sums.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 #include "vog/moments.h"
 

@@ -11,7 +11,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

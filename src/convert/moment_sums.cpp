@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 
 namespace vog {
 

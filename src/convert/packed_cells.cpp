@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

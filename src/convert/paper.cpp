@@ -16,7 +16,7 @@
 #include <utility>
 
 #include "convert/paper_groups.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -12,7 +12,7 @@
 
 #include "convert/leaf_blocks.h"
 #include "convert/paper_groups.h"
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace vog {
 

@@ -14,8 +14,8 @@
 #include "convert/moment_error.h"
 #include "convert/point_neighbours.h"
 #include "convert/point_tree.h"
-#include "memory_pages.h"
-#include "parallel.h"
+#include "core/paging.h"
+#include "core/parallel.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 

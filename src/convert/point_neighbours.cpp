@@ -10,8 +10,8 @@
 #include <cmath>
 #include <limits>
 
-#include "memory_pages.h"
-#include "parallel.h"
+#include "core/paging.h"
+#include "core/parallel.h"
 
 // The inner loops, also compiled for AVX2 and chosen at run time: the same operations in the same
 // order, so the same bytes.

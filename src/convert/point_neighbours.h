@@ -1,7 +1,7 @@
 // point_neighbours.h: how far the k-th neighbour of each particle is.
 #pragma once
 
-#include "point_grid.h"
+#include "data/point_grid.h"
 
 namespace vog {
 

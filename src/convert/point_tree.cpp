@@ -6,8 +6,8 @@
 
 #include "convert/moment_gain.h"
 #include "convert/price_search.h"
-#include "memory_pages.h"
-#include "parallel.h"
+#include "core/paging.h"
+#include "core/parallel.h"
 
 namespace vog {
 

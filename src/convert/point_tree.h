@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "convert/moment_sums.h"
-#include "point_grid.h"
+#include "data/point_grid.h"
 
 namespace vog {
 

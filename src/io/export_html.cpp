@@ -9,8 +9,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
-#include "io/html_text.h"
+#include "core/atomic_file.h"
+#include "core/html_text.h"
 #include "io/web_codec.h"
 #include "io/web_files.h"
 #include "shade/transfer_function.h"

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "io/image_files.h"
 #include "vog/error.h"
 

@@ -7,7 +7,7 @@
 #include <array>
 #include <fstream>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "io/nano_buffer.h"
+#include "core/aligned_buffer.h"
 #include "io/vdb_stream.h"
 
 namespace vog {

@@ -9,9 +9,9 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/paging.h"
+#include "core/parallel.h"
 #include "io/nvdb_file.h"
-#include "memory_pages.h"
-#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {

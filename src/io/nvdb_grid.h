@@ -5,7 +5,7 @@
 
 #include <string>
 
-#include "io/nano_buffer.h"
+#include "core/aligned_buffer.h"
 #include "io/vdb_density.h"
 #include "vog/linear.h"
 #include "vog/volume.h"

@@ -14,7 +14,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "io/ply_nodes.h"
 #include "vog/error.h"
 

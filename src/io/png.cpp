@@ -14,7 +14,7 @@
 #include <new>
 #include <vector>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "io/image_files.h"
 #include "vog/error.h"
 

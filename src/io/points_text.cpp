@@ -9,12 +9,12 @@
 #include <fstream>
 #include <limits>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
+#include "core/paging.h"
+#include "core/parallel.h"
 #include "io/points_columns.h"
 #include "io/points_files.h"
 #include "io/text_fields.h"
-#include "memory_pages.h"
-#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <system_error>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
+#include "core/parallel.h"
 #include "io/points_columns.h"
 #include "io/points_files.h"
-#include "parallel.h"
 #include "vog/error.h"
 
 namespace vog {

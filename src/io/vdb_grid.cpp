@@ -7,8 +7,8 @@
 #include <optional>
 #include <string_view>
 
+#include "core/parallel.h"
 #include "io/vdb_walk.h"
-#include "parallel.h"
 
 namespace vog {
 

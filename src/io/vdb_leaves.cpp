@@ -9,8 +9,8 @@
 #include <optional>
 #include <tuple>
 
+#include "core/parallel.h"
 #include "io/vdb_density.h"
-#include "parallel.h"
 
 namespace vog {
 

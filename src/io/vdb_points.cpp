@@ -8,12 +8,12 @@
 #include <cmath>
 #include <span>
 
+#include "core/paging.h"
+#include "core/parallel.h"
 #include "io/points_files.h"
 #include "io/vdb_point_codecs.h"
 #include "io/vdb_volume.h"
 #include "io/vdb_walk.h"
-#include "memory_pages.h"
-#include "parallel.h"
 
 namespace vog {
 

@@ -3,10 +3,10 @@
 // source with OpenVDB's point headers.
 #include <openvdb/points/PointDataGrid.h>
 
+#include "core/parallel.h"
+#include "data/point_grid.h"
 #include "io/points_files.h"
 #include "io/vdb_volume.h"
-#include "parallel.h"
-#include "point_grid.h"
 
 namespace vog {
 

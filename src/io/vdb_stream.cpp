@@ -5,8 +5,8 @@
 
 #include <algorithm>
 
-#include "io/atomic_file.h"
-#include "memory_pages.h"
+#include "core/atomic_file.h"
+#include "core/paging.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -11,9 +11,9 @@
 #include <sstream>
 #include <tuple>
 
+#include "core/parallel.h"
 #include "io/vdb_density.h"
 #include "io/vdb_transform.h"
-#include "parallel.h"
 #include "vog/openvdb.h"
 
 namespace vog {

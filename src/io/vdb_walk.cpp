@@ -8,8 +8,8 @@
 #include <bit>
 #include <tuple>
 
+#include "core/parallel.h"
 #include "io/vdb_file.h"
-#include "parallel.h"
 
 namespace vog {
 

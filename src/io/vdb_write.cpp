@@ -8,7 +8,7 @@
 #include <fstream>
 #include <system_error>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "io/vdb_volume.h"
 #include "vog/openvdb.h"
 #include "vog/vdb.h"

@@ -10,8 +10,8 @@
 #include <limits>
 #include <numbers>
 
-#include "parallel.h"
-#include "point_grid.h"
+#include "core/parallel.h"
+#include "data/point_grid.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <mutex>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "render/reference_grid.h"
 #include "render/reference_levels.h"
 #include "render/reference_linear.h"

@@ -6,8 +6,8 @@
 #include <deque>
 #include <tuple>
 
-#include "parallel.h"
-#include "voxel_lookup.h"
+#include "core/parallel.h"
+#include "data/voxel_lookup.h"
 
 namespace vog {
 

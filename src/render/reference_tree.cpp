@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -3,7 +3,7 @@
 
 #include <nanovdb/NanoVDB.h>
 
-#include "io/nano_buffer.h"
+#include "core/aligned_buffer.h"
 #include "vog/volume.h"
 
 namespace vog {

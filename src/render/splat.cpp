@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "render/kernel_polynomial.h"
 #include "render/near_splats.h"
 #include "render/splat_boxes.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "render/near_splats.h"
 #include "render/tile_bins.h"
 

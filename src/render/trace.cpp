@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <mutex>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "render/trace_bvh.h"
 #include "render/trace_options.h"
 

@@ -13,7 +13,7 @@
 #include <atomic>
 #include <exception>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

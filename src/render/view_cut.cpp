@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 #include "vog/hierarchy.h"
 

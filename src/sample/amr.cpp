@@ -7,7 +7,7 @@
 #include <array>
 #include <vector>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "sample/noise.h"
 #include "vog/error.h"
 #include "vog/sample.h"

@@ -9,7 +9,7 @@
 #include <tuple>
 #include <vector>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

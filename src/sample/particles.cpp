@@ -12,7 +12,7 @@
 #include <numbers>
 #include <vector>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "sample/noise.h"
 #include "vog/error.h"
 #include "vog/points.h"

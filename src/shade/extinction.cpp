@@ -7,8 +7,8 @@
 #include <cmath>
 #include <vector>
 
+#include "core/parallel.h"
 #include "io/image_files.h"
-#include "parallel.h"
 #include "vog/error.h"
 #include "vog/image.h"
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "shade/color_spaces.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"

@@ -23,7 +23,7 @@
 #include <string>
 #include <thread>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 #include "vog/error.h"
 
 namespace vog {

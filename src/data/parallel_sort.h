@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 
 namespace vog {
 

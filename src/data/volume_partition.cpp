@@ -1,4 +1,4 @@
-// volume_part.cpp: runs of nodes in Morton order.
+// volume_partition.cpp: runs of nodes in Morton order.
 #include "vog/volume_part.h"
 
 #include <fmt/core.h>
@@ -7,7 +7,7 @@
 #include <bit>
 #include <numeric>
 
-#include "morton.h"
+#include "core/morton.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -1,5 +1,5 @@
 // voxel_lookup.cpp: leaves and tiles in hash maps by their origin.
-#include "voxel_lookup.h"
+#include "data/voxel_lookup.h"
 
 #include <algorithm>
 #include <cstdint>

@@ -9,8 +9,8 @@
 #include <optional>
 #include <utility>
 
-#include "memory_pages.h"
-#include "parallel.h"
+#include "core/paging.h"
+#include "core/parallel.h"
 
 namespace vog {
 

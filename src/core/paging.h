@@ -1,4 +1,4 @@
-// memory_pages.h: what loops over much data do for a MemoryLimit (vog/memory.h).
+// paging.h: what loops over much data do for a MemoryLimit (vog/memory.h).
 #pragma once
 
 #include <algorithm>

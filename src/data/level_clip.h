@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "voxel_lookup.h"
+#include "data/voxel_lookup.h"
 
 namespace vog {
 

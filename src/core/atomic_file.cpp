@@ -1,5 +1,5 @@
 // atomic_file.cpp: whole files or none.
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 
 #include <fmt/core.h>
 #include <unistd.h>

@@ -1,5 +1,5 @@
 // html_text.cpp: escaping and base64.
-#include "io/html_text.h"
+#include "core/html_text.h"
 
 #include <cstdint>
 

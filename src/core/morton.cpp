@@ -1,5 +1,5 @@
 // morton.cpp: Morton order without keys.
-#include "morton.h"
+#include "core/morton.h"
 
 namespace vog {
 

@@ -8,9 +8,9 @@
 #include <deque>
 #include <numeric>
 
-#include "level_clip.h"
-#include "memory_pages.h"
-#include "parallel.h"
+#include "core/paging.h"
+#include "core/parallel.h"
+#include "data/level_clip.h"
 #include "vog/error.h"
 
 namespace vog {

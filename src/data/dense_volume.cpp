@@ -1,4 +1,4 @@
-// dense.cpp: dense arrays to leaves and back.
+// dense_volume.cpp: dense arrays to leaves and back.
 #include "vog/dense.h"
 
 #include <fmt/core.h>
@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include "parallel.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {

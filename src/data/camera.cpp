@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "io/atomic_file.h"
+#include "core/atomic_file.h"
 #include "vog/error.h"
 
 namespace vog {

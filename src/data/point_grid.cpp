@@ -1,13 +1,13 @@
 // point_grid.cpp: the spacing of particles, their Morton keys, their order.
-#include "point_grid.h"
+#include "data/point_grid.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
-#include "memory_pages.h"
-#include "parallel.h"
-#include "parallel_sort.h"
+#include "core/paging.h"
+#include "core/parallel.h"
+#include "data/parallel_sort.h"
 
 namespace vog {
 

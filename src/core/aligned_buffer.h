@@ -1,4 +1,4 @@
-// nano_buffer.h: memory aligned as NanoVDB wants its grids.
+// aligned_buffer.h: memory aligned as NanoVDB wants its grids.
 #pragma once
 
 #include <nanovdb/NanoVDB.h>
@@ -7,7 +7,7 @@
 #include <array>
 #include <cstddef>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 #include "vog/memory.h"
 
 namespace vog {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "memory_pages.h"
+#include "core/paging.h"
 #include "vog/error.h"
 
 namespace vog {
