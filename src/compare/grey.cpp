@@ -5,7 +5,7 @@
 #include <tbb/blocked_range.h>
 
 #include "core/parallel.h"
-#include "io/image_files.h"
+#include "io/image/image_files.h"
 #include "vog/error.h"
 
 namespace vog {

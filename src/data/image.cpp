@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/image_files.h"
+#include "io/image/image_files.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "io/image_files.h"
+#include "io/image/image_files.h"
 #include "vog/error.h"
 #include "vog/image.h"
 

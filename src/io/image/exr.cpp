@@ -1,0 +1,279 @@
+// exr.cpp: OpenEXR images: depth images (one float32 channel Y) and colours (R, G, B, A). The only
+// file that includes OpenEXR.
+#include <fmt/core.h>
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfDoubleAttribute.h>
+#include <OpenEXR/ImfFloatAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputPart.h>
+#include <OpenEXR/ImfMultiPartInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfPartType.h>
+#include <OpenEXR/ImfStdIO.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <fstream>
+#include <new>
+#include <string>
+#include <vector>
+
+#include "core/atomic_file.h"
+#include "io/image/image_files.h"
+#include "vog/error.h"
+
+namespace vog {
+namespace {
+
+constexpr const char* kExtinction = "extinction";  ///< header attribute of a depth image
+
+/// Text from a file, fit for a message of one line.
+std::string printable(std::string text) {
+    for (char& c : text)
+        if (c < ' ' || c > '~') c = '?';
+    return text;
+}
+
+/// OpenEXR's reason on one line, without the file name it repeats before `". `.
+std::string reason(const std::exception& error) {
+    std::string text = error.what();
+    if (const auto cut = text.find("\". "); cut != std::string::npos) text.erase(0, cut + 3);
+    return printable(text);
+}
+
+/// OpenEXR allocates what an attribute claims before it reads it, up to 2 GiB: walks the header
+/// (version, then name, type, size and value of each attribute, then an empty name) and refuses
+/// claims beyond the end of the file, and the kinds of file that are never ours.
+void require_sound_header(const std::filesystem::path& file) {
+    constexpr std::int32_t kDeepFlag = 0x800, kMultiPartFlag = 0x1000;
+    const std::string name = file.string();
+    std::ifstream stream(file, std::ios::binary);
+    const auto next_number = [&stream] {  // little-endian
+        std::array<unsigned char, 4> bytes{};
+        stream.read(reinterpret_cast<char*>(bytes.data()), bytes.size());
+        return static_cast<std::int32_t>(bytes[0] | bytes[1] << 8 | bytes[2] << 16 |
+                                         static_cast<std::uint32_t>(bytes[3]) << 24);
+    };
+    next_number();  // the magic number
+    const std::int32_t version = next_number();
+    if (version & (kDeepFlag | kMultiPartFlag))
+        throw Error(fmt::format(
+            "{}: an EXR of several parts or deep pixels, expected one flat image", name));
+    const auto bytes = static_cast<std::int64_t>(std::filesystem::file_size(file));
+    std::string attribute, type;
+    while (std::getline(stream, attribute, '\0') && !attribute.empty()) {
+        std::getline(stream, type, '\0');
+        const std::int64_t size = next_number();
+        if (!stream || size < 0 || size > bytes - static_cast<std::int64_t>(stream.tellg()))
+            throw Error(fmt::format("{}: not a whole EXR image: attribute {} goes beyond the end",
+                                    name, printable(attribute)));
+        stream.seekg(size, std::ios::cur);
+    }
+}
+
+/// Runs `read`, and turns whatever OpenEXR throws into one vog::Error.
+template <class Read>
+auto reading(const std::filesystem::path& file, Read read) {
+    try {
+        require_sound_header(file);
+        return read();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(fmt::format("{}: not enough memory for this EXR image", file.string()));
+    } catch (const std::exception& error) {
+        throw Error(fmt::format("{}: not a whole EXR image: {}", file.string(), reason(error)));
+    }
+}
+
+/// An EXR of one flat part, its header checked and no pixel read.
+struct ExrFile {
+    std::string name;
+    std::ifstream stream;
+    Imf::StdIFStream bytes;
+    Imf::MultiPartInputFile parts;
+
+    explicit ExrFile(const std::filesystem::path& file)
+        : name(file.string()),
+          stream(file, std::ios::binary),
+          bytes(stream, "EXR"),
+          parts(bytes, 0, false) {  // a broken offset table is an error, never reconstructed
+        if (header().hasType() && !Imf::isImage(header().type()))
+            throw Error(
+                fmt::format("{}: part of type '{}', expected a flat image", name, header().type()));
+        if (header().dataWindow() != header().displayWindow())
+            throw Error(
+                fmt::format("{}: its data window is not its display window: expected a "
+                            "picture that is neither cropped nor larger than shown",
+                            name));
+        require_valid_size(name, width(), height());
+        if (!parts.partComplete(0))
+            throw Error(fmt::format("{}: not a whole EXR image: rows are missing", name));
+    }
+
+    const Imf::Header& header() const { return parts.header(0); }
+    std::int64_t width() const {
+        const Imath::Box2i& window = header().dataWindow();
+        return std::int64_t{window.max.x} - window.min.x + 1;
+    }
+    std::int64_t height() const {
+        const Imath::Box2i& window = header().dataWindow();
+        return std::int64_t{window.max.y} - window.min.y + 1;
+    }
+    /// Names of the channels, sorted as EXR has them: "A, B, G, R".
+    std::string channel_names() const {
+        std::string names;
+        const Imf::ChannelList& channels = header().channels();
+        for (auto channel = channels.begin(); channel != channels.end(); ++channel)
+            names += (names.empty() ? "" : ", ") + std::string(channel.name());
+        return names.empty() ? "none" : names;
+    }
+};
+
+void require_channel_type(const ExrFile& exr, const char* name, bool half_too) {
+    const Imf::Channel& channel = exr.header().channels()[name];
+    if (channel.xSampling != 1 || channel.ySampling != 1)
+        throw Error(fmt::format("{}: channel {} is subsampled {}x{}, expected 1x1", exr.name, name,
+                                channel.xSampling, channel.ySampling));
+    if (channel.type == Imf::FLOAT || (half_too && channel.type == Imf::HALF)) return;
+    throw Error(fmt::format("{}: channel {} is {}, expected float32{}", exr.name, name,
+                            channel.type == Imf::HALF ? "half" : "uint32",
+                            half_too ? " or half" : ""));
+}
+
+/// Reads all rows into `pixels`, whose elements are one float for each of `names`; a channel the
+/// file lacks is 1. Memory grows with the rows found, so that a header cannot claim more.
+template <class Pixel>
+void read_rows(ExrFile& exr, const std::vector<const char*>& names, std::vector<Pixel>& pixels) {
+    constexpr std::int64_t kRowsAtOnce = 256;  // the largest chunk of any compression (DWAB)
+    const Imath::Box2i window = exr.header().dataWindow();
+    const std::size_t row_bytes = static_cast<std::size_t>(exr.width()) * sizeof(Pixel);
+    Imf::InputPart part(exr.parts, 0);
+    pixels.reserve(static_cast<std::size_t>(exr.width() * exr.height()));
+    for (std::int64_t row = 0; row < exr.height(); row += kRowsAtOnce) {
+        const std::int64_t rows = std::min(kRowsAtOnce, exr.height() - row);
+        pixels.resize(static_cast<std::size_t>((row + rows) * exr.width()));
+        auto* target = reinterpret_cast<float*>(pixels.data() + row * exr.width());
+        const int first_y = static_cast<int>(window.min.y + row);
+        Imf::FrameBuffer buffer;
+        for (std::size_t i = 0; i < names.size(); ++i)
+            buffer.insert(names[i], Imf::Slice::Make(Imf::FLOAT, target + i,
+                                                     Imath::V2i(window.min.x, first_y), exr.width(),
+                                                     rows, sizeof(Pixel), row_bytes, 1, 1, 1.0));
+        part.setFrameBuffer(buffer);
+        part.readPixels(first_y, static_cast<int>(first_y + rows - 1));
+    }
+}
+
+double read_extinction(const ExrFile& exr) {
+    const Imf::Header& header = exr.header();
+    if (header.find(kExtinction) == header.end()) return 1;
+    if (const auto* wide = header.findTypedAttribute<Imf::DoubleAttribute>(kExtinction))
+        return wide->value();
+    if (const auto* narrow = header.findTypedAttribute<Imf::FloatAttribute>(kExtinction))
+        return narrow->value();
+    throw Error(fmt::format("{}: attribute {} is of type '{}', expected double or float", exr.name,
+                            kExtinction, printable(header[kExtinction].typeName())));
+}
+
+/// Writes interleaved float32 channels with lossless compression.
+void write_channels(const std::filesystem::path& file, Imf::Header header, const float* values,
+                    const std::vector<const char*>& names) {
+    const auto width = header.dataWindow().max.x + 1, height = header.dataWindow().max.y + 1;
+    const std::size_t pixel_bytes = names.size() * sizeof(float);
+    header.compression() = Imf::ZIP_COMPRESSION;
+    Imf::FrameBuffer buffer;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        header.channels().insert(names[i], Imf::Channel(Imf::FLOAT));
+        buffer.insert(names[i],
+                      Imf::Slice::Make(Imf::FLOAT, values + i, Imath::V2i(0, 0), width, height,
+                                       pixel_bytes, pixel_bytes * static_cast<std::size_t>(width)));
+    }
+    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
+        std::ofstream stream(beside, std::ios::binary);
+        const auto fail = [&](const std::string& why) -> Error {
+            return Error(fmt::format("{}: cannot write: {}", file.string(), why));
+        };
+        if (!stream) throw fail("the file cannot be opened");
+        try {
+            Imf::StdOFStream bytes(stream, "EXR");
+            Imf::OutputFile output(bytes, header);
+            output.setFrameBuffer(buffer);
+            output.writePixels(height);
+        } catch (const std::exception& error) {
+            throw fail(reason(error));
+        }
+        // OutputFile's destructor wrote the table of rows, and would hide a full disk.
+        stream.close();
+        if (!stream) throw fail("the disk is full or failed");
+    });
+}
+
+}  // namespace
+
+bool is_depth_file(const std::filesystem::path& file) {
+    if (image_format(file) != ImageFormat::kExr) return false;
+    return reading(file, [&] { return ExrFile(file).channel_names() == "Y"; });
+}
+
+DepthImage read_depth(const std::filesystem::path& file) {
+    if (image_format(file) != ImageFormat::kExr)
+        throw Error(fmt::format("{}: not an EXR image, expected a depth image", file.string()));
+    return reading(file, [&] {
+        ExrFile exr(file);
+        if (exr.channel_names() != "Y")
+            throw Error(fmt::format("{}: channels {}, expected only Y: a depth image", exr.name,
+                                    printable(exr.channel_names())));
+        require_channel_type(exr, "Y", false);
+        DepthImage image;
+        image.width = static_cast<int>(exr.width());
+        image.height = static_cast<int>(exr.height());
+        image.extinction = read_extinction(exr);
+        read_rows(exr, {"Y"}, image.depth);
+        require_valid(exr.name, image);
+        return image;
+    });
+}
+
+Image read_exr(const std::filesystem::path& file) {
+    return reading(file, [&] {
+        ExrFile exr(file);
+        const std::string names = exr.channel_names();
+        if (names != "B, G, R" && names != "A, B, G, R")
+            throw Error(fmt::format("{}: channels {}, expected R, G, B and perhaps A{}", exr.name,
+                                    printable(names),
+                                    names == "Y" ? " (this is a depth image)" : ""));
+        for (const char* name : {"R", "G", "B"}) require_channel_type(exr, name, true);
+        if (names.front() == 'A') require_channel_type(exr, "A", true);
+        Image image;
+        image.width = static_cast<int>(exr.width());
+        image.height = static_cast<int>(exr.height());
+        read_rows(exr, {"R", "G", "B", "A"}, image.pixel);
+        for (Rgba& pixel : image.pixel)  // colours in EXR are multiplied by alpha
+            if (pixel.a > 0 && pixel.a != 1)
+                pixel = {pixel.r / pixel.a, pixel.g / pixel.a, pixel.b / pixel.a, pixel.a};
+        require_valid(exr.name, image);
+        return image;
+    });
+}
+
+void write_exr(const std::filesystem::path& file, const Image& image) {
+    require_valid(file.string(), image);
+    static_assert(sizeof(Rgba) == 4 * sizeof(float));
+    std::vector<Rgba> multiplied = image.pixel;
+    for (Rgba& pixel : multiplied)
+        pixel = {pixel.r * pixel.a, pixel.g * pixel.a, pixel.b * pixel.a, pixel.a};
+    write_channels(file, Imf::Header(image.width, image.height), &multiplied.front().r,
+                   {"R", "G", "B", "A"});
+}
+
+void write_exr(const std::filesystem::path& file, const DepthImage& image) {
+    require_valid(file.string(), image);
+    Imf::Header header(image.width, image.height);
+    header.insert(kExtinction, Imf::DoubleAttribute(image.extinction));
+    write_channels(file, header, image.depth.data(), {"Y"});
+}
+
+}  // namespace vog

@@ -1,0 +1,234 @@
+// png.cpp: PNG images. libpng reports errors by longjmp, which must not cross a C++ destructor:
+// each of the three functions that call setjmp holds plain data only, and what they need is
+// allocated by their caller.
+#include <fmt/core.h>
+#include <png.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <new>
+#include <vector>
+
+#include "core/atomic_file.h"
+#include "io/image/image_files.h"
+#include "vog/error.h"
+
+namespace vog {
+namespace {
+
+/// libpng's first complaint. Until `armed` there is no place to jump to.
+struct PngComplaint {
+    char text[160] = "";
+    bool armed = false;
+};
+
+struct PngReader {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    PngComplaint complaint;
+    const std::uint8_t* next = nullptr;  ///< bytes of the file not yet read
+    std::size_t left = 0;
+
+    PngReader() = default;
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
+    ~PngReader() { png_destroy_read_struct(&png, &info, nullptr); }
+};
+
+struct PngWriter {
+    png_structp png = nullptr;
+    png_infop info = nullptr;
+    PngComplaint complaint;
+
+    PngWriter() = default;
+    PngWriter(const PngWriter&) = delete;
+    PngWriter& operator=(const PngWriter&) = delete;
+    ~PngWriter() { png_destroy_write_struct(&png, &info); }
+};
+
+/// Errors and warnings alike end the call: a file libpng warns about is not what it claims to be.
+void on_complaint(png_structp png, png_const_charp text) {
+    auto* complaint = static_cast<PngComplaint*>(png_get_error_ptr(png));
+    std::snprintf(complaint->text, sizeof complaint->text, "%s", text);
+    if (complaint->armed) png_longjmp(png, 1);
+}
+
+void read_bytes(png_structp png, png_bytep bytes, std::size_t count) {
+    auto* reader = static_cast<PngReader*>(png_get_io_ptr(png));
+    if (count > reader->left) png_error(png, "the file ends early");
+    std::memcpy(bytes, reader->next, count);
+    reader->next += count;
+    reader->left -= count;
+}
+
+void write_bytes(png_structp png, png_bytep bytes, std::size_t count) {
+    auto& content = *static_cast<std::vector<std::uint8_t>*>(png_get_io_ptr(png));
+    try {
+        content.insert(content.end(), bytes, bytes + count);
+        return;
+    } catch (const std::bad_alloc&) {
+    }
+    png_error(png, "out of memory");
+}
+
+void flush_bytes(png_structp) {}
+
+/// Reads up to the first row and asks for 16-bit RGBA whatever the file holds, values untouched.
+bool read_header(PngReader& reader) {
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    reader.complaint.armed = true;
+    png_set_read_fn(reader.png, &reader, read_bytes);
+    png_set_user_limits(reader.png, kMaxImageSide, kMaxImageSide);
+    // Colour profiles, texts and times change no stored value: -1 skips all such known chunks.
+    png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
+    png_read_info(reader.png, reader.info);
+    png_set_expand_16(reader.png);
+    png_set_gray_to_rgb(reader.png);
+    png_set_add_alpha(reader.png, 0xffff, PNG_FILLER_AFTER);
+    png_set_interlace_handling(reader.png);
+    return true;
+}
+
+bool read_pixels(PngReader& reader, png_bytepp rows) {
+    if (setjmp(png_jmpbuf(reader.png))) return false;
+    png_read_update_info(reader.png, reader.info);
+    png_read_image(reader.png, rows);
+    png_read_end(reader.png, nullptr);  // a file cut in its last chunk is refused too
+    return true;
+}
+
+bool write_all(PngWriter& writer, std::vector<std::uint8_t>* content, int width, int height,
+               int color_type, png_bytepp rows) {
+    if (setjmp(png_jmpbuf(writer.png))) return false;
+    writer.complaint.armed = true;
+    png_set_write_fn(writer.png, content, write_bytes, flush_bytes);
+    png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width),
+                 static_cast<png_uint_32>(height), 8, color_type, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    // A shaded 1920x1080 picture: 95 ms and 389 KB; with libpng's defaults 236 ms and 378 KB.
+    png_set_filter(writer.png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
+    png_set_compression_level(writer.png, 4);
+    png_write_info(writer.png, writer.info);
+    png_write_image(writer.png, rows);
+    png_write_end(writer.png, nullptr);
+    return true;
+}
+
+std::vector<std::uint8_t> read_whole_file(const std::filesystem::path& file) {
+    std::ifstream stream(file, std::ios::binary | std::ios::ate);
+    const std::streamoff size = stream.tellg();
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(std::max<std::streamoff>(size, 0)));
+    stream.seekg(0);
+    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    if (!stream) throw Error(fmt::format("{}: cannot be read", file.string()));
+    return bytes;
+}
+
+std::vector<png_bytep> row_pointers(std::vector<std::uint8_t>& bytes, std::size_t height) {
+    std::vector<png_bytep> rows(height);
+    for (std::size_t y = 0; y < height; ++y) rows[y] = bytes.data() + y * (bytes.size() / height);
+    return rows;
+}
+
+std::uint8_t to_byte(float component) {
+    return static_cast<std::uint8_t>(std::lround(255 * std::clamp(component, 0.0f, 1.0f)));
+}
+
+}  // namespace
+
+Image read_png(const std::filesystem::path& file) {
+    const std::vector<std::uint8_t> content = read_whole_file(file);
+    PngReader reader;
+    const auto fail = [&]() -> Error {
+        return Error(
+            fmt::format("{}: not a whole PNG image: {}", file.string(), reader.complaint.text));
+    };
+    reader.next = content.data();
+    reader.left = content.size();
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.complaint, on_complaint,
+                                        on_complaint);
+    if (reader.png) reader.info = png_create_info_struct(reader.png);
+    if (!reader.info || !read_header(reader)) throw fail();
+
+    // The size, before memory is claimed for it: deflate makes at most 1032 bytes of one.
+    const auto width = png_get_image_width(reader.png, reader.info);
+    const auto height = png_get_image_height(reader.png, reader.info);
+    require_valid_size(file.string(), width, height);
+    if (png_get_rowbytes(reader.png, reader.info) * height / 1032 > content.size())
+        throw Error(fmt::format("{}: {} bytes cannot hold the {}x{} pixels they claim",
+                                file.string(), content.size(), width, height));
+
+    constexpr std::size_t kBytesPerPixel = 8;  // 16-bit RGBA, big-endian
+    std::vector<std::uint8_t> bytes(kBytesPerPixel * width * height);
+    std::vector<png_bytep> rows = row_pointers(bytes, height);
+    if (!read_pixels(reader, rows.data())) throw fail();
+
+    // 8-bit values were expanded by 257, so that v * 257 / 65535 is v / 255 to the last bit.
+    Image image(static_cast<int>(width), static_cast<int>(height));
+    const std::uint8_t* in = bytes.data();
+    const auto next = [&in]() {
+        const int value = in[0] << 8 | in[1];
+        in += 2;
+        return static_cast<float>(value) / 65535.0f;
+    };
+    for (Rgba& pixel : image.pixel) {
+        pixel.r = next();
+        pixel.g = next();
+        pixel.b = next();
+        pixel.a = next();
+    }
+    return image;
+}
+
+bool opaque(const Image& image) {
+    return std::none_of(image.pixel.begin(), image.pixel.end(),
+                        [](const Rgba& pixel) { return pixel.a < 1; });
+}
+
+std::vector<std::uint8_t> image_bytes(const Image& image, bool with_alpha) {
+    std::vector<std::uint8_t> bytes(image.pixel.size() * (with_alpha ? 4 : 3));
+    auto* out = bytes.data();
+    for (const Rgba& pixel : image.pixel) {
+        *out++ = to_byte(pixel.r);
+        *out++ = to_byte(pixel.g);
+        *out++ = to_byte(pixel.b);
+        if (with_alpha) *out++ = to_byte(pixel.a);
+    }
+    return bytes;
+}
+
+std::vector<std::uint8_t> png_bytes(const Image& image) {
+    require_valid("picture", image);
+    const bool with_alpha = !opaque(image);
+    std::vector<std::uint8_t> bytes = image_bytes(image, with_alpha), content;
+    std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(image.height));
+    PngWriter writer;
+    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_complaint,
+                                         on_complaint);
+    if (writer.png) writer.info = png_create_info_struct(writer.png);
+    if (!writer.info ||
+        !write_all(writer, &content, image.width, image.height,
+                   with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, rows.data()))
+        throw Error(fmt::format("picture: cannot be a PNG: {}", writer.complaint.text));
+    return content;
+}
+
+void write_png(const std::filesystem::path& file, const Image& image) {
+    require_valid(file.string(), image);
+    const std::vector<std::uint8_t> content = png_bytes(image);
+    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
+        std::ofstream out(beside, std::ios::binary);
+        out.write(reinterpret_cast<const char*>(content.data()),
+                  static_cast<std::streamsize>(content.size()));
+        // A full disk shows when the last of it is written.
+        if (!out.flush())
+            throw Error(fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
+    });
+}
+
+}  // namespace vog

@@ -1,0 +1,124 @@
+// level_partition.cpp: parts of levels, and what lies over them.
+#include "vog/level_parts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_set>
+
+namespace vog {
+
+namespace {
+
+/// Where the nodes of a volume are, for nodes of other volumes.
+class Occupied {
+  public:
+    explicit Occupied(const Volume& volume)
+        : index_from_world_(inverse(volume.world_from_index)), tiles_(volume.tiles) {
+        for (const Leaf& leaf : volume.leaves) leaves_.insert(key(of_leaf(leaf.origin)));
+    }
+    /// Whether a node of another volume may overlap one of these; touching does not count.
+    bool meets(const Affine& world_from_index, Vec3i origin, std::int32_t edge) const {
+        // Seen from here, a node that is turned has a box around it.
+        constexpr double kHalf = 0.5, kTouching = 1e-7;  // of a voxel: what rounding may do
+        const Affine here_from_there{index_from_world_.linear * world_from_index.linear,
+                                     index_from_world_(world_from_index.translation)};
+        const double size = edge;
+        const Vec3d lower = vec_cast<double>(origin) - Vec3d{kHalf, kHalf, kHalf};
+        const Box box = transformed(here_from_there, {lower, lower + Vec3d{size, size, size}});
+        const Vec3d shrink{kTouching, kTouching, kTouching};
+        return meets({box.lower + shrink, box.upper - shrink});
+    }
+
+  private:
+    /// The lattice of leaves, each axis in 21 bits: OpenVDB's indices have 32, three less for
+    /// leaves; what agrees in the lower 21 of them is taken for more than there is, which is right
+    /// too.
+    static std::uint64_t key(Vec3i leaf) {
+        constexpr std::uint64_t kMask = (1 << 21) - 1;
+        return (static_cast<std::uint64_t>(leaf.x) & kMask) << 42 |
+               (static_cast<std::uint64_t>(leaf.y) & kMask) << 21 |
+               (static_cast<std::uint64_t>(leaf.z) & kMask);
+    }
+    static Vec3i of_leaf(Vec3i origin) { return {origin.x >> 3, origin.y >> 3, origin.z >> 3}; }
+    static std::int32_t leaf_at(double index) {
+        return static_cast<std::int32_t>(std::floor((index + 0.5) / kLeafEdge));
+    }
+
+    bool meets(const Box& box) const {
+        for (const Tile& tile : tiles_) {
+            bool apart = false;
+            for (int axis = 0; axis < 3; ++axis)
+                apart |= box.upper[axis] < tile.origin[axis] - 0.5 ||
+                         box.lower[axis] > tile.origin[axis] - 0.5 + tile.edge;
+            if (!apart) return true;
+        }
+        const Vec3i first{leaf_at(box.lower.x), leaf_at(box.lower.y), leaf_at(box.lower.z)};
+        const Vec3i last{leaf_at(box.upper.x), leaf_at(box.upper.y), leaf_at(box.upper.z)};
+        // A tile over more of the lattice than is worth a look is taken along: that costs nothing.
+        constexpr double kMostLooks = 4096;
+        if (double(last.x - first.x + 1) * (last.y - first.y + 1) * (last.z - first.z + 1) >
+            kMostLooks)
+            return true;
+        for (std::int32_t x = first.x; x <= last.x; ++x)
+            for (std::int32_t y = first.y; y <= last.y; ++y)
+                for (std::int32_t z = first.z; z <= last.z; ++z)
+                    if (leaves_.contains(key({x, y, z}))) return true;
+        return false;
+    }
+
+    Affine index_from_world_;
+    std::unordered_set<std::uint64_t> leaves_;
+    std::vector<Tile> tiles_;
+};
+
+/// What of a level lies over the part.
+Volume over(VolumeReader& reader, const Occupied& part) {
+    return reader.read_where([&](Vec3i origin, std::int32_t edge) {
+        return part.meets(reader.world_from_index(), origin, edge);
+    });
+}
+
+void clear_values(Volume& volume) {
+    for (Leaf& leaf : volume.leaves) leaf.value.fill(0);
+    for (Tile& tile : volume.tiles) tile.value = 0;
+}
+
+/// Volumes with nothing in them, for their maps.
+std::vector<Volume> maps_of(std::span<VolumeReader> readers) {
+    std::vector<Volume> maps(readers.size());
+    for (std::size_t n = 0; n < readers.size(); ++n)
+        maps[n].world_from_index = readers[n].world_from_index();
+    return maps;
+}
+
+}  // namespace
+
+std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<VolumeReader> masks,
+                                     const VolumePart& part, std::uint64_t* negative) {
+    const std::vector<Volume> maps = maps_of(volumes);
+    const std::vector<std::size_t> order = finest_first(maps);
+    std::vector<Levels> parts;
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        Volume own = volumes[order[k]].read(part, negative);
+        if (own.empty()) continue;
+        const Occupied occupied(own);
+        Levels levels;
+        for (std::size_t finer = 0; finer < k; ++finer) {
+            const std::size_t n = order[finer];
+            if (!masks.empty()) {
+                // Where a mask hides, values do not matter.
+                levels.masks.push_back(over(masks[n], occupied));
+                levels.volumes.push_back(maps[n]);
+                continue;
+            }
+            levels.volumes.push_back(over(volumes[n], occupied));
+            clear_values(levels.volumes.back());
+        }
+        if (!masks.empty()) levels.masks.push_back(over(masks[order[k]], occupied));
+        levels.volumes.push_back(std::move(own));
+        parts.push_back(std::move(levels));
+    }
+    return parts;
+}
+
+}  // namespace vog

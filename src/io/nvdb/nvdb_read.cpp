@@ -1,0 +1,100 @@
+// nvdb_read.cpp: one grid of a .nvdb file as density: which one, what is refused, what is said.
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "io/nvdb/nvdb_file.h"
+#include "io/nvdb/nvdb_grid.h"
+#include "io/vdb/vdb_density.h"
+#include "io/vdb/vdb_volume.h"
+#include "vog/nvdb.h"
+
+namespace vog {
+
+namespace {
+
+/// The grid of this name; without a name the only scalar grid, else the one named density.
+const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
+    std::vector<std::string> names;
+    std::vector<const NvdbEntry*> named, scalar;
+    for (const NvdbEntry& entry : file.entries()) {
+        names.push_back(entry.name);
+        if (is_scalar(entry.type)) scalar.push_back(&entry);
+        if (entry.name == (name.empty() ? "density" : name)) named.push_back(&entry);
+    }
+    if (name.empty()) std::erase_if(named, [](auto* entry) { return !is_scalar(entry->type); });
+    if (name.empty() && scalar.size() == 1) return *scalar.front();
+    if (named.size() == 1) return *named.front();
+    const std::string list = fmt::format("it has: {}", fmt::join(names, ", "));
+    if (!name.empty())
+        throw Error(fmt::format("{}: {} named '{}' ({})", file.name(),
+                                named.empty() ? "no grid" : "several grids", name, list));
+    if (scalar.empty())
+        throw Error(
+            fmt::format("{}: no scalar grid ({}); vectors are read when named", file.name(), list));
+    throw Error(
+        fmt::format("{}: {} scalar grids, expected one, or one named 'density', or a name "
+                    "({})",
+                    file.name(), scalar.size(), list));
+}
+
+/// Straight from the file's leaves: OpenVDB's tree has the tiles alone.
+Volume density_of(const NanoBuffer& buffer, const std::string& where, bool mask, VdbNotes& notes) {
+    NanoLeaves from;
+    const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where, &from);
+    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
+        throw Error(fmt::format(
+            "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+    Volume volume;
+    volume.world_from_index = nano_transform(buffer);
+    check_transform(volume.world_from_index, where);
+    volume.leaves = std::move(from.leaves);
+    const Census tiles = tiles_from_grid(*grid, volume);
+    check_census(from.census, tiles, volume.leaves, volume.tiles, where, notes);
+    if (mask) {
+        keep_positive(volume);
+        notes = {};
+    }
+    return volume;
+}
+
+Volume fog_of_level_set(const NanoBuffer& buffer, const std::string& where, bool mask,
+                        VdbNotes& notes) {
+    const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where);
+    level_set_to_fog(*grid, where);
+    return density_from_grid(*grid, nano_transform(buffer), where, notes, mask);
+}
+
+}  // namespace
+
+std::vector<std::string> nvdb_grid_names(const std::filesystem::path& path) {
+    const NvdbFile file(path);
+    std::vector<std::string> list;
+    for (const NvdbEntry& entry : file.entries()) list.push_back(entry.name);
+    return list;
+}
+
+Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
+    openvdb::initialize();
+    NvdbFile file(path);
+    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
+    const NvdbEntry& entry = choose(file, options.grid);
+    const std::string where = file.where(entry);
+    return with_vdb_errors(where, [&] {
+        const NanoBuffer buffer = file.load(entry);
+        VdbNotes found;
+        Volume volume = options.level_set_to_fog
+                            ? fog_of_level_set(buffer, where, options.mask, found)
+                            : density_of(buffer, where, options.mask, found);
+        if (volume.empty())
+            throw Error(fmt::format("{}: no active voxels{}", where,
+                                    options.mask ? " above 0, expected a mask" : ""));
+        volume.name = entry.name;
+        volume.source = file.name();
+        if (notes) *notes = found;
+        return volume;
+    });
+}
+
+}  // namespace vog

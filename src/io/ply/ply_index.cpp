@@ -1,0 +1,48 @@
+// ply_index.cpp: the names of the files that one model is in.
+#include <fmt/core.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/atomic_file.h"
+#include "vog/error.h"
+#include "vog/ply.h"
+
+namespace vog {
+
+namespace {
+
+constexpr const char* kKey = "vog_models";
+
+[[noreturn]] void fail(const std::filesystem::path& file) {
+    throw Error(fmt::format("{}: no index of models, expected {{\"{}\": [\"a.ply\", ...]}}",
+                            file.string(), kKey));
+}
+
+}  // namespace
+
+void write_model_index(const std::filesystem::path& file, std::span<const std::string> models) {
+    const nlohmann::json json = {{kKey, std::vector<std::string>(models.begin(), models.end())}};
+    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
+        std::ofstream out(beside, std::ios::binary);
+        out << json.dump(2) << '\n';
+        if (!out.flush())
+            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
+    });
+}
+
+std::vector<std::filesystem::path> read_model_index(const std::filesystem::path& file) {
+    require_readable(file);
+    std::ifstream in(file, std::ios::binary);
+    const nlohmann::json json = nlohmann::json::parse(in, nullptr, false);
+    if (!json.is_object() || !json.contains(kKey) || !json[kKey].is_array() || json[kKey].empty())
+        fail(file);
+    std::vector<std::filesystem::path> models;
+    for (const nlohmann::json& name : json[kKey]) {
+        if (!name.is_string()) fail(file);
+        models.push_back(file.parent_path() / name.get<std::string>());
+    }
+    return models;
+}
+
+}  // namespace vog

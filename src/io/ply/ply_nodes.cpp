@@ -1,0 +1,98 @@
+// ply_nodes.cpp: rows of the element node, block by block.
+#include "io/ply/ply_nodes.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cstring>
+#include <istream>
+#include <ostream>
+
+namespace vog {
+
+namespace {
+
+constexpr std::size_t kBlock = 1 << 16;
+
+std::size_t floats_per_node(bool axis_aligned) { return axis_aligned ? 9 : 13; }
+
+}  // namespace
+
+std::vector<std::string> node_properties(bool axis_aligned) {
+    std::vector<std::string> names = {"float x",       "float y",       "float z",
+                                      "float scale_0", "float scale_1", "float scale_2"};
+    if (!axis_aligned)
+        for (int n = 0; n < 4; ++n) names.push_back(fmt::format("float rot_{}", n));
+    for (const char* name :
+         {"float density", "float radius", "float error", "uchar nodes", "uchar vertices"})
+        names.emplace_back(name);
+    return names;
+}
+
+std::size_t bytes_per_node(bool axis_aligned) {
+    return floats_per_node(axis_aligned) * sizeof(float) + 2;
+}
+
+std::string node_header(const Hierarchy& hierarchy) {
+    if (hierarchy.empty()) return {};
+    std::string text = fmt::format("element node {}\n", hierarchy.size());
+    for (const std::string& name : node_properties(hierarchy.nodes.axis_aligned()))
+        text += "property " + name + "\n";
+    return text;
+}
+
+void write_nodes(std::ostream& out, const Hierarchy& hierarchy) {
+    const Gaussians& nodes = hierarchy.nodes;
+    std::vector<char> rows(std::min(hierarchy.size(), kBlock) *
+                           bytes_per_node(nodes.axis_aligned()));
+    for (std::size_t begin = 0; begin < hierarchy.size(); begin += kBlock) {
+        const std::size_t end = std::min(begin + kBlock, hierarchy.size());
+        char* at = rows.data();
+        const auto put = [&at](auto... values) {
+            ((std::memcpy(at, &values, sizeof(values)), at += sizeof(values)), ...);
+        };
+        for (std::size_t n = begin; n < end; ++n) {
+            put(nodes.mean[n].x, nodes.mean[n].y, nodes.mean[n].z);
+            put(nodes.scale[n].x, nodes.scale[n].y, nodes.scale[n].z);
+            if (!nodes.axis_aligned()) {
+                const Quat q = nodes.rotation[n];
+                put(q.w, q.x, q.y, q.z);
+            }
+            put(nodes.density[n], hierarchy.radius[n], hierarchy.error[n]);
+            put(hierarchy.node_count[n], hierarchy.leaf_count[n]);
+        }
+        out.write(rows.data(), at - rows.data());
+    }
+}
+
+bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarchy& hierarchy) {
+    Gaussians& nodes = hierarchy.nodes;
+    nodes.mean.resize(count), nodes.scale.resize(count), nodes.density.resize(count);
+    if (!axis_aligned) nodes.rotation.resize(count);
+    hierarchy.node_count.resize(count), hierarchy.leaf_count.resize(count);
+    hierarchy.radius.resize(count), hierarchy.error.resize(count);
+    const std::size_t row_bytes = bytes_per_node(axis_aligned);
+    std::vector<char> rows(std::min(count, kBlock) * row_bytes);
+    for (std::size_t begin = 0; begin < count; begin += kBlock) {
+        const std::size_t end = std::min(begin + kBlock, count);
+        if (!in.read(rows.data(), static_cast<std::streamsize>((end - begin) * row_bytes)))
+            return false;
+        const char* at = rows.data();
+        const auto take = [&at](auto&... values) {
+            ((std::memcpy(&values, at, sizeof(values)), at += sizeof(values)), ...);
+        };
+        for (std::size_t n = begin; n < end; ++n) {
+            take(nodes.mean[n].x, nodes.mean[n].y, nodes.mean[n].z);
+            take(nodes.scale[n].x, nodes.scale[n].y, nodes.scale[n].z);
+            if (!axis_aligned) {
+                Quat& q = nodes.rotation[n];
+                take(q.w, q.x, q.y, q.z);
+            }
+            take(nodes.density[n], hierarchy.radius[n], hierarchy.error[n]);
+            take(hierarchy.node_count[n], hierarchy.leaf_count[n]);
+        }
+    }
+    return true;
+}
+
+}  // namespace vog

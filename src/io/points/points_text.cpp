@@ -1,0 +1,262 @@
+// points_text.cpp: particles from text and to it, in parallel chunks of whole lines.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include "core/atomic_file.h"
+#include "core/paging.h"
+#include "core/parallel.h"
+#include "io/points/points_columns.h"
+#include "io/points/points_files.h"
+#include "io/points/text_fields.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+/// A file of lines. Read, not mapped: a file that shrinks meanwhile is an error, not a signal.
+class LineFile {
+  public:
+    explicit LineFile(const std::filesystem::path& file) : name_(file.string()) {
+        require_readable(file);
+        descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+        struct stat status {};
+        if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
+            throw Error(fmt::format("{}: cannot be read", name_));
+        size_ = static_cast<std::uint64_t>(status.st_size);
+    }
+    ~LineFile() {
+        if (descriptor_ >= 0) ::close(descriptor_);
+    }
+    LineFile(const LineFile&) = delete;
+    LineFile& operator=(const LineFile&) = delete;
+
+    std::uint64_t size() const { return size_; }
+    const std::string& name() const { return name_; }
+
+    /// The lines that begin in bytes [begin, end), whole; valid as long as the buffer.
+    std::string_view lines(std::uint64_t begin, std::uint64_t end,
+                           std::vector<char>& buffer) const {
+        // The byte before tells whether a line begins at `begin`.
+        const std::uint64_t first = begin > 0 ? begin - 1 : 0;
+        end = std::min(end, size_);
+        buffer.resize(end - first);
+        read(first, buffer.data(), buffer.size());
+        std::size_t skipped = 0;
+        if (begin > 0) {
+            const void* line_end = std::memchr(buffer.data(), '\n', buffer.size() - 1);
+            if (!line_end && buffer.back() != '\n') return {};
+            skipped =
+                line_end ? static_cast<const char*>(line_end) - buffer.data() + 1 : buffer.size();
+            if (skipped >= buffer.size()) return {};
+        }
+        // The last line may go on.
+        constexpr std::uint64_t kStep = 4096;
+        while (end < size_ && buffer.back() != '\n') {
+            const std::uint64_t more = std::min(kStep, size_ - end);
+            const std::size_t held = buffer.size();
+            buffer.resize(held + more);
+            read(end, buffer.data() + held, more);
+            const void* line_end = std::memchr(buffer.data() + held, '\n', more);
+            if (line_end) buffer.resize(static_cast<const char*>(line_end) - buffer.data() + 1);
+            end += more;
+        }
+        return {buffer.data() + skipped, buffer.size() - skipped};
+    }
+
+  private:
+    void read(std::uint64_t at, char* to, std::size_t count) const {
+        while (count > 0) {
+            const ssize_t got = ::pread(descriptor_, to, count, static_cast<off_t>(at));
+            if (got < 0 && errno == EINTR) continue;
+            if (got <= 0) throw Error(fmt::format("{}: cannot be read to its end", name_));
+            at += static_cast<std::uint64_t>(got);
+            to += got;
+            count -= static_cast<std::size_t>(got);
+        }
+    }
+    std::string name_;
+    int descriptor_ = -1;
+    std::uint64_t size_ = 0;
+};
+
+constexpr std::uint64_t kChunkBytes = std::uint64_t{1} << 20;
+
+std::uint64_t count_lines(std::string_view text) {
+    if (text.empty()) return 0;
+    return static_cast<std::uint64_t>(std::ranges::count(text, '\n')) + (text.back() != '\n');
+}
+
+/// A chunk's place among all lines, what it gave, and what was wrong.
+struct Chunk {
+    std::uint64_t first_line = 0, line_count = 0;
+    std::uint64_t particles = 0;
+    std::vector<std::uint64_t> bad_lines;  ///< from 0
+    std::string first_fault;
+};
+
+/// Reads the particles of one chunk into place.
+class ChunkReader {
+  public:
+    ChunkReader(const PointColumns& columns, Points& points) : columns_(columns), points_(points) {}
+
+    void read(std::string_view text, Chunk& chunk) const {
+        for (std::uint64_t line = chunk.first_line; !text.empty(); ++line) {
+            const std::string_view content = trimmed(take_line(text));
+            if (line < columns_.first_line || says_nothing(content)) continue;
+            if (read_particle(content, first_particle(chunk) + chunk.particles)) {
+                ++chunk.particles;
+                continue;
+            }
+            if (chunk.bad_lines.empty()) chunk.first_fault = fault(content);
+            chunk.bad_lines.push_back(line);
+        }
+    }
+    /// Where a chunk's particles go: behind as many as there are lines before it.
+    std::uint64_t first_particle(const Chunk& chunk) const {
+        return chunk.first_line < columns_.first_line ? 0 : chunk.first_line - columns_.first_line;
+    }
+
+  private:
+    bool read_particle(std::string_view line, std::uint64_t n) const;
+    std::string fault(std::string_view line) const;
+    void put(int role, std::uint64_t n, double value) const {
+        if (role < kFirstVelocity)
+            points_.position[n][role] = value;
+        else if (role < kFirstAttribute)
+            points_.velocity[n][role - kFirstVelocity] = static_cast<float>(value);
+        else
+            points_.attributes[static_cast<std::size_t>(role - kFirstAttribute)].value[n] =
+                static_cast<float>(value);
+    }
+    static bool fits(int role, double value) {
+        return role < kFirstVelocity ? std::isfinite(value)
+                                     : std::abs(value) <= double{std::numeric_limits<float>::max()};
+    }
+
+    const PointColumns& columns_;
+    Points& points_;
+};
+
+bool ChunkReader::read_particle(std::string_view line, std::uint64_t n) const {
+    const bool open = columns_.separator && line.ends_with(columns_.separator);
+    for (const int role : columns_.role) {
+        if (line.empty()) return false;
+        const std::string_view field = take_field(line, columns_.separator);
+        if (role == kLeftOut) continue;
+        double value;
+        if (!parse_number(field, value) || !fits(role, value)) return false;
+        put(role, n, value);
+    }
+    return line.empty() && !open;
+}
+
+/// What is wrong with a line that read_particle refused.
+std::string ChunkReader::fault(std::string_view line) const {
+    const auto fields = split_fields(line, columns_.separator);
+    if (fields.size() != columns_.role.size())
+        return fmt::format("got {} columns, expected {}", fields.size(), columns_.role.size());
+    for (std::size_t column = 0; column < fields.size(); ++column) {
+        const int role = columns_.role[column];
+        double value;
+        if (role == kLeftOut) continue;
+        constexpr std::size_t kShown = 40;
+        const std::string text(fields[column].substr(0, kShown));
+        if (!parse_number(fields[column], value))
+            return fmt::format("got '{}' in column {}, expected a number", text, column + 1);
+        if (!fits(role, value))
+            return fmt::format("got '{}' in column {}, expected a finite number", text, column + 1);
+    }
+    return "malformed";
+}
+
+/// Every malformed line, by number; the first with what is wrong.
+[[noreturn]] void throw_malformed(const std::string& name, const std::vector<Chunk>& chunks) {
+    constexpr std::size_t kListed = 20;
+    std::string message, others;
+    std::size_t count = 0;
+    for (const Chunk& chunk : chunks)
+        for (const std::uint64_t line : chunk.bad_lines) {
+            if (count == 0)
+                message = fmt::format("{}:{}: {}", name, line + 1, chunk.first_fault);
+            else if (count <= kListed)
+                others += fmt::format("{}{}", count == 1 ? "" : ", ", line + 1);
+            ++count;
+        }
+    if (count == 2) message += fmt::format("; malformed as well: line {}", others);
+    if (count > 2)
+        message += fmt::format("; malformed as well: {} lines: {}{}", count - 1, others,
+                               count > kListed + 1 ? ", ..." : "");
+    throw Error(message);
+}
+
+void resize(Points& points, std::uint64_t count, const PointColumns& columns) {
+    resize_kept(points.position, count);
+    if (columns.has_velocity) resize_kept(points.velocity, count);
+    for (PointAttribute& attribute : points.attributes) resize_kept(attribute.value, count);
+}
+
+/// Moves the chunks' particles together: comments and empty lines left gaps.
+void close_gaps(Points& points, const std::vector<Chunk>& chunks, const ChunkReader& reader) {
+    const auto close = [&](auto& values) {
+        if (values.empty()) return;
+        auto to = values.begin();
+        for (const Chunk& chunk : chunks) {
+            const auto from =
+                values.begin() + static_cast<std::ptrdiff_t>(reader.first_particle(chunk));
+            const auto count = static_cast<std::ptrdiff_t>(chunk.particles);
+            to = to == from ? from + count : std::move(from, from + count, to);
+            keep_memory();
+        }
+    };
+    close(points.position);
+    close(points.velocity);
+    for (PointAttribute& attribute : points.attributes) close(attribute.value);
+}
+
+}  // namespace
+
+Points read_points_text(const std::filesystem::path& path, const PointReadOptions& options) {
+    const LineFile file(path);
+    std::vector<Chunk> chunks((file.size() + kChunkBytes - 1) / kChunkBytes);
+    tbb::enumerable_thread_specific<std::vector<char>> buffers;
+    const auto lines_of = [&](std::size_t n) {
+        return file.lines(n * kChunkBytes, (n + 1) * kChunkBytes, buffers.local());
+    };
+
+    // Headers lie in the first chunk; then which lines are whose, for their numbers.
+    std::vector<char> head;
+    constexpr std::uint64_t kHeadBytes = std::uint64_t{1} << 20;
+    const PointColumns columns =
+        find_columns(path, file.size() ? file.lines(0, kHeadBytes, head) : "", options);
+    vog::parallel_for(std::size_t{0}, chunks.size(),
+                      [&](std::size_t n) { chunks[n].line_count = count_lines(lines_of(n)); });
+    for (std::size_t n = 1; n < chunks.size(); ++n)
+        chunks[n].first_line = chunks[n - 1].first_line + chunks[n - 1].line_count;
+    const std::uint64_t lines = chunks.back().first_line + chunks.back().line_count;
+
+    Points points;
+    points.source = path.string();
+    for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
+    resize(points, lines - columns.first_line, columns);
+    const ChunkReader reader(columns, points);
+    vog::parallel_for(std::size_t{0}, chunks.size(),
+                      [&](std::size_t n) { reader.read(lines_of(n), chunks[n]); });
+    std::uint64_t particles = 0;
+    for (const Chunk& chunk : chunks) {
+        particles += chunk.particles;
+        if (!chunk.bad_lines.empty()) throw_malformed(file.name(), chunks);
+    }
+    close_gaps(points, chunks, reader);
+    resize(points, particles, columns);
+    return points;
+}
+
+}  // namespace vog

@@ -1,0 +1,325 @@
+// vdb_points.cpp: the points of a PointDataGrid, decoded here byte by byte: OpenVDB 10.0.1 believes
+// the sizes in a file. The passes are those of openvdb/points/PointDataGrid.h, the pages those of
+// StreamCompression.h.
+#include <blosc.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "core/paging.h"
+#include "core/parallel.h"
+#include "io/points/points_files.h"
+#include "io/vdb/vdb_point_codecs.h"
+#include "io/vdb/vdb_tree_check.h"
+#include "io/vdb/vdb_volume.h"
+
+namespace vog {
+
+namespace {
+
+constexpr std::string_view kPointTree = "Tree_ptdataidx32_5_4_3";
+
+/// Packed bytes in the file, and where they go.
+struct Packed {
+    std::span<const char> from;
+    std::size_t to = 0, bytes = 0;
+    bool blosc = false;
+};
+
+/// The values of one attribute as stored, leaf after leaf.
+struct StoredColumn {
+    std::vector<std::size_t> first;  ///< [leaf]: offset of its values in `bytes`
+    BigVector<char> bytes;           ///< empty until it is unpacked
+};
+
+void unpack(std::span<const Packed> packed, std::span<char> bytes, const MemoryBytes& in) {
+    vog::parallel_for(std::size_t{0}, packed.size(), [&](std::size_t n) {
+        const Packed& p = packed[n];
+        if (!p.blosc) {
+            std::copy(p.from.begin(), p.from.end(), bytes.begin() + std::ptrdiff_t(p.to));
+            return;
+        }
+        std::size_t promised = 0;
+        if (blosc_cbuffer_validate(p.from.data(), p.from.size(), &promised) != 0 ||
+            promised != p.bytes ||
+            blosc_decompress_ctx(p.from.data(), bytes.data() + p.to, p.bytes, 1) !=
+                static_cast<int>(p.bytes))
+            in.fail(
+                fmt::format("corrupt: a page of points gave {} of {} bytes", promised, p.bytes));
+    });
+}
+
+/// Reads the passes that hold the points' bytes.
+class PointPasses {
+  public:
+    PointPasses(MemoryBytes& in, const WalkedTree& tree) : in_(in), tree_(tree) {
+        for (std::size_t column = 0; column < columns(); ++column) page_sizes(column);
+        voxel_ends();
+        for (std::size_t column = 0; column < columns(); ++column) column_bytes(column);
+    }
+    std::size_t columns() const { return tree_.columns.size(); }
+    const PointArray& array(std::size_t leaf, std::size_t column) const {
+        return tree_.arrays[leaf * columns() + column];
+    }
+    StoredColumn unpacked(std::size_t column) const {
+        StoredColumn stored = columns_[column];
+        resize_kept(stored.bytes, total_[column]);
+        unpack(packed_[column], stored.bytes, in_);
+        return stored;
+    }
+    /// Where the points of each of a leaf's voxels end: [leaf][512].
+    const BigVector<std::array<std::uint32_t, 512>>& ends() const { return ends_; }
+
+  private:
+    /// Page headers of a column, and the place of each leaf's values.
+    void page_sizes(std::size_t column) {
+        StoredColumn& stored = columns_.emplace_back();
+        std::vector<Packed>& pages = packed_.emplace_back();
+        std::size_t total = 0, page_end = 0;
+        for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
+            const PointArray& a = array(leaf, column);
+            stored.first.push_back(total);
+            if (a.paged && total == page_end) {
+                const auto packed_bytes = in_.number<std::int32_t>();
+                const auto bytes = packed_bytes > 0 ? in_.number<std::int32_t>() : -packed_bytes;
+                if (bytes < 0 || packed_bytes == std::numeric_limits<std::int32_t>::min())
+                    in_.fail("corrupt: a page of points of negative size");
+                // The bytes themselves are found in a later pass.
+                pages.push_back({{static_cast<const char*>(nullptr), 0},
+                                 total,
+                                 static_cast<std::size_t>(bytes),
+                                 packed_bytes > 0});
+                sizes_.push_back(static_cast<std::size_t>(std::abs(packed_bytes)));
+                page_end = total + static_cast<std::size_t>(bytes);
+            }
+            total += a.bytes;
+            if (a.bytes > kMostBytes || (a.paged && total > page_end))
+                in_.fail("corrupt: points that lie in no page");
+            if (!a.paged) page_end = total;
+        }
+        if (total != page_end && !tree_.leaves.empty())
+            in_.fail("corrupt: a page longer than its points");
+        total_.push_back(total);
+    }
+    void voxel_ends() {
+        resize_kept(ends_, tree_.leaves.size());
+        constexpr std::uint64_t kMaskBytes = 64, kEndBytes = 512 * 4;
+        constexpr std::uint16_t kNotPacked = 0xffff;
+        for (auto& ends : ends_) {
+            in_.take(kMaskBytes);
+            const auto size = in_.number<std::uint16_t>();
+            const char* from = in_.take(size == kNotPacked ? kEndBytes : size);
+            const Packed packed{
+                {from, size == kNotPacked ? kEndBytes : size}, 0, kEndBytes, size != kNotPacked};
+            unpack({&packed, 1}, {reinterpret_cast<char*>(ends.data()), kEndBytes}, in_);
+            keep_memory();
+        }
+    }
+    /// Finds the bytes of a column's pages, or of its leaves where they are not paged.
+    void column_bytes(std::size_t column) {
+        std::vector<Packed>& packed = packed_[column];
+        std::size_t page = 0;
+        std::vector<Packed> alone;
+        for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
+            const PointArray& a = array(leaf, column);
+            const std::size_t to = columns_[column].first[leaf];
+            if (a.paged) {
+                if (page < packed.size() && packed[page].to == to) {
+                    const std::size_t bytes = sizes_[next_size_++];
+                    packed[page++].from = {in_.take(bytes), bytes};
+                }
+                continue;
+            }
+            const bool blosc = !a.uniform && in_.number<std::uint8_t>() == 1;
+            if (blosc) in_.fail("has attributes compressed one by one, expected pages");
+            alone.push_back({{in_.take(a.bytes), a.bytes}, to, a.bytes, false});
+        }
+        packed.insert(packed.end(), alone.begin(), alone.end());
+        // What is to be decoded is at most what blosc can make of what is there.
+        std::uint64_t stored = 0;
+        for (const Packed& p : packed) stored += p.from.size();
+        constexpr std::uint64_t kMostPacked = 4096;
+        if (total_[column] / kMostPacked > stored)
+            in_.fail("corrupt: more points than its bytes can hold");
+    }
+    static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // of a leaf
+
+    MemoryBytes& in_;
+    const WalkedTree& tree_;
+    std::vector<StoredColumn> columns_;
+    std::vector<std::vector<Packed>> packed_;
+    std::vector<std::size_t> sizes_, total_;
+    std::size_t next_size_ = 0;
+    BigVector<std::array<std::uint32_t, 512>> ends_;
+};
+
+/// A column that can be particles' numbers.
+struct Numbers {
+    std::size_t column = 0;
+    PointCodec codec;
+    StoredColumn stored;
+};
+
+class PointGridReader {
+  public:
+    PointGridReader(MemoryBytes& in, const WalkedTree& tree, const Affine& world_from_index)
+        : in_(in), tree_(tree), world_from_index_(world_from_index), passes_(in, tree) {}
+
+    Points read() {
+        // The voxels and the attributes must agree on how many points there are.
+        first_.assign(1, 0);
+        for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
+            if (passes_.ends()[leaf].back() != passes_.array(leaf, 0).size)
+                in_.fail("corrupt: points in no voxel");
+            first_.push_back(first_.back() + passes_.array(leaf, 0).size);
+        }
+        const Numbers places = numbers(column_named("P"));
+        if (places.codec.components != 3) in_.fail("has positions 'P' that are no vectors");
+        Points points;
+        resize_kept(points.position, first_.back());
+        for_each_leaf([&](std::size_t leaf) { read_places(places, leaf, points.position); });
+
+        for (std::size_t column = 0; column < passes_.columns(); ++column) {
+            const PointColumn& at = tree_.columns[column];
+            if (at.name == "P" || !is_number(column)) continue;
+            const Numbers found = numbers(column);
+            const bool vector = found.codec.components == 3;
+            if (vector && (at.name == "velocity" || at.name == "v") && points.velocity.empty())
+                read_velocity(found, points.velocity);
+            else
+                read_attribute(found, points.attributes.emplace_back(PointAttribute{at.name, {}}));
+        }
+        return points;
+    }
+
+  private:
+    std::size_t column_named(const std::string& name) const {
+        const auto found = std::ranges::find(tree_.columns, name, &PointColumn::name);
+        if (found == tree_.columns.end()) in_.fail(fmt::format("has no attribute '{}'", name));
+        return static_cast<std::size_t>(found - tree_.columns.begin());
+    }
+    /// Text, matrices, groups and several values a point are no numbers.
+    bool is_number(std::size_t column) const {
+        const PointColumn& at = tree_.columns[column];
+        if (!find_codec(at.type, at.codec)) return false;
+        for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf)
+            if (passes_.array(leaf, column).stride != 1) return false;
+        return true;
+    }
+    Numbers numbers(std::size_t column) const {
+        const PointColumn& at = tree_.columns[column];
+        if (!is_number(column))
+            in_.fail(
+                fmt::format("has '{}' as {} {}, expected numbers", at.name, at.type, at.codec));
+        const PointCodec codec = *find_codec(at.type, at.codec);
+        for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
+            const PointArray& a = passes_.array(leaf, column);
+            const std::uint64_t values = a.uniform ? 1 : a.size;
+            if (a.size != passes_.array(leaf, 0).size || a.bytes != values * codec.bytes())
+                in_.fail(fmt::format("corrupt: {} bytes for {} values of '{}'", a.bytes, values,
+                                     at.name));
+        }
+        return {column, codec, passes_.unpacked(column)};
+    }
+    template <class Run>
+    void for_each_leaf(const Run& run) const {
+        vog::parallel_for(std::size_t{0}, tree_.leaves.size(), run);
+    }
+    Vec3d value(const Numbers& from, std::size_t leaf, std::size_t n) const {
+        const std::size_t at = passes_.array(leaf, from.column).uniform ? 0 : n;
+        return from.codec.decode(from.stored.bytes.data() + from.stored.first[leaf] +
+                                 at * from.codec.bytes());
+    }
+    /// Positions are kept from the centre of their voxel.
+    void read_places(const Numbers& from, std::size_t leaf, BigVector<Vec3d>& to) const {
+        const std::size_t count = first_[leaf + 1] - first_[leaf];
+        std::size_t n = 0;
+        for (std::size_t voxel = 0; voxel < 512; ++voxel) {
+            const std::size_t end = passes_.ends()[leaf][voxel];
+            if (end < n || end > count) in_.fail("corrupt: voxels whose points are not in order");
+            const auto v = static_cast<std::int32_t>(voxel);
+            const Vec3i index = tree_.leaves[leaf].origin + Vec3i{v >> 6, (v >> 3) & 7, v & 7};
+            for (; n < end; ++n)
+                to[first_[leaf] + n] =
+                    world_from_index_(vec_cast<double>(index) + value(from, leaf, n));
+        }
+    }
+    void read_velocity(const Numbers& from, BigVector<Vec3f>& to) const {
+        resize_kept(to, first_.back());
+        for_each_leaf([&](std::size_t leaf) {
+            for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n)
+                to[n] = vec_cast<float>(value(from, leaf, n - first_[leaf]));
+        });
+    }
+    /// Other vectors count by their length.
+    void read_attribute(const Numbers& from, PointAttribute& to) const {
+        resize_kept(to.value, first_.back());
+        for_each_leaf([&](std::size_t leaf) {
+            for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n) {
+                const Vec3d v = value(from, leaf, n - first_[leaf]);
+                to.value[n] = static_cast<float>(from.codec.components == 3 ? length(v) : v.x);
+            }
+        });
+    }
+
+    MemoryBytes& in_;
+    const WalkedTree& tree_;
+    const Affine world_from_index_;
+    PointPasses passes_;
+    std::vector<std::size_t> first_;  // [leaf]: its first point
+};
+
+/// The grid asked for, or the only one of points.
+const VdbEntry& point_entry(const VdbFile& file, const std::string& name) {
+    std::vector<const VdbEntry*> found;
+    std::vector<std::string> names;
+    for (const VdbEntry& entry : file.entries()) {
+        names.push_back(entry.name);
+        const bool wanted = name.empty() || entry.name == name || entry.plain_name == name;
+        if (wanted && entry.tree_type == kPointTree) found.push_back(&entry);
+    }
+    if (found.size() == 1) return *found.front();
+    throw Error(fmt::format("{}: {} grids of points{}, expected one (it has: {})", file.name(),
+                            found.empty() ? "no" : std::to_string(found.size()),
+                            name.empty() ? "" : fmt::format(" named '{}'", name),
+                            fmt::join(names, ", ")));
+}
+
+}  // namespace
+
+bool vdb_holds_points(const std::filesystem::path& path, const std::string& grid) {
+    const VdbFile file(path);
+    bool points = false, density = false;
+    for (const VdbEntry& entry : file.entries()) {
+        if (!grid.empty() && entry.name != grid && entry.plain_name != grid) continue;
+        (entry.tree_type == kPointTree ? points : density) = true;
+    }
+    return points && !density;
+}
+
+Points read_points_vdb(const std::filesystem::path& path, const PointReadOptions& options) {
+    VdbFile file(path);
+    const VdbEntry& entry = point_entry(file, options.grid);
+    const std::string where = file.where(entry);
+    if (!entry.parent.empty())
+        throw Error(fmt::format("{}: shares the tree of another grid, expected its own", where));
+    return with_vdb_errors(where, [&] {
+        const BigVector<char> bytes = file.bytes(entry);
+        MemoryBytes in(bytes, where, entry.begin);
+        const VdbHead head = read_vdb_head(in);
+        if (!head.world_from_index)
+            throw Error(
+                fmt::format("{}: its transform is a frustum, expected an affine one", where));
+        TreeStorage storage{{4, 0, LeafData::points}, head.compression, entry.half_stored};
+        const WalkedTree tree = walk_tree(in, storage);
+        if (tree.points == 0) throw Error(fmt::format("{}: no particles", where));
+        Points points = PointGridReader(in, tree, *head.world_from_index).read();
+        points.source = file.name();
+        validate(points);
+        return points;
+    });
+}
+
+}  // namespace vog

@@ -1,0 +1,169 @@
+// vdb_read.cpp: one grid of a .vdb file as density: which one, what is refused, what is said.
+#include <fmt/ranges.h>
+
+#include <optional>
+
+#include "io/vdb/vdb_leaves.h"
+#include "io/vdb/vdb_volume.h"
+#include "vog/vdb.h"
+
+namespace vog {
+
+namespace {
+
+std::string names(const std::vector<VdbEntry>& entries) {
+    std::vector<std::string> list;
+    for (const VdbEntry& entry : entries) list.push_back(entry.name);
+    return fmt::format("{}", fmt::join(list, ", "));
+}
+
+/// The one among `candidates`, if there is just one.
+const VdbEntry* the_only(const std::vector<const VdbEntry*>& candidates) {
+    return candidates.size() == 1 ? candidates.front() : nullptr;
+}
+
+const VdbEntry& entry_named(const VdbFile& file, const std::string& name) {
+    std::vector<const VdbEntry*> shown, plain;
+    for (const VdbEntry& entry : file.entries()) {
+        if (entry.name == name) shown.push_back(&entry);
+        if (entry.plain_name == name) plain.push_back(&entry);
+    }
+    if (const VdbEntry* entry = the_only(shown)) return *entry;
+    if (const VdbEntry* entry = the_only(plain)) return *entry;
+    throw Error(fmt::format("{}: {} named '{}' (it has: {})", file.name(),
+                            plain.empty() ? "no grid" : "several grids", name,
+                            names(file.entries())));
+}
+
+/// The only scalar grid, else the one named density.
+const VdbEntry& default_entry(const VdbFile& file) {
+    std::vector<const VdbEntry*> scalar, density;
+    for (const VdbEntry& entry : file.entries()) {
+        if (!is_scalar(entry.tree_type)) continue;
+        scalar.push_back(&entry);
+        if (entry.plain_name == "density") density.push_back(&entry);
+    }
+    if (const VdbEntry* entry = the_only(scalar)) return *entry;
+    if (const VdbEntry* entry = the_only(density)) return *entry;
+    if (scalar.empty())
+        throw Error(fmt::format("{}: no scalar grid (it has: {}); vectors are read when named",
+                                file.name(), names(file.entries())));
+    throw Error(
+        fmt::format("{}: {} scalar grids, expected one, or one named 'density', or a name "
+                    "(it has: {})",
+                    file.name(), scalar.size(), names(file.entries())));
+}
+
+const VdbEntry& chosen_entry(const VdbFile& file, const std::string& name) {
+    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
+    return name.empty() ? default_entry(file) : entry_named(file, name);
+}
+
+}  // namespace
+
+std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
+    const VdbFile file(path);
+    std::vector<std::string> list;
+    for (const VdbEntry& entry : file.entries()) list.push_back(entry.name);
+    return list;
+}
+
+struct VdbReader::State {
+    VdbOptions options;
+    VdbFile file;
+    const VdbEntry& entry;
+    std::string where;
+    std::optional<VdbLeaves> leaves;  ///< else: all of it is read
+    Volume fog;
+    VdbNotes notes;
+
+    State(const std::filesystem::path& path, const VdbOptions& asked);
+    void read_level_set();
+    template <class Choose, class Part>
+    Volume read(const Choose& of_file, const Part& of_fog, VdbNotes* told);
+};
+
+VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& asked)
+    : options(asked),
+      file(path),
+      entry(chosen_entry(file, options.grid)),
+      where(file.where(entry)) {
+    if (options.level_set_to_fog) {
+        read_level_set();
+        return;
+    }
+    leaves.emplace(file, entry, options.mask);
+    if (leaves->grid_class() == openvdb::GRID_LEVEL_SET)
+        throw Error(fmt::format(
+            "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+    if (leaves->empty()) throw Error(fmt::format("{}: no active voxels", where));
+}
+
+void VdbReader::State::read_level_set() {
+    const LoadedGrid loaded = load_grid(file, entry);
+    if (!loaded.grid || loaded.has_points) throw_not_density(where, entry.tree_type);
+    with_vdb_errors(where, [&] {
+        level_set_to_fog(*loaded.grid, where);
+        fog = density_from_grid(*loaded.grid, loaded.head.world_from_index, where, notes,
+                                options.mask);
+        if (fog.empty()) throw Error(fmt::format("{}: no active voxels", where));
+    });
+}
+
+VdbReader::VdbReader(const std::filesystem::path& path, const VdbOptions& options) {
+    openvdb::initialize();
+    state_ = std::make_unique<State>(path, options);
+}
+VdbReader::~VdbReader() = default;
+VdbReader::VdbReader(VdbReader&&) noexcept = default;
+VdbReader& VdbReader::operator=(VdbReader&&) noexcept = default;
+
+std::uint64_t VdbReader::active_voxels() const {
+    return state_->leaves ? state_->leaves->active_voxels() : vog::active_voxels(state_->fog);
+}
+
+std::size_t VdbReader::leaf_count() const {
+    return state_->leaves ? state_->leaves->count() : state_->fog.leaves.size();
+}
+
+Box VdbReader::world_box() const {
+    return state_->leaves ? state_->leaves->world_box() : vog::world_box(state_->fog);
+}
+
+const Affine& VdbReader::world_from_index() const {
+    return state_->leaves ? state_->leaves->world_from_index() : state_->fog.world_from_index;
+}
+
+/// of_file(leaves, notes) and of_fog() are two ways to the same volume.
+template <class Choose, class Part>
+Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog, VdbNotes* told) {
+    return with_vdb_errors(where, [&] {
+        VdbNotes found = notes;
+        Volume volume = leaves ? of_file(*leaves, found) : of_fog();
+        volume.name = entry.plain_name;
+        volume.source = file.name();
+        if (told) *told = found;
+        return volume;
+    });
+}
+
+Volume VdbReader::read(const VolumePart& part, VdbNotes* notes) {
+    Volume volume =
+        state_->read([&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read(part, found); },
+                     [&] { return part_of(state_->fog, part); }, notes);
+    if (state_->options.mask && part.whole() && volume.empty())
+        throw Error(fmt::format("{}: no active voxels above 0, expected a mask", state_->where));
+    return volume;
+}
+
+Volume VdbReader::read_where(const NodeChoice& wanted, VdbNotes* notes) {
+    return state_->read(
+        [&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read_where(wanted, found); },
+        [&] { return nodes_where(state_->fog, wanted); }, notes);
+}
+
+Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
+    return VdbReader(path, options).read({}, notes);
+}
+
+}  // namespace vog

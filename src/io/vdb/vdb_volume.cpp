@@ -1,0 +1,226 @@
+// vdb_volume.cpp: OpenVDB grids to volumes and back: vog/openvdb.h, and what read_vdb shares with
+// it.
+#include "io/vdb/vdb_volume.h"
+
+#include <openvdb/tools/LevelSetUtil.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <limits>
+#include <sstream>
+#include <tuple>
+
+#include "core/parallel.h"
+#include "io/vdb/vdb_density.h"
+#include "io/vdb/vdb_transform.h"
+#include "vog/openvdb.h"
+
+namespace vog {
+
+namespace {
+
+constexpr std::size_t kLeavesPerTask = 64;
+
+/// Edge of a tile by the level of the node that holds it: 1 lower, 2 upper, 3 root.
+constexpr std::array<std::int32_t, 4> kTileEdge{0, 8, 128, 4096};
+
+constexpr auto kByOrigin = [](const auto& node) {
+    return std::tuple(node.origin.x, node.origin.y, node.origin.z);
+};
+
+/// Fills volume.leaves with the leaves that have active voxels, sorted by origin.
+template <class GridT>
+Census convert_leaves(const GridT& grid, Volume& volume) {
+    using LeafT = typename GridT::TreeType::LeafNodeType;
+    std::vector<const LeafT*> leaves;
+    grid.tree().getNodes(leaves);
+    std::erase_if(leaves, [](const LeafT* leaf) { return leaf->isEmpty(); });
+    std::ranges::sort(leaves, {}, [](const LeafT* leaf) { return leaf->origin(); });
+
+    volume.leaves.resize(leaves.size());
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask), Census{},
+        [&](const auto& range, Census census) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i)
+                take_leaf(*leaves[i], i, volume.leaves[i], census);
+            return census;
+        },
+        Census::sum);
+}
+
+/// Fills volume.tiles, sorted by origin.
+template <class GridT>
+Census convert_tiles(const GridT& grid, Volume& volume) {
+    Census census;
+    std::vector<std::pair<Tile, float>> tiles;
+    auto tile = grid.tree().cbeginValueOn();
+    tile.setMaxDepth(GridT::TreeType::ValueOnCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile)
+        volume.tiles.push_back(
+            {from_coord(tile.getCoord()), kTileEdge[tile.getLevel()], density(*tile)});
+    std::ranges::sort(volume.tiles, {}, kByOrigin);
+    for (std::size_t i = 0; i < volume.tiles.size(); ++i)
+        volume.tiles[i].value = census.admit(volume.tiles[i].value, i);
+    return census;
+}
+
+template <class GridT>
+void convert(const GridT& grid, const std::string& where, Volume& volume, VdbNotes& notes) {
+    const Census leaves = convert_leaves(grid, volume);
+    check_census(leaves, convert_tiles(grid, volume), volume.leaves, volume.tiles, where, notes);
+}
+
+template <class GridT>
+void sdf_to_fog(GridT& grid, const std::string& where) {
+    // Values that are not finite would vanish in the conversion.
+    Volume values;
+    VdbNotes notes;
+    convert(grid, where, values, notes);
+    if (!(grid.background() > 0) || !std::isfinite(grid.background()))
+        throw Error(fmt::format("{}: background {}, expected the half width of a narrow band > 0",
+                                where, grid.background()));
+    openvdb::tools::sdfToFogVolume(grid);
+}
+
+}  // namespace
+
+void check_census(const Census& leaves, const Census& tiles, std::span<const Leaf> volume_leaves,
+                  std::span<const Tile> volume_tiles, const std::string& where, VdbNotes& notes) {
+    notes.clamped_negative = leaves.negative + tiles.negative;
+    const std::uint64_t not_finite = leaves.not_finite + tiles.not_finite;
+    if (not_finite == 0) return;
+    Vec3i first;
+    if (leaves.not_finite > 0) {
+        const auto offset = static_cast<int>(leaves.first_not_finite % kLeafVoxels);
+        const Leaf& leaf = volume_leaves[leaves.first_not_finite / kLeafVoxels];
+        first = leaf.origin + Vec3i{offset >> 6, (offset >> 3) & 7, offset & 7};
+    } else {
+        first = volume_tiles[tiles.first_not_finite].origin;
+    }
+    throw Error(fmt::format("{}: {} active values are not finite, the first at index [{}, {}, {}]",
+                            where, not_finite, first.x, first.y, first.z));
+}
+
+void check_transform(const std::optional<Affine>& world_from_index, const std::string& where) {
+    if (!world_from_index)
+        throw Error(fmt::format("{}: its transform is a frustum, expected an affine one", where));
+    const double det = determinant(world_from_index->linear);
+    const Vec3d shift = world_from_index->translation;
+    if (!std::isfinite(det) || det == 0 || !std::isfinite(shift.x + shift.y + shift.z))
+        throw Error(fmt::format("{}: its transform is singular or not finite", where));
+}
+
+void keep_positive(Volume& volume) {
+    for (Leaf& leaf : volume.leaves) {
+        Leaf kept;
+        kept.origin = leaf.origin;
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.value[static_cast<std::size_t>(n)] > 0) kept.set(n, 1);
+        leaf = kept;
+    }
+    std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
+    std::erase_if(volume.tiles, [](const Tile& tile) { return tile.value <= 0; });
+    for (Tile& tile : volume.tiles) tile.value = 1;
+}
+
+Census tiles_from_grid(const openvdb::GridBase& grid, Volume& volume) {
+    Census census;
+    grid.apply<KnownGrids>([&](const auto& typed) { census = convert_tiles(typed, volume); });
+    return census;
+}
+
+Volume density_from_grid(const openvdb::GridBase& grid,
+                         const std::optional<Affine>& world_from_index, const std::string& where,
+                         VdbNotes& notes, bool mask) {
+    check_transform(world_from_index, where);
+    Volume volume;
+    volume.world_from_index = *world_from_index;
+    const auto fill = [&](const auto& typed) { convert(typed, where, volume, notes); };
+    const bool known = mask ? grid.apply<KnownGrids>(fill) : grid.apply<DensityGrids>(fill);
+    if (!known)
+        throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
+                                short_type(grid.type())));
+    if (mask) {
+        keep_positive(volume);
+        notes = {};
+    }
+    return volume;
+}
+
+void level_set_to_fog(openvdb::GridBase& grid, const std::string& where) {
+    using openvdb::GridBase;
+    const openvdb::GridClass kind = grid.getGridClass();
+    if (kind != openvdb::GRID_LEVEL_SET && kind != openvdb::GRID_UNKNOWN)
+        throw Error(fmt::format("{}: of class {}, expected a level set to make fog of", where,
+                                GridBase::gridClassToString(kind)));
+    const bool known =
+        grid.apply<openvdb::RealGridTypes>([&](auto& typed) { sdf_to_fog(typed, where); });
+    if (!known)
+        throw Error(fmt::format("{}: a level set of {}, expected float or double", where,
+                                short_type(grid.type())));
+}
+
+Volume volume_from_grid(const openvdb::FloatGrid& grid) {
+    const std::string where = fmt::format("grid '{}'", grid.getName());
+    if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
+        throw Error(
+            fmt::format("{}: a level set, expected a fog volume "
+                        "(openvdb::tools::sdfToFogVolume makes one)",
+                        where));
+    std::ostringstream transform;
+    grid.transform().write(transform);
+    const std::string bytes = transform.str();
+    MemoryBytes in(bytes, where, 0);
+
+    VdbNotes notes;
+    Volume volume = density_from_grid(grid, read_transform(in), where, notes);
+    volume.name = grid.getName();
+    return volume;
+}
+
+void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
+                   const std::string& where) {
+    with_vdb_errors(where, [&] {
+        const std::string bytes = transform_bytes(world_from_index);
+        MemoryStream stream(bytes);
+        openvdb::io::setCurrentVersion(stream);
+        const auto transform = openvdb::math::Transform::createLinearTransform();
+        transform->read(stream);
+        grid.setTransform(transform);
+    });
+}
+
+openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
+    using openvdb::FloatGrid;
+    using LeafT = FloatGrid::TreeType::LeafNodeType;
+    openvdb::initialize();
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(
+        openvdb::GridBase::createGrid(FloatGrid::gridType()));  // background 0
+    grid->setName(volume.name.empty() ? "density" : volume.name);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+
+    set_transform(*grid, volume.world_from_index, volume.source.empty() ? "volume" : volume.source);
+    for (const Tile& tile : volume.tiles) {
+        const auto level = std::ranges::find(kTileEdge, tile.edge) - kTileEdge.begin();
+        grid->tree().addTile(static_cast<openvdb::Index>(level), to_coord(tile.origin), tile.value,
+                             true);
+    }
+    std::vector<LeafT*> leaves(volume.leaves.size());
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask),
+                      [&](const auto& range) {
+                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                              const Leaf& from = volume.leaves[i];
+                              leaves[i] = new LeafT(to_coord(from.origin), 0.0f, false);
+                              std::ranges::copy(from.value, leaves[i]->buffer().data());
+                              LeafT::NodeMaskType mask;
+                              for (openvdb::Index word = 0; word < from.mask.size(); ++word)
+                                  mask.template getWord<openvdb::Index64>(word) = from.mask[word];
+                              leaves[i]->setValueMask(mask);
+                          }
+                      });
+    for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // which takes them over
+    return grid;
+}
+
+}  // namespace vog

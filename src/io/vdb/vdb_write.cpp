@@ -1,0 +1,130 @@
+// vdb_write.cpp: a volume as a .vdb file.
+// The frame of the file is written here, the tree by OpenVDB. Its own openvdb::io::File does not
+// notice a full disk, compresses every leaf twice, puts a random number into the header, so that
+// equal grids make different files, and refuses voxels below 1.4e-5.
+#include <openvdb/io/Archive.h>
+
+#include <cerrno>
+#include <fstream>
+#include <system_error>
+
+#include "core/atomic_file.h"
+#include "io/vdb/vdb_volume.h"
+#include "vog/openvdb.h"
+#include "vog/vdb.h"
+
+namespace vog {
+
+namespace {
+
+constexpr float kLargestHalf = 65504;
+
+template <class T>
+void put(std::ostream& out, const T& value) {
+    out.write(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+void require_half_range(const Volume& volume, const std::string& where) {
+    float largest = 0;
+    for (const Leaf& leaf : volume.leaves)
+        for (float value : leaf.value) largest = std::max(largest, value);
+    for (const Tile& tile : volume.tiles) largest = std::max(largest, tile.value);
+    if (largest > kLargestHalf)
+        throw Error(fmt::format("{}: density {} as half floats, expected at most {}", where,
+                                largest, kLargestHalf));
+}
+
+/// Names tell the grids of one file apart.
+void require_names(std::span<const Volume> volumes, const std::string& where) {
+    if (volumes.empty()) throw Error(fmt::format("{}: cannot write: no grid", where));
+    for (std::size_t a = 0; volumes.size() > 1 && a < volumes.size(); ++a)
+        for (std::size_t b = 0; b <= a; ++b)
+            if (volumes[a].name.empty() || (b < a && volumes[a].name == volumes[b].name))
+                throw Error(fmt::format("{}: cannot write: several grids named '{}'", where,
+                                        volumes[a].name));
+}
+
+void write_header(std::ostream& out, std::size_t grids) {
+    put(out, std::int64_t{openvdb::OPENVDB_MAGIC});
+    put(out, openvdb::OPENVDB_FILE_VERSION);
+    put(out, openvdb::OPENVDB_LIBRARY_MAJOR_VERSION);
+    put(out, openvdb::OPENVDB_LIBRARY_MINOR_VERSION);
+    put(out, char{1});                              // with the positions of the grids
+    out << "00000000-0000-0000-0000-000000000000";  // no identifier
+    put(out, std::uint32_t{0});                     // metadata
+    put(out, static_cast<std::int32_t>(grids));
+}
+
+void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
+    const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
+    // Points are written in passes, which the stream's metadata counts.
+    openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata), none;
+    openvdb::io::setStreamMetadataPtr(out, metadata, false);
+    openvdb::io::setDataCompression(out, compression);
+    openvdb::writeString(out, grid.getName());
+    openvdb::writeString(out, grid.type() + (grid.saveFloatAsHalf() ? "_HalfFloat" : ""));
+    openvdb::writeString(out, "");  // its tree is its own
+    const auto positions = out.tellp();
+    for (int i = 0; i < 3; ++i) put(out, std::int64_t{0});
+
+    const std::int64_t begin = out.tellp();
+    put(out, compression);
+    grid.writeMeta(out);
+    grid.writeTransform(out);
+    grid.writeTopology(out);
+    const std::int64_t voxels = out.tellp();
+    grid.writeBuffers(out);
+    const std::int64_t end = out.tellp();
+    out.seekp(positions);
+    for (const std::int64_t position : {begin, voxels, end}) put(out, position);
+    out.seekp(end);
+    openvdb::io::setStreamMetadataPtr(out, none, false);
+}
+
+}  // namespace
+
+void write_vdb_grids(const std::filesystem::path& file, std::size_t count,
+                     const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
+    const std::string where = file.string();
+    with_vdb_errors(where, [&] {
+        write_beside_and_rename(file, [&](const std::filesystem::path& path) {
+            errno = 0;
+            try {
+                std::ofstream out(path, std::ios::binary);
+                out.exceptions(std::ios::failbit | std::ios::badbit);
+                write_header(out, count);
+                for (std::size_t n = 0; n < count; ++n) {
+                    const openvdb::GridBase::Ptr grid = grid_of(n);
+                    grid->setCreator("vog");
+                    write_grid(out, *grid);
+                }
+                out.close();
+            } catch (const std::ios_base::failure&) {
+                throw Error(fmt::format("{}: cannot write: {}", where,
+                                        std::generic_category().message(errno ? errno : EIO)));
+            }
+        });
+    });
+}
+
+void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
+    write_vdb(file, std::span(&volume, 1), half);
+}
+
+void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes, bool half) {
+    const std::string where = file.string();
+    require_names(volumes, where);
+    for (const Volume& volume : volumes) {
+        validate(volume);
+        if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
+        if (half) require_half_range(volume, where);
+    }
+    write_vdb_grids(file, volumes.size(), [&](std::size_t n) {
+        const openvdb::FloatGrid::Ptr grid = grid_from_volume(volumes[n]);
+        grid->setSaveFloatAsHalf(half);
+        grid->addStatsMetadata();
+        return grid;
+    });
+}
+
+}  // namespace vog
