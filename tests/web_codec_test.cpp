@@ -1,5 +1,5 @@
-// web_codec_test.cpp: what a page's words lose, decoded here as apps/web/gaussians.js does.
-#include "io/web_codec.h"
+// web_codec_test.cpp: what a page's words lose, decoded here as page/gaussians.js does.
+#include "web/web_codec.h"
 
 #include <gtest/gtest.h>
 #include <zlib.h>

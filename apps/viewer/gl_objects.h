@@ -51,7 +51,7 @@ void require_gl();
 /// Whether the processor does OpenGL's work here (Mesa's llvmpipe and its kin).
 bool is_software_gl();
 
-/// A linked pair of shaders from apps/viewer/shaders, by the files' names.
+/// A linked pair of shaders from the embedded shaders, by the files' names.
 class GlProgram {
   public:
     /// throws vog::Error with the driver's message where it refuses a shader

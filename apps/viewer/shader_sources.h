@@ -1,4 +1,4 @@
-// shader_sources.h: the files of apps/viewer/shaders, embedded when building.
+// shader_sources.h: the shaders of the window, its own and the ones shared with the page, embedded when building.
 #pragma once
 
 #include <string>

@@ -1,5 +1,4 @@
-// web_files.h: the files of apps/web, and the shaders the page shares with the desktop's window,
-// embedded when building.
+// web_files.h: the files of the page, and the shaders shared with the window, embedded when building.
 #pragma once
 
 #include <string>

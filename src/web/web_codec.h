@@ -1,4 +1,4 @@
-// web_codec.h: a model as few bytes for a page. apps/web/gaussians.js reads them.
+// web_codec.h: a model as few bytes for a page. page/gaussians.js reads them.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// export_html.cpp: the page: apps/web's files with the models, the colours and the words in their
+// export_html.cpp: the page: the files of page/ with the models, the colours and the words in their
 // places.
 #include "vog/export_html.h"
 
@@ -11,11 +11,11 @@
 
 #include "core/atomic_file.h"
 #include "core/html_text.h"
-#include "io/web_codec.h"
-#include "io/web_files.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
 #include "vog/render.h"
+#include "web/web_codec.h"
+#include "web/web_files.h"
 
 namespace vog {
 

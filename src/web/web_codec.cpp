@@ -1,5 +1,5 @@
 // web_codec.cpp: from floats to words, with bounds on what each may lose.
-#include "io/web_codec.h"
+#include "web/web_codec.h"
 
 #include <zlib.h>
 

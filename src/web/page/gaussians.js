@@ -1,5 +1,5 @@
 // gaussians.js: the models in the page, from text to what the GPU takes. Written by
-// src/io/web_codec.cpp.
+// src/web/web_codec.cpp.
 
 const chunkBytes = 20;             // corner x y z, step: float32; count: uint32
 const rotationLimit = 0.383;       // kWebRotationLimit
