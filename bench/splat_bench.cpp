@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "render/splat_kernels.h"
+#include "render/splat/splat_kernels.h"
 #include "support.h"
 #include "vog/convert.h"
 #include "vog/moments.h"

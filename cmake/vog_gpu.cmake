@@ -37,7 +37,7 @@ macro(vog_find_gpu)
 endmacro()
 
 function(vog_add_gpu target)
-    set(render ${VOG_GPU_ROOT}/src/render)
+    set(gpu ${VOG_GPU_ROOT}/src/render/gpu)
     set(own_include ${VOG_GPU_ROOT}/src ${VOG_GPU_ROOT}/include)
     set(cuda_options -Xcompiler=-Wall,-Wextra)
     if(VOG_WERROR)
@@ -45,12 +45,12 @@ function(vog_add_gpu target)
     endif()
 
     # The tile renderer's kernels, for real devices.
-    add_library(${target}_cuda OBJECT ${render}/cuda_splat.cu)
+    add_library(${target}_cuda OBJECT ${gpu}/cuda_splat.cu)
     set_target_properties(${target}_cuda PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_cuda PRIVATE ${own_include})
     target_compile_options(${target}_cuda PRIVATE ${cuda_options})
-    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_cuda> ${render}/cuda_memory.cpp
-                   ${render}/cuda_renderer.cpp)
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_cuda> ${gpu}/cuda_memory.cpp
+                   ${gpu}/cuda_renderer.cpp)
     target_compile_definitions(${target} PRIVATE VOG_CUDA)
     target_link_libraries(${target} PRIVATE CUDA::cudart_static)
     target_include_directories(${target} SYSTEM PRIVATE ${CUDAToolkit_INCLUDE_DIRS})
@@ -59,7 +59,7 @@ function(vog_add_gpu target)
     endif()
 
     # OptiX's programs to PTX: the driver compiles it for its device. The text is part of the library.
-    add_library(${target}_optix OBJECT ${render}/optix_programs.cu)
+    add_library(${target}_optix OBJECT ${gpu}/optix/optix_programs.cu)
     set_target_properties(${target}_optix PROPERTIES CUDA_PTX_COMPILATION ON CUDA_ARCHITECTURES 75-virtual)
     target_include_directories(${target}_optix PRIVATE ${own_include})
     target_include_directories(${target}_optix SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE} ${VOG_NANOVDB_INCLUDE})
@@ -69,8 +69,8 @@ function(vog_add_gpu target)
         COMMAND ${CMAKE_COMMAND} -DIN=$<TARGET_OBJECTS:${target}_optix> -DOUT=${embedded}
                 -P ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake
         DEPENDS ${target}_optix $<TARGET_OBJECTS:${target}_optix> ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake VERBATIM)
-    target_sources(${target} PRIVATE ${embedded} ${render}/optix_pipeline.cpp ${render}/optix_hierarchy.cpp
-                   ${render}/optix_film.cpp ${render}/optix_model.cpp ${render}/optix_volume.cpp)
+    target_sources(${target} PRIVATE ${embedded} ${gpu}/optix/optix_pipeline.cpp ${gpu}/optix/optix_hierarchy.cpp
+                   ${gpu}/optix/optix_film.cpp ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp)
     target_compile_definitions(${target} PRIVATE VOG_OPTIX)
     target_include_directories(${target} SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE})
     target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})

@@ -10,7 +10,7 @@
 #include "render/device/any_hit.h"
 #include "render/device/launch.h"
 #include "render/device/voxel_walk.h"
-#include "render/reference_grid.h"
+#include "render/reference/reference_grid.h"
 #include "support/scenes.h"
 #include "vog/reference.h"
 #include "vog/sample.h"

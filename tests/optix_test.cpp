@@ -5,7 +5,7 @@
 #include <set>
 #include <string>
 
-#include "render/optix_entry_points.h"
+#include "render/gpu/optix/optix_entry_points.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/gpu.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "render/reference_grid.h"
+#include "render/reference/reference_grid.h"
 #include "support/data.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"

@@ -1,5 +1,5 @@
 // reference_tree_test.cpp: the NanoVDB grids that the reference renderer writes for itself.
-#include "render/reference_tree.h"
+#include "render/reference/nano_tree.h"
 
 #include <gtest/gtest.h>
 #include <nanovdb/util/GridValidator.h>

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "render/splat_model.h"
-#include "render/trace_model.h"
+#include "render/gpu/cuda_model.h"
+#include "render/trace/trace_model.h"
 
 namespace vog::test {
 

@@ -1,0 +1,69 @@
+// cuda_memory.cpp: checks, allocation, timing.
+#include "render/gpu/cuda_memory.h"
+
+#include <dlfcn.h>
+#include <fmt/core.h>
+
+#include "vog/error.h"
+
+namespace vog {
+
+void check_cuda(cudaError_t code, const char* doing) {
+    if (code == cudaSuccess) return;
+    cudaGetLastError();  // an error that does not stick must not be met again by the next call
+    throw Error(fmt::format("cuda: {}: {}", doing, cudaGetErrorString(code)));
+}
+
+void require_cuda() {
+    // The runtime is linked statically and loads the driver when first called. Without a driver it
+    // would call it too old: say what is so.
+    void* driver = dlopen("libcuda.so.1", RTLD_LAZY);
+    if (!driver)
+        throw Error(
+            "cuda: no NVIDIA driver here (libcuda.so.1 cannot be loaded), expected a GPU "
+            "and its driver");
+    dlclose(driver);
+    int devices = 0;
+    check_cuda(cudaGetDeviceCount(&devices), "looking for a GPU");
+    if (devices == 0) throw Error("cuda: no NVIDIA GPU here, expected one");
+    check_cuda(cudaFree(nullptr), "starting the GPU");
+}
+
+void* allocate_on_gpu(std::size_t bytes, const char* what) {
+    void* data = nullptr;
+    const cudaError_t code = cudaMalloc(&data, bytes);
+    if (code == cudaErrorMemoryAllocation) {
+        cudaGetLastError();
+        std::size_t free = 0, total = 0;
+        check_cuda(cudaMemGetInfo(&free, &total), "asking for free memory");
+        constexpr double kMegabyte = 1e6;
+        throw Error(fmt::format(
+            "cuda: {} take {:.0f} MB of GPU memory, {:.0f} of {:.0f} MB are free", what,
+            static_cast<double>(bytes) / kMegabyte, static_cast<double>(free) / kMegabyte,
+            static_cast<double>(total) / kMegabyte));
+    }
+    check_cuda(code, what);
+    return data;
+}
+
+GpuTimer::GpuTimer() {
+    check_cuda(cudaEventCreate(&start_), "making an event");
+    check_cuda(cudaEventCreate(&stop_), "making an event");
+}
+
+GpuTimer::~GpuTimer() {
+    if (start_) cudaEventDestroy(start_);
+    if (stop_) cudaEventDestroy(stop_);
+}
+
+void GpuTimer::start() { check_cuda(cudaEventRecord(start_), "timing"); }
+
+void GpuTimer::stop() {
+    check_cuda(cudaEventRecord(stop_), "timing");
+    check_cuda(cudaEventSynchronize(stop_), "rendering");
+    float elapsed = 0;
+    check_cuda(cudaEventElapsedTime(&elapsed, start_, stop_), "timing");
+    ms_ = double{elapsed};
+}
+
+}  // namespace vog

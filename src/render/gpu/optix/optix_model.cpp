@@ -1,0 +1,122 @@
+// optix_model.cpp: OptixModel: the paper's Gaussian renderer.
+#include <cmath>
+#include <limits>
+
+#include <fmt/core.h>
+
+#include "render/gpu/optix/optix_film.h"
+#include "render/gpu/optix/optix_pipeline.h"
+#include "render/trace/trace_options.h"
+#include "vog/error.h"
+
+namespace vog {
+
+struct OptixModel::State {
+    TraceModel model;  ///< but for its arrays, which are on the GPU
+    std::size_t count = 0;
+    OptixContext context;
+    OptixRayPipeline accumulate{context, kAccumulateEntryPoints};
+    OptixRayPipeline collect{context, kCollectEntryPoints};
+    GpuArray<device::Gaussian> gaussians;
+    std::unique_ptr<OptixHierarchy> hierarchy;
+    GpuArray<unsigned long long> counters{3, "counters"};
+    OptixFilm film;
+    GpuTimer timer;
+
+    device::Launch launch_for(const CameraFrame& frame, const TraceOptions& options) const;
+    void run(const device::Launch& launch, AnyHit anyhit) {
+        (anyhit == AnyHit::collect ? collect : accumulate).run(launch);
+    }
+    TraceReport report() const;
+};
+
+OptixModel::OptixModel(const Gaussians& gaussians, const TraceSceneOptions& options) {
+    TraceModel model = trace_model(gaussians, options.aabb_sigma, options.kappa);
+    state_ = std::make_unique<State>();
+    State& s = *state_;
+    s.model = std::move(model);
+    s.count = s.model.gaussians.size();
+    s.gaussians = GpuArray(s.model.gaussians, "Gaussians");
+    if (s.count > 0) s.hierarchy = std::make_unique<OptixHierarchy>(s.context, s.model.boxes);
+    s.model.gaussians = {};
+    s.model.boxes = {};
+}
+
+OptixModel::~OptixModel() = default;
+OptixModel::OptixModel(OptixModel&&) noexcept = default;
+OptixModel& OptixModel::operator=(OptixModel&&) noexcept = default;
+
+double OptixModel::gpu_ms() const { return state_->timer.ms(); }
+
+device::Launch OptixModel::State::launch_for(const CameraFrame& frame,
+                                             const TraceOptions& options) const {
+    device::Launch launch{};
+    launch.traversable = hierarchy->handle();
+    launch.camera = scene_camera(frame, model.unit);
+    launch.bounds = model.bounds;
+    launch.gaussians = gaussians.data();
+    launch.center = model.center;
+    launch.scene = model.scene;
+    launch.rounding = model.rounding;
+    launch.stop_depth = stop_depth(options);
+    launch.cutoff2 = model.cutoff2;
+    launch.boxed = model.boxed ? 1 : 0;
+    launch.hits_per_slab = options.hits_per_slab;
+    return launch;
+}
+
+TraceReport OptixModel::State::report() const {
+    unsigned long long numbers[3] = {};
+    counters.copy_to(numbers, 3, "fetching counters");
+    // The third counter is 32 bits wide, in the lower half of its word.
+    return {numbers[0], numbers[1], static_cast<int>(numbers[2])};
+}
+
+DepthImage OptixModel::render(const Camera& camera, int width, int height,
+                              const TraceOptions& options, TraceReport* report) {
+    check_trace_options(options);
+    State& s = *state_;
+    const CameraFrame frame = frame_of(camera, width, height);
+    if (report) *report = {};
+    if (s.count == 0) return DepthImage(width, height);
+    s.film.load(width, height);
+    device::Launch launch = s.launch_for(frame, options);
+    launch.film = s.film.film(0);
+    if (report) {
+        check_cuda(cudaMemset(s.counters.data(), 0, 3 * sizeof(unsigned long long)),
+                   "clearing counters");
+        launch.hits = s.counters.data();
+        launch.slabs = s.counters.data() + 1;
+        launch.most_slabs = reinterpret_cast<unsigned*>(s.counters.data() + 2);
+    }
+    s.timer.start();
+    s.run(launch, options.anyhit);
+    s.timer.stop();
+    if (report) *report = s.report();
+    return s.film.depth();
+}
+
+Image OptixModel::render_progressive(const Camera& camera, int width, int height,
+                                     const GpuShading& shading, int subframes,
+                                     const TraceOptions& options) {
+    check_trace_options(options);
+    if (subframes < 1) throw Error(fmt::format("{} subframes, expected at least 1", subframes));
+    State& s = *state_;
+    const CameraFrame frame = frame_of(camera, width, height);
+    if (s.count == 0) {
+        Image image(width, height);
+        for (Rgba& pixel : image.pixel) pixel = shading.options.background;
+        return image;
+    }
+    s.film.load(width, height, shading);
+    device::Launch launch = s.launch_for(frame, options);
+    s.timer.start();
+    for (int n = 0; n < subframes; ++n) {
+        launch.film = s.film.film(static_cast<std::uint32_t>(n));
+        s.run(launch, options.anyhit);
+    }
+    s.timer.stop();
+    return s.film.mean(subframes);
+}
+
+}  // namespace vog

@@ -1,0 +1,138 @@
+// reference.cpp: optical depth of volumes by traversal of their voxels.
+#include "vog/reference.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <mutex>
+
+#include "core/parallel.h"
+#include "render/reference/hierarchical_dda.h"
+#include "render/reference/reference_grid.h"
+#include "render/reference/reference_levels.h"
+#include "render/reference/reference_linear.h"
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+/// Sums value times length over voxels of constant value.
+struct ConstantSum {
+    const GridRay& ray;
+    double sum = 0;
+
+    void leaf(const NanoLeaf& leaf, Vec3d lower, Segment segment) {
+        const float* values = leaf.data()->mValues;
+        for_each_cell<3>(ray, lower, 1, segment, [&](std::uint32_t offset, Segment part) {
+            sum += values[offset] * (part.last - part.first);
+        });
+    }
+    void tile(Vec3d, int, float value, Segment segment) {
+        sum += value * (segment.last - segment.first);
+    }
+};
+
+bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
+    // Both spaces share t, so a length in world units is t times the length of `direction`.
+    double sum = 0;
+    if (grid.options.interpolation == Interpolation::constant) {
+        const GridRay ray = grid.voxel_ray(origin, direction);
+        ConstantSum constant{ray};
+        march(grid.tree.root(), grid.corner, ray, constant);
+        sum = constant.sum;
+    } else {
+        sum = linear_sum(grid, grid.center_ray(origin, direction));
+    }
+    return sum * length(direction);
+}
+
+/// depth(origin, direction) for every pixel.
+template <class Depth>
+DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
+                       const ReferenceOptions& options) {
+    const CameraFrame frame = frame_of(camera, width, height);
+    DepthImage image(width, height);
+    // Square tiles: neighbouring rays meet the same leaves.
+    constexpr int kTileEdge = 16;
+    const int columns = (width + kTileEdge - 1) / kTileEdge;
+    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
+    std::mutex report;
+    int done = 0;
+    vog::parallel_for(0, tiles, [&](int tile) {
+        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
+        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
+            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
+                look_in();
+                image.at(column, row) =
+                    static_cast<float>(depth(frame.eye, frame.direction(column, row)));
+            }
+        if (options.progress) {
+            const std::lock_guard lock(report);
+            options.progress(static_cast<double>(++done) / tiles);
+        }
+    });
+    return image;
+}
+
+void check_ray(Vec3d origin, Vec3d direction) {
+    if (!finite(origin) || !finite(direction) || length(direction) == 0)
+        throw Error("ray: origin or direction is not finite, or the direction is zero");
+}
+
+}  // namespace
+
+std::span<const std::byte> VoxelGrid::bytes() const {
+    return {data_->tree.buffer.data(), data_->tree.buffer.size()};
+}
+
+VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
+    // Shorter steps change no digit that a float keeps, and would take hours.
+    constexpr double kLeastStep = 1e-3;
+    const double step = options.step_voxels;
+    if (!(step == 0 || (step >= kLeastStep && std::isfinite(step))))
+        throw Error(
+            fmt::format("step of {} voxels, expected 0 (exact) or at least {}", step, kLeastStep));
+    validate(volume);
+    auto data = std::make_shared<VoxelGrid::Data>();
+    data->options = options;
+    data->tree = nano_tree(volume, options.interpolation == Interpolation::linear);
+    const auto& box = data->tree.root().bbox();
+    if (!box.empty())
+        data->corner = {double(box.min()[0]), double(box.min()[1]), double(box.min()[2])};
+    data->world_corner = volume.world_from_index(data->corner);
+    data->local_from_world = inverse(volume.world_from_index.linear);
+    return VoxelGrid(std::move(data));
+}
+
+double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction) {
+    check_ray(origin, direction);
+    return depth_along(grid.data(), origin, direction);
+}
+
+double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction) {
+    check_ray(origin, direction);
+    return depth_along(levels.data(), origin, direction);
+}
+
+DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera, int width,
+                            int height, const ReferenceOptions& options) {
+    const auto depth = [&](Vec3d origin, Vec3d direction) {
+        double sum = 0;
+        for (const VoxelGrid& grid : grids) sum += depth_along(grid.data(), origin, direction);
+        return sum;
+    };
+    return render_rays(depth, camera, width, height, options);
+}
+
+DepthImage render_reference(const LevelGrids& levels, const Camera& camera, int width, int height,
+                            const ReferenceOptions& options) {
+    const auto depth = [&](Vec3d origin, Vec3d direction) {
+        return depth_along(levels.data(), origin, direction);
+    };
+    return render_rays(depth, camera, width, height, options);
+}
+
+}  // namespace vog

@@ -1,0 +1,24 @@
+// near_splats.h: adds the splats the eye may be inside of, by the exact segment form.
+#pragma once
+
+#include <algorithm>
+
+#include "render/ray_gaussian.h"
+#include "render/splat/splat_kernels.h"
+
+namespace vog {
+
+/// Adds T over |D| of one near splat to the pixels of a tile; the segment is clipped at the eye.
+inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
+    const int y0 = std::max(s.bounds.y0 - tile.row, 0), x0 = std::max(s.bounds.x0 - tile.column, 0);
+    const int y1 = std::min(s.bounds.y1 - tile.row, kTileHeight - 1);
+    const int x1 = std::min(s.bounds.x1 - tile.column, kTileWidth - 1);
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const Vec3d d =
+                s.corner + double(tile.column + x) * s.step_x + double(tile.row + y) * s.step_y;
+            tile.depth[y][x] += static_cast<float>(s.density * segment_integral(s.e, d, cutoff));
+        }
+}
+
+}  // namespace vog

@@ -1,0 +1,100 @@
+// trace.cpp: image order. A ray a pixel, through the hierarchy, as the OptiX programs do.
+#include "vog/trace.h"
+
+#include <algorithm>
+#include <mutex>
+
+#include "core/parallel.h"
+#include "render/trace/trace_bvh.h"
+#include "render/trace/trace_options.h"
+
+namespace vog {
+
+struct TraceScene::Data {
+    TraceModel model;
+    TraceBvh bvh;
+
+    explicit Data(TraceModel&& of) : model(std::move(of)), bvh(model) {}
+};
+
+namespace {
+
+/// __raygen__ of collect: slab after slab until one is not full.
+double collected_depth(const TraceScene::Data& scene, const device::Ray& ray,
+                       const TraceOptions& options, TraceReport& report) {
+    const double opaque = stop_depth(options);
+    device::HitList list;
+    list.capacity = options.hits_per_slab;
+    device::CollectedHit last;
+    device::DepthSum sum{};
+    int slabs = 0;
+    for (bool more = true; more;) {
+        device::begin_slab(list, slabs ? &last : nullptr);
+        scene.bvh.collect(ray, list);
+        if (list.count == 0) break;
+        ++slabs;
+        device::sort_by_entry(list);
+        last = list.hit[list.count - 1];
+        report.hits += static_cast<std::uint64_t>(list.count);
+        more = device::integrate(list, scene.model.gaussians.data(), ray, scene.model.cutoff2,
+                                 opaque, scene.model.rounding, sum);
+    }
+    report.slabs += static_cast<std::uint64_t>(slabs);
+    report.most_slabs = std::max(report.most_slabs, slabs);
+    return sum.depth();
+}
+
+}  // namespace
+
+std::size_t TraceScene::size() const { return data_->model.gaussians.size(); }
+
+TraceScene trace_scene(const Gaussians& gaussians, const TraceSceneOptions& options) {
+    return TraceScene(std::make_shared<TraceScene::Data>(
+        trace_model(gaussians, options.aabb_sigma, options.kappa)));
+}
+
+DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width, int height,
+                        const TraceOptions& options, TraceReport* report) {
+    check_trace_options(options);
+    const TraceScene::Data& data = scene.data();
+    const device::Camera frame = scene_camera(frame_of(camera, width, height), data.model.unit);
+    DepthImage image(width, height);
+    TraceReport total;
+    if (data.model.gaussians.empty()) {
+        if (report) *report = total;
+        return image;
+    }
+    // Square tiles: neighbouring rays meet the same nodes.
+    constexpr int kTileEdge = 16;
+    const int columns = (width + kTileEdge - 1) / kTileEdge;
+    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
+    std::mutex gather;
+    int done = 0;
+    vog::parallel_for(0, tiles, [&](int tile) {
+        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
+        TraceReport part;
+        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
+            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
+                device::Ray ray;
+                if (!device::camera_ray(frame, data.model.bounds, column, row, ray)) continue;
+                double depth = 0;
+                if (options.anyhit == AnyHit::accumulate) {
+                    device::DepthSum sum{};
+                    part.hits += data.bvh.accumulate(ray, sum);
+                    depth = sum.depth();
+                } else {
+                    depth = collected_depth(data, ray, options, part);
+                }
+                image.at(column, row) = static_cast<float>(depth);
+            }
+        const std::lock_guard lock(gather);
+        total.hits += part.hits;
+        total.slabs += part.slabs;
+        total.most_slabs = std::max(total.most_slabs, part.most_slabs);
+        if (options.progress) options.progress(static_cast<double>(++done) / tiles);
+    });
+    if (report) *report = total;
+    return image;
+}
+
+}  // namespace vog

@@ -1,0 +1,35 @@
+// trace_options.cpp: checks of options.
+#include "render/trace/trace_options.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <limits>
+
+#include "render/device/any_hit.h"
+#include "vog/error.h"
+
+namespace vog {
+
+void check_trace_options(const TraceOptions& options) {
+    if (options.hits_per_slab < 1 || options.hits_per_slab > device::kMaxHitsPerSlab)
+        throw Error(fmt::format("{} hits a slab, expected 1 to {}", options.hits_per_slab,
+                                device::kMaxHitsPerSlab));
+    if (!(options.stop_transmittance >= 0 && options.stop_transmittance < 1))
+        throw Error(fmt::format("rays that stop at a transmittance of {}, expected in [0, 1)",
+                                options.stop_transmittance));
+    if (options.stop_transmittance > 0 && options.anyhit != AnyHit::collect)
+        throw Error(
+            "rays that stop at a transmittance need hits in order: any-hit collect, got "
+            "accumulate");
+    if (!(options.extinction > 0 && std::isfinite(options.extinction)))
+        throw Error(fmt::format("extinction {}, expected a number above 0", options.extinction));
+}
+
+double stop_depth(const TraceOptions& options) {
+    return options.stop_transmittance > 0
+               ? -std::log(options.stop_transmittance) / options.extinction
+               : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace vog
