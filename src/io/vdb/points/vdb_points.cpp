@@ -11,7 +11,7 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "io/points/points_files.h"
-#include "io/vdb/vdb_point_codecs.h"
+#include "io/vdb/points/vdb_point_codecs.h"
 #include "io/vdb/vdb_tree_check.h"
 #include "io/vdb/vdb_volume.h"
 

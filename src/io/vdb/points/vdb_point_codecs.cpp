@@ -1,6 +1,6 @@
 // vdb_point_codecs.cpp: values of points from their bytes. The codecs are those of
 // openvdb/points/AttributeArray.h.
-#include "io/vdb/vdb_point_codecs.h"
+#include "io/vdb/points/vdb_point_codecs.h"
 
 #include <openvdb/math/Half.h>
 #include <openvdb/math/QuantizedUnitVec.h>
