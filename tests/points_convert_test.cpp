@@ -8,7 +8,7 @@
 #include <random>
 #include <span>
 
-#include "convert/point_neighbours.h"
+#include "convert/particles/nearest_neighbours.h"
 #include "support/refused_files.h"
 #include "vog/compare.h"
 #include "vog/convert_points.h"

@@ -1,4 +1,4 @@
-// group.h: the step all strategies of the paper share: a group of voxels and the index box around
+// group_gaussian.h: the step all strategies of the paper share: a group of voxels and the index box around
 // it become one Gaussian, or nothing where the group is too thin to see.
 #pragma once
 
@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "convert/frame.h"
+#include "convert/paper/world_shape.h"
 #include "vog/convert.h"
 
 namespace vog {

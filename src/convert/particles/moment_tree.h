@@ -1,4 +1,4 @@
-// point_tree.h: particles, or the Gaussians of a model, as a tree of moments, and cuts through it.
+// moment_tree.h: particles, or the Gaussians of a model, as a tree of moments, and cuts through it.
 // Each has a mass and a covariance of its own. A node is cut in two at its mean, across the longest
 // axis of its covariance. Cells of an octree know nothing of the halos and filaments they cut: at
 // 8:1 they are worth 2.9 dB less (docs/particles.md).

@@ -1,6 +1,6 @@
-// hierarchy_tree.cpp: Morton codes of the means, sorted; each cell of the octree is then a run of
+// mean_octree.cpp: Morton codes of the means, sorted; each cell of the octree is then a run of
 // them, found by bisection, level by level.
-#include "convert/hierarchy_tree.h"
+#include "convert/lod/mean_octree.h"
 
 #include <tbb/parallel_sort.h>
 

@@ -1,4 +1,4 @@
-// paper_clusters.cpp: the companion's three clusterings: by variance inside a leaf, across
+// companion_clusters.cpp: the companion's three clusterings: by variance inside a leaf, across
 // neighbouring leaves, and by the nodes of the tree. Source: arXiv 2504.04857, section 4; what its
 // text leaves open is decided in docs/paper_conversion.md.
 #include <tbb/blocked_range.h>
@@ -10,8 +10,8 @@
 #include <cstdint>
 #include <map>
 
-#include "convert/leaf_blocks.h"
-#include "convert/paper_groups.h"
+#include "convert/paper/grouping.h"
+#include "convert/paper/leaf_blocks.h"
 #include "core/parallel.h"
 
 namespace vog {

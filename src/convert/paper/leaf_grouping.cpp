@@ -1,10 +1,10 @@
-// paper_leaf_groups.cpp: the paper's four ways to divide one leaf (section 3.3), on bit masks.
+// leaf_grouping.cpp: the paper's four ways to divide one leaf (section 3.3), on bit masks.
 #include <array>
 #include <bit>
 #include <cstdint>
 
-#include "convert/leaf_blocks.h"
-#include "convert/paper_groups.h"
+#include "convert/paper/grouping.h"
+#include "convert/paper/leaf_blocks.h"
 
 namespace vog {
 

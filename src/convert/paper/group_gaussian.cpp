@@ -1,5 +1,5 @@
-// group.cpp: the Gaussian of a box of voxels, under the paper's conventions.
-#include "convert/group.h"
+// group_gaussian.cpp: the Gaussian of a box of voxels, under the paper's conventions.
+#include "convert/paper/group_gaussian.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
-// point_tree.cpp: halves top down, generation by generation; moments and gains bottom up.
-#include "convert/point_tree.h"
+// moment_tree.cpp: halves top down, generation by generation; moments and gains bottom up.
+#include "convert/particles/moment_tree.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "convert/point_tree.h"
+#include "convert/particles/moment_tree.h"
 #include "core/parallel.h"
 #include "vog/error.h"
 

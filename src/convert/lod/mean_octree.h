@@ -1,4 +1,4 @@
-// hierarchy_tree.h: which Gaussians of a model belong together: an octree over the means.
+// mean_octree.h: which Gaussians of a model belong together: an octree over the means.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// particles.cpp: the conversion of particles: masses and widths, then one Gaussian each, or cells
+// convert_points.cpp: the conversion of particles: masses and widths, then one Gaussian each, or cells
 // with the moments of several.
 #include <fmt/format.h>
 
@@ -12,8 +12,8 @@
 #include "convert/budget_search.h"
 #include "convert/light_cells.h"
 #include "convert/moment_error.h"
-#include "convert/point_neighbours.h"
-#include "convert/point_tree.h"
+#include "convert/particles/moment_tree.h"
+#include "convert/particles/nearest_neighbours.h"
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/convert_points.h"

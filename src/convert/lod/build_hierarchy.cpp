@@ -1,4 +1,4 @@
-// hierarchy.cpp: the nodes' Gaussians, from the leaves up: moments, balls, errors.
+// build_hierarchy.cpp: the nodes' Gaussians, from the leaves up: moments, balls, errors.
 #include "vog/hierarchy.h"
 
 #include <fmt/core.h>
@@ -8,7 +8,7 @@
 #include <limits>
 #include <span>
 
-#include "convert/hierarchy_tree.h"
+#include "convert/lod/mean_octree.h"
 #include "convert/moment_sums.h"
 #include "core/parallel.h"
 #include "vog/error.h"

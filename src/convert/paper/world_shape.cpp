@@ -1,5 +1,5 @@
-// frame.cpp: index-axis Gaussians under an affine map.
-#include "convert/frame.h"
+// world_shape.cpp: index-axis Gaussians under an affine map.
+#include "convert/paper/world_shape.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-// point_neighbours.h: how far the k-th neighbour of each particle is.
+// nearest_neighbours.h: how far the k-th neighbour of each particle is.
 #pragma once
 
 #include "data/point_grid.h"

@@ -1,4 +1,4 @@
-// paper.cpp: the paper's conversion from volume to model: options, the loop over leaves, tiles.
+// convert_paper.cpp: the paper's conversion from volume to model: options, the loop over leaves, tiles.
 // Source: Sharma & Schmalstieg, section 3.
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
@@ -15,7 +15,7 @@
 #include <string>
 #include <utility>
 
-#include "convert/paper_groups.h"
+#include "convert/paper/grouping.h"
 #include "core/parallel.h"
 #include "vog/error.h"
 

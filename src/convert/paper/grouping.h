@@ -1,9 +1,9 @@
-// paper_groups.h: how the strategies of the paper and of its companion divide voxels into groups.
+// grouping.h: how the strategies of the paper and of its companion divide voxels into groups.
 #pragma once
 
 #include <vector>
 
-#include "convert/group.h"
+#include "convert/paper/group_gaussian.h"
 
 namespace vog {
 
