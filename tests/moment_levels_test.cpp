@@ -5,7 +5,7 @@
 #include <map>
 
 #include "convert/moment_cut.h"
-#include "convert/moment_field.h"
+#include "convert/moments/cells/lattice_field.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"

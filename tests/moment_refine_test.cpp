@@ -6,7 +6,7 @@
 
 #include "convert/moment_error.h"
 #include "convert/moment_exchange.h"
-#include "convert/moment_uniform.h"
+#include "convert/moments/cells/uniform_cells.h"
 #include "vog/moments.h"
 #include "vog/sample.h"
 

@@ -1,11 +1,11 @@
 // packed_cells_test.cpp: cells as floats, the models they become, and soft steps over them.
-#include "convert/packed_cells.h"
+#include "convert/moments/cells/packed_cells.h"
 
 #include <gtest/gtest.h>
 
 #include "convert/moment_error.h"
-#include "convert/moment_field.h"
 #include "convert/moment_soften.h"
+#include "convert/moments/cells/lattice_field.h"
 #include "support/moment_volumes.h"
 #include "vog/moments.h"
 

@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "convert/light_cells.h"
-#include "convert/moment_cells.h"
 #include "convert/moment_conversion.h"
-#include "convert/moment_uniform.h"
+#include "convert/moments/cells/leaf_cells.h"
+#include "convert/moments/cells/uniform_cells.h"
 #include "core/parallel.h"
 
 namespace vog {

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_bricks.h"
 #include "convert/moment_share.h"
+#include "convert/moments/cells/bricks.h"
 
 namespace vog {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_field.h"
 #include "convert/moment_halves.h"
-#include "convert/packed_cells.h"
+#include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/packed_cells.h"
 #include "vog/memory.h"
 #include "vog/moments.h"
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "convert/moment_seen.h"
-#include "convert/packed_cells.h"
+#include "convert/moments/cells/packed_cells.h"
 
 namespace vog {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_field.h"
+#include "convert/moments/cells/lattice_field.h"
 
 namespace vog {
 

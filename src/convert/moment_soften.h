@@ -14,7 +14,7 @@
 
 #include "convert/moment_brick_share.h"
 #include "convert/moment_halves.h"
-#include "convert/packed_cells.h"
+#include "convert/moments/cells/packed_cells.h"
 
 namespace vog {
 

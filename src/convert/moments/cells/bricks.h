@@ -1,4 +1,4 @@
-// moment_bricks.h: leaves and tiles as one thing: 8^3 samples, a tile's of an eighth of its edge.
+// bricks.h: leaves and tiles as one thing: 8^3 samples, a tile's of an eighth of its edge.
 #pragma once
 
 #include <array>
@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_nodes.h"
 #include "convert/moment_sums.h"
+#include "convert/moments/cells/morton_nodes.h"
 #include "vog/memory.h"
 #include "vog/volume.h"
 

@@ -1,5 +1,5 @@
-// moment_field.cpp: the voxels of several levels in one octree's index space.
-#include "convert/moment_field.h"
+// lattice_field.cpp: the voxels of several levels in one octree's index space.
+#include "convert/moments/cells/lattice_field.h"
 
 #include <algorithm>
 #include <bit>

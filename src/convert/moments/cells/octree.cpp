@@ -1,14 +1,14 @@
-// moment_octree.cpp: bottom up, every node's moments from its children's.
+// octree.cpp: bottom up, every node's moments from its children's.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 
-#include "convert/moment_bricks.h"
-#include "convert/moment_cells.h"
-#include "convert/moment_nodes.h"
 #include "convert/moment_sums.h"
+#include "convert/moments/cells/bricks.h"
+#include "convert/moments/cells/leaf_cells.h"
+#include "convert/moments/cells/morton_nodes.h"
 #include "core/parallel.h"
 #include "vog/error.h"
 #include "vog/moments.h"

@@ -1,10 +1,10 @@
-// moment_cells.h: the cells of a uniform cut, from a volume's nodes.
+// leaf_cells.h: the cells of a uniform cut, from a volume's nodes.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 
-#include "convert/moment_nodes.h"
+#include "convert/moments/cells/morton_nodes.h"
 
 namespace vog {
 

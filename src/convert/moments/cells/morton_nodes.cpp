@@ -1,5 +1,5 @@
-// moment_nodes.cpp: a volume's nodes in Morton order.
-#include "convert/moment_nodes.h"
+// morton_nodes.cpp: a volume's nodes in Morton order.
+#include "convert/moments/cells/morton_nodes.h"
 
 #include <tbb/parallel_sort.h>
 

@@ -1,4 +1,4 @@
-// moment_nodes.h: the leaves and tiles of a volume in Morton order, where cells of every power of
+// morton_nodes.h: the leaves and tiles of a volume in Morton order, where cells of every power of
 // two are contiguous.
 #pragma once
 

@@ -1,5 +1,5 @@
 // packed_cells.cpp: moments to floats and back.
-#include "convert/packed_cells.h"
+#include "convert/moments/cells/packed_cells.h"
 
 #include <algorithm>
 #include <limits>

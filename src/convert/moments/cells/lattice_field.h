@@ -1,11 +1,11 @@
-// moment_field.h: what cells are cut from: bricks that tile space, in one index space.
+// lattice_field.h: what cells are cut from: bricks that tile space, in one index space.
 #pragma once
 
 #include <cmath>
 #include <span>
 #include <vector>
 
-#include "convert/moment_bricks.h"
+#include "convert/moments/cells/bricks.h"
 
 namespace vog {
 

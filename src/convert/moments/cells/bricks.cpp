@@ -1,5 +1,5 @@
-// moment_bricks.cpp: the cells inside a leaf or a tile.
-#include "convert/moment_bricks.h"
+// bricks.cpp: the cells inside a leaf or a tile.
+#include "convert/moments/cells/bricks.h"
 
 #include <algorithm>
 

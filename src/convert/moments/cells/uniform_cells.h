@@ -1,8 +1,8 @@
-// moment_uniform.h: hard cells of one size.
+// uniform_cells.h: hard cells of one size.
 #pragma once
 
-#include "convert/moment_field.h"
-#include "convert/packed_cells.h"
+#include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/packed_cells.h"
 
 namespace vog {
 

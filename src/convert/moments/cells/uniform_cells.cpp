@@ -1,5 +1,5 @@
-// moment_uniform.cpp: up to a leaf's edge from the bricks, beyond from the octree.
-#include "convert/moment_uniform.h"
+// uniform_cells.cpp: up to a leaf's edge from the bricks, beyond from the octree.
+#include "convert/moments/cells/uniform_cells.h"
 
 #include <algorithm>
 #include <bit>
