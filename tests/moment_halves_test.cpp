@@ -1,6 +1,6 @@
 // moment_halves_test.cpp: gains in closed form, the best cut of a cell against all of its cuts, the
 // price of a budget.
-#include "convert/moment_halves.h"
+#include "convert/moments/cut/binary_splits.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <numbers>
 #include <random>
 
-#include "convert/moment_cut.h"
-#include "convert/moment_gain.h"
-#include "convert/price_search.h"
+#include "convert/moments/cut/lagrange_search.h"
+#include "convert/moments/cut/optimal_cut.h"
+#include "convert/moments/cut/split_gain.h"
 #include "support/moment_volumes.h"
 
 namespace vog {

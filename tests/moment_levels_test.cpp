@@ -4,8 +4,8 @@
 #include <cmath>
 #include <map>
 
-#include "convert/moment_cut.h"
 #include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cut/optimal_cut.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"

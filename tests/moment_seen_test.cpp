@@ -1,5 +1,5 @@
 // moment_seen_test.cpp: what is hidden is worth less; units and lattices do not matter.
-#include "convert/moment_seen.h"
+#include "convert/moments/cut/visibility.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "convert/moment_conversion.h"
-#include "convert/moment_cut.h"
+#include "convert/moments/cut/optimal_cut.h"
 
 namespace vog {
 

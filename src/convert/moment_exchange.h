@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "convert/moment_seen.h"
 #include "convert/moments/cells/packed_cells.h"
+#include "convert/moments/cut/visibility.h"
 
 namespace vog {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "convert/moment_brick_share.h"
-#include "convert/moment_halves.h"
 #include "convert/moments/cells/packed_cells.h"
+#include "convert/moments/cut/binary_splits.h"
 
 namespace vog {
 

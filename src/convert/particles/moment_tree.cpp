@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "convert/moment_gain.h"
-#include "convert/price_search.h"
+#include "convert/moments/cut/lagrange_search.h"
+#include "convert/moments/cut/split_gain.h"
 #include "core/paging.h"
 #include "core/parallel.h"
 

@@ -1,10 +1,10 @@
-// moment_halves.cpp: which octants lie on which side, and what a subtree is worth at a price.
-#include "convert/moment_halves.h"
+// binary_splits.cpp: which octants lie on which side, and what a subtree is worth at a price.
+#include "convert/moments/cut/binary_splits.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "convert/moment_gain.h"
+#include "convert/moments/cut/split_gain.h"
 
 namespace vog {
 

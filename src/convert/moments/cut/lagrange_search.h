@@ -1,4 +1,4 @@
-// price_search.h: the price of a Gaussian at which the best cut has as many as a budget allows.
+// lagrange_search.h: the price of a Gaussian at which the best cut has as many as a budget allows.
 // At a price a cut is best where gains less prices are most: a subtree stays whole or is split by
 // what its own subtrees are worth, bottom up, so that a split of little worth never hides better
 // ones below it (Chou, Lookabaugh, Gray 1989, optimal pruning). The higher the price, the fewer.

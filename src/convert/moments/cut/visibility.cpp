@@ -1,5 +1,5 @@
-// moment_seen.cpp: columns along lattice directions are sums over bins, without rays.
-#include "convert/moment_seen.h"
+// visibility.cpp: columns along lattice directions are sums over bins, without rays.
+#include "convert/moments/cut/visibility.h"
 
 #include <algorithm>
 #include <cmath>

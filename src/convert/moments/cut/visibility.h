@@ -1,4 +1,4 @@
-// moment_seen.h: how much of what lies at a place is seen. V = 1 - exp(-T) saturates: an error of T
+// visibility.h: how much of what lies at a place is seen. V = 1 - exp(-T) saturates: an error of T
 // shows as exp(-T) of it, so that cells are worth more where columns are thin, at silhouettes and
 // in wisps, than where others lie before and behind them.
 #pragma once

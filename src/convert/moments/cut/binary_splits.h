@@ -1,4 +1,4 @@
-// moment_halves.h: a cell of the octree parted by halves: across one axis, each half across
+// binary_splits.h: a cell of the octree parted by halves: across one axis, each half across
 // another, each quarter across the last. Seven splits in two where the octree has one in eight: a
 // budget goes where it is worth most, not into eighths of which some were not needed.
 #pragma once

@@ -1,13 +1,13 @@
-// moment_cut.cpp: the gain of every split, bottom up; the best cut at a price, bottom up; its
+// optimal_cut.cpp: the gain of every split, bottom up; the best cut at a price, bottom up; its
 // cells, top down.
-#include "convert/moment_cut.h"
+#include "convert/moments/cut/optimal_cut.h"
 
 #include <algorithm>
 #include <cmath>
 
-#include "convert/moment_gain.h"
-#include "convert/moment_seen.h"
-#include "convert/price_search.h"
+#include "convert/moments/cut/lagrange_search.h"
+#include "convert/moments/cut/split_gain.h"
+#include "convert/moments/cut/visibility.h"
 #include "core/parallel.h"
 
 namespace vog {

@@ -1,4 +1,4 @@
-// moment_gain.h: what it is worth to split a cell in two.
+// split_gain.h: what it is worth to split a cell in two.
 #pragma once
 
 #include "convert/moment_sums.h"

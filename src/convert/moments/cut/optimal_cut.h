@@ -1,4 +1,4 @@
-// moment_cut.h: which cells of the moment octree to part, by halves: the best cut for a number of
+// optimal_cut.h: which cells of the moment octree to part, by halves: the best cut for a number of
 // Gaussians.
 #pragma once
 
@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_halves.h"
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/packed_cells.h"
+#include "convert/moments/cut/binary_splits.h"
 #include "vog/memory.h"
 #include "vog/moments.h"
 

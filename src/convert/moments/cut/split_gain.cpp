@@ -1,6 +1,6 @@
-// moment_gain.cpp: the product of two Gaussians has a closed form, and so has the square of a
+// split_gain.cpp: the product of two Gaussians has a closed form, and so has the square of a
 // difference.
-#include "convert/moment_gain.h"
+#include "convert/moments/cut/split_gain.h"
 
 #include <algorithm>
 #include <cmath>
