@@ -1,5 +1,5 @@
 // moment_share_test.cpp: the SIMD loops of soft cells against sums in double precision.
-#include "convert/moment_share.h"
+#include "convert/moments/em/responsibility_kernels.h"
 
 #include <gtest/gtest.h>
 

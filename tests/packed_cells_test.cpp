@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "convert/moment_error.h"
-#include "convert/moment_soften.h"
 #include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/em/em_step.h"
 #include "support/moment_volumes.h"
 #include "vog/moments.h"
 

@@ -8,9 +8,9 @@
 
 #include "convert/budget_search.h"
 #include "convert/moment_error.h"
-#include "convert/moment_soften.h"
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/packed_cells.h"
+#include "convert/moments/em/em_step.h"
 #include "vog/moments.h"
 
 namespace vog {

@@ -1,4 +1,4 @@
-// moment_soften.h: from hard cells to soft ones, by expectation-maximisation.
+// em_step.h: from hard cells to soft ones, by expectation-maximisation.
 // A hard cell gives every voxel to one Gaussian, so neighbours leave ripples and steps where they
 // meet. A soft cell takes of each voxel the share that its Gaussian has in the sum of all there,
 // then the moments of what it took: mass stays, and the likelihood of the voxels under the sum
@@ -12,9 +12,9 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_brick_share.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/cut/binary_splits.h"
+#include "convert/moments/em/brick_responsibilities.h"
 
 namespace vog {
 

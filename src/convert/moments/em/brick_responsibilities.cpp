@@ -1,6 +1,6 @@
-// moment_brick_share.cpp: the sum of all Gaussians at each sample of a brick, then each one's
+// brick_responsibilities.cpp: the sum of all Gaussians at each sample of a brick, then each one's
 // share.
-#include "convert/moment_brick_share.h"
+#include "convert/moments/em/brick_responsibilities.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,10 @@
-// moment_share.cpp: for each pair of rows the quadratic form is a polynomial in x whose
+// responsibility_kernels.cpp: for each pair of rows the quadratic form is a polynomial in x whose
 // coefficients stay in registers, so that a point costs a dozen operations. foreach_target.h
 // includes this file once per target: what stands outside HWY_NAMESPACE is guarded.
-#include "convert/moment_share.h"
+#include "convert/moments/em/responsibility_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "convert/moment_share.cpp"
+#define HWY_TARGET_INCLUDE "convert/moments/em/responsibility_kernels.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -1,6 +1,6 @@
-// moment_soften.cpp: a soft step, batch by batch of bricks: who reaches them, what each takes, the
+// em_step.cpp: a soft step, batch by batch of bricks: who reaches them, what each takes, the
 // new moments of those that no later batch is reached by.
-#include "convert/moment_soften.h"
+#include "convert/moments/em/em_step.h"
 
 #include <tbb/blocked_range.h>
 

@@ -1,4 +1,4 @@
-// moment_brick_share.h: what soft cells take of one brick.
+// brick_responsibilities.h: what soft cells take of one brick.
 #pragma once
 
 #include <hwy/aligned_allocator.h>
@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_share.h"
 #include "convert/moments/cells/bricks.h"
+#include "convert/moments/em/responsibility_kernels.h"
 
 namespace vog {
 
