@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "convert/moment_error.h"
-#include "convert/moment_exchange.h"
 #include "convert/moments/cells/uniform_cells.h"
+#include "convert/moments/refine/split_merge.h"
 #include "vog/moments.h"
 #include "vog/sample.h"
 

@@ -1,9 +1,9 @@
-// moment_refine.cpp: --refine: cells go where pictures err, as long as they err less.
+// refine.cpp: --refine: cells go where pictures err, as long as they err less.
 #include <algorithm>
 #include <utility>
 
 #include "convert/moment_conversion.h"
-#include "convert/moment_exchange.h"
+#include "convert/moments/refine/split_merge.h"
 
 namespace vog {
 

@@ -1,4 +1,4 @@
-// moment_exchange.h: cells taken from where they are of little use to where pictures err.
+// split_merge.h: cells taken from where they are of little use to where pictures err.
 #pragma once
 
 #include <span>

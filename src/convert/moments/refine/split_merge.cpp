@@ -1,5 +1,5 @@
-// moment_exchange.cpp: halves of the worst in the place of one of each pair that is joined.
-#include "convert/moment_exchange.h"
+// split_merge.cpp: halves of the worst in the place of one of each pair that is joined.
+#include "convert/moments/refine/split_merge.h"
 
 #include <algorithm>
 #include <array>
