@@ -5,7 +5,7 @@
 #include <cstring>
 #include <numbers>
 
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 #include "support/data.h"
 #include "support/moment_volumes.h"
 #include "vog/error.h"

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "convert/lod/mean_octree.h"
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
 #include "vog/error.h"
 

@@ -9,9 +9,9 @@
 #include <filesystem>
 #include <numbers>
 
-#include "convert/budget_search.h"
-#include "convert/light_cells.h"
 #include "convert/moment_error.h"
+#include "convert/moments/error_search.h"
+#include "convert/moments/mass_threshold.h"
 #include "convert/particles/moment_tree.h"
 #include "convert/particles/nearest_neighbours.h"
 #include "core/paging.h"

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 #include "data/point_grid.h"
 
 namespace vog {

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_sums.h"
 #include "convert/moments/cells/morton_nodes.h"
+#include "convert/moments/gaussian_moments.h"
 #include "vog/memory.h"
 #include "vog/volume.h"
 

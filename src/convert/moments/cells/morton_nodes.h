@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 #include "core/morton.h"
 #include "vog/moments.h"
 #include "vog/volume.h"

@@ -5,10 +5,10 @@
 #include <bit>
 #include <cmath>
 
-#include "convert/moment_sums.h"
 #include "convert/moments/cells/bricks.h"
 #include "convert/moments/cells/leaf_cells.h"
 #include "convert/moments/cells/morton_nodes.h"
+#include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
 #include "vog/error.h"
 #include "vog/moments.h"

@@ -4,8 +4,8 @@
 
 #include <span>
 
-#include "convert/moment_sums.h"
 #include "convert/moments/cells/bricks.h"
+#include "convert/moments/gaussian_moments.h"
 #include "vog/gaussians.h"
 #include "vog/memory.h"
 

@@ -7,7 +7,7 @@
 #include <bit>
 #include <cstdint>
 
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 
 namespace vog {
 

@@ -1,7 +1,7 @@
 // split_gain.h: what it is worth to split a cell in two.
 #pragma once
 
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 
 namespace vog {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <span>
 
-#include "convert/moment_sums.h"
+#include "convert/moments/gaussian_moments.h"
 
 namespace vog {
 

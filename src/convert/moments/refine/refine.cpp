@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "convert/moment_conversion.h"
+#include "convert/moments/moment_job.h"
 #include "convert/moments/refine/split_merge.h"
 
 namespace vog {

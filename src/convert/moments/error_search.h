@@ -1,4 +1,4 @@
-// budget_search.h: the smallest model whose measured error is low enough.
+// error_search.h: the smallest model whose measured error is low enough.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// moment_conversion.h: what the stages of one moment conversion share: what is asked, the cells of
+// moment_job.h: what the stages of one moment conversion share: what is asked, the cells of
 // all fields, how they are softened and become the model.
 #pragma once
 
@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "convert/budget_search.h"
 #include "convert/moment_error.h"
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/em_step.h"
+#include "convert/moments/error_search.h"
 #include "vog/moments.h"
 
 namespace vog {

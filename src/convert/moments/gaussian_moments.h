@@ -1,4 +1,4 @@
-// moment_sums.h: mass, first and second moments of voxels as boxes, and the Gaussian that has them.
+// gaussian_moments.h: mass, first and second moments of voxels as boxes, and the Gaussian that has them.
 // Index space throughout: lengths in voxels, mass in density times voxels.
 #pragma once
 

@@ -1,4 +1,4 @@
-// reached.cpp: what conversions by moments are asked for and what they say of themselves.
+// conversion_summary.cpp: what conversions by moments are asked for and what they say of themselves.
 #include <fmt/core.h>
 
 #include <array>

@@ -1,12 +1,12 @@
-// moment_blocks.cpp: uniform cuts.
+// uniform_model.cpp: uniform cuts.
 #include <algorithm>
 #include <utility>
 #include <vector>
 
-#include "convert/light_cells.h"
-#include "convert/moment_conversion.h"
 #include "convert/moments/cells/leaf_cells.h"
 #include "convert/moments/cells/uniform_cells.h"
+#include "convert/moments/mass_threshold.h"
+#include "convert/moments/moment_job.h"
 #include "core/parallel.h"
 
 namespace vog {

@@ -1,5 +1,5 @@
-// moment_sums.cpp: sums over a leaf's voxels, and the truncated Gaussian with given moments.
-#include "convert/moment_sums.h"
+// gaussian_moments.cpp: sums over a leaf's voxels, and the truncated Gaussian with given moments.
+#include "convert/moments/gaussian_moments.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-// moment_finish.cpp: from cells to the model.
+// model_from_cells.cpp: from cells to the model.
 #include <algorithm>
 #include <utility>
 
-#include "convert/light_cells.h"
-#include "convert/moment_conversion.h"
+#include "convert/moments/mass_threshold.h"
+#include "convert/moments/moment_job.h"
 
 namespace vog {
 

@@ -1,4 +1,4 @@
-// moments.cpp: the moment conversion: check the options, choose the cells, soften them, drop the
+// convert_moments.cpp: the moment conversion: check the options, choose the cells, soften them, drop the
 // lightest, write the Gaussians; say what was done.
 #include "vog/moments.h"
 
@@ -11,7 +11,7 @@
 #include <span>
 #include <string>
 
-#include "convert/moment_conversion.h"
+#include "convert/moments/moment_job.h"
 #include "vog/error.h"
 
 namespace vog {

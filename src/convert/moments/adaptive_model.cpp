@@ -1,12 +1,12 @@
-// moment_best.cpp: the best cut for a number of Gaussians, and the smallest one for an error.
+// adaptive_model.cpp: the best cut for a number of Gaussians, and the smallest one for an error.
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "convert/moment_conversion.h"
 #include "convert/moments/cut/optimal_cut.h"
+#include "convert/moments/moment_job.h"
 
 namespace vog {
 

@@ -1,4 +1,4 @@
-// light_cells.h: which cells are too light to keep.
+// mass_threshold.h: which cells are too light to keep.
 #pragma once
 
 #include <algorithm>
