@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "convert/moment_error.h"
+#include "compare/error_views.h"
 #include "convert/moments/cells/uniform_cells.h"
 #include "convert/moments/refine/split_merge.h"
 #include "vog/moments.h"

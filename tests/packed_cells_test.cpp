@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "convert/moment_error.h"
+#include "compare/error_views.h"
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/em/em_step.h"
 #include "support/moment_volumes.h"

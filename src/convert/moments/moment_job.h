@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "convert/moment_error.h"
+#include "compare/error_views.h"
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/em_step.h"

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "convert/moment_error.h"
+#include "compare/error_views.h"
 #include "convert/moments/error_search.h"
 #include "convert/moments/mass_threshold.h"
 #include "convert/particles/moment_tree.h"

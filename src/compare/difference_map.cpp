@@ -1,4 +1,4 @@
-// diff_image.cpp: heat maps of the difference of two pictures, with their colour scale.
+// difference_map.cpp: heat maps of the difference of two pictures, with their colour scale.
 #include <fmt/core.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// moment_error.h: the measured error of a model: relative L2 of T over views around the volume.
+// error_views.h: the measured error of a model: relative L2 of T over views around the volume.
 #pragma once
 
 #include <span>

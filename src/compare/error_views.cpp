@@ -1,5 +1,5 @@
-// moment_error.cpp: eight small pictures of the volume, and how far a model's are from them.
-#include "convert/moment_error.h"
+// error_views.cpp: eight small pictures of the volume, and how far a model's are from them.
+#include "compare/error_views.h"
 
 #include <algorithm>
 #include <cmath>
