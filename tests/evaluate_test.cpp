@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "compare/evaluation_json.h"
-#include "compare/evaluation_report.h"
-#include "compare/paper_figures.h"
-#include "compare/svg_plot.h"
+#include "evaluate/evaluation_json.h"
+#include "evaluate/evaluation_report.h"
+#include "evaluate/paper_figures.h"
+#include "evaluate/svg_plot.h"
 #include "support/data.h"
 #include "support/scenes.h"
 #include "vog/convert.h"

@@ -3,9 +3,9 @@
 
 #include <fstream>
 
-#include "compare/evaluation_report.h"
-#include "compare/paper_figures.h"
 #include "core/atomic_file.h"
+#include "evaluate/evaluation_report.h"
+#include "evaluate/paper_figures.h"
 #include "vog/error.h"
 
 namespace vog {

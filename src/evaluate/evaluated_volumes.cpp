@@ -1,5 +1,5 @@
 // evaluated_volumes.cpp: the figures of the data itself, of all parts together.
-#include "compare/evaluated_volumes.h"
+#include "evaluate/evaluated_volumes.h"
 
 #include <fmt/core.h>
 

@@ -7,9 +7,9 @@
 #include <chrono>
 #include <cmath>
 
-#include "compare/evaluated_volumes.h"
-#include "compare/evaluation_json.h"
-#include "compare/evaluation_report.h"
+#include "evaluate/evaluated_volumes.h"
+#include "evaluate/evaluation_json.h"
+#include "evaluate/evaluation_report.h"
 #include "vog/compare.h"
 #include "vog/error.h"
 #include "vog/ply.h"

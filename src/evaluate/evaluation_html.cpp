@@ -7,11 +7,11 @@
 #include <limits>
 #include <sstream>
 
-#include "compare/evaluation_report.h"
-#include "compare/paper_figures.h"
-#include "compare/svg_plot.h"
 #include "core/atomic_file.h"
 #include "core/html_text.h"
+#include "evaluate/evaluation_report.h"
+#include "evaluate/paper_figures.h"
+#include "evaluate/svg_plot.h"
 #include "vog/error.h"
 
 namespace vog {

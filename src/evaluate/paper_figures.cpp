@@ -1,5 +1,5 @@
 // paper_figures.cpp: the column "smoke" of the paper's tables 1 to 4.
-#include "compare/paper_figures.h"
+#include "evaluate/paper_figures.h"
 
 namespace vog {
 

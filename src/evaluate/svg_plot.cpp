@@ -1,5 +1,5 @@
 // svg_plot.cpp: axes, ticks, legend and lines of a plot.
-#include "compare/svg_plot.h"
+#include "evaluate/svg_plot.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // evaluation_report.cpp: the words and number formats that the Markdown and the HTML page share.
-#include "compare/evaluation_report.h"
+#include "evaluate/evaluation_report.h"
 
 #include <fmt/core.h>
 

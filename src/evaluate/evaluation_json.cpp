@@ -1,5 +1,5 @@
 // evaluation_json.cpp: results as JSON. Infinite and undefined figures are null.
-#include "compare/evaluation_json.h"
+#include "evaluate/evaluation_json.h"
 
 #include <fmt/core.h>
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
-#include "compare/evaluation_report.h"
-#include "compare/paper_figures.h"
+#include "evaluate/evaluation_report.h"
+#include "evaluate/paper_figures.h"
 
 namespace vog {
 
