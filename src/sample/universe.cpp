@@ -1,4 +1,4 @@
-// particles.cpp: a box of a universe: particles that flowed from a lattice along the gradient of a
+// universe.cpp: a box of a universe: particles that flowed from a lattice along the gradient of a
 // random field, with halos where most met.
 // Source: Zel'dovich, "Gravitational instability" (1970): x = q + psi(q), v along psi; Hernquist,
 // "An analytical model for spherical galaxies and bulges" (1990): M(r) = r^2 / (r + a)^2. Plain

@@ -1,4 +1,4 @@
-// evaluate.cpp: a transfer function at one V, and what makes one valid.
+// transfer_function.cpp: a transfer function at one V, and what makes one valid.
 #include <fmt/core.h>
 
 #include "shade/ramp.h"
