@@ -1,5 +1,5 @@
 // evaluate.cpp: vog-mpi evaluate: the rows whose models are the same in parts.
-#include "evaluation.h"
+#include "shared/evaluate_run.h"
 
 #include <fmt/core.h>
 

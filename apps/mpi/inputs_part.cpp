@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "shared/terminal.h"
 #include "shares.h"
-#include "terminal.h"
 #include "vog/error.h"
 #include "vog/level_parts.h"
 #include "vog/ply.h"

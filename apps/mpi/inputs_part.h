@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "inputs.h"
 #include "ranks.h"
+#include "shared/inputs.h"
 
 namespace vog::mpi {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "conversion.h"
 #include "ranks.h"
+#include "shared/convert_run.h"
 
 namespace vog::mpi {
 

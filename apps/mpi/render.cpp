@@ -6,7 +6,7 @@
 
 #include "commands.h"
 #include "inputs_part.h"
-#include "rendering.h"
+#include "shared/render_run.h"
 #include "shares.h"
 #include "vog/error.h"
 

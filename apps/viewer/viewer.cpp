@@ -10,9 +10,9 @@
 #include <filesystem>
 #include <utility>
 
-#include "gui_gl.h"
-#include "panels.h"
-#include "script_player.h"
+#include "gl/gui_gl.h"
+#include "script/script_player.h"
+#include "ui/panels.h"
 #include "vog/error.h"
 
 namespace vog::viewer {

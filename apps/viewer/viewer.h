@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "look.h"
-#include "scene.h"
-#include "screen.h"
+#include "screen/screen.h"
+#include "session/look.h"
+#include "session/scene_loader.h"
 #include "vog/camera.h"
 
 namespace vog::viewer {

@@ -2,7 +2,7 @@
 #include <chrono>
 #include <thread>
 
-#include "session.h"
+#include "session/session.h"
 #include "support/scenes.h"
 #include "viewer/headless.h"
 

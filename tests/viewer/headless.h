@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "screen.h"
+#include "screen/screen.h"
 #include "vog/error.h"
 
 namespace vog::test {

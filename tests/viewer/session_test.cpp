@@ -2,7 +2,7 @@
 // clear line for everything it cannot do.
 #include <nlohmann/json.hpp>
 
-#include "screen.h"
+#include "screen/screen.h"
 #include "support/command.h"
 #include "vog/compare.h"
 #include "vog/error.h"

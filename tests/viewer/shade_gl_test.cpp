@@ -1,5 +1,5 @@
 // shade_gl_test.cpp: colours drawn by OpenGL against vog::shade.
-#include "shade_gl.h"
+#include "gl/shade_gl.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // splat_gl_test.cpp: the OpenGL renderer over every scene against the closed form, and over models
 // as users have them against the splat on the CPU.
-#include "splat_gl.h"
+#include "gl/splat_gl.h"
 
 #include <algorithm>
 #include <cmath>

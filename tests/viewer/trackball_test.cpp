@@ -1,5 +1,5 @@
 // trackball_test.cpp: what each motion of the camera keeps and changes.
-#include "trackball.h"
+#include "ui/trackball.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// camera.js: a pinhole camera {eye, at, up, fov} and how a hand moves it: apps/viewer/trackball.cpp
+// camera.js: a pinhole camera {eye, at, up, fov} and how a hand moves it: apps/viewer/ui/trackball.cpp
 // in JavaScript. Every motion is a function of a camera. Points of the screen are [right, up] of its
 // middle, in halves of its shorter side, to which the angle fov (degrees) belongs: on a wide screen
 // that is the height, as everywhere in vog; on a phone held upright it is the width.

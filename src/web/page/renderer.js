@@ -49,7 +49,7 @@ function depthFormat(gl, wantHalf) {
       'picture is summed up in');
 }
 
-/** Where in its pixel a ray of sub-frame n passes: jitter_of in apps/viewer/splat_gl.cpp. */
+/** Where in its pixel a ray of sub-frame n passes: jitter_of in apps/viewer/gl/splat_gl.cpp. */
 function jitterOf(n) {
   const centred = (v) => v - Math.floor(v + 0.5);
   return [centred(n * 0.7548776662466927), centred(n * 0.5698402909980532)];

@@ -1,0 +1,182 @@
+// compare.cpp: vog compare: two pictures or two depth images -> figures and a heat map.
+#include "vog/compare.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "shared/inputs.h"
+#include "vog/error.h"
+
+namespace vog::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CompareArguments {
+    std::string reference, image, diff, extinction = "stored", tf = "inferno";
+    double diff_limit = 0;
+    bool json = false;
+};
+
+/// JSON has no infinity: null where a figure is infinite or not defined.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string decibels(double psnr_db) {
+    return std::isinf(psnr_db) ? "inf (no 8-bit value differs)" : fmt::format("{:.2f} dB", psnr_db);
+}
+std::string similarity(double ssim) {
+    return std::isnan(ssim) ? "none (below 11x11 pixels)" : fmt::format("{:.5f}", ssim);
+}
+void line(const char* what, const std::string& value) { fmt::print("{:<20} {}\n", what, value); }
+
+void print(const PictureDifference& difference) {
+    line("SSIM", similarity(difference.ssim));
+    line("off by > 1 of 255", fmt::format("{:.3f} % of pixels", 100 * difference.share_off_1));
+    line("off by > 4 of 255", fmt::format("{:.3f} % of pixels", 100 * difference.share_off_4));
+    line("largest of 255", fmt::format("{} at column {}, row {}", difference.largest,
+                                       difference.largest_column, difference.largest_row));
+}
+void add(Json& json, const PictureDifference& difference) {
+    json["ssim"] = number(difference.ssim);
+    json["off_by_more_than_1"] = difference.share_off_1;
+    json["off_by_more_than_4"] = difference.share_off_4;
+    json["largest"] = difference.largest;
+    json["largest_at"] = {difference.largest_column, difference.largest_row};
+}
+
+/// "A.exr and B.exr: " before an error of the library, which knows no file names here.
+template <class Work>
+auto naming_files(const CompareArguments& arguments, const Work& work) {
+    try {
+        return work();
+    } catch (const Error& error) {
+        throw Error(
+            fmt::format("{} and {}: {}", arguments.reference, arguments.image, error.what()));
+    }
+}
+
+void compare_pictures(const CompareArguments& arguments) {
+    const Image a = read_image(arguments.reference), b = read_image(arguments.image);
+    const PictureDifference difference = naming_files(arguments, [&] { return compare(a, b); });
+    if (!arguments.diff.empty())
+        write_png(arguments.diff, difference_map(a, b, {arguments.diff_limit, true}));
+
+    if (!arguments.json) {
+        line("pictures", fmt::format("{}x{}, 8 bits a channel", a.width, a.height));
+        line("PSNR, RGB", decibels(difference.psnr_db));
+        print(difference);
+        return;
+    }
+    Json json = {{"reference", arguments.reference},
+                 {"image", arguments.image},
+                 {"kind", "picture"},
+                 {"width", a.width},
+                 {"height", a.height},
+                 {"identical", difference.largest == 0},
+                 {"psnr_rgb_db", number(difference.psnr_db)}};
+    add(json, difference);
+    fmt::print("{}\n", json.dump(2));
+}
+
+/// Brings the reference to the extinction asked for; the library takes the other image there.
+void choose_extinction(const std::string& text, DepthImage& reference) {
+    if (text == "stored") return;
+    set_extinction(reference, text == "auto" ? auto_extinction(reference) : parse_extinction(text));
+}
+
+void compare_depths(const CompareArguments& arguments) {
+    DepthImage a = read_depth(arguments.reference), b = read_depth(arguments.image);
+    const TransferFunction tf = load_transfer_function(arguments.tf);
+    const double own_a = a.extinction, own_b = b.extinction;
+    choose_extinction(arguments.extinction, a);
+    const DepthDifference difference = naming_files(arguments, [&] { return compare(a, b); });
+    const PictureDifference shaded = compare_shaded(a, b, tf);
+    if (!arguments.diff.empty())
+        write_png(arguments.diff, difference_map(a, b, {arguments.diff_limit, true}));
+
+    if (!arguments.json) {
+        line("depth images",
+             fmt::format("{}x{}, at extinction {:.6g}", a.width, a.height, difference.extinction));
+        if (own_a != a.extinction || own_b != a.extinction)
+            line("", fmt::format("stored at {:.6g} and {:.6g}: T is scaled", own_a, own_b));
+        line("PSNR, V as grey", decibels(difference.grey.psnr_db));
+        line("PSNR, RGB", decibels(shaded.psnr_db) + ", " + tf.name);
+        line("relative L2 of T", fmt::format("{:.6g}", difference.relative_l2));
+        line("bias of T", fmt::format("{:.6g}", difference.bias));
+        line("largest dT", fmt::format("{:+.6g} at column {}, row {}", difference.largest_dt,
+                                       difference.largest_column, difference.largest_row));
+        print(difference.grey);
+        return;
+    }
+    Json json = {{"reference", arguments.reference},
+                 {"image", arguments.image},
+                 {"kind", "depth"},
+                 {"width", a.width},
+                 {"height", a.height},
+                 {"identical", difference.identical},
+                 {"extinction", difference.extinction},
+                 {"stored_extinction", {own_a, own_b}},
+                 {"psnr_v_db", number(difference.grey.psnr_db)},
+                 {"psnr_rgb_db", number(shaded.psnr_db)},
+                 {"tf", tf.name},
+                 {"relative_l2", number(difference.relative_l2)},
+                 {"bias", number(difference.bias)},
+                 {"max_abs_dt", std::abs(difference.largest_dt)},
+                 {"dt", difference.largest_dt},
+                 {"dt_at", {difference.largest_column, difference.largest_row}}};
+    add(json, difference.grey);
+    fmt::print("{}\n", json.dump(2));
+}
+
+void compare_files(const CompareArguments& arguments) {
+    if (!arguments.diff.empty())
+        check_output(arguments.diff, {arguments.reference, arguments.image}, {".png"});
+    const bool depth = is_depth_file(arguments.reference);
+    if (is_depth_file(arguments.image) != depth)
+        throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image,
+                                depth ? "picture" : "depth image",
+                                depth ? "depth image" : "picture", arguments.reference));
+    if (depth)
+        compare_depths(arguments);
+    else
+        compare_pictures(arguments);
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+    auto arguments = std::make_shared<CompareArguments>();
+    CLI::App* command =
+        app.add_subcommand("compare", "Tell how far a picture or depth image is from a reference");
+    command
+        ->add_option("reference", arguments->reference,
+                     "The reference: .png, colour .exr, or depth .exr (one channel Y)")
+        ->required();
+    command->add_option("image", arguments->image, "What is compared with it, of the same kind")
+        ->required();
+    command->add_option("--diff", arguments->diff,
+                        "Heat map to write, .png: of V - V_ref, or of the largest channel");
+    command
+        ->add_option("--diff-limit", arguments->diff_limit,
+                     "End of the heat map's scale, in 1/255; 0: the largest difference")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command
+        ->add_option("--extinction", arguments->extinction,
+                     "Depth images are compared at: the value stored with the reference, a number, "
+                     "or auto: the 99th percentile of the reference's non-zero T becomes 4")
+        ->capture_default_str();
+    command
+        ->add_option("--tf", arguments->tf,
+                     "Transfer function for the RGB figures of depth images: a name or JSON file")
+        ->capture_default_str();
+    command->add_flag("--json", arguments->json,
+                      "Print one JSON object and nothing else; null: infinite or not defined");
+    command->callback([arguments] { compare_files(*arguments); });
+}
+
+}  // namespace vog::cli

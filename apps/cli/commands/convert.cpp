@@ -1,0 +1,347 @@
+// convert.cpp: vog convert: load -> convert -> save.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "commands.h"
+#include "options/conversion_options.h"
+#include "shared/convert_run.h"
+#include "shared/sequence.h"
+#include "vog/error.h"
+#include "vog/memory.h"
+#include "vog/moments.h"
+#include "vog/ply.h"
+#include "vog/vdb.h"
+
+namespace vog::cli {
+
+namespace {
+
+double share_of_voxels(const Converted& made) {
+    return made.source_voxels
+               ? static_cast<double>(made.gaussians) / static_cast<double>(made.source_voxels)
+               : 0;
+}
+
+/// Times by name: "octree 98 ms, search 1200 ms".
+std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms) {
+    std::string text;
+    for (const auto& [name, ms] : stage_ms)
+        text += fmt::format("{}{} {:.3g} ms", text.empty() ? "" : ", ", name, ms);
+    return text;
+}
+
+/// Coarser Gaussians for the file, unless they are not wanted.
+/// index_from_world  where the model's cells lie, if it has any
+Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
+                       const std::optional<Affine>& index_from_world, Stages& stages) {
+    if (arguments.no_hierarchy) return {};
+    return stages.run("hierarchy", [&] { return build_hierarchy(model, {index_from_world}); });
+}
+
+/// Levels without what finer ones hide.
+Composite compose(const Levels& levels) {
+    Composite data = composite(levels);
+    if (data.parts.empty()) throw Error("every voxel lies outside the masks");
+    note(fmt::format("{} levels: {} voxels seen ({} of them in part), {} hidden by finer ones",
+                     levels.volumes.size(), grouped(data.voxels), grouped(data.partly_hidden),
+                     grouped(data.hidden)));
+    return data;
+}
+
+void note_missed(const std::string& input, double reached, double asked) {
+    note(
+        fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}, as its Gaussians "
+                    "are smoother than voxels; --error {:.2g} takes far fewer",
+                    input, reached, asked, 1.25 * reached));
+}
+
+nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, const CLI::App& command,
+                                         const ConvertTogether& others) {
+    const MomentOptions& cut = arguments.moments;
+    PointOptions options = point_options(arguments.points);
+    options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
+    options.budget = cut.budget;
+    options.error = cut_option(command) == "--error" ? cut.error : 0;
+    if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
+    options.axis_aligned = cut.axis_aligned;
+    options.measure = cut.measure;
+    options.together = others.together;
+    const bool paper = arguments.method == "paper";
+    if (paper && arguments.points.value.empty()) options.value = "speed";
+    Stages stages(arguments.verbose && others.writes);
+    options.progress = stages.progress();
+
+    const Points points = stages.run("load", [&] {
+        return load_points(arguments.inputs, arguments.points, arguments.volume.grid);
+    });
+    if (!arguments.output.ends_with(".ply")) {
+        if (!others.writes) return {};
+        stages.run("save", [&] { write_points(arguments.output, points); });
+        if (!arguments.json)
+            fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+        return {{"output", arguments.output}, {"particles", points.size()}};
+    }
+    MomentReport one;
+    Gaussians model = stages.run("convert", [&] {
+        return paper ? convert_points_paper(points, options.value, options.radius,
+                                            arguments.paper.kappa)
+                     : convert_points(points, options, &one);
+    });
+    if (!others.writes) return {};
+    double sum = 0;
+    for (const float value : point_values(points, options.value)) sum += value;
+    MomentTotals totals;
+    totals.add(one, sum);
+    if (options.error > 0 && one.measured_error > options.error)
+        note_missed(arguments.inputs.front(), one.measured_error, options.error);
+    if (!paper) model.reached = reached_text(model, totals.report(sum), "particles");
+    if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
+    const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
+    stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
+    return report(arguments, FileKind::points, converted(model, hierarchy), sum, totals, stages);
+}
+
+/// One model of all inputs.
+nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
+                                   const ConvertTogether& others) {
+    const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
+    if (kind == FileKind::points)
+        check_output(arguments.output, arguments.inputs, {".ply", ".vdb", ".xyz", ".csv", ".tsv"});
+    else
+        check_output(arguments.output, arguments.inputs, {".ply"});
+    if (kind == FileKind::model)
+        throw Error(fmt::format("{}: is a model already, expected volumes or particles",
+                                arguments.inputs.front()));
+    check_options(arguments, command, kind);
+    if (kind == FileKind::points) return convert_particles(arguments, command, others);
+    const bool by_moments = arguments.method == "moments";
+    MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
+    PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
+    Stages stages(arguments.verbose && others.writes);
+    moments.progress = paper.progress = stages.progress();
+    if (others.volumes) return others.volumes(arguments, {by_moments, moments, paper}, stages);
+
+    Levels levels =
+        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
+    const bool meshed = are_levels(levels, arguments.volume);
+    const Composite mesh =
+        meshed ? stages.run("compose", [&] { return compose(levels); }) : Composite{};
+    const std::vector<Volume>& volumes = meshed ? mesh.parts : levels.volumes;
+    Gaussians model;
+    double volume_mass = 0;
+    for (const Volume& volume : volumes) volume_mass += mass(volume);
+    MomentTotals totals;
+    const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
+        totals.add(one, part_mass);
+        if (one.measured_error > moments.error && !moments.block_voxels && !moments.budget)
+            note_missed(part.source, one.measured_error, moments.error);
+        if (model.size() == 0 && model.source.empty())
+            model = std::move(part);
+        else
+            append(model, part);
+    };
+    stages.run("convert", [&] {
+        MomentReport one;
+        if (by_moments && meshed)
+            return add(convert_moments(mesh, moments, &one), one, volume_mass);
+        if (meshed) return add(convert_paper(mesh, paper), one, volume_mass);
+        for (const Volume& volume : volumes)
+            add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
+                one, mass(volume));
+    });
+    if (by_moments)
+        model.reached = reached_text(model, totals.report(volume_mass), "active voxels");
+    if (by_moments && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
+    const Hierarchy hierarchy =
+        hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
+    stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
+    return report(arguments, kind, converted(model, hierarchy), volume_mass, totals, stages);
+}
+
+/// About what converting a file takes: its voxels twice, and as much again for its octree.
+std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string& input) {
+    constexpr std::uint64_t kBytesPerFileByte = 8, kLeaves = 3;
+    if (kind_of(input, arguments.volume.grid) != FileKind::volume || input.ends_with(".nvdb"))
+        return kBytesPerFileByte * std::filesystem::file_size(input);
+    VdbOptions options;
+    options.grid = arguments.volume.grid;
+    options.level_set_to_fog = arguments.volume.level_set_to_fog;
+    return kLeaves * sizeof(Leaf) * VdbReader(input, options).leaf_count();
+}
+
+/// Leaves frames to others.
+void keep_mine(std::vector<Frame>& frames, const ConvertTogether& others) {
+    if (!others.mine) return;
+    std::vector<std::string> inputs;
+    for (const Frame& frame : frames) inputs.push_back(frame.input);
+    const std::vector<bool> mine = others.mine(inputs);
+    std::size_t n = 0;
+    std::erase_if(frames, [&](const Frame&) { return !mine[n++]; });
+}
+
+/// Reports of sequences, each of its own frames, as one.
+nlohmann::ordered_json joined(nlohmann::ordered_json mine, const ConvertTogether& others) {
+    if (!others.gather) return mine;
+    nlohmann::ordered_json all;
+    for (const std::string& text : others.gather(mine.dump())) {
+        const auto one = nlohmann::ordered_json::parse(text);
+        if (all.is_null()) {
+            all = one;
+            continue;
+        }
+        all["there_already"] =
+            all["there_already"].get<std::size_t>() + one["there_already"].get<std::size_t>();
+        for (const auto& model : one["models"]) all["models"].push_back(model);
+    }
+    return all;
+}
+
+/// A model of each input; those that are there already, newer than their input, stay.
+nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const CLI::App& command,
+                                        std::uint64_t memory, const ConvertTogether& others) {
+    if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
+        throw CLI::ValidationError(
+            "--grid with a pattern makes levels of one mesh: give the files one by one");
+    std::vector<Frame> frames = frames_of(arguments.inputs, arguments.output, ".ply");
+    keep_mine(frames, others);
+    const std::size_t all = frames.size();
+    if (!arguments.again) std::erase_if(frames, is_fresh);
+    if (frames.size() < all)
+        note(fmt::format("{} of {} models are there already (--again makes them anew)",
+                         all - frames.size(), all));
+    std::mutex mutex;
+    std::map<std::string, nlohmann::ordered_json> reports;
+    for_each_frame(
+        frames, memory, [&](const Frame& frame) { return memory_needed(arguments, frame.input); },
+        [&](const Frame& frame) {
+            ConvertArguments one = arguments;
+            one.inputs = {frame.input};
+            one.output = frame.output;
+            nlohmann::ordered_json report = convert_one(one, command, {});
+            const std::lock_guard lock(mutex);
+            reports[frame.output] = std::move(report);
+        });
+    nlohmann::ordered_json json = {{"output", arguments.output},
+                                   {"there_already", all - frames.size()},
+                                   {"models", nlohmann::ordered_json::array()}};
+    for (const Frame& frame : frames) json["models"].push_back(reports[frame.output]);
+    return joined(std::move(json), others);
+}
+
+void convert(const ConvertArguments& given, const CLI::App& command,
+             const ConvertTogether& others) {
+    ConvertArguments arguments = given;
+    arguments.inputs = expanded(given.inputs);
+    const AskedMemory memory(arguments.memory);
+    const ThreadLimit threads(arguments.threads);
+    const nlohmann::ordered_json json =
+        is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), others)
+                                      : convert_one(arguments, command, others);
+    if (arguments.json && others.writes) fmt::print("{}\n", json.dump(2));
+}
+
+}  // namespace
+
+Converted converted(const Gaussians& model, const Hierarchy& hierarchy) {
+    return {model.method,
+            model.options,
+            model.reached,
+            model.size(),
+            model.source_voxels,
+            hierarchy.size(),
+            ply_bytes(model, hierarchy),
+            mass(model)};
+}
+
+nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
+                              const Converted& made, double volume_mass,
+                              const MomentTotals& moments, const Stages& stages) {
+    const double mass_ratio = volume_mass > 0 ? made.mass / volume_mass : 1;
+    const bool by_moments = arguments.method == "moments";
+    const double share = share_of_voxels(made);
+    if (!arguments.json) {
+        fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
+                   grouped(made.gaussians), 100 * share, grouped(made.source_voxels),
+                   kind == FileKind::points ? "particles" : "active voxels", bytes_text(made.bytes),
+                   mass_ratio);
+        if (by_moments) fmt::print("{}\n{}\n", made.reached, times_text(moments.stage_ms));
+        return {};
+    }
+    nlohmann::ordered_json json = {
+        {"output", arguments.output},
+        {"method", made.method},
+        {"options", made.options},
+        {"gaussians", made.gaussians},
+        {kind == FileKind::points ? "particles" : "active_voxels", made.source_voxels},
+        {"share", share},
+        {"nodes", made.nodes},
+        {"bytes", made.bytes},
+        {"mass_ratio", mass_ratio}};
+    if (by_moments) {
+        json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
+        json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
+        json["dropped_cells"] = moments.dropped_cells;
+        if (moments.worst_error >= 0) json["measured_error"] = moments.worst_error;
+        for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
+    }
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    json["peak_memory"] = peak_memory();
+    return json;
+}
+
+void add_convert(CLI::App& app) { add_convert(app, std::make_shared<ConvertArguments>(), {}); }
+
+CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& arguments,
+                      const ConvertTogether& others) {
+    CLI::App* command =
+        app.add_subcommand("convert", "Turn volumes or particles into a model of 3D Gaussians");
+    command
+        ->add_option(
+            "inputs", arguments->inputs,
+            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb); several become one "
+            "model, or "
+            "one each where -o is a folder; quoted patterns match in natural order: 'frame_*.vdb'")
+        ->required();
+    command
+        ->add_option("-o,--output", arguments->output,
+                     "PLY model to write; particles also as .vdb, .xyz, .csv or .tsv. A folder (or "
+                     "a name that ends in /): a model of each input, one a time step")
+        ->required();
+    add_volume_options(*command, arguments->volume);
+    command->add_option("--method", arguments->method, "How voxels or particles become Gaussians")
+        ->check(CLI::IsMember({"moments", "paper"}))
+        ->capture_default_str();
+    command
+        ->add_option("--lod", arguments->lod,
+                     "Level of detail, 1 finest to 5 coarsest. Moments: uniform cells of 2, 4, 8, "
+                     "16, 32 voxels. Paper: dense blocks of 2, 4, 8, 8, 8 voxels; smart grouping "
+                     "(1-3), strict (4), single (5)")
+        ->check(CLI::Range(1, 5));
+    add_moment_options(*command, *arguments);
+    add_paper_options(*command, *arguments);
+    add_point_options(*command, arguments->points);
+    add_memory_options(*command, arguments->memory,
+                       "; of a sequence, as many models at once as fit");
+    command
+        ->add_flag("--again", arguments->again,
+                   "Of a sequence, make models anew that are there already")
+        ->group(kLargeDataGroup);
+    command->add_flag("--no-hierarchy", arguments->no_hierarchy,
+                      "Write no coarser Gaussians beside the model: a smaller file, but views from "
+                      "afar cost as much as near ones");
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
+    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->callback([arguments, command, others] { convert(*arguments, *command, others); });
+    return command;
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,117 @@
+// evaluate.cpp: vog evaluate: load -> every conversion, every view -> tables, plots and pictures.
+#include <fmt/core.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "commands.h"
+#include "shared/evaluate_run.h"
+#include "shared/terminal.h"
+#include "vog/error.h"
+
+namespace vog::cli {
+
+namespace {
+
+/// The paper view's figures, one line a row.
+void print(const Evaluation& evaluation) {
+    fmt::print("{:<14} {:>10} {:>9} {:>9} {:>9} {:>8} {:>8}\n", "", "Gaussians", "V, dB", "worst",
+               "L2 of T", "bias", "frames/s");
+    for (const EvaluationRow& row : evaluation.rows) {
+        const ViewResult& paper = row.views.front();
+        fmt::print("{:<14} {:>10} {:>9.2f} {:>9.2f} {:>9.4f} {:>8.3f} {:>8.1f}\n",
+                   row.series + " " + row.step, grouped(row.gaussians), paper.psnr_v_db,
+                   spread(row, &ViewResult::psnr_v_db, true).worst, paper.relative_l2, paper.bias,
+                   1000 / paper.render.median_ms);
+    }
+}
+
+Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateTogether& others,
+                     Stages& stages) {
+    if (others.load) {
+        const std::vector<Volume> volumes =
+            stages.run("load", [&] { return others.load(arguments); });
+        return stages.run("evaluate",
+                          [&] { return evaluate(volumes, arguments.folder, arguments.options); });
+    }
+    const Levels levels =
+        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
+    return stages.run("evaluate", [&] {
+        return are_levels(levels, arguments.volume)
+                   ? evaluate(levels, arguments.folder, arguments.options)
+                   : evaluate(levels.volumes, arguments.folder, arguments.options);
+    });
+}
+
+void evaluate_files(EvaluateArguments& arguments, const EvaluateTogether& others) {
+    if (const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
+        kind != FileKind::volume)
+        throw Error(fmt::format("{}: holds {}, expected volumes: they are the reference",
+                                arguments.inputs.front(),
+                                kind == FileKind::model ? "a model" : "particles"));
+    const Size size = parse_size(arguments.size);
+    arguments.options.width = size.width;
+    arguments.options.height = size.height;
+    if (arguments.extinction != "auto")
+        arguments.options.extinction = parse_extinction(arguments.extinction);
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose && others.together.first());
+    arguments.options.progress = stages.progress();
+
+    arguments.options.together = others.together;
+    const Evaluation evaluation = evaluated(arguments, others, stages);
+    if (!others.together.first()) return;
+
+    const std::filesystem::path folder = arguments.folder;
+    if (arguments.json) {
+        std::ostringstream text;
+        text << std::ifstream(folder / "results.json").rdbuf();
+        fmt::print("{}", text.str());
+        return;
+    }
+    print(evaluation);
+    fmt::print("{}\n", (folder / "index.html").string());
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app) { add_evaluate(app, std::make_shared<EvaluateArguments>(), {}); }
+
+void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,
+                  const EvaluateTogether& others) {
+    CLI::App* command = app.add_subcommand(
+        "evaluate", "Make the paper's tables and plots for volumes, against the voxels themselves");
+    command->add_option("inputs", arguments->inputs, "Volumes; several make one picture")
+        ->required();
+    command
+        ->add_option("-o,--output", arguments->folder,
+                     "Folder for results.json, results.md, index.html and pictures")
+        ->required();
+    add_volume_options(*command, arguments->volume);
+    command->add_option("--size", arguments->size, "WxH or one number, pixels")
+        ->capture_default_str();
+    command
+        ->add_option("--extinction", arguments->extinction,
+                     "Factor on density, or auto: in each view the 99th percentile of the "
+                     "reference's non-zero T becomes 4")
+        ->capture_default_str();
+    command
+        ->add_option("--tf", arguments->options.tf,
+                     "Transfer function of the pictures and RGB figures: a name or JSON file")
+        ->capture_default_str();
+    command
+        ->add_option("--repeat", arguments->options.repeats,
+                     "Timed renders of each view, after one that does not count")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
+    command->add_flag("--resume", arguments->options.resume,
+                      "Keep the finished rows of an evaluation that was interrupted");
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--json", arguments->json, "Print results.json and nothing else");
+    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->callback([arguments, others] { evaluate_files(*arguments, others); });
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,271 @@
+// info.cpp: vog info: what is inside files.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "shared/inputs.h"
+#include "shared/terminal.h"
+#include "vog/nvdb.h"
+#include "vog/ply.h"
+#include "vog/points.h"
+#include "vog/vdb.h"
+
+namespace vog::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json array(Vec3d v) { return {v.x, v.y, v.z}; }
+Json array(Vec3i v) { return {v.x, v.y, v.z}; }
+Json array(const Box& box) {
+    if (box.empty()) return nullptr;
+    return {{"lower", array(box.lower)}, {"upper", array(box.upper)}};
+}
+std::string text(Vec3d v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
+std::string text(Vec3i v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
+
+Json as_json(const GridInfo& grid) {
+    Json json = {{"name", grid.name},
+                 {"type", grid.type},
+                 {"class", grid.grid_class},
+                 {"half_stored", grid.half_stored},
+                 {"active_voxels", grid.active_voxels},
+                 {"active_tiles",
+                  {{"8", grid.active_tiles[0]},
+                   {"128", grid.active_tiles[1]},
+                   {"4096", grid.active_tiles[2]}}},
+                 {"leaves", grid.leaves},
+                 {"dense_leaves", grid.dense_leaves},
+                 {"index_box", {{"lower", array(grid.lower)}, {"upper", array(grid.upper)}}},
+                 {"world_box", array(grid.world)},
+                 {"min", grid.min},
+                 {"max", grid.max},
+                 {"memory_bytes", grid.memory_bytes}};
+    if (grid.points) json["points"] = grid.points;
+    if (grid.affine) {
+        Json rows = Json::array();
+        for (int r = 0; r < 3; ++r) {
+            const Vec3d row = grid.world_from_index.linear.row[static_cast<std::size_t>(r)];
+            rows.push_back({row.x, row.y, row.z, grid.world_from_index.translation[r]});
+        }
+        json["world_from_index"] = rows;
+    }
+    return json;
+}
+
+void print(const GridInfo& grid) {
+    const auto line = [](const char* what, const std::string& value) {
+        fmt::print("  {:<14} {}\n", what, value);
+    };
+    fmt::print("grid '{}'\n", grid.name);
+    line("type", grid.type + (grid.half_stored ? ", stored as half" : ""));
+    line("class", grid.grid_class);
+    if (grid.points) line("points", grouped(grid.points));
+    line("active voxels", grouped(grid.active_voxels));
+    line("active tiles",
+         fmt::format("{} of 8^3, {} of 128^3, {} of 4096^3", grouped(grid.active_tiles[0]),
+                     grouped(grid.active_tiles[1]), grouped(grid.active_tiles[2])));
+    line("leaves",
+         fmt::format("{}, {} of them dense", grouped(grid.leaves), grouped(grid.dense_leaves)));
+    if (grid.active_voxels) {
+        const Vec3i size = grid.upper - grid.lower + Vec3i{1, 1, 1};
+        line("bounding box", fmt::format("{} to {}, {}x{}x{} voxels", text(grid.lower),
+                                         text(grid.upper), size.x, size.y, size.z));
+        line("value range", fmt::format("{:.6g} to {:.6g}", grid.min, grid.max));
+    }
+    if (grid.affine) {
+        if (!grid.world.empty())
+            line("world box", text(grid.world.lower) + " to " + text(grid.world.upper));
+        const Mat3& m = grid.world_from_index.linear;
+        line("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}", length(m.column(0)),
+                                       length(m.column(1)), length(m.column(2))));
+        for (int r = 0; r < 3; ++r) {
+            const Vec3d row = m.row[static_cast<std::size_t>(r)];
+            line(r == 0 ? "transform" : "",
+                 fmt::format("{:>12.6g} {:>12.6g} {:>12.6g} {:>12.6g}", row.x, row.y, row.z,
+                             grid.world_from_index.translation[r]));
+        }
+    } else {
+        line("transform", "not affine (a frustum)");
+    }
+    line("memory", bytes_text(grid.memory_bytes));
+}
+
+/// A NanoVDB volume, told as the grids of an OpenVDB file are.
+GridInfo info_of(const Volume& volume) {
+    GridInfo info;
+    info.name = volume.name;
+    info.type = "float";
+    info.grid_class = "fog volume";
+    info.active_voxels = active_voxels(volume);
+    info.leaves = volume.leaves.size();
+    info.world_from_index = volume.world_from_index;
+    info.memory_bytes = volume.leaves.size() * sizeof(Leaf) + volume.tiles.size() * sizeof(Tile);
+    Box box;  // of the active voxels' indices
+    float low = std::numeric_limits<float>::infinity(), high = 0;
+    const auto include = [&](Vec3i first, Vec3i last, float value) {
+        box.include(vec_cast<double>(first));
+        box.include(vec_cast<double>(last));
+        low = std::min(low, value);
+        high = std::max(high, value);
+    };
+    for (const Leaf& leaf : volume.leaves) {
+        info.dense_leaves += leaf.dense();
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.active(n)) {
+                const Vec3i voxel = leaf.origin + Vec3i{n >> 6, (n >> 3) & 7, n & 7};
+                include(voxel, voxel, leaf.value[static_cast<std::size_t>(n)]);
+            }
+    }
+    for (const Tile& tile : volume.tiles) {
+        ++info.active_tiles[tile.edge == 8 ? 0 : tile.edge == 128 ? 1 : 2];
+        const std::int32_t reach = tile.edge - 1;
+        include(tile.origin, tile.origin + Vec3i{reach, reach, reach}, tile.value);
+    }
+    info.lower = vec_cast<std::int32_t>(box.lower);
+    info.upper = vec_cast<std::int32_t>(box.upper);
+    const Vec3d half{0.5, 0.5, 0.5};
+    info.world = transformed(volume.world_from_index, {box.lower - half, box.upper + half});
+    info.min = low;
+    info.max = high;
+    return info;
+}
+
+Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
+    Box bounds;
+    for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
+    return {{"gaussians", model.size()},
+            {"rotated", !model.axis_aligned()},
+            {"kernel", "truncated Gaussian"},
+            {"cutoff", model.cutoff},
+            {"mass", mass(model)},
+            {"bounds", array(bounds)},
+            {"box", array(model.box)},
+            {"nodes", hierarchy.size()},
+            {"bytes", ply_bytes(model, hierarchy)},
+            {"source", model.source},
+            {"source_voxels", model.source_voxels},
+            {"method", model.method},
+            {"options", model.options},
+            {"reached", model.reached}};
+}
+
+void print(const Gaussians& model, const Hierarchy& hierarchy) {
+    const auto line = [](const char* what, const std::string& value) {
+        fmt::print("  {:<14} {}\n", what, value);
+    };
+    Box bounds;
+    for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
+    fmt::print("model\n");
+    line("Gaussians",
+         grouped(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
+    line("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
+    line("mass", fmt::format("{:.8g} (density times world volume)", mass(model)));
+    if (!bounds.empty()) line("bounds", text(bounds.lower) + " to " + text(bounds.upper));
+    if (!model.box.empty())
+        line("data box", text(model.box.lower) + " to " + text(model.box.upper));
+    if (!model.source.empty()) line("source", model.source);
+    if (model.source_voxels)
+        line("share", fmt::format("{:.3g} % of {} active voxels or particles",
+                                  100.0 * static_cast<double>(model.size()) /
+                                      static_cast<double>(model.source_voxels),
+                                  grouped(model.source_voxels)));
+    if (!model.method.empty()) line("method", model.method + " " + model.options);
+    if (!model.reached.empty()) line("reached", model.reached);
+    line("hierarchy", hierarchy.empty() ? "none" : grouped(hierarchy.size()) + " nodes");
+    line("size", bytes_text(ply_bytes(model, hierarchy)));
+}
+
+struct ValueRange {
+    std::string name;
+    float low, high;
+};
+/// What can be the particles' value, and its range.
+std::vector<ValueRange> value_ranges(const Points& points) {
+    std::vector<ValueRange> ranges;
+    for (const std::string& name : point_value_names(points)) {
+        if (name == "count") continue;
+        const BigVector<float> values = point_values(points, name);
+        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+        ranges.push_back({name, *low, *high});
+    }
+    return ranges;
+}
+
+Json as_json(const Points& points) {
+    Json values = Json::array();
+    for (const ValueRange& range : value_ranges(points))
+        values.push_back({{"name", range.name}, {"min", range.low}, {"max", range.high}});
+    return {{"particles", points.size()},
+            {"box", array(bounds(points))},
+            {"velocities", !points.velocity.empty()},
+            {"values", values}};
+}
+
+void print(const Points& points) {
+    const auto line = [](const std::string& what, const std::string& value) {
+        fmt::print("  {:<14} {}\n", what, value);
+    };
+    const Box box = bounds(points);
+    fmt::print("particles\n");
+    line("count", grouped(points.size()));
+    line("box", text(box.lower) + " to " + text(box.upper));
+    line("velocities", points.velocity.empty() ? "none" : "yes");
+    for (const ValueRange& range : value_ranges(points))
+        line(range.name, fmt::format("{:.6g} to {:.6g}", range.low, range.high));
+}
+
+void info(const std::vector<std::string>& files, bool json) {
+    Json all = Json::array();
+    for (const std::string& file : files) {
+        if (kind_of(file) == FileKind::model) {
+            Hierarchy hierarchy;
+            const Gaussians model = read_ply(file, &hierarchy);
+            all.push_back({{"file", file}, {"model", as_json(model, hierarchy)}});
+            if (!json) {
+                fmt::print("{}\n", file);
+                print(model, hierarchy);
+            }
+            continue;
+        }
+        if (kind_of(file) == FileKind::points && !file.ends_with(".vdb")) {
+            const Points points = read_points(file);
+            all.push_back({{"file", file}, {"points", as_json(points)}});
+            if (!json) {
+                fmt::print("{}\n", file);
+                print(points);
+            }
+            continue;
+        }
+        const std::vector<GridInfo> infos =
+            file.ends_with(".nvdb") ? std::vector{info_of(read_nvdb(file))} : inspect_vdb(file);
+        if (!json) fmt::print("{}\n", file);
+        Json grids = Json::array();
+        for (const GridInfo& grid : infos) {
+            grids.push_back(as_json(grid));
+            if (!json) print(grid);
+        }
+        all.push_back({{"file", file}, {"grids", grids}});
+    }
+    if (json) fmt::print("{}\n", Json{{"files", all}}.dump(2));
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+    auto files = std::make_shared<std::vector<std::string>>();
+    auto json = std::make_shared<bool>(false);
+    CLI::App* command =
+        app.add_subcommand("info", "Tell what is inside volumes, particles and models");
+    command
+        ->add_option("files", *files, "OpenVDB and NanoVDB volumes, particles as text, PLY models")
+        ->required();
+    command->add_flag("--json", *json, "Print one JSON object and nothing else");
+    command->callback([files, json] { info(*files, *json); });
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,94 @@
+// sample.cpp: vog sample: make input from nothing.
+#include "vog/sample.h"
+
+#include <fmt/core.h>
+
+#include "commands.h"
+#include "shared/inputs.h"
+#include "shared/terminal.h"
+#include "vog/vdb.h"
+
+namespace vog::cli {
+
+namespace {
+
+struct SampleArguments {
+    std::string what, output;
+    SampleOptions options;
+    int size = 0;  // 0: the sample's own default
+    int threads = 0;
+    bool half = false, verbose = false;
+};
+
+void sample_points(const SampleArguments& arguments) {
+    check_output(arguments.output, {}, {".xyz", ".csv", ".tsv", ".vdb"});
+    if (arguments.half) throw CLI::ValidationError("--half does not go with particles");
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    ParticleSampleOptions options;
+    options.seed = arguments.options.seed;
+    options.progress = stages.progress();
+    if (arguments.size) options.size = arguments.size;
+    const Points points = stages.run("sample", [&] { return sample_particles(options); });
+    stages.run("write", [&] { write_points(arguments.output, points); });
+    fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+}
+
+void sample(const SampleArguments& arguments) {
+    if (arguments.what == "particles") return sample_points(arguments);
+    check_output(arguments.output, {}, {".vdb"});
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose);
+    SampleOptions options = arguments.options;
+    options.progress = stages.progress();
+    if (arguments.size) options.size = arguments.size;
+    if (options.size < 64 || options.size > 1024)
+        throw CLI::ValidationError(fmt::format("--size {}: expected 64 to 1024", options.size));
+    const std::vector<Volume> volumes = stages.run("sample", [&]() -> std::vector<Volume> {
+        if (arguments.what == "amr") return sample_levels(options);
+        return {arguments.what == "cloud" ? sample_cloud(options) : sample_explosion(options)};
+    });
+    stages.run("write", [&] { write_vdb(arguments.output, volumes, arguments.half); });
+    for (const Volume& volume : volumes)
+        fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
+                   volumes.size() > 1 ? volume.name : arguments.what,
+                   grouped(active_voxels(volume)), grouped(volume.leaves.size()),
+                   grouped(volume.tiles.size()));
+}
+
+}  // namespace
+
+void add_sample(CLI::App& app) {
+    auto arguments = std::make_shared<SampleArguments>();
+    CLI::App* command =
+        app.add_subcommand("sample", "Make input from nothing, the same every time");
+    command
+        ->add_option(
+            "what", arguments->what,
+            "cloud: a cumulus with soft edges and a constant core; explosion: a turbulent, "
+            "hollow fireball; amr: halos and filaments on three nested levels, one grid each; "
+            "particles: a box of a universe, with velocities")
+        ->required()
+        ->check(CLI::IsMember({"cloud", "explosion", "amr", "particles"}));
+    command
+        ->add_option("output", arguments->output,
+                     "OpenVDB file to write; particles also as .xyz, .csv or .tsv")
+        ->required();
+    command
+        ->add_option("--size", arguments->size,
+                     fmt::format("Voxels across, 64 to 1024 (default {}); amr: of the finest "
+                                 "level; particles: the cube root of their number, 8 to 512 "
+                                 "(default {})",
+                                 SampleOptions{}.size, ParticleSampleOptions{}.size))
+        ->check(CLI::Range(8, 1024));
+    command->add_option("--seed", arguments->options.seed, "Another number, another shape")
+        ->capture_default_str();
+    command->add_flag("--half", arguments->half, "Store values as half floats");
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->callback([arguments] { sample(*arguments); });
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,125 @@
+// view.cpp: vog view: the window, or a script in its place.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "commands.h"
+#include "options/camera_options.h"
+#include "options/color_options.h"
+#include "shared/inputs.h"
+#include "vog/error.h"
+#include "vog/shade.h"
+#ifdef VOG_VIEWER
+#include "viewer.h"
+#endif
+
+namespace vog::cli {
+
+namespace {
+
+struct WindowArguments {
+    std::vector<std::string> inputs;
+    std::string size = "1280x800", script;
+    VolumeInputOptions volume;
+    PointInputOptions points;
+    ViewArguments view;
+    ColorArguments color;
+    bool headless = false;
+    double scale = 1, ui_scale = 0;
+    int threads = 0;
+};
+
+#ifdef VOG_VIEWER
+
+viewer::Content read_content(const std::vector<std::string>& files,
+                             const WindowArguments& arguments) {
+    viewer::Content content;
+    switch (common_kind(files, arguments.volume.grid)) {
+        case FileKind::model:
+            content.model = load_models(files, &content.hierarchy);
+            break;
+        case FileKind::points:
+            content.points = load_points(files, arguments.points, arguments.volume.grid);
+            content.point_options = point_options(arguments.points);
+            break;
+        default:
+            content.volumes = load_levels(files, arguments.volume);
+            content.is_mesh = are_levels(content.volumes, arguments.volume);
+    }
+    return content;
+}
+
+void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
+    // Told before a window opens.
+    if (!arguments.inputs.empty()) common_kind(arguments.inputs, arguments.volume.grid);
+    for (const std::string& input : arguments.inputs)
+        if (!std::filesystem::exists(input)) throw Error(fmt::format("{}: no such file", input));
+    if (arguments.headless && arguments.script.empty())
+        throw CLI::ValidationError("--headless needs --script: there is no window to use");
+
+    viewer::ViewerOptions options;
+    options.files = arguments.inputs;
+    const Size size = parse_size(arguments.size);
+    options.size = {size.width, size.height};
+    options.headless = arguments.headless;
+    options.script = arguments.script;
+    options.scale = arguments.scale;
+    options.ui_scale = arguments.ui_scale;
+    camera_from(arguments.view, command, {});  // what clashes is told before a window opens
+    options.camera = [&](const Box& box) {
+        const Camera camera = camera_from(arguments.view, command, box);
+        if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
+        return camera;
+    };
+    options.extinction = asked_extinction(arguments.color).value_or(options.extinction);
+    viewer::load_map(options.look, arguments.color.tf);
+    options.look.shading = shading_of(arguments.color);
+    options.read = [&](const std::vector<std::string>& files) {
+        return read_content(files, arguments);
+    };
+    const ThreadLimit limit(arguments.threads);
+    viewer::run(options);
+}
+
+#else
+
+void open_viewer(const WindowArguments&, const CLI::App&) {
+    throw Error("view: this build has no window (it was configured with -DVOG_VIEWER=OFF)");
+}
+
+#endif
+
+}  // namespace
+
+void add_view(CLI::App& app) {
+    auto arguments = std::make_shared<WindowArguments>();
+    CLI::App* command = app.add_subcommand("view", "Explore volumes and models in a window");
+    command->add_option(
+        "inputs", arguments->inputs,
+        "Volumes (several: levels of a mesh), particles or PLY models; others can be "
+        "dropped on the window");
+    command->add_option("--size", arguments->size, "WxH of the window, pixels")
+        ->capture_default_str();
+    command->add_option("--script", arguments->script,
+                        "Play the actions in this file, then end (docs/viewer.md)");
+    command->add_flag("--headless", arguments->headless, "No window: the script's pictures alone");
+    command->add_option("--scale", arguments->scale, "Pixels rendered per pixel shown")
+        ->check(CLI::Range(0.1, 4.0))
+        ->capture_default_str();
+    command
+        ->add_option("--ui-scale", arguments->ui_scale,
+                     "Size of text and controls; 0: as the display asks for")
+        ->check(CLI::Range(0.0, 8.0))
+        ->capture_default_str();
+    add_volume_options(*command, arguments->volume);
+    add_point_options(*command, arguments->points);
+    add_view_options(*command, arguments->view);
+    add_color_options(*command, arguments->color);
+    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->callback([arguments, command] { open_viewer(*arguments, *command); });
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,66 @@
+// memory_options.cpp: a limit from words.
+#include "options/memory_options.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <exception>
+#include <map>
+
+#include "shared/terminal.h"
+
+namespace vog::cli {
+
+namespace {
+
+/// "2G", "500M", "1.5G", "123456": bytes.
+std::uint64_t parse_memory(const std::string& text) {
+    double number = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, code] = std::from_chars(text.data(), end, number);
+    std::string unit(stop, end);
+    if (unit.ends_with('B') && unit.size() > 1) unit.pop_back();
+    const std::map<std::string, double> bytes{
+        {"", 1},       {"K", 0x1p10},  {"M", 0x1p20},  {"G", 0x1p30},  {"T", 0x1p40},
+        {"k", 0x1p10}, {"Ki", 0x1p10}, {"Mi", 0x1p20}, {"Gi", 0x1p30}, {"Ti", 0x1p40}};
+    const auto scale = bytes.find(unit);
+    if (code != std::errc{} || scale == bytes.end() || !(number > 0) || number > 1e15)
+        throw CLI::ValidationError(
+            fmt::format("--memory {}: expected bytes, such as 500M or 2G", text));
+    return static_cast<std::uint64_t>(number * scale->second);
+}
+
+}  // namespace
+
+void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std::string& more) {
+    command
+        .add_option("--memory", arguments.memory,
+                    "Memory to stay under, such as 2G: voxels that do not fit lie in a scratch "
+                    "file" +
+                        more + ". The results are the same")
+        ->group(kLargeDataGroup);
+    command
+        .add_option("--scratch", arguments.scratch,
+                    "Folder of scratch files; default: that of temporary files")
+        ->group(kLargeDataGroup);
+}
+
+AskedMemory::AskedMemory(const MemoryArguments& arguments)
+    : exceptions_(std::uncaught_exceptions()) {
+    if (arguments.memory.empty()) {
+        if (!arguments.scratch.empty()) throw CLI::ValidationError("--scratch goes with --memory");
+        return;
+    }
+    bytes_ = parse_memory(arguments.memory);
+    limit_.emplace(bytes_, arguments.scratch);
+}
+
+AskedMemory::~AskedMemory() {
+    if (bytes_ == 0 || std::uncaught_exceptions() > exceptions_ || peak_memory() <= bytes_) return;
+    note(
+        fmt::format("peak memory {}, above --memory {}: what was more than that is no voxels (a "
+                    "model, its cells, pictures)",
+                    bytes_text(peak_memory()), bytes_text(bytes_)));
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,269 @@
+// inputs.cpp: files, sizes and colours from words.
+#include "shared/inputs.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+#include "shared/terminal.h"
+#include "vog/error.h"
+#include "vog/files.h"
+#include "vog/ply.h"
+#include "vog/shade.h"
+#include "vog/vdb.h"
+
+namespace vog::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string extension_of(const fs::path& file) {
+    std::string extension = file.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+/// Numbers separated by commas; empty where the text holds anything else.
+std::vector<double> numbers(const std::string& text) {
+    std::vector<double> values;
+    const char *at = text.data(), *end = at + text.size();
+    while (true) {
+        double value;
+        const auto [stop, code] = std::from_chars(at, end, value);
+        if (code != std::errc{} || !std::isfinite(value)) return {};
+        values.push_back(value);
+        if (stop == end) return values;
+        if (*stop != ',') return {};
+        at = stop + 1;
+    }
+}
+
+}  // namespace
+
+FileKind kind_of(const fs::path& file, const std::string& grid) {
+    const std::string extension = extension_of(file);
+    // A file that is not there is left to its reader.
+    if (extension == ".vdb" && fs::is_regular_file(file) && vdb_holds_points(file, grid))
+        return FileKind::points;
+    if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
+    if (extension == ".ply" || extension == ".json") return FileKind::model;
+    for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
+        if (extension == text) return FileKind::points;
+    throw Error(
+        fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
+                    ".tsv, .txt or .dat (particles), .ply or .json (model, index of models)",
+                    file.string(), extension));
+}
+
+FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid) {
+    const FileKind kind = kind_of(inputs.front(), grid);
+    for (const std::string& input : inputs)
+        if (kind_of(input, grid) != kind)
+            throw Error(
+                fmt::format("{}: another kind than {}, expected volumes, particles or models alone",
+                            input, inputs.front()));
+    return kind;
+}
+
+void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
+    command.add_option("--grid", options.grid,
+                       "Grid to take; default: the only scalar grid, else 'density'. With * or ? "
+                       "all that match: 'density_L*'");
+    command.add_option("--mask", options.mask,
+                       "Grid that says where a volume counts: inside (values > 0) it hides coarser "
+                       "ones, outside it is left out; a * is what the * of --grid stands for. "
+                       "Default: where the volume itself is active");
+    command.add_flag("--no-mask", options.no_mask,
+                     "Several volumes are no levels of one mesh: add them up");
+    command.add_flag("--level-set-to-fog", options.level_set_to_fog,
+                     "Take the inside of a level set as fog");
+}
+
+LevelOptions level_options(const VolumeInputOptions& options) {
+    const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
+    if (!options.mask.empty() && options.no_mask)
+        throw CLI::ValidationError("--mask and --no-mask exclude each other");
+    if (!options.mask.empty() && has_star(options.mask) != has_star(options.grid))
+        throw CLI::ValidationError(
+            fmt::format("--grid '{}' and --mask '{}': expected a * in both, or no pattern",
+                        options.grid, options.mask));
+    return {options.grid, options.mask, options.level_set_to_fog};
+}
+
+Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options) {
+    const std::vector<fs::path> paths(files.begin(), files.end());
+    std::vector<std::string> notes;
+    Levels levels = read_levels(paths, level_options(options), &notes);
+    for (const std::string& text : notes) note(text);
+    return levels;
+}
+
+bool are_levels(const Levels& levels, const VolumeInputOptions& options) {
+    return !options.no_mask && (levels.volumes.size() > 1 || !levels.masks.empty());
+}
+
+void add_point_options(CLI::App& command, PointInputOptions& options) {
+    command
+        .add_option("--columns", options.columns,
+                    "Of text: the columns of x,y,z or x,y,z,vx,vy,vz, by name or number from 1; "
+                    "default: by their names, else the first ones")
+        ->delimiter(',')
+        ->group(kPointGroup);
+    command
+        .add_option("--value", options.value,
+                    "What a particle weighs: count (1 each; the default), speed, or an attribute. "
+                    "The Gaussians' masses sum to it")
+        ->group(kPointGroup);
+    command
+        .add_option("--radius", options.radius,
+                    "Standard deviation of a particle's Gaussian, world units, or adaptive: half "
+                    "the distance to its k-th neighbour. Paper: its radius, sqrt(2) of them; "
+                    "default half a voxel of about one particle")
+        ->capture_default_str()
+        ->group(kPointGroup);
+    command.add_option("--neighbours", options.neighbours, "Adaptive radius: which neighbour")
+        ->check(CLI::Range(1, 64))
+        ->capture_default_str()
+        ->group(kPointGroup);
+}
+
+Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
+                   const std::string& grid) {
+    Points points = read_points(files.front(), {options.columns, grid});
+    for (std::size_t n = 1; n < files.size(); ++n)
+        append(points, read_points(files[n], {options.columns, grid}));
+    return points;
+}
+
+PointOptions point_options(const PointInputOptions& options) {
+    PointOptions result;
+    if (!options.value.empty()) result.value = options.value;
+    result.neighbours = options.neighbours;
+    if (options.radius == "adaptive") return result;
+    const auto radius = numbers(options.radius);
+    if (radius.size() != 1 || !(radius.front() > 0))
+        throw CLI::ValidationError(
+            fmt::format("--radius {}: expected a number > 0 or 'adaptive'", options.radius));
+    result.radius = radius.front();
+    return result;
+}
+
+void refuse_group(const CLI::App& command, const std::string& group, const std::string& with) {
+    for (const CLI::Option* option : command.get_options())
+        if (option->get_group() == group && option->count())
+            throw CLI::ValidationError(
+                fmt::format("{} does not go with {}", option->get_name(), with));
+}
+
+std::vector<std::string> model_files(const std::vector<std::string>& files) {
+    std::vector<std::string> all;
+    for (const std::string& file : files) {
+        if (extension_of(file) != ".json") {
+            all.push_back(file);
+            continue;
+        }
+        for (const fs::path& named : read_model_index(file)) all.push_back(named.string());
+    }
+    return all;
+}
+
+Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy) {
+    Gaussians model;
+    Hierarchy one;
+    for (const std::string& file : model_files(files)) {
+        const std::size_t before = model.size();
+        append(model, read_ply(file, hierarchy ? &one : nullptr));
+        if (hierarchy) append(*hierarchy, one, before);
+    }
+    return model;
+}
+
+Box box_of(const std::string& input, const VolumeInputOptions& volume,
+           const PointInputOptions& points) {
+    const FileKind kind = kind_of(input, volume.grid);
+    if (kind == FileKind::model) return view_box(load_models({input}));
+    if (kind == FileKind::points)
+        return view_box(
+            convert_points(load_points({input}, points, volume.grid), point_options(points)));
+    const bool one_grid = volume.grid.find_first_of("*?") == std::string::npos;
+    if (extension_of(input) == ".vdb" && one_grid)
+        return VdbReader(input, {volume.grid, volume.level_set_to_fog}).world_box();
+    Box box;
+    for (const Volume& level : load_levels({input}, volume).volumes)
+        if (!level.empty()) box.include(world_box(level));
+    return box;
+}
+
+Size parse_size(const std::string& text) {
+    Size size;
+    const char *begin = text.data(), *end = begin + text.size();
+    const auto width = std::from_chars(begin, end, size.width);
+    bool good = width.ec == std::errc{};
+    if (good && width.ptr == end) {
+        size.height = size.width;
+    } else if (good && *width.ptr == 'x') {
+        const auto height = std::from_chars(width.ptr + 1, end, size.height);
+        good = height.ec == std::errc{} && height.ptr == end;
+    } else {
+        good = false;
+    }
+    if (!good || size.width < 1 || size.height < 1)
+        throw CLI::ValidationError(
+            fmt::format("--size {}: expected WxH or one number, in pixels, like 640x480", text));
+    return size;
+}
+
+Rgba parse_background(const std::string& text) {
+    const auto c = numbers(text);
+    try {
+        if (c.empty()) return named_background(text);
+    } catch (const Error&) {
+        // Said below, with what else would do.
+    }
+    if (c.size() != 3 ||
+        !std::all_of(c.begin(), c.end(), [](double v) { return v >= 0 && v <= 1; }))
+        throw CLI::ValidationError(fmt::format(
+            "--background {}: expected R,G,B in [0, 1], black, white or transparent", text));
+    return {float(c[0]), float(c[1]), float(c[2]), 1};
+}
+
+Vec3d parse_vector(const std::string& option, const std::string& text) {
+    const auto v = numbers(text);
+    if (v.size() != 3)
+        throw CLI::ValidationError(fmt::format("{} {}: expected x,y,z", option, text));
+    return {v[0], v[1], v[2]};
+}
+
+double parse_extinction(const std::string& text) {
+    try {
+        std::size_t used = 0;
+        const double value = std::stod(text, &used);
+        if (used == text.size() && value > 0 && std::isfinite(value)) return value;
+    } catch (const std::exception&) {
+    }
+    throw CLI::ValidationError(
+        fmt::format("--extinction {}: expected a number > 0 or 'auto'", text));
+}
+
+void check_output(const std::string& output, const std::vector<std::string>& inputs,
+                  const std::vector<std::string>& extensions) {
+    const std::string extension = extension_of(output);
+    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
+        throw Error(fmt::format("{}: cannot write '{}' files here, expected {}", output, extension,
+                                fmt::join(extensions, " or ")));
+    const fs::path folder =
+        fs::path(output).has_parent_path() ? fs::path(output).parent_path() : ".";
+    if (!fs::is_directory(folder))
+        throw Error(fmt::format("{}: cannot write: no folder '{}'", output, folder.string()));
+    std::error_code code;
+    for (const std::string& input : inputs)
+        if (fs::equivalent(output, input, code))
+            throw Error(fmt::format("{}: is an input too, expected another name", output));
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,131 @@
+// picture.cpp: sub-frames and requests.
+#include "session/picture.h"
+
+#include <tuple>
+
+namespace vog::viewer {
+
+bool operator==(const PictureKey& a, const PictureKey& b) {
+    const auto tie = [](const PictureKey& k) {
+        return std::tie(k.renderer, k.model, k.hierarchy, k.pixel_error, k.voxels, k.camera.eye,
+                        k.camera.look_at, k.camera.up, k.camera.fov_degrees, k.size);
+    };
+    return tie(a) == tie(b);
+}
+
+const GlModel& GlModels::get(const std::shared_ptr<const Gaussians>& model) {
+    const auto found = models_.find(model.get());
+    if (found != models_.end()) return found->second.on_device;
+    return models_.emplace(model.get(), Entry{model, GlModel(*model)}).first->second.on_device;
+}
+
+void Picture::require_target(PixelSize size) {
+    if (!target_ || target_->width() != size.width || target_->height() != size.height)
+        target_.emplace(GL_R32F, size.width, size.height);
+}
+
+void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models) {
+    // Fewer sub-frames than are summed already: a picture of that many.
+    const int begun = key.renderer == Renderer::gl ? subframes_ : rays_asked_ * rays_asked_;
+    if (!(valid_ && key == key_) || begun > subframes) {
+        key_ = key;
+        valid_ = true;
+        complete_ = false;
+        rays_asked_ = 0;
+        if (key.renderer == Renderer::gl) subframes_ = 0;
+    }
+    if (key.renderer == Renderer::gl)
+        update_gl(subframes, splat, models);
+    else
+        update_cpu(subframes);
+}
+
+/// The cut through the key's model for its camera, made anew for a first sub-frame.
+const GlModel& Picture::cut_model(GlModels& models) {
+    if (!key_.hierarchy || key_.hierarchy->empty()) return models.get(key_.model);
+    if (cut_of_ != key_.model) {
+        cut_.emplace(*key_.model, *key_.hierarchy);
+        cut_of_ = key_.model;
+    }
+    if (subframes_ == 0) {
+        const Gaussians& chosen = cut_->choose(
+            frame_of(key_.camera, key_.size.width, key_.size.height), {key_.pixel_error, true});
+        cut_model_.reset();
+        if (&chosen != key_.model.get()) cut_model_.emplace(chosen);
+    }
+    return cut_model_ ? *cut_model_ : models.get(key_.model);
+}
+
+void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
+    complete_ = subframes_ >= subframes;
+    if (timer_) ms_ = timer_->ms();
+    if (complete_) return;
+    if (!timer_) timer_.emplace();
+    require_target(key_.size);
+    const GlModel& model = cut_model(models);
+    drawn_ = model.size();
+    timer_->begin();
+    if (subframes_ == 0) {
+        target_->bind();
+        glClearColor(0, 0, 0, 0);
+        glClear(GL_COLOR_BUFFER_BIT);
+    }
+    // T of a sum of sub-frames is the sum of their Ts: they add up in one target.
+    splat.add(model, key_.camera, jitter_of(subframes_), *target_);
+    timer_->end();
+    summed_ = ++subframes_;
+    ++revision_;
+    complete_ = subframes_ >= subframes;
+}
+
+void Picture::ask(int rays) {
+    if (!cpu_) cpu_ = std::make_unique<CpuRenderer>();
+    rays_asked_ = rays;
+    const bool voxels = key_.renderer == Renderer::voxels;
+    cpu_->ask({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
+               voxels ? nullptr : key_.hierarchy, key_.pixel_error, voxels ? key_.voxels : nullptr,
+               key_.camera, key_.size.width, key_.size.height, rays});
+}
+
+void Picture::update_cpu(int subframes) {
+    if (rays_asked_ == 0) ask(1);
+    if (complete_) return;
+    const std::optional<CpuPicture> picture = cpu_->take();
+    if (!picture || picture->key != cpu_key_) return;
+    if (!picture->error.empty()) {
+        error_ = picture->error;
+        complete_ = true;
+        return;
+    }
+    require_target(key_.size);
+    target_->upload(picture->depth.depth);
+    subframes_ = picture->rays * picture->rays;
+    summed_ = 1;  // a mean already
+    ms_ = picture->ms;
+    drawn_ = picture->drawn;
+    ms_per_ray_ = ms_ / (double(key_.size.width) * key_.size.height * subframes_);
+    ++revision_;
+    // Twice and four times the rays along each side, as far as that many sub-frames are wanted.
+    constexpr std::int64_t kMostRays = std::int64_t{1} << 26;  // 256 MB of T
+    const int rays = 2 * picture->rays;
+    const std::int64_t all = std::int64_t{key_.size.width} * key_.size.height * rays * rays;
+    if (rays <= 4 && rays * rays <= subframes && all <= kMostRays)
+        ask(rays);
+    else
+        complete_ = true;
+}
+
+GlDepth Picture::depth() const {
+    if (!target_ || summed_ == 0) return {};
+    return {&*target_, summed_};
+}
+
+DepthImage Picture::read() const {
+    DepthImage image(target_->width(), target_->height());
+    image.depth = target_->read_floats();
+    const auto share = static_cast<float>(1 / depth().subframes);
+    for (float& t : image.depth) t *= share;
+    return image;
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,287 @@
+// scene_loader.cpp: from files to levels of detail, in the background.
+#include "session/scene_loader.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "vog/camera.h"
+#include "vog/compare.h"
+#include "vog/error.h"
+#include "vog/moments.h"
+#include "vog/reference.h"
+#include "vog/render.h"
+
+namespace vog::viewer {
+
+namespace {
+
+/// A cut through the moment octree: cells of one size, or the best with as many Gaussians as those.
+struct Cut {
+    int block_voxels;
+    bool best;
+};
+// In the order they are made: first what is quick, to have something to look at.
+constexpr Cut kCuts[] = {{16, false}, {32, false}, {8, false}, {4, false},
+                         {8, true},   {4, true},   {2, false}, {2, true}};
+// The lightest cells are dropped from a budget: with this much more it ends at about the even cut's
+// count, and the best level is the last.
+constexpr double kBudget = 1.05;
+constexpr double kMostGaussians = 6e6;  ///< of a level: 270 MB on the device
+
+/// A level whose cells, if it has any, lie on a lattice.
+Level level_of(const std::string& name, Gaussians model, double share,
+               const std::optional<Affine>& index_from_world = {}) {
+    Level level;
+    level.name = name;
+    level.share = share;
+    level.hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(model, {index_from_world}));
+    level.model = std::make_shared<const Gaussians>(std::move(model));
+    return level;
+}
+
+std::string title_of(const std::vector<std::string>& files) {
+    std::string title = std::filesystem::path(files.front()).filename().string();
+    if (files.size() > 1) title += fmt::format(" and {} more", files.size() - 1);
+    return title;
+}
+
+}  // namespace
+
+std::string grouped(std::uint64_t number) {
+    std::string text = std::to_string(number), result;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        if (i > 0 && (text.size() - i) % 3 == 0) result += ',';
+        result += text[i];
+    }
+    return result;
+}
+
+SceneLoader::SceneLoader(ReadFiles read) : read_(std::move(read)) {}
+SceneLoader::~SceneLoader() { stop(); }
+
+void SceneLoader::stop() {
+    {
+        const std::lock_guard lock(mutex_);
+        cancel_ = true;
+    }
+    if (thread_.joinable()) thread_.join();
+    cancel_ = false;
+}
+
+void SceneLoader::open(const std::vector<std::string>& files) {
+    stop();
+    status_ = {true, "reading " + title_of(files), 0, {}};
+    thread_ = std::thread([this, files] {
+        try {
+            work(files);
+        } catch (const Cancelled&) {
+        } catch (const std::exception& error) {
+            const std::lock_guard lock(mutex_);
+            status_.error = error.what();
+        }
+        const std::lock_guard lock(mutex_);
+        status_.busy = false;
+    });
+}
+
+SceneLoader::Status SceneLoader::status() {
+    const std::lock_guard lock(mutex_);
+    Status now = status_;
+    status_.error.clear();
+    return now;
+}
+
+bool SceneLoader::take(Scene& scene) {
+    const std::lock_guard lock(mutex_);
+    if (!changed_) return false;
+    scene = scene_;
+    changed_ = false;
+    return true;
+}
+
+void SceneLoader::begin(const std::string& doing) {
+    const std::lock_guard lock(mutex_);
+    if (cancel_) throw Cancelled{};
+    status_.doing = doing;
+    status_.fraction = 0;
+}
+
+Progress SceneLoader::progress(double from, double to) {
+    return [this, from, to](double fraction) {
+        const std::lock_guard lock(mutex_);
+        if (cancel_) throw Cancelled{};
+        status_.fraction = from + (to - from) * fraction;
+    };
+}
+
+void SceneLoader::add_level(Level level) {
+    const std::lock_guard lock(mutex_);
+    const auto fewer = [](const Level& a, const Level& b) {
+        return a.model->size() < b.model->size();
+    };
+    scene_.levels.insert(std::upper_bound(scene_.levels.begin(), scene_.levels.end(), level, fewer),
+                         std::move(level));
+    changed_ = true;
+}
+
+void SceneLoader::show(Scene scene) {
+    const std::lock_guard lock(mutex_);
+    scene.opened = scene_.opened + 1;
+    scene_ = std::move(scene);
+}
+
+void SceneLoader::work(const std::vector<std::string>& files) {
+    Content content = read_(files);
+    Scene scene;
+    scene.title = title_of(files);
+    if (!content.volumes.volumes.empty()) {
+        show_volumes(std::move(content.volumes), content.is_mesh, std::move(scene));
+    } else if (content.points.size() > 0) {
+        show_points(content.points, content.point_options, std::move(scene));
+    } else {
+        if (content.model.size() == 0)
+            throw Error(fmt::format("{}: a model without Gaussians", files.front()));
+        show_model(std::move(content.model), std::move(content.hierarchy), std::move(scene));
+    }
+}
+
+void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
+    begin("preparing the voxels");
+    auto voxels = std::make_shared<Voxels>();
+    Composite data;
+    const std::size_t count = volumes.volumes.size();
+    if (is_mesh) {
+        voxels->draw = [grids = level_grids(volumes)](const Camera& camera, int width, int height,
+                                                      const Progress& report) {
+            return render_reference(grids, camera, width, height, {report});
+        };
+        data = composite(volumes);
+    } else {
+        std::vector<VoxelGrid> grids;
+        for (const Volume& volume : volumes.volumes) {
+            grids.push_back(voxel_grid(volume));
+            data.box.include(world_box(volume));
+            data.voxels += active_voxels(volume);
+        }
+        voxels->draw = [grids](const Camera& camera, int width, int height,
+                               const Progress& report) {
+            return render_reference(grids, camera, width, height, {report});
+        };
+        data.parts = std::move(volumes.volumes);
+    }
+    scene.voxels = std::move(voxels);
+    scene.box = data.box;
+    scene.facts = grouped(data.voxels) + " active voxels";
+    if (count > 1) scene.facts += fmt::format(" in {} {}", count, is_mesh ? "levels" : "volumes");
+    show(std::move(scene));
+    convert_levels(data, is_mesh);
+    data.parts.clear();
+    measure_levels();
+}
+
+void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) {
+    const std::uint64_t voxels = model.source_voxels;
+    scene.box = view_box(model);
+    scene.facts = voxels ? "a model of " + grouped(voxels) + " active voxels" : "a model";
+    show(std::move(scene));
+    Level level;
+    level.name = model.method.empty() ? "model" : model.method;
+    level.made_by = model.options;
+    if (voxels) level.share = static_cast<double>(model.size()) / static_cast<double>(voxels);
+    if (hierarchy.empty()) {
+        begin("finding coarser Gaussians");
+        hierarchy = build_hierarchy(model);
+    }
+    level.hierarchy = std::make_shared<const Hierarchy>(std::move(hierarchy));
+    level.model = std::make_shared<const Gaussians>(std::move(model));
+    add_level(std::move(level));
+}
+
+void SceneLoader::show_points(const Points& points, PointOptions options, Scene scene) {
+    const auto count = static_cast<double>(points.size());
+    scene.unit = "particles";
+    scene.facts = grouped(points.size()) + " particles";
+    scene.box = bounds(points);
+    options.progress = progress();
+    begin("converting: one Gaussian a particle");
+    Gaussians all = convert_points(points, options);
+    scene.box = view_box(all);
+    show(std::move(scene));
+    add_level(level_of("one a particle", std::move(all), 1));
+    for (const double share : {0.0029, 0.019, 0.135}) {
+        options.budget = static_cast<std::size_t>(share * count);
+        if (options.budget < 64) continue;
+        const std::string name = fmt::format("best cut, {} %", 100 * share);
+        begin("converting: " + name);
+        Gaussians model = convert_points(points, options);
+        const double reached = static_cast<double>(model.size()) / count;
+        add_level(level_of(name, std::move(model), reached));
+    }
+    measure_levels();
+}
+
+void SceneLoader::convert_levels(const Composite& data, bool is_mesh) {
+    const auto voxels = static_cast<double>(data.voxels);
+    std::map<int, double> share_of;  // Gaussians a voxel, of even cuts by their blocks
+    for (const Cut& cut : kCuts) {
+        if (cut.best && !share_of.count(cut.block_voxels)) continue;
+        // Blocks of half the edge: up to eight times as many.
+        if (cut.block_voxels == 2 && 8 * share_of[4] * voxels > kMostGaussians) continue;
+        const double share = cut.best ? kBudget * share_of[cut.block_voxels] : 0;
+        if (cut.best && share * voxels < 64) continue;
+        const std::string name = cut.best ? fmt::format("best cut, {:.2g} %", 100 * share)
+                                          : fmt::format("blocks of {} voxels", cut.block_voxels);
+        begin("converting: " + name);
+
+        MomentOptions options;
+        if (!cut.best) options.block_voxels = cut.block_voxels;
+        Gaussians all;
+        const auto parts = static_cast<double>(is_mesh ? 1 : data.parts.size());
+        for (std::size_t n = 0; n < data.parts.size(); ++n) {
+            const Volume& volume = data.parts[n];
+            const auto at = static_cast<double>(n);
+            options.progress = progress(at / parts, (at + 1) / parts);
+            // Volumes that are no mesh share a budget by their voxels.
+            const double of = is_mesh ? voxels : static_cast<double>(active_voxels(volume));
+            if (cut.best)
+                options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(share * of));
+            append(all,
+                   is_mesh ? convert_moments(data, options) : convert_moments(volume, options));
+            if (is_mesh) break;
+        }
+        all.box = data.box;
+        const double reached = static_cast<double>(all.size()) / voxels;
+        if (!cut.best) share_of[cut.block_voxels] = reached;
+        add_level(
+            level_of(name, std::move(all), reached, inverse(data.parts.front().world_from_index)));
+    }
+}
+
+void SceneLoader::measure_levels() {
+    constexpr int kSize = 256;
+    begin("measuring: the truth");
+    Scene scene;
+    {
+        const std::lock_guard lock(mutex_);
+        scene = scene_;
+    }
+    const Camera camera = paper_view(scene.box);
+    DepthImage truth = scene.voxels
+                           ? scene.voxels->draw(camera, kSize, kSize, progress())
+                           : render_splat(*scene.levels.back().model, camera, kSize, kSize);
+    set_extinction(truth, auto_extinction(truth));
+    for (std::size_t n = 0; n < scene.levels.size(); ++n) {
+        begin("measuring: " + scene.levels[n].name);
+        const DepthImage image = render_splat(*scene.levels[n].model, camera, kSize, kSize);
+        const double psnr_db = compare(truth, image).grey.psnr_db;
+        const std::lock_guard lock(mutex_);
+        scene_.levels[n].psnr_db = psnr_db;
+        changed_ = true;
+    }
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,245 @@
+// session.cpp: frame by frame: new data, the level to draw, the pictures, and what is read off
+// them.
+#include "session/session.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <tuple>
+
+#include "vog/error.h"
+
+namespace vog::viewer {
+
+namespace {
+
+double now_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+/// The camera counts as moving for this long after its last change.
+constexpr double kSettleS = 0.2;
+constexpr double kSlowFrameMs = 45, kQuickFrameMs = 20;
+constexpr double kMostMovingError = 16;  ///< pixels: shapes are still told
+
+bool same(const Camera& a, const Camera& b) {
+    const auto tie = [](const Camera& c) {
+        return std::tie(c.eye, c.look_at, c.up, c.fov_degrees);
+    };
+    return tie(a) == tie(b);
+}
+
+/// Shares of the pixels with T > 0 by V.
+std::vector<float> histogram_of(const DepthImage& depth, double extinction) {
+    constexpr std::size_t kBins = 128;
+    std::vector<float> share(kBins);
+    std::size_t covered = 0;
+    for (const float t : depth.depth) {
+        if (!(t > 0)) continue;
+        const double v = -std::expm1(-t * extinction);
+        ++share[std::min(static_cast<std::size_t>(v * kBins), kBins - 1)];
+        ++covered;
+    }
+    if (covered)
+        for (float& each : share) each /= static_cast<float>(covered);
+    return share;
+}
+
+}  // namespace
+
+Session::Session(ReadFiles read) : loader_(std::move(read)) {}
+
+void Session::open(const std::vector<std::string>& files) {
+    if (files.front().ends_with(".json")) return open_json(files.front());
+    loader_.open(files);
+    opening_ = true;
+    // Its status is asked for with each frame: errors are told once.
+    loading = {true, {}, 0, {}};
+}
+
+void Session::say(const std::string& text) {
+    message = text;
+    failed = false;
+}
+void Session::fail(const std::string& text) {
+    message = text;
+    failed = true;
+}
+
+double Session::aspect() const {
+    return shown_.height > 0 ? static_cast<double>(shown_.width) / shown_.height : 1;
+}
+
+double Session::radius() const {
+    const double radius = scene.box.empty() ? 1 : scene.box.radius();
+    return radius > 0 ? radius : 1;
+}
+
+void Session::take_scene() {
+    loading = loader_.status();
+    if (!loading.error.empty()) {
+        fail(loading.error);
+        opening_ = false;
+    }
+    const int opened = scene.opened;
+    const Level* chosen = settings.level < 0 ? nullptr : level_at(settings.level);
+    const std::shared_ptr<const Gaussians> model = chosen ? chosen->model : nullptr;
+    if (!loader_.take(scene)) return;
+    if (scene.opened == opened) {
+        // New levels come between the others: the chosen one stays chosen.
+        for (std::size_t n = 0; model && n < scene.levels.size(); ++n)
+            if (scene.levels[n].model == model) settings.level = static_cast<int>(n);
+        return;
+    }
+    // Another set of files: another place to look at.
+    opening_ = false;
+    models_.clear();
+    settings.level = -1;
+    moving_error_ = 0;
+    camera = first_camera(scene.box);
+    if (opened > 0) exposure_open_ = true;
+    if (!scene.voxels && settings.other == Renderer::voxels) settings.other = Renderer::splat;
+    if (scene.voxels && opened == 0) settings.other = Renderer::voxels;
+    say(scene.title);
+}
+
+const Level* Session::level_at(int level) const {
+    if (scene.levels.empty()) return nullptr;
+    const int last = static_cast<int>(scene.levels.size()) - 1;
+    return &scene.levels[static_cast<std::size_t>(level < 0 ? last : std::min(level, last))];
+}
+
+void Session::choose_moving_error() {
+    const bool changed = !same(camera, last_camera_);
+    last_camera_ = camera;
+    const double now = now_s();
+    if (changed) last_change_s_ = now;
+    moving_ = settings.coarse_moving && !turntable_ && now - last_change_s_ < kSettleS;
+    if (!moving_ || !changed || scene.levels.empty()) return;
+    // An eighth as many Gaussians after a slow frame, more again while there is time.
+    if (measured.frame_ms > kSlowFrameMs)
+        moving_error_ = std::clamp(2 * moving_error_, 2.0, kMostMovingError);
+    else if (measured.frame_ms < kQuickFrameMs)
+        moving_error_ = moving_error_ > 2 ? 0.5 * moving_error_ : 0;
+}
+
+double Session::ms_per_ray(Renderer renderer) const {
+    return settings.renderer == renderer ? left_.ms_per_ray() : right_.ms_per_ray();
+}
+
+PictureKey Session::key(Renderer renderer) const {
+    const Level* level = shown_level();
+    PictureKey key;
+    key.renderer = renderer;
+    if (renderer == Renderer::voxels)
+        key.voxels = scene.voxels;
+    else
+        key.model = level->model;
+    if (renderer == Renderer::gl || renderer == Renderer::splat) {
+        key.hierarchy = level->hierarchy;
+        key.pixel_error = double{settings.pixel_error};
+        if (moving_) key.pixel_error = std::max(key.pixel_error, moving_error_);
+    }
+    key.camera = camera;
+    double scale = settings.scale;
+    // What takes the CPU long is drawn with a sixteenth of the rays while the camera moves.
+    const double rays = scale * scale * shown_.width * shown_.height;
+    if (moving_ && renderer != Renderer::gl && rays * ms_per_ray(renderer) > kSlowFrameMs)
+        scale *= 0.25;
+    key.size = {std::max(1, static_cast<int>(std::lround(shown_.width * scale))),
+                std::max(1, static_cast<int>(std::lround(shown_.height * scale)))};
+    return key;
+}
+
+bool Session::needs_right() const { return settings.split_on || settings.difference; }
+
+void Session::update(PixelSize shown) {
+    shown_ = shown;
+    take_scene();
+    if (scene.levels.empty()) return;
+    if (!scene.voxels) {  // voxels of a model are not known
+        if (settings.renderer == Renderer::voxels) settings.renderer = Renderer::gl;
+        if (settings.other == Renderer::voxels) settings.other = Renderer::splat;
+    }
+    choose_moving_error();
+    const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
+    left_.update(key(settings.renderer), subframes, splat_, models_);
+    if (needs_right()) right_.update(key(settings.other), subframes, splat_, models_);
+    for (Picture* picture : {&left_, &right_})
+        if (const std::string error = picture->take_error(); !error.empty()) fail(error);
+    inspect_depth();
+    advance_turntable();
+}
+
+bool Session::at_first_view() const { return same(camera, first_camera(scene.box)); }
+
+bool Session::drawing() const {
+    if (scene.levels.empty()) return false;
+    const bool left = settings.renderer == Renderer::gl && !left_.complete();
+    const bool right = needs_right() && settings.other == Renderer::gl && !right_.complete();
+    return moving_ || left || right;
+}
+
+bool Session::at_rest() const {
+    return !loading.busy && !moving_ && !turntable_ &&
+           (scene.levels.empty() || (left_.complete() && (!needs_right() || right_.complete())));
+}
+
+void Session::inspect_depth() {
+    if (!left_.depth().target) return;
+    // Reading back waits for the device: at the first picture and when one is complete.
+    const bool first = inspected_revision_ < 0;
+    if (!first && !(left_.complete() && !moving_ && left_.revision() != inspected_revision_))
+        return;
+    inspected_ = left_.read();
+    if (exposure_open_ || settings.follow_exposure) {
+        look.extinction = automatic_extinction = vog::auto_extinction(inspected_);
+        shade_.set_look(look);
+        // The view has been left, or all levels are there.
+        exposure_open_ = exposure_open_ && at_first_view() && !(loaded() && left_.complete());
+    }
+    inspected_revision_ = left_.revision();
+    histogram = histogram_of(inspected_, look.extinction);
+}
+
+void Session::look_changed() {
+    shade_.set_look(look);
+    if (look.extinction != automatic_extinction) exposure_open_ = false;
+    histogram = histogram_of(inspected_, look.extinction);
+}
+
+void Session::auto_exposure() {
+    if (!left_.depth().target) return;
+    look.extinction = automatic_extinction = auto_extinction(left_.read());
+    look_changed();
+}
+
+void Session::set_first_exposure(double extinction) {
+    look.extinction = automatic_extinction = extinction;
+    exposure_open_ = false;
+    look_changed();
+}
+
+void Session::shade_into(const Viewport& to, bool checker) const {
+    const GlDepth a = left_.depth();
+    const GlDepth b = needs_right() && right_.depth().target ? right_.depth() : a;
+    ShadeView view;
+    view.split = settings.split_on ? settings.split : 1.0f;
+    view.difference = settings.difference;
+    view.difference_limit = settings.difference_limit;
+    view.checker = checker;
+    shade_.draw(a, b, view, to);
+}
+
+void Session::draw(const Viewport& to) {
+    if (!left_.depth().target) return;
+    shade_timer_.begin();
+    shade_into(to, true);
+    shade_timer_.end();
+    measured.shade_ms = shade_timer_.ms();
+}
+
+}  // namespace vog::viewer

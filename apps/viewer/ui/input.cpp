@@ -1,0 +1,260 @@
+// input.cpp: mouse and keys to motions of the camera and changes of the settings.
+#include "ui/input.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "screen/screen_keys.h"
+#include "vog/error.h"
+
+namespace vog::viewer {
+
+namespace {
+
+constexpr KeyHelp kHelp[] = {
+    {"left drag", "turn around the centre"},
+    {"middle or Shift + left drag", "pan"},
+    {"wheel", "zoom to the pointer, through the volume if need be"},
+    {"right drag", "zoom"},
+    {"Ctrl + left drag", "look around from where you are"},
+    {"Alt + left drag", "roll"},
+    {"drag the split line", "compare two renderers"},
+    {"W S A D, PageUp PageDown", "fly ahead, back, left, right, up, down"},
+    {"Q E", "roll"},
+    {"arrows", "turn by 5 degrees"},
+    {"1 2 3, with Shift", "view from +x +y +z, from -x -y -z"},
+    {"P  Home  F", "paper view, first view, fit"},
+    {"[ ]", "coarser, finer level of detail"},
+    {"- =  0", "exposure down, up, automatic"},
+    {"M  Shift + M", "next, previous colour map"},
+    {"I  B", "invert the map, blend"},
+    {"N", "next renderer"},
+    {"V  X", "split line, difference"},
+    {"C", "copy the view as command-line flags"},
+    {"F2  F3  F4", "screenshot, picture alone (PNG), T (EXR)"},
+    {"Tab  O  L", "panels, figures, colour bar"},
+    {"F1 or H", "this help"},
+    {"Ctrl + Q", "quit"},
+};
+
+ScreenPoint place(const Rect& picture, ImVec2 at) {
+    const double half = 0.5 * picture.height;
+    return {(at.x - picture.x - 0.5 * picture.width) / half,
+            (picture.y + 0.5 * picture.height - at.y) / half};
+}
+
+Hand::Grip grip_of(const Session& session, const Rect& picture, const ImGuiIO& io, float ui) {
+    const float line = picture.x + session.settings.split * picture.width;
+    if (io.MouseDown[0]) {
+        if (session.settings.split_on && !session.settings.difference &&
+            std::abs(io.MousePos.x - line) < 6 * ui)
+            return Hand::Grip::split;
+        return io.KeyShift  ? Hand::Grip::pan
+               : io.KeyCtrl ? Hand::Grip::look
+               : io.KeyAlt  ? Hand::Grip::roll
+                            : Hand::Grip::rotate;
+    }
+    return io.MouseDown[1] ? Hand::Grip::zoom : Hand::Grip::pan;
+}
+
+void drag(Session& session, Hand& hand, const Rect& picture, ScreenPoint at, float mouse_x) {
+    const ScreenPoint from = hand.last;
+    hand.last = at;
+    const double dx = at.x - from.x, dy = at.y - from.y;
+    if (dx == 0 && dy == 0) return;
+    Camera& camera = session.camera;
+    const double half_fov = camera.fov_degrees * std::numbers::pi / 360;
+    switch (hand.grip) {
+        case Hand::Grip::rotate:
+            camera = rotated(camera, from, at);
+            break;
+        case Hand::Grip::pan:
+            camera = panned(camera, from, at);
+            break;
+        case Hand::Grip::zoom:
+            camera = zoomed(camera, {}, std::exp(-2 * dy), session.least_distance());
+            break;
+        case Hand::Grip::look:  // what is under the pointer follows it
+            camera = looked_around(camera, -dx * half_fov, -dy * half_fov);
+            break;
+        case Hand::Grip::roll:
+            camera = rolled(
+                camera, std::atan2(from.y * at.x - from.x * at.y, from.x * at.x + from.y * at.y));
+            break;
+        case Hand::Grip::split:
+            session.settings.split = std::clamp((mouse_x - picture.x) / picture.width, 0.0f, 1.0f);
+            break;
+        default:
+            break;
+    }
+}
+
+void apply_mouse(Session& session, Hand& hand, const Rect& picture) {
+    const ImGuiIO& io = ImGui::GetIO();
+    const float ui = ImGui::GetFontSize() / 15;
+    const ScreenPoint at = place(picture, io.MousePos);
+    const bool down = io.MouseDown[0] || io.MouseDown[1] || io.MouseDown[2];
+    const bool over = !io.WantCaptureMouse && picture.holds(io.MousePos.x, io.MousePos.y);
+    const bool pressed =
+        ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1) || ImGui::IsMouseClicked(2);
+    if (!down) {
+        hand.grip = Hand::Grip::none;
+    } else if (pressed && over && hand.grip == Hand::Grip::none) {
+        hand.grip = grip_of(session, picture, io, ui);
+        hand.last = at;
+    } else if (hand.grip != Hand::Grip::none) {
+        drag(session, hand, picture, at, io.MousePos.x);
+    }
+    const bool on_line =
+        session.settings.split_on &&
+        std::abs(io.MousePos.x - picture.x - session.settings.split * picture.width) < 6 * ui;
+    if ((over && on_line) || hand.grip == Hand::Grip::split)
+        ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    if (over && io.MouseWheel != 0)
+        session.camera =
+            zoomed(session.camera, at, std::pow(0.85, static_cast<double>(io.MouseWheel)),
+                   session.least_distance());
+}
+
+/// The keys that move for as long as they are held.
+void fly(Session& session) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.KeyCtrl || session.scene.levels.empty()) return;
+    const auto held = [&](int key) { return io.KeysDown[key] ? 1.0 : 0.0; };
+    const double seconds = std::min(0.05, static_cast<double>(io.DeltaTime));
+    const double step = 0.6 * seconds * session.radius();  // radii a second
+    const double right = held(GLFW_KEY_D) - held(GLFW_KEY_A);
+    const double up = held(GLFW_KEY_PAGE_UP) - held(GLFW_KEY_PAGE_DOWN);
+    const double forward = held(GLFW_KEY_W) - held(GLFW_KEY_S);
+    if (right != 0 || up != 0 || forward != 0)
+        session.camera = flown(session.camera, step * right, step * up, step * forward);
+    const double roll = held(GLFW_KEY_E) - held(GLFW_KEY_Q);
+    if (roll != 0) session.camera = rolled(session.camera, roll * seconds);
+}
+
+void change_map(Session& session, int step) {
+    const std::vector<std::string> names = transfer_function_names();
+    const int count = static_cast<int>(names.size());
+    const auto found = std::find(names.begin(), names.end(), session.look.map);
+    const int now = found == names.end() ? 0 : static_cast<int>(found - names.begin());
+    load_map(session.look, names[static_cast<std::size_t>((now + step + count) % count)]);
+    session.look_changed();
+}
+
+void change_level(Session& session, int step) {
+    const int last = static_cast<int>(session.scene.levels.size()) - 1;
+    if (last < 0) return;
+    const int now = session.settings.level < 0 ? last : session.settings.level;
+    const int next = std::clamp(now + step, 0, last);
+    session.settings.level = next == last ? -1 : next;
+}
+
+void next_renderer(Session& session) {
+    std::vector<Renderer> all = renderers();
+    if (!session.scene.voxels) std::erase(all, Renderer::voxels);
+    const auto now = std::find(all.begin(), all.end(), session.settings.renderer);
+    session.settings.renderer = now == all.end() || now + 1 == all.end() ? all.front() : now[1];
+}
+
+void apply_view_keys(Session& session) {
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
+    const bool other_side = ImGui::GetIO().KeyShift;
+    if (pressed(GLFW_KEY_1)) session.set_view(other_side ? "-x" : "+x");
+    if (pressed(GLFW_KEY_2)) session.set_view(other_side ? "-y" : "+y");
+    if (pressed(GLFW_KEY_3)) session.set_view(other_side ? "-z" : "+z");
+    if (pressed(GLFW_KEY_P)) session.set_view("paper");
+    if (pressed(GLFW_KEY_HOME)) session.reset_view();
+    if (pressed(GLFW_KEY_F)) session.fit();
+    constexpr double kTurn = 5 * std::numbers::pi / 180;
+    if (pressed(GLFW_KEY_LEFT)) session.camera = orbited(session.camera, -kTurn, 0);
+    if (pressed(GLFW_KEY_RIGHT)) session.camera = orbited(session.camera, kTurn, 0);
+    if (pressed(GLFW_KEY_UP)) session.camera = orbited(session.camera, 0, kTurn);
+    if (pressed(GLFW_KEY_DOWN)) session.camera = orbited(session.camera, 0, -kTurn);
+}
+
+void apply_setting_keys(Session& session, Wishes& wishes) {
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
+    const auto toggle = [&](int key, bool& setting) {
+        if (pressed(key)) setting = !setting;
+    };
+    Settings& s = session.settings;
+    toggle(GLFW_KEY_TAB, s.panels);
+    toggle(GLFW_KEY_O, s.overlay);
+    toggle(GLFW_KEY_L, s.color_bar);
+    toggle(GLFW_KEY_F1, s.help);
+    toggle(GLFW_KEY_H, s.help);
+    toggle(GLFW_KEY_V, s.split_on);
+    toggle(GLFW_KEY_X, s.difference);
+    if (pressed(GLFW_KEY_ESCAPE)) s.help = false;
+    if (pressed(GLFW_KEY_LEFT_BRACKET)) change_level(session, -1);
+    if (pressed(GLFW_KEY_RIGHT_BRACKET)) change_level(session, 1);
+    if (pressed(GLFW_KEY_N)) next_renderer(session);
+    if (pressed(GLFW_KEY_C)) session.copy_flags();
+    wishes.screenshot |= pressed(GLFW_KEY_F2);
+    wishes.picture |= pressed(GLFW_KEY_F3);
+    wishes.depth |= pressed(GLFW_KEY_F4);
+
+    const double extinction = session.look.extinction;
+    if (pressed(GLFW_KEY_MINUS)) session.look.extinction /= 1.1;
+    if (pressed(GLFW_KEY_EQUAL)) session.look.extinction *= 1.1;
+    const bool invert = session.look.invert, blend = session.look.shading.blend;
+    toggle(GLFW_KEY_I, session.look.invert);
+    toggle(GLFW_KEY_B, session.look.shading.blend);
+    if (extinction != session.look.extinction || invert != session.look.invert ||
+        blend != session.look.shading.blend)
+        session.look_changed();
+    if (pressed(GLFW_KEY_0)) session.auto_exposure();
+    if (pressed(GLFW_KEY_M)) change_map(session, ImGui::GetIO().KeyShift ? -1 : 1);
+}
+
+}  // namespace
+
+std::span<const KeyHelp> key_help() { return kHelp; }
+
+int key_number(const std::string& name) {
+    constexpr std::pair<const char*, int> kNamed[] = {
+        {"space", GLFW_KEY_SPACE},
+        {"tab", GLFW_KEY_TAB},
+        {"escape", GLFW_KEY_ESCAPE},
+        {"enter", GLFW_KEY_ENTER},
+        {"home", GLFW_KEY_HOME},
+        {"left", GLFW_KEY_LEFT},
+        {"right", GLFW_KEY_RIGHT},
+        {"up", GLFW_KEY_UP},
+        {"down", GLFW_KEY_DOWN},
+        {"pageup", GLFW_KEY_PAGE_UP},
+        {"pagedown", GLFW_KEY_PAGE_DOWN},
+        {"-", GLFW_KEY_MINUS},
+        {"=", GLFW_KEY_EQUAL},
+        {"[", GLFW_KEY_LEFT_BRACKET},
+        {"]", GLFW_KEY_RIGHT_BRACKET},
+    };
+    for (const auto& [known, key] : kNamed)
+        if (name == known) return key;
+    if (name.size() == 1 && name[0] >= 'a' && name[0] <= 'z') return GLFW_KEY_A + name[0] - 'a';
+    if (name.size() == 1 && name[0] >= '0' && name[0] <= '9') return GLFW_KEY_0 + name[0] - '0';
+    for (int n = 1; n <= 12; ++n)
+        if (name == fmt::format("f{}", n)) return GLFW_KEY_F1 + n - 1;
+    throw Error(fmt::format(
+        "no key '{}', expected a letter, a digit, f1 to f12, space, tab, escape, enter, "
+        "home, left, right, up, down, pageup, pagedown, -, =, [ or ]",
+        name));
+}
+
+void apply_input(Session& session, Hand& hand, const Rect& picture, Wishes& wishes) {
+    apply_mouse(session, hand, picture);
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantTextInput) return;
+    if (io.KeyCtrl) {
+        wishes.quit |= ImGui::IsKeyPressed(GLFW_KEY_Q, false);
+        return;
+    }
+    fly(session);
+    apply_setting_keys(session, wishes);
+    if (!session.scene.levels.empty()) apply_view_keys(session);
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,233 @@
+// look_panel.cpp: the transfer function editor. What it changes is shaded anew, never rendered.
+#include <fmt/core.h>
+#include <imgui.h>
+#include <imgui_stdlib.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/panels.h"
+
+namespace vog::viewer {
+
+namespace {
+
+ImU32 color_u32(const Rgba& c, float alpha = 1) {
+    return ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, alpha});
+}
+
+/// The colours along V, as one strip.
+void draw_strip(const TransferFunction& tf, ImVec2 at, ImVec2 size) {
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    constexpr std::size_t kPieces = 64;
+    const auto color = [&](std::size_t n) {
+        return color_u32(evaluate(tf, static_cast<float>(n) / float(kPieces)));
+    };
+    for (std::size_t n = 0; n < kPieces; ++n) {
+        const float x0 = at.x + size.x * static_cast<float>(n) / kPieces;
+        const float x1 = at.x + size.x * static_cast<float>(n + 1) / kPieces;
+        const ImU32 left = color(n), right = color(n + 1);
+        list.AddRectFilledMultiColor({x0, at.y}, {x1, at.y + size.y}, left, right, right, left);
+    }
+}
+
+bool choose_map(Session& session, Gui& gui) {
+    bool changed = false;
+    if (ImGui::BeginCombo("map", session.look.base.name.c_str(), ImGuiComboFlags_HeightLarge)) {
+        for (const std::string& name : transfer_function_names()) {
+            const ImVec2 at = ImGui::GetCursorScreenPos();
+            const float height = ImGui::GetTextLineHeight();
+            if (ImGui::Selectable(("      " + name).c_str(), name == session.look.map)) {
+                load_map(session.look, name);
+                changed = true;
+            }
+            draw_strip(named_transfer_function(name), at, {1.6f * height, height});
+        }
+        ImGui::EndCombo();
+    }
+    mark(gui, "map");
+    return changed;
+}
+
+/// Opacity points over the histogram of V: drag them, double-click for a new one, right-click to
+/// remove one.
+class OpacityEditor {
+  public:
+    OpacityEditor(Session& session, Gui& gui, ImVec2 at, ImVec2 size, float ui)
+        : session_(session), gui_(gui), at_(at), size_(size), ui_(ui) {}
+
+    bool edit() {
+        std::vector<OpacityPoint>& points = session_.look.opacity;
+        const ImVec2 mouse = ImGui::GetIO().MousePos;
+        const bool over = ImGui::IsItemHovered();
+        const int near = over ? nearest(mouse) : -1;
+        if (over && ImGui::IsMouseDoubleClicked(0) && near < 0) return add(mouse);
+        if (over && ImGui::IsMouseClicked(0)) gui_.dragged_point = near;
+        if (!ImGui::IsMouseDown(0)) gui_.dragged_point = -1;
+        if (over && ImGui::IsMouseClicked(1) && near >= 0) {
+            points.erase(points.begin() + near);
+            if (points.size() < 2) points.clear();  // opaque again
+            return true;
+        }
+        const int dragged = gui_.dragged_point;
+        if (dragged < 0 || dragged >= static_cast<int>(points.size())) return false;
+        const auto n = static_cast<std::size_t>(dragged);
+        const OpacityPoint before = points[n];
+        const float low = n > 0 ? points[n - 1].v : 0.0f;
+        const float high = n + 1 < points.size() ? points[n + 1].v : 1.0f;
+        points[n] = {std::clamp(v_of(mouse.x), low, high), opacity_of(mouse.y)};
+        return before.v != points[n].v || before.opacity != points[n].opacity;
+    }
+
+    void draw() const {
+        ImDrawList& list = *ImGui::GetWindowDrawList();
+        list.AddRectFilled(at_, {at_.x + size_.x, at_.y + size_.y}, IM_COL32(18, 18, 20, 255));
+        const std::vector<float>& share = session_.histogram;
+        const auto bins = static_cast<float>(share.size());
+        for (std::size_t n = 0; n < share.size(); ++n) {
+            // Logarithmic: from one pixel in a hundred thousand to all of them.
+            const float height =
+                std::clamp(1 + std::log10(std::max(share[n], 1e-30f)) / 5, 0.0f, 1.0f);
+            const float x0 = at_.x + size_.x * static_cast<float>(n) / bins;
+            const float x1 = at_.x + size_.x * static_cast<float>(n + 1) / bins;
+            list.AddRectFilled({x0, at_.y + size_.y * (1 - height)}, {x1, at_.y + size_.y},
+                               IM_COL32(90, 100, 120, 255));
+        }
+        const std::vector<OpacityPoint>& points = session_.look.opacity;
+        const ImU32 line = IM_COL32(255, 220, 120, 255);
+        if (points.empty()) {
+            list.AddLine(place({0, 1}), place({1, 1}), line, 1.5f * ui_);
+            return;
+        }
+        list.AddLine(place({0, points.front().opacity}), place(points.front()), line, 1.5f * ui_);
+        for (std::size_t n = 1; n < points.size(); ++n)
+            list.AddLine(place(points[n - 1]), place(points[n]), line, 1.5f * ui_);
+        list.AddLine(place(points.back()), place({1, points.back().opacity}), line, 1.5f * ui_);
+        for (const OpacityPoint& point : points)
+            list.AddCircleFilled(place(point), 4 * ui_, IM_COL32(255, 255, 255, 255));
+    }
+
+  private:
+    float v_of(float x) const { return std::clamp((x - at_.x) / size_.x, 0.0f, 1.0f); }
+    float opacity_of(float y) const { return std::clamp(1 - (y - at_.y) / size_.y, 0.0f, 1.0f); }
+    ImVec2 place(const OpacityPoint& p) const {
+        return {at_.x + size_.x * p.v, at_.y + size_.y * (1 - p.opacity)};
+    }
+    int nearest(ImVec2 mouse) const {
+        int best = -1;
+        float least = 9 * ui_;
+        for (std::size_t n = 0; n < session_.look.opacity.size(); ++n) {
+            const ImVec2 p = place(session_.look.opacity[n]);
+            const float distance = std::hypot(p.x - mouse.x, p.y - mouse.y);
+            if (distance < least) best = static_cast<int>(n), least = distance;
+        }
+        return best;
+    }
+    bool add(ImVec2 mouse) {
+        std::vector<OpacityPoint>& points = session_.look.opacity;
+        if (points.empty()) points = {{0, 1}, {1, 1}};
+        const OpacityPoint point{v_of(mouse.x), opacity_of(mouse.y)};
+        const auto after = std::upper_bound(points.begin(), points.end(), point,
+                                            [](const auto& a, const auto& b) { return a.v < b.v; });
+        points.insert(after, point);
+        return true;
+    }
+
+    Session& session_;
+    Gui& gui_;
+    ImVec2 at_, size_;
+    float ui_;
+};
+
+bool edit_opacity(Session& session, Gui& gui, float ui) {
+    const ImVec2 at = ImGui::GetCursorScreenPos();
+    const ImVec2 size{ImGui::GetContentRegionAvail().x, 90 * ui};
+    ImGui::InvisibleButton("opacity", size);
+    mark(gui, "opacity");
+    OpacityEditor editor(session, gui, at, size, ui);
+    const bool changed = editor.edit();
+    editor.draw();
+    if (ImGui::IsItemHovered() && gui.dragged_point < 0)
+        ImGui::SetTooltip(
+            "opacity over V, with its histogram (log)\n"
+            "double-click: new point, drag, right-click: remove");
+    const ImVec2 strip = ImGui::GetCursorScreenPos();
+    ImGui::Dummy({size.x, 12 * ui});
+    draw_strip(transfer_function(session.look), strip, {size.x, 12 * ui});
+    return changed;
+}
+
+bool edit_exposure(Session& session, Gui& gui) {
+    bool changed = false;
+    // In stops from the automatic value: data come in all units.
+    Look& look = session.look;
+    auto stops = static_cast<float>(std::log2(look.extinction / session.automatic_extinction));
+    const std::string text = fmt::format("extinction {:.4g}", look.extinction);
+    if (ImGui::SliderFloat("exposure", &stops, -6, 6, text.c_str(), ImGuiSliderFlags_NoInput)) {
+        look.extinction = session.automatic_extinction * std::exp2(static_cast<double>(stops));
+        changed = true;
+    }
+    mark(gui, "exposure");
+    if (ImGui::Button("auto")) session.auto_exposure();
+    mark(gui, "auto");
+    ImGui::SameLine();
+    ImGui::Checkbox("follow", &session.settings.follow_exposure);
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("automatic exposure for every view");
+    ImGui::SameLine();
+    return changed;
+}
+
+bool edit_background(Session& session) {
+    ShadeOptions& shading = session.look.shading;
+    float rgb[3] = {shading.background.r, shading.background.g, shading.background.b};
+    bool changed = ImGui::ColorEdit3("background", rgb,
+                                     ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs);
+    bool clear = shading.background.a == 0;
+    ImGui::SameLine();
+    changed |= ImGui::Checkbox("clear", &clear);
+    if (changed) {
+        const auto unit = [](float c) { return std::clamp(c, 0.0f, 1.0f); };
+        shading.background = {unit(rgb[0]), unit(rgb[1]), unit(rgb[2]), clear ? 0.0f : 1.0f};
+    }
+    return changed;
+}
+
+}  // namespace
+
+void draw_look(Session& session, Gui& gui, float ui) {
+    Look& look = session.look;
+    bool changed = choose_map(session, gui);
+    changed |= edit_opacity(session, gui, ui);
+    if (ImGui::DragFloatRange2("range", &look.low, &look.high, 0.002f, 0, 1, "%.3f", "%.3f",
+                               ImGuiSliderFlags_AlwaysClamp)) {
+        look.low = std::min(look.low, 0.999f);
+        look.high = std::max(look.high, look.low + 0.001f);
+        changed = true;
+    }
+    changed |= ImGui::SliderFloat("gamma", &look.gamma, 0.2f, 5, "%.2f",
+                                  ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
+    mark(gui, "gamma");
+    changed |= edit_exposure(session, gui);
+    changed |= ImGui::Checkbox("invert", &look.invert);
+    mark(gui, "invert");
+    ImGui::SameLine();
+    changed |= ImGui::Checkbox("blend", &look.shading.blend);
+    mark(gui, "blend");
+    changed |= edit_background(session);
+    ImGui::SameLine();
+    if (ImGui::Button("ramp")) look.opacity = {{0, 0}, {1, 1}}, changed = true;
+    ImGui::SameLine();
+    if (ImGui::Button("opaque")) look.opacity.clear(), changed = true;
+    ImGui::InputText("##look", &gui.look_path);
+    ImGui::SameLine(0, 4 * ui);
+    if (ImGui::Button("load##look"))
+        attempt(session, [&] {
+            load_map(look, gui.look_path);
+            changed = true;
+        });
+    ImGui::SameLine(0, 4 * ui);
+    if (ImGui::Button("save##look")) attempt(session, [&] { session.save_look(gui.look_path); });
+    if (changed) session.look_changed();
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,148 @@
+// trackball.cpp: rotations and moves of the camera.
+#include "ui/trackball.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "vog/error.h"
+
+namespace vog::viewer {
+
+namespace {
+
+struct Axes {
+    Vec3d right, up, forward;
+};
+Axes axes_of(const Camera& camera) {
+    const CameraFrame frame = frame_of(camera, 1, 1);
+    return {frame.right, frame.up, frame.forward};
+}
+
+double half_tangent(const Camera& camera) {
+    return std::tan(camera.fov_degrees * std::numbers::pi / 360);
+}
+double distance_of(const Camera& camera) { return length(camera.look_at - camera.eye); }
+
+/// Rodrigues' formula; axis of unit length.
+Vec3d turned(Vec3d v, Vec3d axis, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
+}
+
+/// Eye and up turned around look_at.
+Camera turned_around(const Camera& camera, Vec3d axis, double angle) {
+    Camera result = camera;
+    result.eye = camera.look_at + turned(camera.eye - camera.look_at, axis, angle);
+    result.up = normalized(turned(axes_of(camera).up, axis, angle));
+    return result;
+}
+
+/// The ball's surface under the pointer, in camera axes (right, up, towards the eye).
+Vec3d on_ball(ScreenPoint p) {
+    constexpr double kRadius = 0.8;  // of half the picture's height
+    const double r2 = p.x * p.x + p.y * p.y, inner = 0.5 * kRadius * kRadius;
+    const double z = r2 < inner ? std::sqrt(kRadius * kRadius - r2) : inner / std::sqrt(r2);
+    return normalized(Vec3d{p.x, p.y, z});
+}
+
+}  // namespace
+
+Camera rotated(const Camera& camera, ScreenPoint from, ScreenPoint to) {
+    const Vec3d a = on_ball(from), b = on_ball(to), across = cross(a, b);
+    const double sine = length(across);
+    if (sine < 1e-12) return camera;
+    const Axes axes = axes_of(camera);
+    const Vec3d axis =
+        normalized(across.x * axes.right + across.y * axes.up - across.z * axes.forward);
+    // The ball turns with the pointer, so the camera the other way; twice the angle, as on a
+    // quaternion ball: half a turn from rim to rim.
+    return turned_around(camera, axis, -2 * std::atan2(sine, dot(a, b)));
+}
+
+Camera orbited(const Camera& camera, double right_rad, double up_rad) {
+    const Camera aside = turned_around(camera, axes_of(camera).up, right_rad);
+    return turned_around(aside, axes_of(aside).right, -up_rad);
+}
+
+Camera looked_around(const Camera& camera, double right_rad, double up_rad) {
+    const Axes axes = axes_of(camera);
+    Camera result = camera;
+    Vec3d view = turned(camera.look_at - camera.eye, axes.up, -right_rad);
+    const Vec3d right = turned(axes.right, axes.up, -right_rad);
+    view = turned(view, right, up_rad);
+    result.look_at = camera.eye + view;
+    result.up = normalized(turned(axes.up, right, up_rad));
+    return result;
+}
+
+Camera rolled(const Camera& camera, double angle_rad) {
+    const Axes axes = axes_of(camera);
+    Camera result = camera;
+    // The picture turns clockwise when the camera turns the other way.
+    result.up = normalized(turned(axes.up, axes.forward, -angle_rad));
+    return result;
+}
+
+Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to) {
+    const double scale = distance_of(camera) * half_tangent(camera);
+    return flown(camera, (from.x - to.x) * scale, (from.y - to.y) * scale, 0);
+}
+
+Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance) {
+    const Axes axes = axes_of(camera);
+    const double distance = std::max(distance_of(camera), least_distance);
+    const double slope = half_tangent(camera);
+    const Vec3d target = camera.eye + distance * (axes.forward + (at.x * slope) * axes.right +
+                                                  (at.y * slope) * axes.up);
+    Camera result = camera;
+    result.up = axes.up;
+    result.eye = target + factor * (camera.eye - target);
+    result.look_at = result.eye + std::max(distance * factor, least_distance) * axes.forward;
+    return result;
+}
+
+Camera flown(const Camera& camera, double right, double up, double forward) {
+    const Axes axes = axes_of(camera);
+    const Vec3d step = right * axes.right + up * axes.up + forward * axes.forward;
+    Camera result = camera;
+    result.eye = camera.eye + step;
+    result.look_at = camera.look_at + step;
+    return result;
+}
+
+Camera fitted(const Camera& camera, const Box& box, double aspect) {
+    const double radius = box.empty() || box.radius() == 0 ? 1 : box.radius();
+    const double half = std::atan(half_tangent(camera) * std::min(1.0, aspect));
+    Camera result = camera;
+    result.look_at = box.empty() ? Vec3d{} : box.center();
+    result.eye = result.look_at - (radius / std::sin(half)) * axes_of(camera).forward;
+    result.up = axes_of(camera).up;
+    return result;
+}
+
+Camera named_view(const std::string& name, const Box& box, double aspect, double fov_degrees) {
+    if (name == "paper") return paper_view(box);
+    const std::string axes = "xyz";
+    const std::size_t axis = name.size() == 2 ? axes.find(name[1]) : std::string::npos;
+    if (axis == std::string::npos || (name[0] != '+' && name[0] != '-'))
+        throw Error(
+            fmt::format("no view named '{}' (there are: paper, +x, -x, +y, -y, +z, -z)", name));
+    Camera camera;
+    camera.fov_degrees = fov_degrees;
+    camera.look_at = {};
+    camera.eye = {};
+    camera.eye[static_cast<int>(axis)] = name[0] == '+' ? 1 : -1;
+    camera.up = axis == 1 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    return fitted(camera, box, aspect);
+}
+
+std::string camera_flags(const Camera& camera) {
+    const auto text = [](Vec3d v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
+    return fmt::format("--eye {} --look-at {} --up {} --fov {}", text(camera.eye),
+                       text(camera.look_at), text(camera.up), camera.fov_degrees);
+}
+
+}  // namespace vog::viewer
