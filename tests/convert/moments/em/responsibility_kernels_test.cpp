@@ -1,4 +1,4 @@
-// moment_share_test.cpp: the SIMD loops of soft cells against sums in double precision.
+// responsibility_kernels_test.cpp: the SIMD loops of soft cells against sums in double precision.
 #include "convert/moments/em/responsibility_kernels.h"
 
 #include <gtest/gtest.h>

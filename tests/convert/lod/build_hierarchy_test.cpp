@@ -1,4 +1,4 @@
-// hierarchy_test.cpp: what a node stands for, in what order, and what is no hierarchy.
+// build_hierarchy_test.cpp: what a node stands for, in what order, and what is no hierarchy.
 #include "vog/hierarchy.h"
 
 #include <gtest/gtest.h>

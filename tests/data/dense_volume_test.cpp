@@ -1,4 +1,4 @@
-// dense_test.cpp: dense arrays to sparse volumes and back.
+// dense_volume_test.cpp: dense arrays to sparse volumes and back.
 #include "vog/dense.h"
 
 #include <gtest/gtest.h>

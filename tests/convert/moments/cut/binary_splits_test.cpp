@@ -1,4 +1,4 @@
-// moment_halves_test.cpp: gains in closed form, the best cut of a cell against all of its cuts, the
+// binary_splits_test.cpp: gains in closed form, the best cut of a cell against all of its cuts, the
 // price of a budget.
 #include "convert/moments/cut/binary_splits.h"
 

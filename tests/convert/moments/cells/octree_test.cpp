@@ -1,4 +1,4 @@
-// moment_octree_test.cpp: the octree's sums, the cuts through it, soft cells, the measured error.
+// octree_test.cpp: the octree's sums, the cuts through it, soft cells, the measured error.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// moment_seen_test.cpp: what is hidden is worth less; units and lattices do not matter.
+// visibility_test.cpp: what is hidden is worth less; units and lattices do not matter.
 #include "convert/moments/cut/visibility.h"
 
 #include <gtest/gtest.h>

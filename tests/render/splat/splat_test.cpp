@@ -1,4 +1,4 @@
-// splat_renderer_test.cpp: a renderer that lasts: the same pictures as a fresh one, no allocation,
+// splat_test.cpp: a renderer that lasts: the same pictures as a fresh one, no allocation,
 // and every scale of Gaussian.
 #include <gtest/gtest.h>
 

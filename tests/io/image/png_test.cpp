@@ -1,4 +1,4 @@
-// image_test.cpp: PNG images: what is written, what is read, and what is refused.
+// png_test.cpp: PNG images: what is written, what is read, and what is refused.
 #include "vog/image.h"
 
 #include <gtest/gtest.h>

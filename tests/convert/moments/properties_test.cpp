@@ -1,4 +1,4 @@
-// moment_properties_test.cpp: what must hold for any volume and any cut.
+// properties_test.cpp: what must hold for any volume and any cut.
 #include <gtest/gtest.h>
 
 #include <cmath>

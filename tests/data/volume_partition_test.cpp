@@ -1,4 +1,4 @@
-// volume_part_test.cpp: volumes in parts, in memory and read from a file.
+// volume_partition_test.cpp: volumes in parts, in memory and read from a file.
 #include "vog/volume_part.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// convert_clusters_test.cpp: the companion's clusterings: variance, neighbours, tree.
+// companion_clusters_test.cpp: the companion's clusterings: variance, neighbours, tree.
 #include <gtest/gtest.h>
 
 #include <array>

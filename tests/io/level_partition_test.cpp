@@ -1,4 +1,4 @@
-// level_parts_test.cpp: parts of levels, with what hides them, add up to the levels.
+// level_partition_test.cpp: parts of levels, with what hides them, add up to the levels.
 #include "vog/level_parts.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// points_convert_test.cpp: particles to Gaussians: what is conserved, where, how wide, how few.
+// convert_points_test.cpp: particles to Gaussians: what is conserved, where, how wide, how few.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// reference_tree_test.cpp: the NanoVDB grids that the reference renderer writes for itself.
+// nano_tree_test.cpp: the NanoVDB grids that the reference renderer writes for itself.
 #include "render/reference/nano_tree.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// moments_test.cpp: the moment conversion against closed forms: mass, mean, covariance, T.
+// convert_moments_test.cpp: the moment conversion against closed forms: mass, mean, covariance, T.
 #include "vog/moments.h"
 
 #include <gtest/gtest.h>

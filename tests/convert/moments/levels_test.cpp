@@ -1,4 +1,4 @@
-// moment_levels_test.cpp: levels as one model: one octree where lattices allow, no seams, all mass.
+// levels_test.cpp: levels as one model: one octree where lattices allow, no seams, all mass.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// cli_test.cpp: the command as a user runs it: exit codes, outputs, one clear line for every error.
+// command_line_test.cpp: the command as a user runs it: exit codes, outputs, one clear line for every error.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// sample_particles_test.cpp: the sampled universe: the same everywhere, clustered, moving.
+// universe_test.cpp: the sampled universe: the same everywhere, clustered, moving.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// moment_refine_test.cpp: whose error it is, and cells taken to where it is.
+// split_merge_test.cpp: whose error it is, and cells taken to where it is.
 #include <gtest/gtest.h>
 
 #include <algorithm>
