@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "support.h"
-#include "vog/convert.h"
+#include "vog/convert_paper.h"
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <string>
 
 #include "support.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 #include "vog/ply.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace {
 

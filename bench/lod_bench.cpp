@@ -9,11 +9,11 @@
 
 #include "support.h"
 #include "vog/compare.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 #include "vog/progress.h"
 #include "vog/reference.h"
-#include "vog/render.h"
 #include "vog/shade.h"
+#include "vog/splat.h"
 
 namespace {
 

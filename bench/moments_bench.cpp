@@ -11,8 +11,8 @@
 #include <new>
 
 #include "support.h"
-#include "vog/convert.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 
 namespace {
 

@@ -14,10 +14,10 @@
 
 #include "render/splat/splat_kernels.h"
 #include "support.h"
-#include "vog/convert.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 #include "vog/reference.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace {
 

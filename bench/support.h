@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "vog/sample.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::bench {
 

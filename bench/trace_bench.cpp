@@ -7,8 +7,8 @@
 #include <map>
 
 #include "support.h"
-#include "vog/moments.h"
-#include "vog/render.h"
+#include "vog/convert_moments.h"
+#include "vog/splat.h"
 #include "vog/trace.h"
 
 namespace {

@@ -5,10 +5,10 @@
 
 #include "arrays.h"
 #include "data.h"
-#include "vog/convert.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 
 namespace vog::python {
 
@@ -58,8 +58,8 @@ class Options {
     std::vector<std::string> taken_;
 };
 
-Cut cut_of(Options& options) {
-    Cut cut;
+CellChoice cut_of(Options& options) {
+    CellChoice cut;
     options.take_positive("block", cut.block_voxels);
     options.take_positive("budget", cut.budget);
     options.take_positive("error", cut.error);
@@ -69,7 +69,7 @@ Cut cut_of(Options& options) {
 
 MomentOptions moment_options(Options& options) {
     MomentOptions moments;
-    choose(moments, cut_of(options));
+    set_cut(moments, cut_of(options));
     options.take("soft_steps", moments.soft_steps);
     options.take("spread", moments.spread);
     options.take("mass_threshold", moments.mass_threshold);
@@ -108,7 +108,7 @@ PaperOptions paper_options(Options& options) {
 
 PointOptions point_options(Options& options) {
     PointOptions points;
-    choose(points, cut_of(options));
+    set_cut(points, cut_of(options));
     options.take("value", points.value);
     options.take("radius", points.radius);
     options.take("neighbours", points.neighbours);

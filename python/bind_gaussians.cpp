@@ -3,9 +3,9 @@
 #include <numeric>
 
 #include "arrays.h"
-#include "vog/coarsen.h"
 #include "vog/error.h"
 #include "vog/gaussians.h"
+#include "vog/lod.h"
 #include "vog/ply.h"
 
 namespace vog::python {
@@ -77,7 +77,7 @@ py::tuple state_of(const py::object& self) {
     return py::make_tuple(self.attr("mean"), self.attr("scale"), self.attr("density"),
                           model.axis_aligned() ? py::none() : py::object(self.attr("rotation")),
                           model.cutoff, box_array(model.box), model.source_voxels, model.source,
-                          model.method, model.options, model.reached);
+                          model.method, model.options, model.summary);
 }
 Model from_state(const py::tuple& state) {
     Model model =
@@ -86,7 +86,7 @@ Model from_state(const py::tuple& state) {
     model->source = state[7].cast<std::string>();
     model->method = state[8].cast<std::string>();
     model->options = state[9].cast<std::string>();
-    model->reached = state[10].cast<std::string>();
+    model->summary = state[10].cast<std::string>();
     return model;
 }
 
@@ -168,7 +168,7 @@ box       [2, 3] corners that views look at; None: those of the Gaussians)")
                       "Active voxels or particles it stands for; 0: unknown.")
         .def_readonly("method", &Gaussians::method, "'moments', 'paper', 'particles', ...")
         .def_readonly("options", &Gaussians::options, "What the conversion was asked for.")
-        .def_readonly("reached", &Gaussians::reached, "What it reached, in words.")
+        .def_readonly("summary", &Gaussians::summary, "What it reached, in words.")
         .def(
             "coarsen",
             [](const Gaussians& self, std::size_t budget) {

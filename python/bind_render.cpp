@@ -10,7 +10,7 @@
 #include "vog/error.h"
 #include "vog/gpu.h"
 #include "vog/reference.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 #include "vog/trace.h"
 
 namespace vog::python {

@@ -70,7 +70,7 @@ TransferFunction from_points(const std::string& name, const py::object& color,
         const auto of = o.unchecked<2>();
         for (py::ssize_t i = 0; i < o.shape(0); ++i) tf.opacity.push_back({of(i, 0), of(i, 1)});
     }
-    (void)evaluate(tf, 0);  // throws for one that is not valid
+    (void)color_at(tf, 0);  // throws for one that is not valid
     return tf;
 }
 
@@ -83,7 +83,7 @@ py::array_t<float> call(const TransferFunction& tf, const py::object& v) {
     py::array_t<float> colors(shape);
     auto* out = colors.mutable_data();
     for (py::ssize_t i = 0; i < values.size(); ++i) {
-        const Rgba c = evaluate(tf, values.data()[i]);
+        const Rgba c = color_at(tf, values.data()[i]);
         *out++ = c.r, *out++ = c.g, *out++ = c.b, *out++ = c.a;
     }
     return colors;

@@ -8,7 +8,7 @@
 #include "data.h"
 #include "vog/dense.h"
 #include "vog/error.h"
-#include "vog/files.h"
+#include "vog/volume_io.h"
 
 namespace vog::python {
 

@@ -2,9 +2,9 @@
 #include <memory>
 
 #include "bindings.h"
-#include "vog/coarsen.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
+#include "vog/lod.h"
 
 namespace vog::python {
 

@@ -16,6 +16,7 @@
 #include "inputs_part.h"
 #include "model_file.h"
 #include "shares.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog::mpi {
@@ -156,7 +157,7 @@ class PartConversion {
     Gaussians uniform_cells(const InputPart& part, double part_mass) {
         MomentOptions options = asked_.moments;
         options.measure = false;  // below, for all
-        options.together = ranks_.together();
+        options.collective = &ranks_.collective();
         MomentReport report;
         Gaussians model = by_moments(part, options, &report);
         ranks_.sum(std::span(&part_mass, 1));
@@ -265,7 +266,7 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
     for (const Gaussians& part : model.inputs) count += part.size();
     count = ranks.sum(count);
     if (asked.by_moments)
-        model.description.reached = reached_text(count, model.description.source_voxels,
+        model.description.summary = summary_text(count, model.description.source_voxels,
                                                  totals.report(data_mass), "active voxels");
     if (ranks.first() && !arguments.no_hierarchy)
         cli::note("no hierarchy: parts of a model have none, --no-hierarchy is what is made");
@@ -284,7 +285,7 @@ void add_convert(CLI::App& app, const Ranks& ranks) {
     arguments->threads = ranks.fair_threads();
     auto split = std::make_shared<bool>(false);
     cli::ConvertTogether others;
-    others.together = ranks.together();
+    others.collective = &ranks.collective();
     others.writes = ranks.first();
     others.volumes = [split, &ranks](const ConvertArguments& asked,
                                      const VolumeConversion& conversion, cli::Stages& stages) {

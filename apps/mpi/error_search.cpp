@@ -4,9 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/distributed.h"
 #include "vog/reference.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::mpi {
 

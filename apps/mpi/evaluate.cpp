@@ -29,9 +29,9 @@ std::vector<Conversion> conversions(const Ranks& ranks) {
                         : row.step == "block4" ? 2
                         : row.step == "block8" ? 3
                                                : 4;
-        row.convert = [lod, together = ranks.together()](const Volume& volume, std::size_t) {
+        row.convert = [lod, collective = &ranks.collective()](const Volume& volume, std::size_t) {
             MomentOptions options = moment_lod(lod);
-            options.together = together;
+            options.collective = collective;
             return convert_moments(volume, options);
         };
         rows.push_back(std::move(row));
@@ -60,7 +60,7 @@ void add_evaluate(CLI::App& app, const Ranks& ranks) {
     arguments->threads = ranks.fair_threads();
     arguments->options.conversions = conversions(ranks);
     cli::add_evaluate(app, arguments,
-                      {ranks.together(), [&ranks](const cli::EvaluateArguments& asked) {
+                      {&ranks.collective(), [&ranks](const cli::EvaluateArguments& asked) {
                            return load_part(asked, ranks);
                        }});
 }

@@ -8,8 +8,8 @@
 
 #include "shared/terminal.h"
 #include "shares.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/level_parts.h"
 #include "vog/ply.h"
 
 namespace vog::mpi {
@@ -94,7 +94,7 @@ Gaussians read_particles_part(const std::vector<std::string>& files,
                               const cli::PointInputOptions& options, const std::string& grid,
                               const Ranks& ranks) {
     PointOptions point_options = cli::point_options(options);
-    point_options.together = ranks.together();
+    point_options.collective = &ranks.collective();
     const Gaussians all = convert_points(cli::load_points(files, options, grid), point_options);
     const auto first_of = [&](int rank) {
         return all.size() * static_cast<std::size_t>(rank) /

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
 
@@ -41,7 +42,7 @@ Sums sums_of(const SharedModel& model, const Ranks& ranks) {
 
 cli::Converted converted(const SharedModel& model, const Sums& sums, std::uint64_t bytes) {
     const Gaussians& about = model.description;
-    return {about.method, about.options, about.reached, sums.count, about.source_voxels, 0,
+    return {about.method, about.options, about.summary, sums.count, about.source_voxels, 0,
             bytes,        sums.mass};
 }
 
@@ -153,7 +154,7 @@ cli::Converted write_split(const std::string& file, const SharedModel& model, co
     mine.source = ranks.from_first(about.source);
     mine.method = ranks.from_first(about.method);
     mine.options = ranks.from_first(about.options);
-    mine.reached.clear();
+    mine.summary.clear();
     const fs::path path = file;
     const std::string name = fmt::format("{}.{}.ply", path.stem().string(), ranks.rank());
     std::uint64_t bytes = 0;

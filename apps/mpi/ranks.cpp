@@ -46,14 +46,11 @@ Ranks::Ranks(int* argc, char*** argv) {
     MPI_Comm_size(MPI_COMM_WORLD, &count_);
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     fair_threads_ = std::max(1, cores / ranks_of_this_machine());
+    collective_ = {rank_, count_, [this](std::span<double> values) { sum(values); },
+                   [this](std::span<double> values) { largest(values); }};
 }
 
 Ranks::~Ranks() { MPI_Finalize(); }
-
-Together Ranks::together() const {
-    return {rank_, count_, [this](std::span<double> values) { sum(values); },
-            [this](std::span<double> values) { largest(values); }};
-}
 
 void Ranks::agree(const Failure& mine) const {
     const bool failed = mine.exit_code != 0;

@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "vog/distributed.h"
 #include "vog/image.h"
 #include "vog/linear.h"
-#include "vog/together.h"
 
 namespace vog::mpi {
 
@@ -51,7 +51,7 @@ class Ranks {
     // Exchanges. All throw Ended as agree() does.
 
     /// For the library's conversions.
-    Together together() const;
+    const Collective& collective() const { return collective_; }
 
     /// Sums over all ranks: the same bytes on each.
     void sum(std::span<double> values) const;
@@ -72,6 +72,7 @@ class Ranks {
 
   private:
     int rank_ = 0, count_ = 1, fair_threads_ = 1;
+    Collective collective_;
 };
 
 }  // namespace vog::mpi

@@ -1,5 +1,6 @@
 // shares.cpp: files to ranks.
 #include "shares.h"
+#include "vog/distributed.h"
 
 #include <algorithm>
 #include <filesystem>

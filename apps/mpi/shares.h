@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "ranks.h"
-#include "vog/volume_part.h"
+#include "vog/distributed.h"
 
 namespace vog::mpi {
 

@@ -5,11 +5,10 @@
 
 #include <string>
 
+#include "vog/convert_moments.h"
 #include "vog/gaussians.h"
-#include "vog/moments.h"
 #include "vog/points.h"
 #include "vog/progress.h"
-#include "vog/together.h"
 
 namespace vog {
 
@@ -27,8 +26,9 @@ struct PointOptions {
     double mass_threshold = 0;  ///< the lightest go, up to this share of the mass, [0, 1)
     bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
     bool measure = false;       ///< measure the error of a uniform cut or a budget too
-    Together together{};  ///< with others who have all the particles: adaptive widths are shared
-                          ///< out, all the rest each does for itself
+    /// Processes that each hold all particles: adaptive widths are computed in shares, everything
+    /// else by each process.
+    const Collective* collective = nullptr;
     Progress progress{};
 };
 
@@ -36,7 +36,7 @@ struct PointOptions {
 /// throws vog::Error outside 1..5
 PointOptions point_lod(int lod);
 
-void choose(PointOptions& options, const Cut& cut);
+void set_cut(PointOptions& options, const CellChoice& cut);
 
 /// Gaussians whose masses, after the cut of their kernel at kMomentCutoff, sum to the particles'
 /// values. One a particle: isotropic, in the order of the particles, those of value 0 left out.

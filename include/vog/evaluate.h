@@ -15,10 +15,11 @@
 #include "vog/levels.h"
 #include "vog/progress.h"
 #include "vog/shade.h"
-#include "vog/together.h"
 #include "vog/volume.h"
 
 namespace vog {
+
+struct Collective;
 
 /// One way to make a model: one row of the results.
 struct Conversion {
@@ -108,9 +109,9 @@ struct EvaluateOptions {
     double extinction = 0;          ///< 0: for each view the auto_extinction of its reference
     std::string tf = "inferno";     ///< of the RGB figures and the pictures: a name or a JSON file
     std::vector<Conversion> conversions = all_conversions();
-    /// With others who have other parts of the volumes: the first of them compares and writes. For
-    /// conversions that go together too; not for levels.
-    Together together{};
+    /// Processes that each hold a part of the volumes; the root compares and writes. Only for
+    /// conversions that are collective too, and not for levels.
+    const Collective* collective = nullptr;
     bool resume = false;  ///< keep the rows of folder/results.json, if it is there
     Progress progress{};
 };

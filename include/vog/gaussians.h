@@ -32,7 +32,7 @@ struct Gaussians {
     std::string source;               ///< "smoke.vdb density"
     std::string method;               ///< "paper", "moments", ...
     std::string options;              ///< what the conversion was asked for, as flags
-    std::string reached;              ///< what it reached, in words: mass, measured error
+    std::string summary;              ///< what it reached, in words: mass, measured error
 
     std::size_t size() const { return mean.size(); }
     bool axis_aligned() const { return rotation.empty(); }

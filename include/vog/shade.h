@@ -30,7 +30,7 @@ struct TransferFunction {
 };
 
 /// Colour at v in [0, 1], with the opacity in `a`.
-Rgba evaluate(const TransferFunction& tf, float v);
+Rgba color_at(const TransferFunction& tf, float v);
 
 /// Names that named_transfer_function takes.
 std::vector<std::string> transfer_function_names();

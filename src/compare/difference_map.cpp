@@ -44,7 +44,7 @@ double scale_limit(const Differences& differences, double asked) {
 
 Rgba color_at(const Differences& differences, double share) {
     const double position = differences.is_signed ? 0.5 + 0.5 * share : share;
-    return evaluate(differences.colors, static_cast<float>(std::clamp(position, 0.0, 1.0)));
+    return color_at(differences.colors, static_cast<float>(std::clamp(position, 0.0, 1.0)));
 }
 
 /// Paints the scale into the right margin: title, bar, and a figure at its ends and quarters.

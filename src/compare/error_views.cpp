@@ -6,10 +6,10 @@
 #include <numbers>
 
 #include "core/parallel.h"
-#include "vog/moments.h"
+#include "vog/distributed.h"
 #include "vog/reference.h"
-#include "vog/render.h"
 #include "vog/shade.h"
+#include "vog/splat.h"
 
 namespace vog {
 
@@ -100,7 +100,7 @@ void ErrorViews::for_each_picture(const Gaussians& model, const Take& take) cons
     }
 }
 
-double ErrorViews::measure(const Gaussians& model) const {
+double ErrorViews::relative_l2(const Gaussians& model) const {
     double error2 = 0, norm2 = 0;
     for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
         for (int y = 0; y < kSize_px; ++y)
@@ -113,24 +113,24 @@ double ErrorViews::measure(const Gaussians& model) const {
     return norm2 > 0 ? std::sqrt(error2 / norm2) : 0;
 }
 
-double ErrorViews::seen2(double t, double reference) const {
+double ErrorViews::squared_error(double t, double reference) const {
     constexpr double kUnseen = 0.1;
     const double dv = std::exp(-extinction_ * reference) - std::exp(-extinction_ * t);
     const double dt = extinction_ * (t - reference);
     return dv * dv + kUnseen * dt * dt;
 }
 
-double ErrorViews::visible(const Gaussians& model) const {
+double ErrorViews::visible_rms(const Gaussians& model) const {
     double sum = 0;
     for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
         for (int y = 0; y < kSize_px; ++y)
             for (int x = 0; x < kSize_px; ++x)
-                sum += seen2(image.at(x, y), reference_[view].at(x, y));
+                sum += squared_error(image.at(x, y), reference_[view].at(x, y));
     });
     return std::sqrt(sum / (static_cast<double>(cameras_.size()) * kSize_px * kSize_px));
 }
 
-std::vector<float> ErrorViews::errors(const Gaussians& model) const {
+std::vector<float> ErrorViews::error_of_each_gaussian(const Gaussians& model) const {
     std::vector<float> errors(model.size());
     for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
         const CameraFrame frame = frame_of(cameras_[view], kSize_px, kSize_px);
@@ -158,7 +158,7 @@ std::vector<float> ErrorViews::errors(const Gaussians& model) const {
                     const double from2 = (dx * dx + dy * dy) / (2 * sigma_px * sigma_px);
                     if (t <= 0 || from2 > 2) continue;
                     const double share = std::min(1.0, peak * std::exp(-from2) / t);
-                    sum += share * seen2(t, reference_[view].at(x, y));
+                    sum += share * squared_error(t, reference_[view].at(x, y));
                 }
             errors[i] += static_cast<float>(sum);
         });

@@ -41,19 +41,19 @@ class ErrorViews {
     /// By the finest model that there is.
     explicit ErrorViews(const Gaussians& finest);
     /// sqrt(sum |T - T_ref|^2 / sum |T_ref|^2), over all pixels of all views
-    double measure(const Gaussians& model) const;
+    double relative_l2(const Gaussians& model) const;
     /// Root of the mean over all pixels of dV^2 + dT^2 / 10, T in units of the extinction that the
     /// first view is shown at: what is seen, and what another extinction would show.
-    double visible(const Gaussians& model) const;
+    double visible_rms(const Gaussians& model) const;
     /// For each Gaussian the sum of that square over its pixels, each by the share that it has of T
     /// there; it is taken as round, with the mean of its variances.
-    std::vector<float> errors(const Gaussians& model) const;
+    std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
 
   private:
     /// Calls take(view, image) for the model's picture of each view.
     template <class Take>
     void for_each_picture(const Gaussians& model, const Take& take) const;
-    double seen2(double t, double reference) const;
+    double squared_error(double t, double reference) const;
 
     std::vector<Camera> cameras_;
     std::vector<CroppedDepth> reference_;

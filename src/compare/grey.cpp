@@ -5,7 +5,7 @@
 #include <tbb/blocked_range.h>
 
 #include "core/parallel.h"
-#include "io/image/image_files.h"
+#include "data/image_checks.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -110,7 +110,7 @@ void append(Gaussians& gaussians, const Gaussians& other) {
     if (gaussians.source != other.source) gaussians.source += " + " + other.source;
     if (gaussians.method != other.method) gaussians.method += " + " + other.method;
     if (gaussians.options != other.options) gaussians.options += " + " + other.options;
-    if (gaussians.reached != other.reached) gaussians.reached += " + " + other.reached;
+    if (gaussians.summary != other.summary) gaussians.summary += " + " + other.summary;
 }
 
 Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index) {

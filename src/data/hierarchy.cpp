@@ -1,11 +1,12 @@
 // hierarchy.cpp: whose children are where, checks, and joining.
-#include "vog/hierarchy.h"
+#include "vog/lod.h"
 
 #include <fmt/core.h>
 
 #include <cmath>
 #include <vector>
 
+#include "data/hierarchy_links.h"
 #include "vog/error.h"
 
 namespace vog {

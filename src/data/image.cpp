@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "io/image/image_files.h"
+#include "data/image_checks.h"
 #include "vog/error.h"
 
 namespace vog {

@@ -1,5 +1,5 @@
 // volume_partition.cpp: runs of nodes in Morton order.
-#include "vog/volume_part.h"
+#include "data/volume_partition.h"
 
 #include <fmt/core.h>
 
@@ -11,6 +11,11 @@
 #include "vog/error.h"
 
 namespace vog {
+
+const Collective& collective_or_single(const Collective* collective) {
+    static const Collective single;
+    return collective ? *collective : single;
+}
 
 void validate(const VolumePart& part) {
     if (part.count < 1 || part.index < 0 || part.index >= part.count)

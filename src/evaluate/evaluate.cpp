@@ -11,10 +11,11 @@
 #include "evaluate/evaluation_json.h"
 #include "evaluate/evaluation_report.h"
 #include "vog/compare.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
 #include "vog/reference.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog {
 
@@ -81,7 +82,7 @@ class Run {
             for (const Volume& part : volumes_) evaluation_.mass += mass(part);
             box_ = mesh_.box;
         } else {
-            box_ = box_of(volumes, options.together);
+            box_ = box_of(volumes, collective_or_single(options.collective));
         }
         evaluation_.views = evaluation_views(box_);
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
@@ -107,18 +108,18 @@ class Run {
         }
         if (!writes()) return evaluation_;
         write_markdown(folder_ / "results.md", evaluation_);
-        write_html(folder_ / "index.html", evaluation_, folder_ / "pictures");
+        write_report(folder_ / "index.html", evaluation_, folder_ / "pictures");
         return evaluation_;
     }
 
   private:
-    bool writes() const { return options_.together.first(); }
+    bool writes() const { return collective_or_single(options_.collective).is_root(); }
 
     /// Of the slowest part.
     template <class Work>
     double shared_ms(const Work& work) const {
         double ms = milliseconds(work);
-        options_.together.keep_largest(std::span(&ms, 1));
+        collective_or_single(options_.collective).max(std::span(&ms, 1));
         return ms;
     }
 
@@ -133,9 +134,9 @@ class Run {
 
     /// T of all parts.
     void add_up_depth(DepthImage& depth) const {
-        if (!options_.together.sum) return;
+        if (!collective_or_single(options_.collective).shared()) return;
         std::vector<double> sum(depth.depth.begin(), depth.depth.end());
-        options_.together.add_up(sum);
+        collective_or_single(options_.collective).sum(sum);
         std::ranges::transform(sum, depth.depth.begin(),
                                [](double t) { return static_cast<float>(t); });
     }
@@ -154,7 +155,7 @@ class Run {
         std::vector<VoxelGrid> grids;
         for (const Volume& volume : volumes_) grids.push_back(voxel_grid(volume));
         for (const VoxelGrid& grid : grids) evaluation_.reference_bytes += grid.memory_bytes();
-        add_up(options_.together, evaluation_.reference_bytes);
+        add_up(collective_or_single(options_.collective), evaluation_.reference_bytes);
         render_references_of(grids);
     }
 
@@ -240,18 +241,19 @@ class Run {
         const Gaussians model = convert(conversion, row.convert);
         row.options = fmt::format("--method {} {}", model.method, model.options);
         row.gaussians = model.size();
-        add_up(options_.together, row.gaussians);
+        add_up(collective_or_single(options_.collective), row.gaussians);
         double rotated = model.axis_aligned() ? 0 : 1;  // of an empty part nothing is known
-        options_.together.keep_largest(std::span(&rotated, 1));
+        collective_or_single(options_.collective).max(std::span(&rotated, 1));
         Gaussians about;  // the header's, of the whole
         about.cutoff = model.cutoff, about.box = model.box, about.source = model.source;
         about.method = model.method, about.options = model.options;
-        about.reached = model.reached, about.source_voxels = model.source_voxels;
-        if (options_.together.sum) about.source_voxels = evaluation_.active_voxels;
+        about.summary = model.summary, about.source_voxels = model.source_voxels;
+        if (collective_or_single(options_.collective).shared())
+            about.source_voxels = evaluation_.active_voxels;
         row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
                     row.gaussians * (rotated > 0 ? 11 : 7) * sizeof(float);
         double model_mass = mass(model);
-        options_.together.add_up(model_mass);
+        collective_or_single(options_.collective).sum(model_mass);
         row.mass_ratio = evaluation_.mass > 0 ? model_mass / evaluation_.mass : 1;
 
         SplatOptions splat;
@@ -328,7 +330,7 @@ Evaluation evaluate(std::span<const Volume> volumes, const fs::path& folder,
     if (volumes.empty()) throw Error("evaluate: no volume, expected at least one");
     for (const Volume& volume : volumes) {
         validate(volume);
-        if (volume.empty() && !options.together.sum)
+        if (volume.empty() && !collective_or_single(options.collective).shared())
             throw Error(fmt::format("{}: nothing active, expected a volume", volume.source));
     }
     return Run(volumes, nullptr, folder, options).all();

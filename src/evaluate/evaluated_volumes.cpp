@@ -1,4 +1,4 @@
-// evaluated_volumes.cpp: the figures of the data itself, of all parts together.
+// evaluated_volumes.cpp: the figures of the data itself, of all parts collective.
 #include "evaluate/evaluated_volumes.h"
 
 #include <fmt/core.h>
@@ -21,7 +21,7 @@ std::string processor_name() {
 }
 
 /// Voxels of the box around the active voxels, of all parts: what the paper counts against.
-std::uint64_t box_voxels(const Volume& volume, const Together& together) {
+std::uint64_t box_voxels(const Volume& volume, const Collective& collective) {
     std::array<std::int64_t, 3> lower, upper;
     lower.fill(std::numeric_limits<std::int64_t>::max());
     upper.fill(std::numeric_limits<std::int64_t>::min());
@@ -43,7 +43,7 @@ std::uint64_t box_voxels(const Volume& volume, const Together& together) {
         bounds[axis] = -static_cast<double>(lower[axis]);
         bounds[axis + 3] = static_cast<double>(upper[axis]);
     }
-    together.keep_largest(bounds);
+    collective.max(bounds);
     double voxels = 1;
     for (std::size_t axis = 0; axis < 3; ++axis) voxels *= bounds[axis + 3] + bounds[axis];
     return static_cast<std::uint64_t>(std::max(voxels, 0.0));
@@ -51,13 +51,13 @@ std::uint64_t box_voxels(const Volume& volume, const Together& together) {
 
 }  // namespace
 
-void add_up(const Together& together, std::uint64_t& count) {
+void add_up(const Collective& collective, std::uint64_t& count) {
     auto sum = static_cast<double>(count);
-    together.add_up(sum);
+    collective.sum(sum);
     count = static_cast<std::uint64_t>(sum);
 }
 
-Box box_of(std::span<const Volume> volumes, const Together& together) {
+Box box_of(std::span<const Volume> volumes, const Collective& collective) {
     Box box;
     for (const Volume& volume : volumes)
         if (!volume.empty()) box.include(world_box(volume));
@@ -66,7 +66,7 @@ Box box_of(std::span<const Volume> volumes, const Together& together) {
         bounds[static_cast<std::size_t>(axis)] = -box.lower[axis];
         bounds[static_cast<std::size_t>(axis) + 3] = box.upper[axis];
     }
-    together.keep_largest(bounds);
+    collective.max(bounds);
     return {{-bounds[0], -bounds[1], -bounds[2]}, {bounds[3], bounds[4], bounds[5]}};
 }
 
@@ -77,17 +77,17 @@ Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptio
         evaluation.title +=
             std::filesystem::path(volume.source).filename().string() + " " + volume.name;
         evaluation.active_voxels += active_voxels(volume);
-        evaluation.bounding_voxels += box_voxels(volume, options.together);
+        evaluation.bounding_voxels += box_voxels(volume, collective_or_single(options.collective));
         evaluation.leaves += volume.leaves.size();
         for (const Leaf& leaf : volume.leaves) evaluation.dense_leaves += leaf.dense();
         evaluation.tiles += volume.tiles.size();
         evaluation.mass += mass(volume);
     }
-    add_up(options.together, evaluation.active_voxels);
-    add_up(options.together, evaluation.leaves);
-    add_up(options.together, evaluation.dense_leaves);
-    add_up(options.together, evaluation.tiles);
-    options.together.add_up(evaluation.mass);
+    add_up(collective_or_single(options.collective), evaluation.active_voxels);
+    add_up(collective_or_single(options.collective), evaluation.leaves);
+    add_up(collective_or_single(options.collective), evaluation.dense_leaves);
+    add_up(collective_or_single(options.collective), evaluation.tiles);
+    collective_or_single(options.collective).sum(evaluation.mass);
     evaluation.width = options.width;
     evaluation.height = options.height;
     evaluation.tf = options.tf;

@@ -242,7 +242,7 @@ std::string gallery_html(const Evaluation& evaluation, const fs::path& pictures)
     const TransferFunction colors = named_transfer_function("coolwarm");
     std::string stops;
     for (int n = 0; n <= 8; ++n) {
-        const Rgba c = evaluate(colors, static_cast<float>(n) / 8);
+        const Rgba c = color_at(colors, static_cast<float>(n) / 8);
         stops += fmt::format(", rgb({:.0f} {:.0f} {:.0f})", 255 * c.r, 255 * c.g, 255 * c.b);
     }
     std::string out = fmt::format(
@@ -263,7 +263,7 @@ std::string gallery_html(const Evaluation& evaluation, const fs::path& pictures)
 
 }  // namespace
 
-void write_html(const fs::path& file, const Evaluation& evaluation, const fs::path& pictures) {
+void write_report(const fs::path& file, const Evaluation& evaluation, const fs::path& pictures) {
     std::string page = fmt::format(
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta "
         "name=\"viewport\" "

@@ -55,7 +55,7 @@ std::vector<std::string> report_facts(const Evaluation& evaluation);
 void write_markdown(const std::filesystem::path& file, const Evaluation& evaluation);
 /// One page that needs no other file. pictures: the folder it takes them from; absent ones are left
 /// out.
-void write_html(const std::filesystem::path& file, const Evaluation& evaluation,
-                const std::filesystem::path& pictures);
+void write_report(const std::filesystem::path& file, const Evaluation& evaluation,
+                  const std::filesystem::path& pictures);
 
 }  // namespace vog

@@ -6,9 +6,9 @@
 #include <limits>
 #include <numbers>
 
-#include "vog/convert.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 #include "vog/evaluate.h"
-#include "vog/moments.h"
 
 namespace vog {
 

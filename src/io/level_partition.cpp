@@ -1,5 +1,6 @@
 // level_partition.cpp: parts of levels, and what lies over them.
-#include "vog/level_parts.h"
+#include "vog/distributed.h"
+#include "vog/volume_io.h"
 
 #include <algorithm>
 #include <cmath>

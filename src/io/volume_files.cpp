@@ -1,5 +1,5 @@
 // volume_files.cpp: which reader a file is for, which of its grids a pattern names.
-#include "vog/files.h"
+#include "vog/volume_io.h"
 
 #include <fmt/ranges.h>
 
@@ -8,8 +8,10 @@
 #include <iterator>
 #include <string_view>
 
+#include "data/volume_partition.h"
+#include "io/vdb/vdb_reader.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/nvdb.h"
 
 namespace vog {
 
@@ -74,34 +76,51 @@ std::vector<std::string> grid_names(const std::filesystem::path& file) {
     return is_nvdb(file) ? nvdb_grid_names(file) : vdb_grid_names(file);
 }
 
-VolumeReader::VolumeReader(const std::filesystem::path& file, const VdbOptions& options) {
+struct VolumeReader::State {
+    std::optional<VdbReader> vdb{};
+    Volume whole{};  ///< where there is no reader
+    VdbNotes notes{};
+};
+
+VolumeReader::VolumeReader(const std::filesystem::path& file, const VdbOptions& options)
+    : state_(std::make_unique<State>()) {
     if (is_nvdb(file))
-        whole_ = read_nvdb(file, options, &notes_);
+        state_->whole = read_nvdb(file, options, &state_->notes);
     else
-        vdb_.emplace(file, options);
+        state_->vdb.emplace(file, options);
 }
+VolumeReader::VolumeReader(const std::filesystem::path& file) : VolumeReader(file, VdbOptions{}) {}
+VolumeReader::~VolumeReader() = default;
+VolumeReader::VolumeReader(VolumeReader&&) noexcept = default;
+VolumeReader& VolumeReader::operator=(VolumeReader&&) noexcept = default;
 
 std::uint64_t VolumeReader::active_voxels() const {
-    return vdb_ ? vdb_->active_voxels() : vog::active_voxels(whole_);
+    return state_->vdb ? state_->vdb->active_voxels() : vog::active_voxels(state_->whole);
 }
 
-Box VolumeReader::world_box() const { return vdb_ ? vdb_->world_box() : vog::world_box(whole_); }
+std::size_t VolumeReader::leaf_count() const {
+    return state_->vdb ? state_->vdb->leaf_count() : state_->whole.leaves.size();
+}
+
+Box VolumeReader::world_box() const {
+    return state_->vdb ? state_->vdb->world_box() : vog::world_box(state_->whole);
+}
 
 const Affine& VolumeReader::world_from_index() const {
-    return vdb_ ? vdb_->world_from_index() : whole_.world_from_index;
+    return state_->vdb ? state_->vdb->world_from_index() : state_->whole.world_from_index;
 }
 
 Volume VolumeReader::read(const VolumePart& part, std::uint64_t* negative) {
     VdbNotes found;
-    Volume volume = vdb_ ? vdb_->read(part, &found) : part_of(whole_, part);
-    // Of a file that is read at once, all are told with the first part.
-    if (!vdb_ && part.index == 0) found = notes_;
+    Volume volume = state_->vdb ? state_->vdb->read(part, &found) : part_of(state_->whole, part);
+    // A file that is read whole reports with its first part.
+    if (!state_->vdb && part.index == 0) found = state_->notes;
     if (negative) *negative += found.clamped_negative;
     return volume;
 }
 
 Volume VolumeReader::read_where(const NodeChoice& wanted) {
-    return vdb_ ? vdb_->read_where(wanted) : nodes_where(whole_, wanted);
+    return state_->vdb ? state_->vdb->read_where(wanted) : nodes_where(state_->whole, wanted);
 }
 
 std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> files,

@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "render/ray_gaussian.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog {
 

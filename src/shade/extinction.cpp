@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/parallel.h"
-#include "io/image/image_files.h"
+#include "data/image_checks.h"
 #include "vog/error.h"
 #include "vog/image.h"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/parallel.h"
-#include "io/image/image_files.h"
+#include "data/image_checks.h"
 #include "shade/ramp.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"

@@ -29,7 +29,7 @@ void require_valid(const std::string& where, const TransferFunction& tf) {
     require_points(where, "opacity", tf.opacity);
 }
 
-Rgba evaluate(const TransferFunction& tf, float v) {
+Rgba color_at(const TransferFunction& tf, float v) {
     require_valid("transfer function " + tf.name, tf);
     if (!in_unit_range(v))
         throw Error(fmt::format("transfer function {} at V = {}, expected [0, 1]", tf.name, v));

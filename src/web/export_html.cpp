@@ -13,7 +13,7 @@
 #include "core/html_text.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 #include "web/web_codec.h"
 #include "web/web_files.h"
 

@@ -239,7 +239,7 @@ TEST(difference_map, is_blue_below_grey_at_and_red_above_the_reference) {
     const Image map = difference_map(a, b, {0, false});
     ASSERT_EQ(map.width, 3);
     EXPECT_GT(map.at(0, 0).b, map.at(0, 0).r + 0.3f);
-    EXPECT_EQ(map.at(1, 0), evaluate(named_transfer_function("coolwarm"), 0.5f));
+    EXPECT_EQ(map.at(1, 0), color_at(named_transfer_function("coolwarm"), 0.5f));
     EXPECT_GT(map.at(2, 0).r, map.at(2, 0).b + 0.1f);
 }
 
@@ -247,10 +247,10 @@ TEST(difference_map, scale_ends_at_the_next_round_number_or_the_limit) {
     const Image a = grey_image(2, 2, [](int, int) { return 10; });
     const Image b = grey_image(2, 2, [](int x, int y) { return 10 + 37 * x * y; });
     const TransferFunction colors = named_transfer_function("inferno");
-    EXPECT_EQ(difference_map(a, b, {0, false}).at(1, 1), evaluate(colors, 37.0f / 50));
-    EXPECT_EQ(difference_map(a, b, {100, false}).at(1, 1), evaluate(colors, 0.37f));
-    EXPECT_EQ(difference_map(a, b, {20, false}).at(1, 1), evaluate(colors, 1));
-    EXPECT_EQ(difference_map(a, a, {0, false}).at(1, 1), evaluate(colors, 0));
+    EXPECT_EQ(difference_map(a, b, {0, false}).at(1, 1), color_at(colors, 37.0f / 50));
+    EXPECT_EQ(difference_map(a, b, {100, false}).at(1, 1), color_at(colors, 0.37f));
+    EXPECT_EQ(difference_map(a, b, {20, false}).at(1, 1), color_at(colors, 1));
+    EXPECT_EQ(difference_map(a, a, {0, false}).at(1, 1), color_at(colors, 0));
     EXPECT_THROW((void)difference_map(a, b, {-1, false}), Error);
 }
 

@@ -1,16 +1,18 @@
 // volume_partition_test.cpp: volumes in parts, in memory and read from a file.
-#include "vog/volume_part.h"
+#include "vog/distributed.h"
 
 #include <gtest/gtest.h>
 
 #include <map>
 #include <tuple>
 
+#include "data/volume_partition.h"
+#include "io/vdb/vdb_reader.h"
 #include "support/data.h"
 #include "support/vdb_grids.h"
 #include "vog/error.h"
 #include "vog/sample.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

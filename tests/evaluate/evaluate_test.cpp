@@ -14,12 +14,12 @@
 #include "evaluate/svg_plot.h"
 #include "support/data.h"
 #include "support/scenes.h"
-#include "vog/convert.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 #include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::test {
 

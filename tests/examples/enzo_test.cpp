@@ -7,11 +7,11 @@
 
 #include "support/data.h"
 #include "vog/compare.h"
+#include "vog/convert_moments.h"
 #include "vog/levels.h"
-#include "vog/moments.h"
 #include "vog/reference.h"
-#include "vog/render.h"
-#include "vog/vdb.h"
+#include "vog/splat.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

@@ -6,12 +6,12 @@
 #include <cstring>
 
 #include "pfm.h"
-#include "vog/convert.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 #include "vog/ply.h"
 #include "vog/reference.h"
 #include "vog/trace.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::test {
 

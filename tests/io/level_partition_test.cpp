@@ -1,5 +1,5 @@
 // level_partition_test.cpp: parts of levels, with what hides them, add up to the levels.
-#include "vog/level_parts.h"
+#include "vog/distributed.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "support/data.h"
 #include "vog/reference.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

@@ -7,7 +7,7 @@
 #include "mpi_command.h"
 #include "vog/compare.h"
 #include "vog/ply.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::test {
 

@@ -7,7 +7,7 @@
 
 #include "render/kernel_polynomial.h"
 #include "support/scenes.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -9,7 +9,7 @@
 #include "support/device_twin.h"
 #include "support/scenes.h"
 #include "vog/progress.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 #include "vog/trace.h"
 
 namespace vog::test {

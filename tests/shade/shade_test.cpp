@@ -128,16 +128,16 @@ TEST(shade, is_the_line_between_points_at_every_depth) {
         EXPECT_NEAR(shaded.at(x, 0).g, line(v, [](auto p) { return p.g; }), tolerance) << v;
         EXPECT_NEAR(shaded.at(x, 0).a, std::clamp(0.25f + (v - 0.2f) * 1.25f, 0.25f, 1.0f),
                     kRounding);
-        EXPECT_EQ(evaluate(tf, v).b, shaded.at(x, 0).b);
+        EXPECT_EQ(color_at(tf, v).b, shaded.at(x, 0).b);
     }
 }
 
 TEST(shade, a_step_has_its_right_value_at_the_step) {
     const TransferFunction tf{"step", {{0.5f, 1, 0, 0}, {0.5f, 0, 0, 1}}, {}};
-    EXPECT_EQ(evaluate(tf, 0.49999f), (Rgba{1, 0, 0, 1}));
-    EXPECT_EQ(evaluate(tf, 0.5f), (Rgba{0, 0, 1, 1}));
-    EXPECT_EQ(evaluate(tf, 0), (Rgba{1, 0, 0, 1}));
-    EXPECT_EQ(evaluate(tf, 1), (Rgba{0, 0, 1, 1}));
+    EXPECT_EQ(color_at(tf, 0.49999f), (Rgba{1, 0, 0, 1}));
+    EXPECT_EQ(color_at(tf, 0.5f), (Rgba{0, 0, 1, 1}));
+    EXPECT_EQ(color_at(tf, 0), (Rgba{1, 0, 0, 1}));
+    EXPECT_EQ(color_at(tf, 1), (Rgba{0, 0, 1, 1}));
 }
 
 TEST(shade, is_the_same_for_any_number_of_threads) {
@@ -164,8 +164,8 @@ TEST(shade, what_cannot_be_shaded_is_an_error) {
     EXPECT_THROW((void)shade(depths({1}), {"bright", {{0.5f, 0, 2, 0}}, {}}), Error);
     EXPECT_THROW((void)shade(depths({1}), {"nan", {{0.5f, 0, 0, 0}}, {{0, kNan}}}), Error);
     EXPECT_THROW((void)shade(depths({1}), gray, {.background = {0, 255, 0, 1}}), Error);
-    EXPECT_THROW((void)evaluate(gray, 1.5f), Error);
-    EXPECT_THROW((void)evaluate(gray, kNan), Error);
+    EXPECT_THROW((void)color_at(gray, 1.5f), Error);
+    EXPECT_THROW((void)color_at(gray, kNan), Error);
 }
 
 // ---- the named maps
@@ -196,7 +196,7 @@ TEST(color_maps, follow_the_published_tables) {
                 return static_cast<float>(map.colors[i][k]) / 255;
             };
             const float v = static_cast<float>(kEntries[i]) / 255;
-            expect_near(evaluate(named_transfer_function(map.name), v), {c(0), c(1), c(2), 1},
+            expect_near(color_at(named_transfer_function(map.name), v), {c(0), c(1), c(2), 1},
                         kTolerance, map.name + (" at " + std::to_string(v)));
         }
 }
@@ -210,7 +210,7 @@ TEST(color_maps, coolwarm_is_morelands) {
                                    {0.9585f, 0.6028f, 0.4818f},
                                    {0.7057f, 0.0156f, 0.1502f}};
     for (int i = 0; i < 5; ++i)
-        expect_near(evaluate(map, static_cast<float>(i) / 4),
+        expect_near(color_at(map, static_cast<float>(i) / 4),
                     {published[i][0], published[i][1], published[i][2], 1}, 0.5f / 255,
                     std::to_string(i));
 }
@@ -222,16 +222,16 @@ TEST(color_maps, jet_is_the_classic_ramp) {
         const auto ramp = [&](float peak) {
             return std::clamp(1.5f - std::abs(4 * v - peak), 0.0f, 1.0f);
         };
-        expect_near(evaluate(jet, v), {ramp(3), ramp(2), ramp(1), 1}, kRounding, std::to_string(v));
+        expect_near(color_at(jet, v), {ramp(3), ramp(2), ramp(1), 1}, kRounding, std::to_string(v));
     }
 }
 
 TEST(color_maps, ends_are_what_the_names_say) {
-    EXPECT_EQ(evaluate(named_transfer_function("white-red"), 0), (Rgba{1, 1, 1, 1}));
-    EXPECT_EQ(evaluate(named_transfer_function("white-red"), 1), (Rgba{1, 0, 0, 1}));
-    EXPECT_EQ(evaluate(named_transfer_function("blue-white"), 0), (Rgba{0, 0, 1, 1}));
-    EXPECT_EQ(evaluate(named_transfer_function("blue-white"), 1), (Rgba{1, 1, 1, 1}));
-    EXPECT_EQ(evaluate(named_transfer_function("gray"), 0.25f), (Rgba{0.25f, 0.25f, 0.25f, 1}));
+    EXPECT_EQ(color_at(named_transfer_function("white-red"), 0), (Rgba{1, 1, 1, 1}));
+    EXPECT_EQ(color_at(named_transfer_function("white-red"), 1), (Rgba{1, 0, 0, 1}));
+    EXPECT_EQ(color_at(named_transfer_function("blue-white"), 0), (Rgba{0, 0, 1, 1}));
+    EXPECT_EQ(color_at(named_transfer_function("blue-white"), 1), (Rgba{1, 1, 1, 1}));
+    EXPECT_EQ(color_at(named_transfer_function("gray"), 0.25f), (Rgba{0.25f, 0.25f, 0.25f, 1}));
 }
 
 TEST(color_maps, are_found_in_any_case_and_listed_where_not_found) {
@@ -255,12 +255,12 @@ TEST(color_maps, samples_of_other_programs_are_even_and_alpha_is_opacity) {
     const TransferFunction tf = sampled_transfer_function("mine", colors);
     EXPECT_EQ(tf.name, "mine");
     EXPECT_TRUE(tf.opacity.empty());
-    EXPECT_EQ(evaluate(tf, 0.5f), (Rgba{1, 0, 0.5f, 1}));
-    EXPECT_EQ(evaluate(tf, 0.25f), (Rgba{0.5f, 0, 0.25f, 1}));
+    EXPECT_EQ(color_at(tf, 0.5f), (Rgba{1, 0, 0.5f, 1}));
+    EXPECT_EQ(color_at(tf, 0.25f), (Rgba{0.5f, 0, 0.25f, 1}));
     const Rgba clear[] = {{0, 0, 0, 0}, {1, 1, 1, 0.5f}};
-    EXPECT_EQ(evaluate(sampled_transfer_function("clear", clear), 0.5f),
+    EXPECT_EQ(color_at(sampled_transfer_function("clear", clear), 0.5f),
               (Rgba{0.5f, 0.5f, 0.5f, 0.25f}));
-    EXPECT_EQ(evaluate(sampled_transfer_function("one", {colors + 1, 1}), 0.7f), colors[1]);
+    EXPECT_EQ(color_at(sampled_transfer_function("one", {colors + 1, 1}), 0.7f), colors[1]);
     EXPECT_THROW((void)sampled_transfer_function("none", {}), Error);
     const Rgba bright[] = {{2, 0, 0, 1}};
     EXPECT_THROW((void)sampled_transfer_function("bright", bright), Error);

@@ -54,7 +54,7 @@ TEST(paraview_colors, are_those_of_paraview_in_every_space) {
         EXPECT_EQ(tf.name, "test");
         EXPECT_TRUE(tf.opacity.empty());
         for (int i = 0; i < 5; ++i) {
-            const Rgba color = evaluate(tf, at[i]);
+            const Rgba color = color_at(tf, at[i]);
             EXPECT_NEAR(color.r, c.colors[i][0], kHalfStep) << c.keys << at[i];
             EXPECT_NEAR(color.g, c.colors[i][1], kHalfStep) << c.keys << at[i];
             EXPECT_NEAR(color.b, c.colors[i][2], kHalfStep) << c.keys << at[i];
@@ -77,14 +77,14 @@ TEST(paraview_opacity, has_midpoints_sharpness_and_the_range_of_the_colors) {
                                  {0.7f, 0.2f},     {0.8f, 0.2f},     {0.82f, 0.2f},
                                  {0.83f, 1},       {0.95f, 1},       {1, 1}};
     for (const auto& [v, opacity] : expected)
-        EXPECT_NEAR(evaluate(tf, v).a, opacity, 0.5f / 255) << v;
+        EXPECT_NEAR(color_at(tf, v).a, opacity, 0.5f / 255) << v;
 }
 
 TEST(paraview_opacity, beside_the_colors_is_its_nearest_value) {
     const TransferFunction tf = read_text(
         preset(std::string(kPoints) + ", \"Points\" : [ 7, 0.25, 0.5, 0,  9, 1, 0.5, 0 ]"));
-    EXPECT_EQ(evaluate(tf, 0).a, 0.25f);
-    EXPECT_EQ(evaluate(tf, 1).a, 0.25f);
+    EXPECT_EQ(color_at(tf, 0).a, 0.25f);
+    EXPECT_EQ(color_at(tf, 1).a, 0.25f);
 }
 
 TEST(paraview_colors, first_preset_counts_and_one_may_stand_alone) {
@@ -97,8 +97,8 @@ TEST(paraview_colors, first_preset_counts_and_one_may_stand_alone) {
 TEST(paraview_colors, equal_scalars_make_a_step) {
     const TransferFunction tf =
         read_text(preset("\"RGBPoints\" : [ 0,1,0,0, 5,1,0,0, 5,0,0,1, 10,0,0,1 ]"));
-    EXPECT_EQ(evaluate(tf, 0.499f), (Rgba{1, 0, 0, 1}));
-    EXPECT_EQ(evaluate(tf, 0.5f), (Rgba{0, 0, 1, 1}));
+    EXPECT_EQ(color_at(tf, 0.499f), (Rgba{1, 0, 0, 1}));
+    EXPECT_EQ(color_at(tf, 0.5f), (Rgba{0, 0, 1, 1}));
 }
 
 TEST(paraview_colors, what_is_no_map_is_refused_with_its_key) {
@@ -139,14 +139,14 @@ TEST(own_json, holds_colors_and_opacity) {
     const TransferFunction tf = read_text(R"({"name": "fire",
         "colors": [[0, 0, 0, 0], [0.5, 1, 0, 0], [1, 1, 1, 0]], "opacity": [[0.25, 0], [1, 0.5]]})");
     EXPECT_EQ(tf.name, "fire");
-    EXPECT_EQ(evaluate(tf, 0.25f), (Rgba{0.5f, 0, 0, 0}));
-    EXPECT_EQ(evaluate(tf, 1), (Rgba{1, 1, 0, 0.5f}));
+    EXPECT_EQ(color_at(tf, 0.25f), (Rgba{0.5f, 0, 0, 0}));
+    EXPECT_EQ(color_at(tf, 1), (Rgba{1, 1, 0, 0.5f}));
 }
 
 TEST(own_json, takes_colors_from_a_named_map) {
     const TransferFunction tf = read_text(R"({"colors": "jet", "opacity": [[0, 0], [1, 1]]})");
     EXPECT_EQ(tf.name, "jet");
-    EXPECT_EQ(evaluate(tf, 0.875f), (Rgba{1, 0, 0, 0.875f}));
+    EXPECT_EQ(color_at(tf, 0.875f), (Rgba{1, 0, 0, 0.875f}));
     EXPECT_EQ(read_text(R"({"colors": [[0, 1, 1, 1]]})").name, "map");  // the file's
 }
 

@@ -1,7 +1,7 @@
 // device_twin.h: the GPU's tile renderer, its device header compiled for the host, pixel by pixel.
 #pragma once
 
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -89,7 +89,7 @@ TEST_F(shade_gl, a_look_without_changes_is_the_map_itself) {
     const TransferFunction tf = transfer_function(look), map = named_transfer_function("inferno");
     for (int i = 0; i <= 1000; ++i) {
         const float v = static_cast<float>(i) / 1000;
-        EXPECT_EQ(evaluate(tf, v), evaluate(map, v)) << v;
+        EXPECT_EQ(color_at(tf, v), color_at(map, v)) << v;
     }
     EXPECT_TRUE(is_plain(look));
 }
@@ -102,7 +102,7 @@ TEST_F(shade_gl, gamma_follows_its_curve) {
         const TransferFunction tf = transfer_function(look);
         for (int i = 0; i <= 1000; ++i) {
             const float v = static_cast<float>(i) / 1000;
-            EXPECT_NEAR(evaluate(tf, v).r, std::pow(v, gamma), 1.0 / 255) << gamma << " at " << v;
+            EXPECT_NEAR(color_at(tf, v).r, std::pow(v, gamma), 1.0 / 255) << gamma << " at " << v;
         }
     }
 }
@@ -113,8 +113,8 @@ TEST_F(shade_gl, steps_are_kept) {
     for (const bool invert : {false, true}) {
         look.invert = invert;
         const TransferFunction tf = transfer_function(look);
-        EXPECT_EQ(evaluate(tf, 0.49f).r, invert ? 0 : 1);
-        EXPECT_EQ(evaluate(tf, 0.51f).r, invert ? 1 : 0);
+        EXPECT_EQ(color_at(tf, 0.49f).r, invert ? 0 : 1);
+        EXPECT_EQ(color_at(tf, 0.51f).r, invert ? 1 : 0);
     }
 }
 

@@ -9,10 +9,10 @@
 #include "support/scenes.h"
 #include "viewer/headless.h"
 #include "vog/compare.h"
-#include "vog/moments.h"
-#include "vog/render.h"
+#include "vog/convert_moments.h"
 #include "vog/sample.h"
-#include "vog/vdb.h"
+#include "vog/splat.h"
+#include "vog/volume_io.h"
 
 namespace vog::test {
 

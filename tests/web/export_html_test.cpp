@@ -7,11 +7,11 @@
 
 #include "support/command.h"
 #include "support/scenes.h"
-#include "vog/coarsen.h"
 #include "vog/error.h"
 #include "vog/image.h"
+#include "vog/lod.h"
 #include "vog/ply.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -10,7 +10,7 @@
 #include "core/html_text.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

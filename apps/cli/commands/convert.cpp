@@ -12,11 +12,12 @@
 #include "options/conversion_options.h"
 #include "shared/convert_run.h"
 #include "shared/sequence.h"
+#include "vog/convert_moments.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/memory.h"
-#include "vog/moments.h"
 #include "vog/ply.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::cli {
 
@@ -71,7 +72,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;
-    options.together = others.together;
+    options.collective = others.collective;
     const bool paper = arguments.method == "paper";
     if (paper && arguments.points.value.empty()) options.value = "speed";
     Stages stages(arguments.verbose && others.writes);
@@ -100,8 +101,8 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     totals.add(one, sum);
     if (options.error > 0 && one.measured_error > options.error)
         note_missed(arguments.inputs.front(), one.measured_error, options.error);
-    if (!paper) model.reached = reached_text(model, totals.report(sum), "particles");
-    if (!paper && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
+    if (!paper) model.summary = summary_text(model, totals.report(sum), "particles");
+    if (!paper && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
     return report(arguments, FileKind::points, converted(model, hierarchy), sum, totals, stages);
@@ -156,8 +157,8 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
                 one, mass(volume));
     });
     if (by_moments)
-        model.reached = reached_text(model, totals.report(volume_mass), "active voxels");
-    if (by_moments && arguments.stamp) model.reached += ", " + times_text(totals.stage_ms);
+        model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
+    if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
@@ -172,7 +173,7 @@ std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string
     VdbOptions options;
     options.grid = arguments.volume.grid;
     options.level_set_to_fog = arguments.volume.level_set_to_fog;
-    return kLeaves * sizeof(Leaf) * VdbReader(input, options).leaf_count();
+    return kLeaves * sizeof(Leaf) * VolumeReader(input, options).leaf_count();
 }
 
 /// Leaves frames to others.
@@ -251,7 +252,7 @@ void convert(const ConvertArguments& given, const CLI::App& command,
 Converted converted(const Gaussians& model, const Hierarchy& hierarchy) {
     return {model.method,
             model.options,
-            model.reached,
+            model.summary,
             model.size(),
             model.source_voxels,
             hierarchy.size(),
@@ -270,7 +271,7 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                    grouped(made.gaussians), 100 * share, grouped(made.source_voxels),
                    kind == FileKind::points ? "particles" : "active voxels", bytes_text(made.bytes),
                    mass_ratio);
-        if (by_moments) fmt::print("{}\n{}\n", made.reached, times_text(moments.stage_ms));
+        if (by_moments) fmt::print("{}\n{}\n", made.summary, times_text(moments.stage_ms));
         return {};
     }
     nlohmann::ordered_json json = {

@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "shared/evaluate_run.h"
 #include "shared/terminal.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog::cli {
@@ -55,12 +56,12 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateTogether& others
     if (arguments.extinction != "auto")
         arguments.options.extinction = parse_extinction(arguments.extinction);
     const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose && others.together.first());
+    Stages stages(arguments.verbose && collective_or_single(others.collective).is_root());
     arguments.options.progress = stages.progress();
 
-    arguments.options.together = others.together;
+    arguments.options.collective = others.collective;
     const Evaluation evaluation = evaluated(arguments, others, stages);
-    if (!others.together.first()) return;
+    if (!collective_or_single(others.collective).is_root()) return;
 
     const std::filesystem::path folder = arguments.folder;
     if (arguments.json) {

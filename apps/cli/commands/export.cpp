@@ -12,10 +12,10 @@
 #include "shared/inputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
-#include "vog/coarsen.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
-#include "vog/moments.h"
+#include "vog/lod.h"
 #include "vog/ply.h"
 
 namespace vog::cli {

@@ -8,10 +8,9 @@
 #include "commands.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
-#include "vog/nvdb.h"
 #include "vog/ply.h"
 #include "vog/points.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::cli {
 
@@ -151,7 +150,7 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
             {"source_voxels", model.source_voxels},
             {"method", model.method},
             {"options", model.options},
-            {"reached", model.reached}};
+            {"reached", model.summary}};
 }
 
 void print(const Gaussians& model, const Hierarchy& hierarchy) {
@@ -175,7 +174,7 @@ void print(const Gaussians& model, const Hierarchy& hierarchy) {
                                       static_cast<double>(model.source_voxels),
                                   grouped(model.source_voxels)));
     if (!model.method.empty()) line("method", model.method + " " + model.options);
-    if (!model.reached.empty()) line("reached", model.reached);
+    if (!model.summary.empty()) line("summary", model.summary);
     line("hierarchy", hierarchy.empty() ? "none" : grouped(hierarchy.size()) + " nodes");
     line("size", bytes_text(ply_bytes(model, hierarchy)));
 }

@@ -6,7 +6,7 @@
 #include "commands.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::cli {
 

@@ -13,9 +13,9 @@
 #include "options/memory_options.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
-#include "vog/convert.h"
-#include "vog/hierarchy.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
+#include "vog/lod.h"
 
 namespace vog::cli {
 
@@ -69,7 +69,7 @@ struct MomentTotals {
 
 /// What a conversion has made, as its report has it.
 struct Converted {
-    std::string method, options, reached;
+    std::string method, options, summary;
     std::uint64_t gaussians = 0, source_voxels = 0;
     std::uint64_t nodes = 0, bytes = 0;  ///< of the hierarchy, of the file
     double mass = 0;
@@ -83,8 +83,8 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
 
 /// Several who convert together.
 struct ConvertTogether {
-    Together together{};
-    bool writes = true;  ///< false: another one writes and reports
+    const Collective* collective = nullptr;  ///< processes that share the work; null: one
+    bool writes = true;                      ///< false: another one writes and reports
     /// Loads, converts and writes volumes instead of vog convert's own way.
     std::function<nlohmann::ordered_json(const ConvertArguments&, const VolumeConversion&, Stages&)>
         volumes{};

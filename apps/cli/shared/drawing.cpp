@@ -9,7 +9,7 @@
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::cli {
 

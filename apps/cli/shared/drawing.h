@@ -10,8 +10,8 @@
 
 #include "shared/inputs.h"
 #include "vog/camera.h"
-#include "vog/hierarchy.h"
 #include "vog/image.h"
+#include "vog/lod.h"
 #include "vog/progress.h"
 #include "vog/reference.h"
 #include "vog/trace.h"

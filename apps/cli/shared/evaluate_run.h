@@ -23,7 +23,7 @@ struct EvaluateArguments {
 
 /// Several who evaluate together.
 struct EvaluateTogether {
-    Together together{};
+    const Collective* collective = nullptr;  ///< processes that share the work; null: one
     /// Reads this one's part of volumes that add up; empty: all of them, or levels, are read.
     std::function<std::vector<Volume>(const EvaluateArguments&)> load{};
 };

@@ -9,11 +9,11 @@
 #include <cmath>
 
 #include "shared/terminal.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/files.h"
 #include "vog/ply.h"
 #include "vog/shade.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog::cli {
 
@@ -192,7 +192,7 @@ Box box_of(const std::string& input, const VolumeInputOptions& volume,
             convert_points(load_points({input}, points, volume.grid), point_options(points)));
     const bool one_grid = volume.grid.find_first_of("*?") == std::string::npos;
     if (extension_of(input) == ".vdb" && one_grid)
-        return VdbReader(input, {volume.grid, volume.level_set_to_fog}).world_box();
+        return VolumeReader(input, {volume.grid, volume.level_set_to_fog}).world_box();
     Box box;
     for (const Volume& level : load_levels({input}, volume).volumes)
         if (!level.empty()) box.include(world_box(level));

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "vog/convert_points.h"
-#include "vog/files.h"
 #include "vog/gaussians.h"
-#include "vog/hierarchy.h"
 #include "vog/image.h"
 #include "vog/levels.h"
+#include "vog/lod.h"
 #include "vog/volume.h"
+#include "vog/volume_io.h"
 
 namespace vog::cli {
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "vog/gpu.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 #include "vog/trace.h"
 
 namespace vog::viewer {
@@ -17,7 +17,7 @@ struct Cancelled {};
 }  // namespace
 
 /// Buffers and hierarchies outlive a picture, not a model.
-struct CpuRenderer::Prepared {
+struct BackgroundRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy;
     std::optional<SplatRenderer> splat;
@@ -37,9 +37,10 @@ DepthImage shrunk(const DepthImage& image, int factor) {
     return mean;
 }
 
-CpuRenderer::CpuRenderer() : prepared_(std::make_unique<Prepared>()), thread_([this] { work(); }) {}
+BackgroundRenderer::BackgroundRenderer()
+    : prepared_(std::make_unique<Prepared>()), thread_([this] { work(); }) {}
 
-CpuRenderer::~CpuRenderer() {
+BackgroundRenderer::~BackgroundRenderer() {
     {
         const std::lock_guard lock(mutex_);
         end_ = cancel_ = true;
@@ -48,7 +49,7 @@ CpuRenderer::~CpuRenderer() {
     thread_.join();
 }
 
-void CpuRenderer::ask(CpuRequest request) {
+void BackgroundRenderer::ask(RenderRequest request) {
     {
         const std::lock_guard lock(mutex_);
         if (running_ && running_key_ != request.key) cancel_ = true;
@@ -57,39 +58,39 @@ void CpuRenderer::ask(CpuRequest request) {
     wake_.notify_one();
 }
 
-std::optional<CpuPicture> CpuRenderer::take() {
+std::optional<RenderedPicture> BackgroundRenderer::take() {
     const std::lock_guard lock(mutex_);
     return std::exchange(ready_, std::nullopt);
 }
 
-bool CpuRenderer::busy() {
+bool BackgroundRenderer::busy() {
     const std::lock_guard lock(mutex_);
     return running_ || waiting_.has_value() || ready_.has_value();
 }
 
-double CpuRenderer::fraction() {
+double BackgroundRenderer::fraction() {
     const std::lock_guard lock(mutex_);
     return running_ ? fraction_ : 0;
 }
 
-void CpuRenderer::work() {
+void BackgroundRenderer::work() {
     std::unique_lock lock(mutex_);
     while (true) {
         wake_.wait(lock, [&] { return end_ || waiting_.has_value(); });
         if (end_) return;
-        const CpuRequest request = std::move(*waiting_);
+        const RenderRequest request = std::move(*waiting_);
         waiting_.reset();
         running_key_ = request.key;
         running_ = true;
         cancel_ = false;
         fraction_ = 0;
         lock.unlock();
-        std::optional<CpuPicture> picture;
+        std::optional<RenderedPicture> picture;
         try {
             picture = render(request);
         } catch (const Cancelled&) {
         } catch (const std::exception& error) {
-            picture = CpuPicture{request.key, request.rays, {}, 0, 0, error.what()};
+            picture = RenderedPicture{request.key, request.rays, {}, 0, 0, error.what()};
         }
         lock.lock();
         running_ = false;
@@ -97,8 +98,8 @@ void CpuRenderer::work() {
     }
 }
 
-void CpuRenderer::draw_model(const CpuRequest& request, int width, int height,
-                             const Progress& progress, CpuPicture& picture) {
+void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
+                                    const Progress& progress, RenderedPicture& picture) {
     Prepared& with = *prepared_;
     if (request.model != with.model) {
         with = Prepared{};
@@ -137,7 +138,7 @@ void CpuRenderer::draw_model(const CpuRequest& request, int width, int height,
     }
 }
 
-CpuPicture CpuRenderer::render(const CpuRequest& request) {
+RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
     const auto progress = [this](double fraction) {
         const std::lock_guard lock(mutex_);
         if (cancel_) throw Cancelled{};
@@ -145,7 +146,7 @@ CpuPicture CpuRenderer::render(const CpuRequest& request) {
     };
     const auto start = std::chrono::steady_clock::now();
     const int width = request.width * request.rays, height = request.height * request.rays;
-    CpuPicture picture{request.key, request.rays, {}, 0, 0, {}};
+    RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}};
     if (request.voxels)
         picture.depth = request.voxels->draw(request.camera, width, height, progress);
     else

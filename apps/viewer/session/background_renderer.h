@@ -14,14 +14,14 @@
 #include "session/voxels.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
-#include "vog/hierarchy.h"
 #include "vog/image.h"
+#include "vog/lod.h"
 #include "vog/progress.h"
 
 namespace vog::viewer {
 
 /// Either a model or voxels.
-struct CpuRequest {
+struct RenderRequest {
     std::uint64_t key = 0;  ///< the asker's name for it
     Renderer renderer = Renderer::splat;
     std::shared_ptr<const Gaussians> model;
@@ -33,7 +33,7 @@ struct CpuRequest {
     int rays = 1;  ///< of a pixel, along each side: their mean is what is asked for
 };
 
-struct CpuPicture {
+struct RenderedPicture {
     std::uint64_t key = 0;
     int rays = 1;
     DepthImage depth;
@@ -42,33 +42,33 @@ struct CpuPicture {
     std::string error;      ///< why there is none
 };
 
-class CpuRenderer {
+class BackgroundRenderer {
   public:
-    CpuRenderer();
-    ~CpuRenderer();
-    CpuRenderer(const CpuRenderer&) = delete;
-    CpuRenderer& operator=(const CpuRenderer&) = delete;
+    BackgroundRenderer();
+    ~BackgroundRenderer();
+    BackgroundRenderer(const BackgroundRenderer&) = delete;
+    BackgroundRenderer& operator=(const BackgroundRenderer&) = delete;
 
     /// Takes the place of any request before it; one with another key is ended.
-    void ask(CpuRequest request);
+    void ask(RenderRequest request);
     /// The latest picture that is ready, once.
-    std::optional<CpuPicture> take();
+    std::optional<RenderedPicture> take();
     bool busy();
     /// Finished share of what is under way.
     double fraction();
 
   private:
     void work();
-    CpuPicture render(const CpuRequest& request);
-    void draw_model(const CpuRequest& request, int width, int height, const Progress& progress,
-                    CpuPicture& picture);
+    RenderedPicture render(const RenderRequest& request);
+    void draw_model(const RenderRequest& request, int width, int height, const Progress& progress,
+                    RenderedPicture& picture);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< the thread's own: what the latest model needs
 
     std::mutex mutex_;  ///< guards what follows
     std::condition_variable wake_;
-    std::optional<CpuRequest> waiting_;
-    std::optional<CpuPicture> ready_;
+    std::optional<RenderRequest> waiting_;
+    std::optional<RenderedPicture> ready_;
     std::uint64_t running_key_ = 0;
     bool running_ = false, cancel_ = false, end_ = false;
     double fraction_ = 0;

@@ -79,7 +79,7 @@ void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
 }
 
 void Picture::ask(int rays) {
-    if (!cpu_) cpu_ = std::make_unique<CpuRenderer>();
+    if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
     rays_asked_ = rays;
     const bool voxels = key_.renderer == Renderer::voxels;
     cpu_->ask({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
@@ -90,7 +90,7 @@ void Picture::ask(int rays) {
 void Picture::update_cpu(int subframes) {
     if (rays_asked_ == 0) ask(1);
     if (complete_) return;
-    const std::optional<CpuPicture> picture = cpu_->take();
+    const std::optional<RenderedPicture> picture = cpu_->take();
     if (!picture || picture->key != cpu_key_) return;
     if (!picture->error.empty()) {
         error_ = picture->error;

@@ -88,7 +88,7 @@ class Picture {
     std::string error_;
     std::optional<GlTarget> target_;
     std::optional<GlTimer> timer_;
-    std::unique_ptr<CpuRenderer> cpu_;
+    std::unique_ptr<BackgroundRenderer> cpu_;
     std::uint64_t cpu_key_ = 0;
     int rays_asked_ = 0;
 };

@@ -10,10 +10,10 @@
 
 #include "vog/camera.h"
 #include "vog/compare.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 #include "vog/reference.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::viewer {
 

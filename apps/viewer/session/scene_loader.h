@@ -14,8 +14,8 @@
 #include "session/voxels.h"
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
-#include "vog/hierarchy.h"
 #include "vog/levels.h"
+#include "vog/lod.h"
 #include "vog/progress.h"
 
 namespace vog::viewer {

@@ -21,7 +21,7 @@ void draw_strip(const TransferFunction& tf, ImVec2 at, ImVec2 size) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     constexpr std::size_t kPieces = 64;
     const auto color = [&](std::size_t n) {
-        return color_u32(evaluate(tf, static_cast<float>(n) / float(kPieces)));
+        return color_u32(color_at(tf, static_cast<float>(n) / float(kPieces)));
     };
     for (std::size_t n = 0; n < kPieces; ++n) {
         const float x0 = at.x + size.x * static_cast<float>(n) / kPieces;

@@ -71,7 +71,7 @@ void draw_color_bar(const Session& session, const Layout& layout) {
                                            : transfer_function(session.look);
     constexpr int kPieces = 128;
     for (int n = 0; n < kPieces; ++n) {
-        const Rgba c = evaluate(tf, (static_cast<float>(n) + 0.5f) / kPieces);
+        const Rgba c = color_at(tf, (static_cast<float>(n) + 0.5f) / kPieces);
         list.AddRectFilled({x + width * static_cast<float>(n) / kPieces, y},
                            {x + width * static_cast<float>(n + 1) / kPieces, y + height},
                            ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}));

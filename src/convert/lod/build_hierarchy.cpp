@@ -1,5 +1,5 @@
 // build_hierarchy.cpp: the nodes' Gaussians, from the leaves up: moments, balls, errors.
-#include "vog/hierarchy.h"
+#include "vog/lod.h"
 
 #include <fmt/core.h>
 
@@ -11,6 +11,7 @@
 #include "convert/lod/mean_octree.h"
 #include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
+#include "data/hierarchy_links.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -128,7 +129,7 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     if (model.size() >= std::numeric_limits<std::uint32_t>::max())
         throw Error(fmt::format("{}: {} Gaussians, expected fewer than 2^32 in a hierarchy",
                                 name_of(model), model.size()));
-    auto [tree, levels] = hierarchy_tree(model, options);
+    auto [tree, levels] = mean_octree(model, options);
     link(tree, model.size(), name_of(model));
     tree.nodes.cutoff = model.cutoff;
     resize(tree.nodes, tree.size(), model.axis_aligned());

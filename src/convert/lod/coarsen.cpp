@@ -1,5 +1,5 @@
 // coarsen.cpp: the tree that particles have, over the Gaussians of a model.
-#include "vog/coarsen.h"
+#include "vog/lod.h"
 
 #include <fmt/core.h>
 

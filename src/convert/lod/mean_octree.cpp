@@ -186,8 +186,8 @@ std::vector<Run> add_level(std::span<const Place> places, std::span<const Run> c
 
 }  // namespace
 
-HierarchyTree hierarchy_tree(Gaussians& model, const HierarchyOptions& options) {
-    HierarchyTree tree{{}, {0}};
+MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options) {
+    MeanOctree tree{{}, {0}};
     if (model.size() < 2) return tree;
     const Affine code_from = code_from_world(model, options);
     const std::vector<Place> places = sorted_places(model, code_from);

@@ -4,18 +4,18 @@
 #include <cstddef>
 #include <vector>
 
-#include "vog/hierarchy.h"
+#include "vog/lod.h"
 
 namespace vog {
 
 /// Cells with no more Gaussians than this are not divided: a node is to save more than it costs.
 inline constexpr std::uint32_t kMostChildren = 8;
 
-struct HierarchyTree {
+struct MeanOctree {
     Hierarchy hierarchy;              ///< counts, and half the edges of the cells as errors
     std::vector<std::size_t> levels;  ///< first node of each, and where the last one ends
 };
 /// Puts the Gaussians into the order of the tree.
-HierarchyTree hierarchy_tree(Gaussians& model, const HierarchyOptions& options);
+MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options);
 
 }  // namespace vog

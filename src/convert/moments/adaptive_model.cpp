@@ -14,7 +14,7 @@ namespace {
 
 /// The fields of the data, and what their cuts are chosen from.
 struct FieldTrees {
-    std::vector<MomentField> fields;
+    std::vector<LatticeField> fields;
     std::vector<CutTree> trees;
 };
 
@@ -22,9 +22,9 @@ FieldTrees field_trees(const MomentJob& job) {
     FieldTrees all;
     all.fields = job.fields();
     double finest_edge = std::numeric_limits<double>::infinity();
-    for (const MomentField& field : all.fields)
+    for (const LatticeField& field : all.fields)
         finest_edge = std::min(finest_edge, std::cbrt(field.voxel_volume()));
-    for (const MomentField& field : all.fields)
+    for (const LatticeField& field : all.fields)
         all.trees.push_back(
             cut_tree(field, cut_scale(std::cbrt(field.voxel_volume()) / finest_edge)));
     return all;
@@ -32,7 +32,7 @@ FieldTrees field_trees(const MomentJob& job) {
 
 /// The smallest model, softened and without its lightest cells, whose measured error is low enough.
 FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
-                  FieldSoftener& softener) {
+                  FieldEmSolver& softener) {
     std::size_t finest = 0;
     for (const CutTree& tree : all.trees) finest += finest_count(tree);
     // Hard cells are made and measured in a tenth of the time of soft ones, and have a multiple of
@@ -71,7 +71,7 @@ Gaussians best_model(MomentJob& job) {
     }
     FieldTrees all = field_trees(job);
     job.end_stage("octree", job.options.budget ? 0.2 : 0.3);
-    FieldSoftener softener(all.fields, job.options.refine_seconds > 0);
+    FieldEmSolver softener(all.fields, job.options.refine_seconds > 0);
     FieldCells cells = job.options.budget ? best_cut(all.trees, job.options.budget)
                                           : search(job, all, *views, softener);
     all.trees = {};

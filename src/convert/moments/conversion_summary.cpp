@@ -5,15 +5,15 @@
 #include <string>
 #include <utility>
 
+#include "vog/convert_moments.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 
 namespace vog {
 
 namespace {
 
-void require_one(const Cut& cut) {
+void require_one(const CellChoice& cut) {
     const std::array<std::pair<const char*, bool>, 4> ways{{{"block", cut.block_voxels != 0},
                                                             {"budget", cut.budget != 0},
                                                             {"error", cut.error != 0},
@@ -27,26 +27,26 @@ void require_one(const Cut& cut) {
 
 }  // namespace
 
-void choose(MomentOptions& options, const Cut& cut) {
+void set_cut(MomentOptions& options, const CellChoice& cut) {
     require_one(cut);
     options.block_voxels = cut.lod ? moment_lod(cut.lod).block_voxels : cut.block_voxels;
     options.budget = cut.budget;
     if (cut.error != 0) options.error = cut.error;
 }
 
-void choose(PointOptions& options, const Cut& cut) {
+void set_cut(PointOptions& options, const CellChoice& cut) {
     require_one(cut);
     options.block_voxels = cut.lod ? point_lod(cut.lod).block_voxels : cut.block_voxels;
     options.budget = cut.budget;
     options.error = cut.error;
 }
 
-std::string reached_text(const Gaussians& model, const MomentReport& report,
+std::string summary_text(const Gaussians& model, const MomentReport& report,
                          const std::string& of) {
-    return reached_text(model.size(), model.source_voxels, report, of);
+    return summary_text(model.size(), model.source_voxels, report, of);
 }
 
-std::string reached_text(std::uint64_t gaussians, std::uint64_t source_voxels,
+std::string summary_text(std::uint64_t gaussians, std::uint64_t source_voxels,
                          const MomentReport& report, const std::string& of) {
     std::string text = fmt::format("{} Gaussians", gaussians);
     if (source_voxels)

@@ -1,6 +1,6 @@
 // convert_moments.cpp: the moment conversion: check the options, choose the cells, soften them, drop the
 // lightest, write the Gaussians; say what was done.
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 
 #include <fmt/core.h>
 
@@ -33,9 +33,9 @@ void check(const MomentOptions& options) {
         refuse(fmt::format("spread {}, expected in [0.5, 2]", options.spread));
     if (!(options.refine_seconds >= 0 && options.refine_seconds <= 1e6))
         refuse(fmt::format("refine {} seconds, expected in [0, 1e6]", options.refine_seconds));
-    if (options.together.sum &&
+    if (options.collective &&
         (!block || options.soft_steps > 0 || options.refine_seconds > 0 || options.measure))
-        refuse("together with others, expected a hard uniform cut that is not measured");
+        refuse("several processes, expected a hard uniform cut that is not measured");
     if (!(options.mass_threshold >= 0 && options.mass_threshold < 1))
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
 }
@@ -70,7 +70,7 @@ std::string source_text(std::span<const Volume> parts) {
 Gaussians run(MomentJob& job) {
     job.report = {};
     for (const Volume& part : job.parts) job.data_mass += mass(part) / job.unit_volume();
-    job.options.together.add_up(job.data_mass);
+    job.collective().sum(job.data_mass);
     if (!(job.data_mass > 0 && std::isfinite(job.data_mass)))
         throw Error(fmt::format("{}: mass {}, expected a volume with some",
                                 job.volume().source.empty() ? "volume" : job.volume().source,
@@ -80,7 +80,7 @@ Gaussians run(MomentJob& job) {
     Gaussians model = job.options.block_voxels ? block_model(job) : best_model(job);
     model.cutoff = kMomentCutoff;
     if (job.options.measure && job.report.measured_error < 0) {
-        job.report.measured_error = ErrorViews(job.parts, job.box).measure(model);
+        job.report.measured_error = ErrorViews(job.parts, job.box).relative_l2(model);
         job.end_stage("measure", 1);
     }
     model.box = job.box;
@@ -95,9 +95,9 @@ void tell_reached(Gaussians& model, const MomentJob& job) {
     // Counts are exact in doubles.
     std::array<double, 2> counts{static_cast<double>(model.size()),
                                  static_cast<double>(model.source_voxels)};
-    job.options.together.add_up(counts);
-    model.reached =
-        reached_text(static_cast<std::uint64_t>(counts[0]), static_cast<std::uint64_t>(counts[1]),
+    job.collective().sum(counts);
+    model.summary =
+        summary_text(static_cast<std::uint64_t>(counts[0]), static_cast<std::uint64_t>(counts[1]),
                      job.report, "active voxels");
 }
 

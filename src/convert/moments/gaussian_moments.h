@@ -5,8 +5,8 @@
 #include <array>
 #include <span>
 
+#include "vog/convert_moments.h"
 #include "vog/gaussians.h"
-#include "vog/moments.h"
 #include "vog/volume.h"
 
 namespace vog {

@@ -8,13 +8,14 @@
 #include <numeric>
 #include <vector>
 
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/distributed.h"
 
 namespace vog {
 
 /// Finds the mass below which cells may go: together at most some share of all. Cells are sorted by
-/// the upper 16 bits of their mass, so those within 1 % of each other stay or go together.
-class LightCells {
+/// the upper 16 bits of their mass, so those within 1 % of each other stay or go collective.
+class MassThreshold {
   public:
     /// mass  finite, >= 0
     void add(float mass) {
@@ -24,11 +25,11 @@ class LightCells {
     }
     /// With the cells of others. The sum of up to 2^29 floats of one bin is exact in a double, so
     /// neither the order of cells nor how they are shared out makes a difference.
-    void add_up(const Together& together) {
-        if (!together.sum) return;
+    void sum_over(const Collective& collective) {
+        if (!collective.shared()) return;
         std::vector<double> all = sum_;
         all.insert(all.end(), count_.begin(), count_.end());
-        together.add_up(all);
+        collective.sum(all);
         std::copy_n(all.begin(), kBins, sum_.begin());
         std::transform(all.begin() + kBins, all.end(), count_.begin(),
                        [](double count) { return static_cast<std::size_t>(count); });

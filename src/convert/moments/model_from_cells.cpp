@@ -7,7 +7,7 @@
 
 namespace vog {
 
-Gaussians all_gaussians(const MomentJob& job, std::span<const MomentField> fields,
+Gaussians all_gaussians(const MomentJob& job, std::span<const LatticeField> fields,
                         FieldCells cells) {
     Gaussians model;
     for (std::size_t f = 0; f < fields.size(); ++f) {
@@ -21,14 +21,14 @@ Gaussians all_gaussians(const MomentJob& job, std::span<const MomentField> field
     return model;
 }
 
-Gaussians gaussians_of(MomentJob& job, std::span<const MomentField> fields, FieldCells cells) {
-    LightCells light;
+Gaussians gaussians_of(MomentJob& job, std::span<const LatticeField> fields, FieldCells cells) {
+    MassThreshold light;
     const auto mass_of = [&](std::size_t field, std::size_t cell) {
         return static_cast<float>(cells[field].mass(cell) * job.voxels_in(fields[field]));
     };
     for (std::size_t f = 0; f < fields.size(); ++f)
         for (std::size_t n = 0; n < cells[f].size(); ++n) light.add(mass_of(f, n));
-    light.add_up(job.options.together);
+    light.sum_over(job.collective());
     const float least = light.least_mass(job.options.mass_threshold);
     light.tell(job.data_mass, job.report);
 
@@ -37,14 +37,14 @@ Gaussians gaussians_of(MomentJob& job, std::span<const MomentField> fields, Fiel
     return all_gaussians(job, fields, std::move(cells));
 }
 
-FoundModel judged(MomentJob& job, std::span<const MomentField> fields, const ErrorViews& views,
+FoundModel judged(MomentJob& job, std::span<const LatticeField> fields, const ErrorViews& views,
                   FieldCells cells) {
     FoundModel found{gaussians_of(job, fields, std::move(cells))};
-    found.error = views.measure(found.model);
+    found.error = views.relative_l2(found.model);
     return found;
 }
 
-Gaussians finished(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
+Gaussians finished(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
                    FieldCells cells) {
     if (job.options.refine_seconds == 0) return gaussians_of(job, fields, std::move(cells));
     return gaussians_of(job, fields, refined(job, fields, softener, std::move(cells)));

@@ -11,7 +11,8 @@
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/em_step.h"
 #include "convert/moments/error_search.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
+#include "vog/distributed.h"
 
 namespace vog {
 
@@ -32,6 +33,7 @@ struct MomentJob {
         last = now;
         if (options.progress) options.progress(fraction);
     }
+    const Collective& collective() const { return collective_or_single(options.collective); }
     int soft_steps() const {
         if (options.soft_steps >= 0) return options.soft_steps;
         return options.block_voxels ? 0 : options.budget ? kSoftSteps : kSearchSoftSteps;
@@ -41,17 +43,17 @@ struct MomentJob {
         return moment_frame(world_from_index, options.axis_aligned, options.spread);
     }
     /// Unit volumes in a voxel of the field's.
-    double voxels_in(const MomentField& field) const {
+    double voxels_in(const LatticeField& field) const {
         return levels ? field.voxel_volume() / unit_volume() : 1;
     }
     /// What masses are in: voxels of the first part, which others may not have.
     double unit_volume() const {
-        return levels && options.together.sum ? 1 : voxel_volume(volume());
+        return levels && collective().shared() ? 1 : voxel_volume(volume());
     }
-    std::vector<MomentField> fields() const {
-        if (levels) return moment_fields(parts);
-        std::vector<MomentField> one;
-        one.push_back(moment_field(volume()));
+    std::vector<LatticeField> fields() const {
+        if (levels) return lattice_fields(parts);
+        std::vector<LatticeField> one;
+        one.push_back(lattice_field(volume()));
         return one;
     }
 };
@@ -60,12 +62,12 @@ struct MomentJob {
 using FieldCells = std::vector<PackedCells>;
 
 /// The softeners of all fields, and how far each has come.
-class FieldSoftener {
+class FieldEmSolver {
   public:
     /// goes_on  steps will follow those of `soften`: what they remember is kept
-    FieldSoftener(std::span<const MomentField> fields, bool goes_on)
+    FieldEmSolver(std::span<const LatticeField> fields, bool goes_on)
         : steps_(fields.size()), goes_on_(goes_on) {
-        for (const MomentField& field : fields) softeners_.emplace_back(field.bricks);
+        for (const LatticeField& field : fields) softeners_.emplace_back(field.bricks);
     }
     void step(FieldCells& cells) {
         for (std::size_t f = 0; f < softeners_.size(); ++f)
@@ -79,28 +81,28 @@ class FieldSoftener {
     }
 
     /// Cells that did not come from the last ones are next.
-    void forget() { steps_ = std::vector<SoftSteps>(softeners_.size()); }
+    void forget() { steps_ = std::vector<EmHistory>(softeners_.size()); }
 
   private:
-    std::vector<Softener> softeners_;
-    std::vector<SoftSteps> steps_;
+    std::vector<EmSolver> softeners_;
+    std::vector<EmHistory> steps_;
     bool goes_on_;
 };
 
 /// One Gaussian for each cell, field after field.
-Gaussians all_gaussians(const MomentJob& job, std::span<const MomentField> fields,
+Gaussians all_gaussians(const MomentJob& job, std::span<const LatticeField> fields,
                         FieldCells cells);
 /// The model of the cells, without the lightest, which are told in the report.
-Gaussians gaussians_of(MomentJob& job, std::span<const MomentField> fields, FieldCells cells);
+Gaussians gaussians_of(MomentJob& job, std::span<const LatticeField> fields, FieldCells cells);
 /// That, as it will be written, and its measured error.
-FoundModel judged(MomentJob& job, std::span<const MomentField> fields, const ErrorViews& views,
+FoundModel judged(MomentJob& job, std::span<const LatticeField> fields, const ErrorViews& views,
                   FieldCells cells);
 /// For the seconds asked for, soft steps and cells taken from where they are of little use to where
 /// pictures err, as long as the pictures err less: as many cells as before.
-FieldCells refined(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
+FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
                    FieldCells cells);
 /// The refined cells, if that is asked for, as a model.
-Gaussians finished(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
+Gaussians finished(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
                    FieldCells cells);
 
 /// A uniform cut.

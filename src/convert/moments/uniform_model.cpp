@@ -15,31 +15,31 @@ namespace {
 
 /// Runs take(node) over one chunk of the volume's nodes.
 template <class Take>
-void for_each_cell_of(const MomentJob& job, const std::vector<MomentNode>& nodes, std::size_t chunk,
+void for_each_cell_of(const MomentJob& job, const std::vector<MortonNode>& nodes, std::size_t chunk,
                       const Take& take) {
     const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes.size());
     for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
         for_each_cell(job.volume(), nodes[n], job.options.block_voxels, take);
 }
 
-std::size_t chunk_count(const std::vector<MomentNode>& nodes) {
+std::size_t chunk_count(const std::vector<MortonNode>& nodes) {
     return (nodes.size() + kNodeChunk - 1) / kNodeChunk;
 }
 
 /// Hard cells of up to a leaf's edge, straight to Gaussians: the masses first, then every chunk of
 /// leaves writes at its own place, so that nothing but the masses is held besides the result.
 Gaussians small_blocks(MomentJob& job) {
-    const std::vector<MomentNode> nodes = morton_nodes(job.volume());
+    const std::vector<MortonNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<float>> masses(chunk_count(nodes));
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
             masses[chunk].push_back(static_cast<float>(sums.mass));
         });
     });
-    LightCells light;
+    MassThreshold light;
     for (const auto& part : masses)
         for (const float mass : part) light.add(mass);
-    light.add_up(job.options.together);
+    light.sum_over(job.collective());
     const float least = light.least_mass(job.options.mass_threshold);
     light.tell(job.data_mass, job.report);
 
@@ -72,11 +72,11 @@ Gaussians block_model(MomentJob& job) {
     const int block = job.options.block_voxels;
     const bool hard = job.soft_steps() == 0 && job.options.refine_seconds == 0;
     if (!job.levels && hard && block <= kLeafEdge) return small_blocks(job);
-    const std::vector<MomentField> fields = job.fields();
+    const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
-    for (const MomentField& field : fields) cells.push_back(uniform_cells(field, block));
+    for (const LatticeField& field : fields) cells.push_back(uniform_cells(field, block));
     job.end_stage("cells", 0.3);
-    FieldSoftener softener(fields, job.options.refine_seconds > 0);
+    FieldEmSolver softener(fields, job.options.refine_seconds > 0);
     softener.soften(cells, job.soft_steps());
     job.end_stage("soften", 0.9);
     return finished(job, fields, softener, std::move(cells));

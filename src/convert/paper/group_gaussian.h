@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "convert/paper/world_shape.h"
-#include "vog/convert.h"
+#include "vog/convert_paper.h"
 
 namespace vog {
 

@@ -17,6 +17,7 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/convert_points.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -79,11 +80,13 @@ BigVector<float> masses(const Points& points, const std::string& name) {
 }
 
 /// Distances to the k-th neighbour: each finds those of its share, which are looked for longest.
-BigVector<float> shared_distances(const BigVector<Vec3f>& places, int k, const Together& together) {
-    if (together.count == 1) return neighbour_distances(places, k);
-    const BigVector<float> mine = neighbour_distances(places, k, together.index, together.count);
+BigVector<float> shared_distances(const BigVector<Vec3f>& places, int k,
+                                  const Collective& collective) {
+    if (collective.count == 1) return neighbour_distances(places, k);
+    const BigVector<float> mine =
+        neighbour_distances(places, k, collective.index, collective.count);
     std::vector<double> all(mine.begin(), mine.end());
-    together.add_up(all);
+    collective.sum(all);
     return {all.begin(), all.end()};
 }
 
@@ -97,8 +100,8 @@ BigVector<double> adaptive_radii(const PointConversion& job) {
     vog::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
         places[n] = vec_cast<float>(grid.place(job.points, n));
     });
-    const BigVector<float> distance =
-        shared_distances(places, job.options.neighbours, job.options.together);
+    const BigVector<float> distance = shared_distances(
+        places, job.options.neighbours, collective_or_single(job.options.collective));
     float largest = 0;
     for (std::size_t n = 0; n < distance.size(); ++n) {
         largest = std::max(largest, distance[n]);
@@ -196,7 +199,7 @@ BigVector<Moments> uniform_cells(const PointConversion& job, double mass_unit) {
 }
 
 Gaussians gaussians_of(PointConversion& job, const BigVector<Moments>& cells, double mass_unit) {
-    LightCells light;
+    MassThreshold light;
     for (std::size_t n = 0; n < cells.size(); ++n) {
         light.add(static_cast<float>(cells[n].mass));
         keep_memory_at(n);
@@ -238,7 +241,7 @@ Gaussians cut_model(PointConversion& job) {
     FoundModel found =
         smallest_model(options.error, tree.particles.size(), [&](std::size_t budget) {
             FoundModel tried{gaussians_of(job, best_cut(tree, budget), mass_unit)};
-            tried.error = views.measure(tried.model);
+            tried.error = views.relative_l2(tried.model);
             return tried;
         });
     job.report.measured_error = found.error;
@@ -300,13 +303,13 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);
     job.end_stage("model", 0.9);
     if (options.measure && job.report.measured_error < 0) {
-        job.report.measured_error = ErrorViews(all_particles(job)).measure(model);
+        job.report.measured_error = ErrorViews(all_particles(job)).relative_l2(model);
         job.end_stage("measure", 1);
     }
     describe(model, points, options.value);
     model.method = job.cuts() ? "moments" : "particles";
     model.options = option_text(job);
-    model.reached = reached_text(model, job.report, "particles");
+    model.summary = summary_text(model, job.report, "particles");
     return model;
 }
 

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/atomic_file.h"
+#include "data/image_checks.h"
 #include "io/image/image_files.h"
 #include "vog/error.h"
 

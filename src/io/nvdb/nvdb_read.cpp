@@ -8,7 +8,7 @@
 #include "io/nvdb/nvdb_grid.h"
 #include "io/vdb/vdb_density.h"
 #include "io/vdb/vdb_volume.h"
-#include "vog/nvdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

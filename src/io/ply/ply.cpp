@@ -15,7 +15,9 @@
 #include <sstream>
 
 #include "core/atomic_file.h"
+#include "data/hierarchy_links.h"
 #include "io/ply/ply_nodes.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 static_assert(std::endian::native == std::endian::little,
@@ -196,7 +198,7 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
     if (comment(header, "source", value)) model.source = value;
     if (comment(header, "method", value)) model.method = value;
     if (comment(header, "options", value)) model.options = value;
-    if (comment(header, "reached", value)) model.reached = value;
+    if (comment(header, "reached", value)) model.summary = value;
 }
 
 /// Turns the neighbours' conventions into ours, in place.
@@ -262,7 +264,7 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     if (!model.source.empty()) text += "comment source " + one_line(model.source) + "\n";
     if (!model.method.empty()) text += "comment method " + one_line(model.method) + "\n";
     if (!model.options.empty()) text += "comment options " + one_line(model.options) + "\n";
-    if (!model.reached.empty()) text += "comment reached " + one_line(model.reached) + "\n";
+    if (!model.summary.empty()) text += "comment reached " + one_line(model.summary) + "\n";
     if (!hierarchy.empty())
         text +=
             "comment nodes level by level: roots, then of each node in turn its children, nodes "

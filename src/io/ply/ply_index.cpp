@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "vog/hierarchy.h"
+#include "vog/lod.h"
 
 namespace vog {
 

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "io/vdb/vdb_grid.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "core/parallel.h"
-#include "io/vdb/vdb_tree_check.h"
+#include "io/vdb/bytes/vdb_tree_check.h"
 
 namespace vog {
 

@@ -13,8 +13,8 @@
 
 #include <fmt/core.h>
 
-#include "io/vdb/vdb_file.h"
-#include "io/vdb/vdb_tree_check.h"
+#include "io/vdb/bytes/vdb_file.h"
+#include "io/vdb/bytes/vdb_tree_check.h"
 #include "vog/error.h"
 
 namespace vog {

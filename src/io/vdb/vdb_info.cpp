@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "io/vdb/vdb_volume.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "data/volume_partition.h"
+#include "io/vdb/bytes/vdb_file.h"
+#include "io/vdb/bytes/vdb_tree_check.h"
 #include "io/vdb/vdb_density.h"
-#include "io/vdb/vdb_file.h"
 #include "io/vdb/vdb_grid.h"
-#include "io/vdb/vdb_tree_check.h"
-#include "vog/vdb.h"
-#include "vog/volume_part.h"
+#include "vog/distributed.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

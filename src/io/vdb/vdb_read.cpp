@@ -3,9 +3,11 @@
 
 #include <optional>
 
+#include "data/volume_partition.h"
 #include "io/vdb/vdb_leaves.h"
+#include "io/vdb/vdb_reader.h"
 #include "io/vdb/vdb_volume.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

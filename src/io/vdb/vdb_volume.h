@@ -5,7 +5,7 @@
 #include <string>
 
 #include "io/vdb/vdb_grid.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

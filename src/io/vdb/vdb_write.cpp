@@ -11,7 +11,7 @@
 #include "core/atomic_file.h"
 #include "io/vdb/vdb_volume.h"
 #include "vog/openvdb.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "core/parallel.h"
-#include "data/voxel_lookup.h"
+#include "data/levels/voxel_lookup.h"
 
 namespace vog {
 

@@ -15,7 +15,7 @@
 #include "render/splat/splat_kernels.h"
 #include "render/splat/tile_bins.h"
 #include "vog/error.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog {
 

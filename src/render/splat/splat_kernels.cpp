@@ -12,7 +12,7 @@
 #include <cstring>
 
 #include "vog/error.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "render/splat/splat_kernels.cpp"

@@ -9,7 +9,7 @@
 
 #include "core/parallel.h"
 #include "vog/error.h"
-#include "vog/hierarchy.h"
+#include "vog/lod.h"
 
 namespace vog {
 

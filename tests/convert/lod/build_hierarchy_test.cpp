@@ -1,14 +1,15 @@
 // build_hierarchy_test.cpp: what a node stands for, in what order, and what is no hierarchy.
-#include "vog/hierarchy.h"
+#include "vog/lod.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "data/hierarchy_links.h"
 #include "support/scenes.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 #include "vog/progress.h"
 #include "vog/sample.h"
 

@@ -1,5 +1,5 @@
 // coarsen_test.cpp: what fewer Gaussians keep of more.
-#include "vog/coarsen.h"
+#include "vog/lod.h"
 
 #include <gtest/gtest.h>
 
@@ -8,11 +8,11 @@
 #include "support/moment_volumes.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 #include "vog/ply.h"
-#include "vog/render.h"
 #include "vog/sample.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

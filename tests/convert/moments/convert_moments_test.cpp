@@ -1,5 +1,5 @@
 // convert_moments_test.cpp: the moment conversion against closed forms: mass, mean, covariance, T.
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/reference.h"
-#include "vog/render.h"
 #include "vog/sample.h"
+#include "vog/splat.h"
 
 namespace vog {
 namespace {
@@ -252,9 +252,9 @@ TEST(moments, the_threshold_drops_no_more_than_its_share_and_says_so) {
 }
 
 TEST(moments, one_way_to_choose_cells_is_taken_and_two_are_refused) {
-    const auto options = [](const Cut& cut) {
+    const auto options = [](const CellChoice& cut) {
         MomentOptions chosen;
-        choose(chosen, cut);
+        set_cut(chosen, cut);
         return chosen;
     };
     EXPECT_EQ(options({.block_voxels = 4}).block_voxels, 4);
@@ -272,12 +272,12 @@ TEST(moments, the_model_says_what_was_reached) {
     MomentReport report;
     const Gaussians model =
         convert_moments(volume, {.budget = 300, .mass_threshold = 0.01, .measure = true}, &report);
-    EXPECT_EQ(model.reached, reached_text(model, report, "active voxels"));
-    EXPECT_EQ(model.reached.find(std::to_string(model.size()) + " Gaussians, "), 0u);
-    EXPECT_NE(model.reached.find(" % of the active voxels, mass ratio 1.0000"), std::string::npos);
-    EXPECT_NE(model.reached.find("with 0.0"), std::string::npos)
-        << "a share, not a mass: " << model.reached;
-    EXPECT_NE(model.reached.find("measured error 0.0"), std::string::npos) << model.reached;
+    EXPECT_EQ(model.summary, summary_text(model, report, "active voxels"));
+    EXPECT_EQ(model.summary.find(std::to_string(model.size()) + " Gaussians, "), 0u);
+    EXPECT_NE(model.summary.find(" % of the active voxels, mass ratio 1.0000"), std::string::npos);
+    EXPECT_NE(model.summary.find("with 0.0"), std::string::npos)
+        << "a share, not a mass: " << model.summary;
+    EXPECT_NE(model.summary.find("measured error 0.0"), std::string::npos) << model.summary;
 }
 
 TEST(moments, bad_options_and_volumes_throw) {

@@ -9,12 +9,12 @@
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
-#include "vog/convert.h"
+#include "vog/convert_moments.h"
+#include "vog/convert_paper.h"
 #include "vog/error.h"
 #include "vog/levels.h"
-#include "vog/moments.h"
 #include "vog/progress.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog {
 namespace {
@@ -56,13 +56,13 @@ TEST(moment_levels, fields_have_all_the_mass_in_bricks_that_do_not_overlap) {
     for (const test::NestedScene& scene : test::nested_scenes()) {
         SCOPED_TRACE(scene.name);
         const Composite data = composite(test::nested_cubes(20, scene.outer, scene.inner));
-        const std::vector<MomentField> fields = moment_fields(data.parts);
+        const std::vector<LatticeField> fields = lattice_fields(data.parts);
         const bool halves = scene.name.find("ratio_2") == 0 || scene.name.find("ratio_4") == 0;
         if (scene.fits && halves) {
             EXPECT_EQ(fields.size(), 1u);
         }
         double sum = 0;
-        for (const MomentField& field : fields) {
+        for (const LatticeField& field : fields) {
             std::map<std::tuple<int, int, int>, int> taken;  // blocks of 8^3 voxels
             for (const Brick& brick : field.bricks) {
                 double brick_sum = 0;
@@ -121,7 +121,7 @@ TEST(moment_levels, constant_field_is_constant_across_seams) {
         EXPECT_NEAR(mass(model) / total_mass(data), 1, 2e-4) << "1e-4 may be dropped";
         EXPECT_EQ(model.source_voxels, data.voxels);
         EXPECT_EQ(model.box, data.box);
-        const bool one_octree = moment_fields(data.parts).size() == 1;
+        const bool one_octree = lattice_fields(data.parts).size() == 1;
         const double error = relative_error(model, outer, 20);
         EXPECT_LT(error, one_octree ? kOneOctree : kOctreesOfTheirOwn);
 
@@ -173,7 +173,7 @@ TEST(moment_levels, blocks_count_the_voxels_of_each_level) {
 TEST(moment_levels, a_budget_goes_where_gains_are_scaled_up) {
     // Two fields that are the same: the scale alone tells which is the coarser in the end.
     const Volume volume = test::random_volume(3, 0.3);
-    const MomentField field = moment_field(volume);
+    const LatticeField field = lattice_field(volume);
     const std::vector<CutTree> trees{cut_tree(field, 1), cut_tree(field, 10)};
     const auto cells = best_cut(trees, 900);
     EXPECT_LE(cells[0].size() + cells[1].size(), 900u);

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "support/moment_volumes.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 #include "vog/reference.h"
-#include "vog/render.h"
 #include "vog/sample.h"
+#include "vog/splat.h"
 
 namespace vog {
 namespace {

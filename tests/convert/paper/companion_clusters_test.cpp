@@ -4,7 +4,7 @@
 #include <array>
 
 #include "support/random_volume.h"
-#include "vog/convert.h"
+#include "vog/convert_paper.h"
 
 namespace vog {
 namespace {

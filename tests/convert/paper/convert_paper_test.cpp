@@ -9,11 +9,11 @@
 
 #include "support/data.h"
 #include "support/random_volume.h"
-#include "vog/convert.h"
+#include "vog/convert_paper.h"
 #include "vog/error.h"
 #include "vog/levels.h"
 #include "vog/sample.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

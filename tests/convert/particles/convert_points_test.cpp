@@ -12,7 +12,7 @@
 #include "support/refused_files.h"
 #include "vog/compare.h"
 #include "vog/convert_points.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -15,9 +15,8 @@
 #include "support/larger_than_memory.h"
 #include "support/random_volume.h"
 #include "vog/error.h"
-#include "vog/nvdb.h"
 #include "vog/openvdb.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

@@ -43,7 +43,7 @@ Gaussians labelled(Gaussians model) {
     model.source_voxels = 1049275;
     model.method = "paper";
     model.options = "--strategy smart --dense-block 2";
-    model.reached = "mass ratio 1.00000";
+    model.summary = "mass ratio 1.00000";
     return model;
 }
 
@@ -81,7 +81,7 @@ TEST(ply, models_come_back_bit_for_bit) {
         EXPECT_EQ(back.source_voxels, model.source_voxels);
         EXPECT_EQ(back.method, model.method);
         EXPECT_EQ(back.options, model.options);
-        EXPECT_EQ(back.reached, model.reached);
+        EXPECT_EQ(back.summary, model.summary);
         EXPECT_EQ(std::filesystem::file_size(dir / "m.ply"), ply_bytes(model));
     }
 }

@@ -5,7 +5,7 @@
 #include "support/data.h"
 #include "support/refused_files.h"
 #include "support/vdb_grids.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

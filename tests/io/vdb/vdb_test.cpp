@@ -1,11 +1,12 @@
 // vdb_test.cpp: what read_vdb takes from a grid: voxels, tiles, types, transforms, level sets.
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
+#include "io/vdb/vdb_reader.h"
 #include "support/data.h"
 #include "support/refused_files.h"
 #include "support/vdb_grids.h"

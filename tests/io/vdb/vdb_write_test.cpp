@@ -7,7 +7,7 @@
 #include "support/vdb_grids.h"
 #include "vog/error.h"
 #include "vog/openvdb.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

@@ -72,7 +72,7 @@ TEST(device, colours_are_those_of_shade) {
     constexpr int kEntries = 4096;
     std::vector<device::Float4> table;
     for (int n = 0; n < kEntries; ++n) {
-        const Rgba c = evaluate(tf, static_cast<float>(n) / (kEntries - 1));
+        const Rgba c = color_at(tf, static_cast<float>(n) / (kEntries - 1));
         table.push_back({c.r, c.g, c.b, c.a});
     }
     for (const auto& [blend, clear] : {std::pair{false, 1.0f}, {true, 1.0f}, {true, 0.0f}}) {

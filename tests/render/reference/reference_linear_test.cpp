@@ -9,7 +9,7 @@
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
 #include "vog/reference.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

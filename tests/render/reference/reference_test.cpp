@@ -12,7 +12,7 @@
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
 #include "vog/error.h"
-#include "vog/vdb.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

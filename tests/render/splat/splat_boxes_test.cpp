@@ -8,7 +8,7 @@
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/progress.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

@@ -8,11 +8,11 @@
 
 #include "support/allocations.h"
 #include "support/scenes.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 #include "vog/progress.h"
-#include "vog/render.h"
 #include "vog/sample.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

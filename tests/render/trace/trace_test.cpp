@@ -9,7 +9,7 @@
 
 #include "support/scenes.h"
 #include "vog/error.h"
-#include "vog/render.h"
+#include "vog/splat.h"
 
 namespace vog::test {
 

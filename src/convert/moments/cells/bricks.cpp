@@ -7,10 +7,10 @@
 
 namespace vog {
 
-BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes) {
+BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNode>& nodes) {
     BigVector<Brick> bricks;
     bricks.reserve(nodes.size());
-    for (const MomentNode& node : nodes) {
+    for (const MortonNode& node : nodes) {
         look_in();
         Brick brick{node.origin, 1, nullptr, 0};
         if (node.tile) {

@@ -27,7 +27,7 @@ struct Brick {
 };
 
 /// Bricks with mass, in Morton order: one for each node.
-BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MomentNode>& nodes);
+BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNode>& nodes);
 
 /// The moment octree above bricks that do not overlap: cells of 8 voxels and more.
 /// bricks     in Morton order

@@ -102,7 +102,7 @@ struct OriginHash {
     }
 };
 
-Leaf& new_leaf(MomentField& field, Vec3i origin) {
+Leaf& new_leaf(LatticeField& field, Vec3i origin) {
     keep_memory();
     Leaf& leaf = field.leaves.add();
     leaf.origin = origin;
@@ -112,7 +112,7 @@ Leaf& new_leaf(MomentField& field, Vec3i origin) {
 /// Bricks by size and place, until none lies in another.
 class BrickMap {
   public:
-    explicit BrickMap(MomentField& field) : field_(field) {}
+    explicit BrickMap(LatticeField& field) : field_(field) {}
 
     /// Adds 8^3 samples of 2^size voxels; densities add where there are some already.
     void add(int size, Vec3i origin, const Leaf* leaf, float value) {
@@ -205,12 +205,12 @@ class BrickMap {
         }
     }
 
-    MomentField& field_;
+    LatticeField& field_;
     std::vector<std::unordered_map<Vec3i, Samples, OriginHash>> sizes_;
 };
 
 /// Adds a volume's leaves voxel by voxel to leaves that start at `corner`.
-void add_moved(const Volume& volume, Vec3i corner, int size, MomentField& field, BrickMap& map) {
+void add_moved(const Volume& volume, Vec3i corner, int size, LatticeField& field, BrickMap& map) {
     std::unordered_map<Vec3i, Leaf*, OriginHash> moved;
     const auto set = [&](Vec3i index, float value) {
         const Vec3i origin{index.x & ~7, index.y & ~7, index.z & ~7};
@@ -232,7 +232,7 @@ void add_moved(const Volume& volume, Vec3i corner, int size, MomentField& field,
     for (const auto& [origin, leaf] : moved) map.add(size, (1 << size) * origin, leaf, 0);
 }
 
-void add_member(const Member& member, int size, MomentField& field, BrickMap& map) {
+void add_member(const Member& member, int size, LatticeField& field, BrickMap& map) {
     const Volume& volume = *member.volume;
     const Vec3i corner = member.division.corner;
     const bool whole_leaves = ((corner.x | corner.y | corner.z) & 7) == 0;
@@ -257,14 +257,14 @@ Leaf& StableLeaves::add() {
     return runs_.back().emplace_back();
 }
 
-MomentField moment_field(const Volume& volume) {
+LatticeField lattice_field(const Volume& volume) {
     return {volume_bricks(volume, morton_nodes(volume)), {}, volume.world_from_index};
 }
 
-std::vector<MomentField> moment_fields(std::span<const Volume> parts) {
-    std::vector<MomentField> fields;
+std::vector<LatticeField> lattice_fields(std::span<const Volume> parts) {
+    std::vector<LatticeField> fields;
     for (const Lattice& lattice : find_lattices(parts)) {
-        MomentField& field = fields.emplace_back();
+        LatticeField& field = fields.emplace_back();
         // Voxel 0 of the finest lattice starts where voxel 0 of the coarsest does.
         const double edge = std::ldexp(1.0, -lattice.finest_log2), shift = 0.5 * edge - 0.5;
         field.world_from_index = lattice.coarsest;

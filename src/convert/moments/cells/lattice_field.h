@@ -19,7 +19,7 @@ class StableLeaves {
     std::vector<BigVector<Leaf>> runs_;
 };
 
-struct MomentField {
+struct LatticeField {
     BigVector<Brick> bricks;  ///< with mass, in Morton order, disjoint
     StableLeaves leaves;      ///< that bricks refer to and no volume has
     Affine world_from_index;
@@ -28,13 +28,13 @@ struct MomentField {
 };
 
 /// Of one volume, which must outlive it.
-MomentField moment_field(const Volume& volume);
+LatticeField lattice_field(const Volume& volume);
 
 /// Of volumes that do not overlap, and must outlive them: one field for each set of lattices that
 /// are one another's halves, quarters, ..., in the index space of the finest, so that its octree
 /// takes the voxels of all; a field of its own for each lattice that fits no other. Where bricks of
 /// two sizes share a cube, as at the seam of two levels, the larger is divided until its pieces
 /// are free of others or can be merged with one of their size.
-std::vector<MomentField> moment_fields(std::span<const Volume> parts);
+std::vector<LatticeField> lattice_fields(std::span<const Volume> parts);
 
 }  // namespace vog

@@ -11,7 +11,7 @@ namespace vog {
 /// Calls take(moments about the index origin's axes) for each occupied cube of `edge` voxels of a
 /// node, in Morton order.
 template <class Take>
-void for_each_cell(const Volume& volume, const MomentNode& node, int edge, const Take& take) {
+void for_each_cell(const Volume& volume, const MortonNode& node, int edge, const Take& take) {
     if (node.tile) {
         // A tile is cut no finer than a leaf is: 4096^3 voxels are not worth 10^10 cells.
         const Tile& tile = volume.tiles[node.index];

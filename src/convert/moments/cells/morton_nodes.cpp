@@ -18,8 +18,8 @@ Moments cell_moments(const MomentCell& cell, int edge_log2) {
     return moments;
 }
 
-std::vector<MomentNode> morton_nodes(const Volume& volume) {
-    std::vector<MomentNode> nodes;
+std::vector<MortonNode> morton_nodes(const Volume& volume) {
+    std::vector<MortonNode> nodes;
     nodes.reserve(volume.leaves.size() + volume.tiles.size());
     for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
         look_in();
@@ -28,7 +28,7 @@ std::vector<MomentNode> morton_nodes(const Volume& volume) {
     for (std::size_t n = 0; n < volume.tiles.size(); ++n)
         nodes.push_back(
             {volume.tiles[n].origin, volume.tiles[n].edge, static_cast<std::uint32_t>(n), true});
-    tbb::parallel_sort(nodes.begin(), nodes.end(), [](const MomentNode& a, const MomentNode& b) {
+    tbb::parallel_sort(nodes.begin(), nodes.end(), [](const MortonNode& a, const MortonNode& b) {
         return morton_less(a.origin, b.origin);
     });
     return nodes;

@@ -7,12 +7,12 @@
 
 #include "convert/moments/gaussian_moments.h"
 #include "core/morton.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 #include "vog/volume.h"
 
 namespace vog {
 
-struct MomentNode {
+struct MortonNode {
     Vec3i origin;
     std::int32_t edge = kLeafEdge;
     std::uint32_t index = 0;  ///< into the volume's leaves or tiles
@@ -20,7 +20,7 @@ struct MomentNode {
 };
 
 /// Every leaf and tile, sorted.
-std::vector<MomentNode> morton_nodes(const Volume& volume);
+std::vector<MortonNode> morton_nodes(const Volume& volume);
 
 /// Centre of the cube of `edge` voxels from `origin` on, in index space.
 inline Vec3d cube_center(Vec3i origin, double edge) {

@@ -10,8 +10,8 @@
 #include "convert/moments/cells/morton_nodes.h"
 #include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 
 namespace vog {
 
@@ -69,10 +69,10 @@ std::vector<BuildCell> parents(const std::vector<BuildCell>& fine, int edge_log2
 }
 
 /// Occupied tiles of one size.
-std::vector<BuildCell> tile_cells(const Volume& volume, const std::vector<MomentNode>& nodes,
+std::vector<BuildCell> tile_cells(const Volume& volume, const std::vector<MortonNode>& nodes,
                                   int edge) {
     std::vector<BuildCell> cells;
-    for (const MomentNode& node : nodes) {
+    for (const MortonNode& node : nodes) {
         if (!node.tile || node.edge != edge || volume.tiles[node.index].value <= 0) continue;
         const double side = edge;
         const MomentSums sums =
@@ -83,7 +83,7 @@ std::vector<BuildCell> tile_cells(const Volume& volume, const std::vector<Moment
 }
 
 /// The finest level: the occupied cubes of `edge` voxels of every leaf.
-std::vector<BuildCell> leaf_cells(const Volume& volume, const std::vector<MomentNode>& nodes,
+std::vector<BuildCell> leaf_cells(const Volume& volume, const std::vector<MortonNode>& nodes,
                                   int edge) {
     std::vector<std::vector<BuildCell>> parts((nodes.size() + kNodeChunk - 1) / kNodeChunk);
     vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
@@ -149,7 +149,7 @@ MomentOctree moment_octree(const Volume& volume, int finest_edge) {
     validate(volume);
     if (finest_edge != 1 && finest_edge != 2 && finest_edge != 4 && finest_edge != 8)
         throw Error(fmt::format("finest cell edge {}, expected 1, 2, 4 or 8", finest_edge));
-    const std::vector<MomentNode> nodes = morton_nodes(volume);
+    const std::vector<MortonNode> nodes = morton_nodes(volume);
     MomentOctree octree;
     octree.world_from_index = volume.world_from_index;
 

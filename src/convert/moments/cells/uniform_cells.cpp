@@ -36,7 +36,7 @@ PackedCells octree_cells(const MomentOctree& octree, std::span<const Brick> bric
 
 }  // namespace
 
-PackedCells uniform_cells(const MomentField& field, int block) {
+PackedCells uniform_cells(const LatticeField& field, int block) {
     double largest = 1;
     for (const Brick& brick : field.bricks)
         if (brick.leaf) largest = std::max(largest, brick.spacing);

@@ -9,6 +9,6 @@ namespace vog {
 /// block    edge of a cell, a power of two: voxels of each level up to a leaf's edge, then voxels
 ///          of the coarsest
 /// returns  cells with mass, in the order of the bricks or of the octree
-PackedCells uniform_cells(const MomentField& field, int block);
+PackedCells uniform_cells(const LatticeField& field, int block);
 
 }  // namespace vog

@@ -39,7 +39,7 @@ constexpr Sides kSides = all_sides();
 
 }  // namespace
 
-std::array<std::uint8_t, 2> Halves::sides(int n) const {
+std::array<std::uint8_t, 2> BinarySplits::sides(int n) const {
     const auto [lower, upper] = kSides[axes][std::size_t(n)];
     return {static_cast<std::uint8_t>(lower & present), static_cast<std::uint8_t>(upper & present)};
 }
@@ -71,8 +71,8 @@ int longest_axis(const Moments& moments, std::uint8_t mask, int allowed) {
 
 }  // namespace
 
-Halves halves_of(const Octants& octants, double weight) {
-    Halves halves;
+BinarySplits splits_of(const Octants& octants, double weight) {
+    BinarySplits halves;
     for (std::size_t o = 0; o < 8; ++o)
         if (octants[o].mass > 0) halves.present |= static_cast<std::uint8_t>(1 << o);
     float most = 0;
@@ -95,10 +95,10 @@ Halves halves_of(const Octants& octants, double weight) {
                                 joined_octants(octants, side[1]), ColumnDepth::seen);
         const auto finite = static_cast<float>(
             std::min(gain, static_cast<double>(std::numeric_limits<float>::max())));
-        halves.gain[std::size_t(n)] = half_float(finite);
+        halves.gain[std::size_t(n)] = to_bfloat16(finite);
         most = std::max(most, finite);
     }
-    halves.most = half_float(most);  // rounded down as the gains are
+    halves.most = to_bfloat16(most);  // rounded down as the gains are
     return halves;
 }
 
@@ -116,7 +116,7 @@ Priced either(const Priced& a, const Priced& b, double gain, double price, bool&
 
 }  // namespace
 
-Priced priced(const Halves& halves, const std::array<Priced, 8>& octants, double price,
+Priced priced(const BinarySplits& halves, const std::array<Priced, 8>& octants, double price,
               std::uint8_t& splits) {
     splits = 0;
     std::array<Priced, 7> best;
@@ -131,7 +131,7 @@ Priced priced(const Halves& halves, const std::array<Priced, 8>& octants, double
         }
         bool split;
         best[std::size_t(n)] = either(
-            side[0], side[1], double{whole_float(halves.gain[std::size_t(n)])}, price, split);
+            side[0], side[1], double{from_bfloat16(halves.gain[std::size_t(n)])}, price, split);
         splits |= std::uint8_t(split << n);
     }
     return best[0];

@@ -4,31 +4,22 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
 
 #include "convert/moments/gaussian_moments.h"
+#include "core/bfloat16.h"
 
 namespace vog {
-
-/// Upper half of a float: 0.4 % are near enough for what a gain is.
-using HalfFloat = std::uint16_t;
-inline HalfFloat half_float(float value) {
-    return static_cast<HalfFloat>(std::bit_cast<std::uint32_t>(value) >> 16);
-}
-inline float whole_float(HalfFloat value) {
-    return std::bit_cast<float>(std::uint32_t{value} << 16);
-}
 
 /// Octants on the upper side of each axis.
 inline constexpr std::array<std::uint8_t, 3> kUpperOctants{0xF0, 0xCC, 0xAA};
 
 /// The splits of one cell: 0 of the cell, 1 and 2 of its halves, 3 to 6 of their quarters. Octants
 /// in Morton order (x the most significant); a set of them is a mask.
-struct Halves {
-    std::array<HalfFloat, 7> gain{};  ///< of each split; 0 where a side is empty
-    HalfFloat most = 0;               ///< no less than any gain of the cell and those inside it
-    std::uint8_t present = 0;         ///< octants with mass
+struct BinarySplits {
+    std::array<BFloat16, 7> gain{};  ///< of each split; 0 where a side is empty
+    BFloat16 most = 0;               ///< no less than any gain of the cell and those inside it
+    std::uint8_t present = 0;        ///< octants with mass
     std::uint8_t axes = 0;  ///< of split 0 in bits 0-1; 1 and 2 across the lower of the two that
                             ///< are left, or the higher where bit 2 or 3 is set
 
@@ -43,7 +34,7 @@ Moments joined_octants(const Octants& octants, std::uint8_t mask);
 
 /// Chooses the axes, the longest first, and tells what each split of two sides with mass is worth.
 /// weight  of all gains; `most` is that of the cell alone
-Halves halves_of(const Octants& octants, double weight);
+BinarySplits splits_of(const Octants& octants, double weight);
 
 /// A subtree cut where it is worth most at a price for each Gaussian.
 struct Priced {
@@ -53,13 +44,13 @@ struct Priced {
 /// The best cut of a cell.
 /// octants  those of its octants
 /// splits   bit n: split n is worth it
-Priced priced(const Halves& halves, const std::array<Priced, 8>& octants, double price,
+Priced priced(const BinarySplits& halves, const std::array<Priced, 8>& octants, double price,
               std::uint8_t& splits);
 
 /// Calls take(mask) for each part of a cell that stays whole, an octant's mask of one bit being
 /// left to its own cell.
 template <class Take>
-void for_each_part(const Halves& halves, std::uint8_t splits, const Take& take, int n = 0) {
+void for_each_part(const BinarySplits& halves, std::uint8_t splits, const Take& take, int n = 0) {
     const std::array<std::uint8_t, 2> side = halves.sides(n);
     const auto mask = static_cast<std::uint8_t>(side[0] | side[1]);
     if (side[0] && side[1] && !(splits >> n & 1)) return take(mask);

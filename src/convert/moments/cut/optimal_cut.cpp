@@ -88,7 +88,7 @@ std::size_t node_count(const Brick& brick) {
 
 /// Where the nodes inside node n follow in a brick's list, those without mass left out; its end if
 /// they are samples.
-std::size_t first_inside(std::span<const Halves> halves, std::size_t n) {
+std::size_t first_inside(std::span<const BinarySplits> halves, std::size_t n) {
     if (n == 0) return 1;
     const auto fours = static_cast<std::size_t>(std::popcount(halves[0].present));
     if (n > fours) return halves.size();
@@ -100,9 +100,9 @@ std::size_t first_inside(std::span<const Halves> halves, std::size_t n) {
 
 /// Gains of all nodes of a brick, bottom up; what is seen is told for cells of four samples and
 /// more.
-void set_brick_halves(const Brick& brick, const SeenShare& seen, double scale,
-                      std::span<Halves> with_mass) {
-    std::array<Halves, kBrickNodes> halves{};
+void set_brick_halves(const Brick& brick, const VisibilityWeight& seen, double scale,
+                      std::span<BinarySplits> with_mass) {
+    std::array<BinarySplits, kBrickNodes> halves{};
     const BrickSums sums = brick_sums(brick);
     std::array<double, 9> weight{};
     for (std::size_t n = 0; n < 9; ++n)
@@ -110,20 +110,20 @@ void set_brick_halves(const Brick& brick, const SeenShare& seen, double scale,
             weight[n] = scale * seen(node.mean);
     for (std::size_t n = kBrickNodes; n-- > 0;) {
         if (n < 9 ? !(weight[n] > 0) : !(sums.twos[n - 9].mass > 0)) continue;
-        halves[n] = halves_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8]);
+        halves[n] = splits_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8]);
         if (n < 9)
             for (std::size_t child = 8 * n + 1; child <= 8 * n + 8; ++child)
                 halves[n].most = std::max(halves[n].most, halves[child].most);
     }
     std::copy_if(halves.begin(), halves.end(), with_mass.begin(),
-                 [](const Halves& node) { return node.present != 0; });
+                 [](const BinarySplits& node) { return node.present != 0; });
 }
 
 /// The best cut of node n of a brick and those inside it; `splits` of each node that may be split.
-Priced priced_brick(std::span<const Halves> halves, std::size_t n, double price,
+Priced priced_brick(std::span<const BinarySplits> halves, std::size_t n, double price,
                     std::array<std::uint8_t, kBrickNodes>& splits) {
     splits[n] = 0;
-    if (double{whole_float(halves[n].most)} <= price) return {0, 1};
+    if (double{from_bfloat16(halves[n].most)} <= price) return {0, 1};
     std::array<Priced, 8> octants;
     std::size_t inside = first_inside(halves, n);
     const bool samples = inside == halves.size();
@@ -134,9 +134,9 @@ Priced priced_brick(std::span<const Halves> halves, std::size_t n, double price,
 }
 
 /// The best cut of a tree at a price.
-class PricedTree {
+class PrunedTree {
   public:
-    PricedTree(const CutTree& tree, double price) : tree_(tree), price_(price) {
+    PrunedTree(const CutTree& tree, double price) : tree_(tree), price_(price) {
         const auto& levels = tree.octree.levels;
         for (std::size_t level = 0; level < levels.size(); ++level) {
             best_.emplace_back(levels[level].cells.size());
@@ -157,20 +157,20 @@ class PricedTree {
     Priced best(std::size_t level, std::size_t n) {
         if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
             std::array<std::uint8_t, kBrickNodes> splits{};
-            return priced_brick(tree_.halves_of_brick(b), 0, price_, splits);
+            return priced_brick(tree_.splits_of_brick(b), 0, price_, splits);
         }
         const CellOctants of =
             cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
         std::array<Priced, 8> octants;
         for (std::size_t o = 0; o < 8; ++o)
             if (of.present >> o & 1) octants[o] = best_[level - 1][of.child[o]];
-        return priced(tree_.cell_halves[level][n], octants, price_, splits_[level][n]);
+        return priced(tree_.cell_splits[level][n], octants, price_, splits_[level][n]);
     }
     /// place  of node n in the brick's list
     void take_brick_node(std::size_t b, const BrickSums& sums,
                          const std::array<std::uint8_t, kBrickNodes>& splits, std::size_t n,
                          std::size_t place, PackedCells& cut) const {
-        const std::span<const Halves> halves = tree_.halves_of_brick(b);
+        const std::span<const BinarySplits> halves = tree_.splits_of_brick(b);
         const Octants octants = brick_octants(tree_.bricks[b], sums, n);
         const std::size_t inside = first_inside(halves, place);
         for_each_part(halves[place], splits[place], [&](std::uint8_t mask) {
@@ -186,13 +186,13 @@ class PricedTree {
     void take_cell(std::size_t level, std::size_t n, PackedCells& cut) const {
         if (const std::uint32_t b = tree_.brick_of[level][n]; b != kNoBrick) {
             std::array<std::uint8_t, kBrickNodes> splits{};
-            priced_brick(tree_.halves_of_brick(b), 0, price_, splits);
+            priced_brick(tree_.splits_of_brick(b), 0, price_, splits);
             return take_brick_node(b, brick_sums(tree_.bricks[b]), splits, 0, 0, cut);
         }
         const CellOctants of =
             cell_octants(tree_.octree, level, tree_.octree.levels[level].cells[n]);
         const Octants octants = moments_of(tree_.octree, level, of);
-        for_each_part(tree_.cell_halves[level][n], splits_[level][n], [&](std::uint8_t mask) {
+        for_each_part(tree_.cell_splits[level][n], splits_[level][n], [&](std::uint8_t mask) {
             if (std::has_single_bit(mask))
                 take_cell(level - 1, of.child[static_cast<std::size_t>(std::countr_zero(mask))],
                           cut);
@@ -209,36 +209,37 @@ class PricedTree {
 
 }  // namespace
 
-CutTree cut_tree(const MomentField& field, double scale) {
+CutTree cut_tree(const LatticeField& field, double scale) {
     CutTree tree;
     tree.octree = brick_octree(field.bricks, field.world_from_index);
     tree.bricks = field.bricks;
     find_bricks(tree);
 
-    const SeenShare seen(field);
+    const VisibilityWeight seen(field);
     const auto& levels = tree.octree.levels;
     for (std::size_t level = 0; level < levels.size(); ++level) {
         const std::vector<MomentCell>& cells = levels[level].cells;
-        tree.cell_halves.emplace_back(cells.size());
+        tree.cell_splits.emplace_back(cells.size());
         vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
             if (cells[n].child_count == 0) return;
             const CellOctants of = cell_octants(tree.octree, level, cells[n]);
             const Vec3d mean = cell_moments(cells[n], levels[level].edge_log2).mean;
-            tree.cell_halves[level][n] =
-                halves_of(moments_of(tree.octree, level, of), scale * seen(mean));
+            tree.cell_splits[level][n] =
+                splits_of(moments_of(tree.octree, level, of), scale * seen(mean));
         });
     }
-    tree.first_halves.resize(tree.bricks.size() + 1);
+    tree.first_splits.resize(tree.bricks.size() + 1);
     for (std::size_t b = 0; b < tree.bricks.size(); ++b)
-        tree.first_halves[b + 1] = tree.first_halves[b] + node_count(tree.bricks[b]);
-    tree.brick_halves.resize(tree.first_halves.back());
+        tree.first_splits[b + 1] = tree.first_splits[b] + node_count(tree.bricks[b]);
+    tree.brick_splits.resize(tree.first_splits.back());
     vog::parallel_for(std::size_t{0}, tree.bricks.size(), [&](std::size_t b) {
         set_brick_halves(tree.bricks[b], seen, scale,
-                         std::span(tree.brick_halves).subspan(tree.first_halves[b]));
+                         std::span(tree.brick_splits).subspan(tree.first_splits[b]));
     });
-    for (const auto& level : tree.cell_halves)
-        for (const Halves& halves : level) tree.most_gain = std::max(tree.most_gain, halves.most);
-    for (const Halves& halves : tree.brick_halves)
+    for (const auto& level : tree.cell_splits)
+        for (const BinarySplits& halves : level)
+            tree.most_gain = std::max(tree.most_gain, halves.most);
+    for (const BinarySplits& halves : tree.brick_splits)
         tree.most_gain = std::max(tree.most_gain, halves.most);
     return tree;
 }
@@ -247,17 +248,17 @@ double cut_scale(double voxel_edge) { return gain_scale(voxel_edge, ColumnDepth:
 
 std::vector<PackedCells> best_cut(std::span<const CutTree> trees, std::size_t budget) {
     double most = 0;
-    for (const CutTree& tree : trees) most = std::max(most, double{whole_float(tree.most_gain)});
+    for (const CutTree& tree : trees) most = std::max(most, double{from_bfloat16(tree.most_gain)});
     const double price = price_of_budget(budget, most, [&](double tried) {
         std::size_t count = 0;
-        for (const CutTree& tree : trees) count += PricedTree(tree, tried).count();
+        for (const CutTree& tree : trees) count += PrunedTree(tree, tried).count();
         return count;
     });
     std::vector<PackedCells> cuts;
-    for (const CutTree& tree : trees) cuts.push_back(PricedTree(tree, price).cells());
+    for (const CutTree& tree : trees) cuts.push_back(PrunedTree(tree, price).cells());
     return cuts;
 }
 
-std::size_t finest_count(const CutTree& tree) { return PricedTree(tree, kNoPrice).count(); }
+std::size_t finest_count(const CutTree& tree) { return PrunedTree(tree, kNoPrice).count(); }
 
 }  // namespace vog

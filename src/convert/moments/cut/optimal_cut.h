@@ -10,8 +10,8 @@
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/cut/binary_splits.h"
+#include "vog/convert_moments.h"
 #include "vog/memory.h"
-#include "vog/moments.h"
 
 namespace vog {
 
@@ -21,22 +21,22 @@ inline constexpr std::uint32_t kNoBrick = 0xffffffffu;
 struct CutTree {
     MomentOctree octree;            ///< cells of 8^3 and up; those without children are bricks
     std::span<const Brick> bricks;  ///< with mass, in Morton order
-    std::vector<std::vector<std::uint32_t>> brick_of;  ///< [level][cell]: its brick, or kNoBrick
-    std::vector<std::vector<Halves>> cell_halves;      ///< [level][cell]; of bricks: theirs below
-    BigVector<Halves> brick_halves;                    ///< of all bricks' nodes with mass
-    std::vector<std::size_t> first_halves;             ///< of each brick, and the end
-    HalfFloat most_gain = 0;                           ///< no split is worth more
+    std::vector<std::vector<std::uint32_t>> brick_of;    ///< [level][cell]: its brick, or kNoBrick
+    std::vector<std::vector<BinarySplits>> cell_splits;  ///< [level][cell]; of bricks: theirs below
+    BigVector<BinarySplits> brick_splits;                ///< of all bricks' nodes with mass
+    std::vector<std::size_t> first_splits;               ///< of each brick, and the end
+    BFloat16 most_gain = 0;                              ///< no split is worth more
 
     /// Of a brick's nodes with mass: the whole, its fours, their twos.
-    std::span<const Halves> halves_of_brick(std::size_t b) const {
-        return std::span(brick_halves)
-            .subspan(first_halves[b], first_halves[b + 1] - first_halves[b]);
+    std::span<const BinarySplits> splits_of_brick(std::size_t b) const {
+        return std::span(brick_splits)
+            .subspan(first_splits[b], first_splits[b + 1] - first_splits[b]);
     }
 };
 
 /// The field must outlive the tree. cost: O(voxels) time, up to 1.3 kB to each leaf
 /// scale  makes the gains of several fields comparable: cut_scale of their voxels
-CutTree cut_tree(const MomentField& field, double scale = 1);
+CutTree cut_tree(const LatticeField& field, double scale = 1);
 double cut_scale(double voxel_edge);
 
 /// At most `budget` cells of all trees together, at least one of each: the cut of most worth at the

@@ -22,7 +22,7 @@ int pieces_of(const Brick& brick, double bin_edge) {
 
 }  // namespace
 
-std::size_t SeenShare::Direction::bin(Vec3i place) const {
+std::size_t VisibilityWeight::Direction::bin(Vec3i place) const {
     const std::int32_t steps = place[along];
     std::size_t bin = 0;
     for (int axis = 0, n = 0; axis < 3; ++axis) {
@@ -35,7 +35,7 @@ std::size_t SeenShare::Direction::bin(Vec3i place) const {
     return bin;
 }
 
-Vec3i SeenShare::place_of(Vec3d index) const {
+Vec3i VisibilityWeight::place_of(Vec3d index) const {
     Vec3i place;
     for (int axis = 0; axis < 3; ++axis)
         place[axis] =
@@ -43,7 +43,7 @@ Vec3i SeenShare::place_of(Vec3d index) const {
     return place;
 }
 
-std::vector<SeenShare::Piece> SeenShare::pieces(std::span<const Brick> bricks) const {
+std::vector<VisibilityWeight::Piece> VisibilityWeight::pieces(std::span<const Brick> bricks) const {
     std::vector<Piece> all;
     all.reserve(8 * bricks.size());
     for (const Brick& brick : bricks) {
@@ -63,8 +63,8 @@ std::vector<SeenShare::Piece> SeenShare::pieces(std::span<const Brick> bricks) c
     return all;
 }
 
-void SeenShare::set_bins(std::span<const Piece> pieces, Direction& direction,
-                         const Affine& map) const {
+void VisibilityWeight::set_bins(std::span<const Piece> pieces, Direction& direction,
+                                const Affine& map) const {
     direction.bins.assign(
         static_cast<std::size_t>(direction.size[0]) * static_cast<std::size_t>(direction.size[1]),
         0);
@@ -74,7 +74,7 @@ void SeenShare::set_bins(std::span<const Piece> pieces, Direction& direction,
     for (float& bin : direction.bins) bin *= static_cast<float>(step / (edge_ * edge_));
 }
 
-SeenShare::SeenShare(const MomentField& field) {
+VisibilityWeight::VisibilityWeight(const LatticeField& field) {
     constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
     Vec3i upper{-kMost, -kMost, -kMost};
     lower_ = {kMost, kMost, kMost};
@@ -127,7 +127,7 @@ SeenShare::SeenShare(const MomentField& field) {
         for (float& bin : direction.bins) bin = std::exp(-2 * extinction * bin);
 }
 
-double SeenShare::operator()(Vec3d index) const {
+double VisibilityWeight::operator()(Vec3d index) const {
     // The share of L2 of T itself: at 0.03 clouds gain 0.5 dB more and smoke's L2 is 10 % worse.
     constexpr double kFloor = 0.1;
     const Vec3i place = place_of(index);

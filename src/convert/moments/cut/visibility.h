@@ -11,9 +11,9 @@
 namespace vog {
 
 /// Depth of the columns through a field along the 13 directions between neighbouring voxels.
-class SeenShare {
+class VisibilityWeight {
   public:
-    explicit SeenShare(const MomentField& field);
+    explicit VisibilityWeight(const LatticeField& field);
     /// Mean over the directions of exp(-2 T), the square of what is seen, and a floor; T in units
     /// of the extinction that a picture is shown at.
     /// index  in the field's index space

@@ -43,11 +43,11 @@ void widen_to_voxel(std::array<double, 6>& c) {
     c = {wide(0, 0), wide(0, 1), wide(0, 2), wide(1, 1), wide(1, 2), wide(2, 2)};
 }
 
-SoftSteps::Way packed_way(const Moments& from, const Moments& to) {
+EmHistory::Momentum packed_way(const Moments& from, const Moments& to) {
     const Vec3d way = to.mean - from.mean;
-    SoftSteps::Way packed;
+    EmHistory::Momentum packed;
     const auto set = [&](std::size_t n, double value) {
-        packed[n] = half_float(static_cast<float>(value));
+        packed[n] = to_bfloat16(static_cast<float>(value));
     };
     set(0, to.mass - from.mass), set(1, way.x), set(2, way.y), set(3, way.z);
     for (std::size_t n = 0; n < 6; ++n) set(4 + n, to.covariance[n] - from.covariance[n]);
@@ -55,8 +55,8 @@ SoftSteps::Way packed_way(const Moments& from, const Moments& to) {
 }
 
 /// `times` the way from `from`.
-Moments gone(const Moments& from, const SoftSteps::Way& way, double times) {
-    const auto part = [&](std::size_t n) { return times * double{whole_float(way[n])}; };
+Moments gone(const Moments& from, const EmHistory::Momentum& way, double times) {
+    const auto part = [&](std::size_t n) { return times * double{from_bfloat16(way[n])}; };
     Moments to{from.mass + part(0), from.mean + Vec3d{part(1), part(2), part(3)}, from.covariance};
     for (std::size_t n = 0; n < 6; ++n) to.covariance[n] += part(4 + n);
     return to;
@@ -64,7 +64,7 @@ Moments gone(const Moments& from, const SoftSteps::Way& way, double times) {
 
 /// Moves a cell as far again, times `momentum`, as it came last; not where that is no ellipsoid.
 /// way  how it came; then how far it was moved
-void look_ahead(PackedCells& cells, std::size_t i, SoftSteps::Way& way, double momentum) {
+void look_ahead(PackedCells& cells, std::size_t i, EmHistory::Momentum& way, double momentum) {
     const Moments from = cells[i];
     Moments to = gone(from, way, momentum);
     to.mass = std::max(to.mass, 0.5 * from.mass);
@@ -79,7 +79,7 @@ void look_ahead(PackedCells& cells, std::size_t i, SoftSteps::Way& way, double m
 /// Gives a cell the moments of what it took.
 /// sums  about the cell's mean
 /// way   how far it was moved ahead; then how it came from where it was before that
-void settle(PackedCells& cells, std::size_t i, const MomentSums& sums, SoftSteps::Way& way) {
+void settle(PackedCells& cells, std::size_t i, const MomentSums& sums, EmHistory::Momentum& way) {
     const Moments ahead = cells[i];
     Moments to;
     if (sums.mass > 0) {
@@ -104,7 +104,7 @@ std::uint32_t nearest_cell(const Vec3d& center, const PackedCells& cells) {
 
 }  // namespace
 
-Softener::Softener(std::span<const Brick> bricks) : bricks_(bricks) {
+EmSolver::EmSolver(std::span<const Brick> bricks) : bricks_(bricks) {
     while ((bricks.size() >> batch_log2_) >= kMostBatches) ++batch_log2_;
     for (std::size_t b = 0; b < bricks.size(); ++b) {
         const double spacing = bricks[b].spacing;
@@ -123,7 +123,7 @@ Softener::Softener(std::span<const Brick> bricks) : bricks_(bricks) {
 }
 
 template <class Take>
-void Softener::for_each_brick(const Moments& cell, const Take& take) const {
+void EmSolver::for_each_brick(const Moments& cell, const Take& take) const {
     const Vec3d reach = reach_of(cell), lower = cell.mean - reach, upper = cell.mean + reach;
     for (const Grid& grid : grids_) {
         // Bricks whose samples may lie in the box: samples are half a spacing inside the brick.
@@ -150,7 +150,7 @@ void Softener::for_each_brick(const Moments& cell, const Take& take) const {
     }
 }
 
-Softener::Reached Softener::reached_by(const PackedCells& cells) const {
+EmSolver::Reached EmSolver::reached_by(const PackedCells& cells) const {
     Reached reached;
     reached.batches.resize(cells.size());
     std::vector<std::atomic<bool>> brick_is_reached(bricks_.size());
@@ -188,7 +188,7 @@ Softener::Reached Softener::reached_by(const PackedCells& cells) const {
     return reached;
 }
 
-void Softener::open_cells(const Reached& reached, Batch& batch) const {
+void EmSolver::open_cells(const Reached& reached, Batch& batch) const {
     const std::uint64_t bit = batch_bit(batch.first_brick);
     const auto on = static_cast<std::ptrdiff_t>(batch.open.size());
     for (std::size_t chunk = 0; chunk < reached.begins.size(); ++chunk) {
@@ -205,7 +205,7 @@ void Softener::open_cells(const Reached& reached, Batch& batch) const {
                        [](const Open& a, const Open& b) { return a.cell < b.cell; });
 }
 
-Softener::Lists Softener::lists_of(const PackedCells& cells, const Reached& reached,
+EmSolver::Lists EmSolver::lists_of(const PackedCells& cells, const Reached& reached,
                                    const Batch& batch) const {
     const std::uint64_t bit = batch_bit(batch.first_brick);
     std::vector<std::vector<Pair>> pairs(chunks_of(batch.open.size()) + 1);
@@ -241,7 +241,7 @@ Softener::Lists Softener::lists_of(const PackedCells& cells, const Reached& reac
     return lists;
 }
 
-void Softener::share(const PackedCells& cells, double highest, const Lists& lists,
+void EmSolver::share(const PackedCells& cells, double highest, const Lists& lists,
                      Batch& batch) const {
     BigVector<MomentSums> parts(lists.places.size());
     vog::parallel_for(
@@ -263,28 +263,28 @@ void Softener::share(const PackedCells& cells, double highest, const Lists& list
         add_shifted(batch.sums[batch.open[lists.places[n]].sums], parts[n], {});
 }
 
-void Softener::settle_done(PackedCells& cells, const Reached& reached, Batch& batch,
-                           SoftSteps& steps) const {
+void EmSolver::settle_done(PackedCells& cells, const Reached& reached, Batch& batch,
+                           EmHistory& steps) const {
     const std::uint64_t bit = batch_bit(batch.first_brick), later = ~(bit | (bit - 1));
     const auto is_done = [&](const Open& open) { return !(reached.batches[open.cell] & later); };
     vog::parallel_for(std::size_t{0}, batch.open.size(), [&](std::size_t n) {
         const auto [cell, sums] = batch.open[n];
-        if (is_done(batch.open[n])) settle(cells, cell, batch.sums[sums], steps.ways[cell]);
+        if (is_done(batch.open[n])) settle(cells, cell, batch.sums[sums], steps.momenta[cell]);
     });
     for (const Open& open : batch.open)
         if (is_done(open)) batch.free.push_back(open.sums);
     std::erase_if(batch.open, is_done);
 }
 
-void Softener::step(PackedCells& cells, SoftSteps& steps) const {
+void EmSolver::step(PackedCells& cells, EmHistory& steps) const {
     // Nesterov's momentum: from 0 at the start to 0.8. Whatever Gaussians the shares are taken by,
     // they add up to the whole, so that mass is conserved all the same.
     constexpr double kMostMomentum = 0.8;
     const double momentum = std::min(kMostMomentum, steps.taken / (steps.taken + 3.0));
-    steps.ways.resize(cells.size());
+    steps.momenta.resize(cells.size());
     if (steps.taken++ > 0)
         vog::parallel_for(std::size_t{0}, cells.size(),
-                          [&](std::size_t i) { look_ahead(cells, i, steps.ways[i], momentum); });
+                          [&](std::size_t i) { look_ahead(cells, i, steps.momenta[i], momentum); });
 
     const Reached reached = reached_by(cells);
     Batch batch;
@@ -304,14 +304,14 @@ void Softener::step(PackedCells& cells, SoftSteps& steps) const {
     std::size_t kept = 0;
     cells.keep_if([&](std::size_t i) {
         const bool stays = reached.batches[i] != 0 && cells.mass(i) > 0;
-        if (stays) steps.ways[kept++] = steps.ways[i];
+        if (stays) steps.momenta[kept++] = steps.momenta[i];
         return stays;
     });
-    steps.ways.resize(kept);
+    steps.momenta.resize(kept);
 }
 
-void Softener::soften(PackedCells& cells, int steps) const {
-    SoftSteps taken;
+void EmSolver::soften(PackedCells& cells, int steps) const {
+    EmHistory taken;
     for (int n = 0; n < steps; ++n) step(cells, taken);
 }
 

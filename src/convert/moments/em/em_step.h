@@ -13,29 +13,29 @@
 #include <vector>
 
 #include "convert/moments/cells/packed_cells.h"
-#include "convert/moments/cut/binary_splits.h"
 #include "convert/moments/em/brick_responsibilities.h"
+#include "core/bfloat16.h"
 
 namespace vog {
 
 /// What a run of steps remembers: how each cell came to where it is. Half floats do: the next step
 /// starts from about there, and what it finds does not depend on them.
-struct SoftSteps {
-    using Way = std::array<HalfFloat, 10>;  ///< mass, x y z, xx xy xz yy yz zz
-    BigVector<Way> ways;
+struct EmHistory {
+    using Momentum = std::array<BFloat16, 10>;  ///< mass, x y z, xx xy xz yy yz zz
+    BigVector<Momentum> momenta;
     int taken = 0;
 };
 
-class Softener {
+class EmSolver {
   public:
     /// bricks  every sample of the volume; kept by reference
-    explicit Softener(std::span<const Brick> bricks);
+    explicit EmSolver(std::span<const Brick> bricks);
     /// Replaces each cell's moments by those of its soft cell, seen from a little further along the
     /// way of the last step: twelve such steps go as far as thirty that start where the last ended.
     /// cells  those that get no mass are removed
     /// memory  a few dozen bytes a cell: bricks are gone through in batches, and what cells take is
     ///         held only while a batch is to come that they reach
-    void step(PackedCells& cells, SoftSteps& steps) const;
+    void step(PackedCells& cells, EmHistory& steps) const;
     void soften(PackedCells& cells, int steps) const;
 
   private:
@@ -90,7 +90,7 @@ class Softener {
     void share(const PackedCells& cells, double highest, const Lists& lists, Batch& batch) const;
     /// Gives those their new moments that no later batch is reached by.
     void settle_done(PackedCells& cells, const Reached& reached, Batch& batch,
-                     SoftSteps& steps) const;
+                     EmHistory& steps) const;
 
     std::span<const Brick> bricks_;
     int batch_log2_ = 5;       ///< bricks of a batch: enough for its threads

@@ -13,9 +13,9 @@ using Clock = std::chrono::steady_clock;
 
 /// The error of each cell of each field.
 std::vector<std::vector<float>> cell_errors(const MomentJob& job,
-                                            std::span<const MomentField> fields,
+                                            std::span<const LatticeField> fields,
                                             const ErrorViews& views, const FieldCells& cells) {
-    const std::vector<float> all = views.errors(all_gaussians(job, fields, cells));
+    const std::vector<float> all = views.error_of_each_gaussian(all_gaussians(job, fields, cells));
     std::vector<std::vector<float>> errors;
     auto first = all.begin();
     for (const PackedCells& field : cells) {
@@ -28,19 +28,19 @@ std::vector<std::vector<float>> cell_errors(const MomentJob& job,
 
 }  // namespace
 
-FieldCells refined(MomentJob& job, std::span<const MomentField> fields, FieldSoftener& softener,
+FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
                    FieldCells cells) {
     const auto end = Clock::now() + std::chrono::duration<double>(job.options.refine_seconds);
     const ErrorViews views(job.parts, job.box);
-    std::vector<SeenShare> seen;
-    for (const MomentField& field : fields) seen.emplace_back(field);
+    std::vector<VisibilityWeight> seen;
+    for (const LatticeField& field : fields) seen.emplace_back(field);
 
     FieldCells best;
     double least = 0, error = 0, most = 0;
     /// Takes cells that err less than the best so far, if their T does not err more than it may.
     const auto keeps = [&](const FieldCells& tried) {
         const FoundModel found = judged(job, fields, views, tried);
-        const double visible = views.visible(found.model);
+        const double visible = views.visible_rms(found.model);
         if (!best.empty() && (visible >= least || found.error > most)) return false;
         best = tried, least = visible, error = found.error;
         return true;
@@ -57,7 +57,7 @@ FieldCells refined(MomentJob& job, std::span<const MomentField> fields, FieldSof
             cells = best;
             const auto errors = cell_errors(job, fields, views, cells);
             for (std::size_t f = 0; f < fields.size(); ++f)
-                exchange(cells[f], errors[f], share, seen[f]);
+                split_and_merge(cells[f], errors[f], share, seen[f]);
             softener.forget();
         }
         for (int n = 0; n < kSteps && Clock::now() < end; ++n) softener.step(cells);

@@ -26,7 +26,7 @@ double log_determinant(const Moments& cell) {
     return std::log(std::max(determinant, kLeast));
 }
 
-/// Halves of a Gaussian at its longest axis, as Gaussians: their means lie sqrt(2 / pi) standard
+/// BinarySplits of a Gaussian at its longest axis, as Gaussians: their means lie sqrt(2 / pi) standard
 /// deviations from its own, and they have its moments together.
 std::array<Moments, 2> halves(const Moments& cell) {
     const auto& [xx, xy, xz, yy, yz, zz] = cell.covariance;
@@ -61,7 +61,7 @@ struct Pair {
 /// The cheapest partner of each cell among those that it shares a bucket of space with.
 class Pairing {
   public:
-    Pairing(const PackedCells& cells, const SeenShare& seen) : cells_(cells), seen_(seen) {}
+    Pairing(const PackedCells& cells, const VisibilityWeight& seen) : cells_(cells), seen_(seen) {}
 
     std::vector<Pair> of(std::span<Id> ids) {
         buckets_.clear();
@@ -77,7 +77,7 @@ class Pairing {
     }
 
   private:
-    /// Halves of as many cells each, across the longest edge of the box around their means.
+    /// BinarySplits of as many cells each, across the longest edge of the box around their means.
     void divide(std::span<Id> ids) {
         constexpr std::size_t kBucket = 16;
         if (ids.size() <= kBucket) return buckets_.push_back(ids);
@@ -127,14 +127,14 @@ class Pairing {
     }
 
     const PackedCells& cells_;
-    const SeenShare& seen_;
+    const VisibilityWeight& seen_;
     std::vector<std::span<Id>> buckets_;
 };
 
 }  // namespace
 
-void exchange(PackedCells& cells, std::span<const float> error, double share,
-              const SeenShare& seen) {
+void split_and_merge(PackedCells& cells, std::span<const float> error, double share,
+                     const VisibilityWeight& seen) {
     std::vector<Id> ids(cells.size());
     std::iota(ids.begin(), ids.end(), Id{0});
     const auto wanted = static_cast<std::size_t>(share * static_cast<double>(ids.size()));

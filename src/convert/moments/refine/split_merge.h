@@ -14,7 +14,7 @@ namespace vog {
 /// whole and of each cell that is parted or joined; there are as many cells as before.
 /// error  of each cell, in any unit
 /// share  of the cells that are parted, 0 to 1/3
-void exchange(PackedCells& cells, std::span<const float> error, double share,
-              const SeenShare& seen);
+void split_and_merge(PackedCells& cells, std::span<const float> error, double share,
+                     const VisibilityWeight& seen);
 
 }  // namespace vog

@@ -11,8 +11,8 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "io/points/points_files.h"
+#include "io/vdb/bytes/vdb_tree_check.h"
 #include "io/vdb/points/vdb_point_codecs.h"
-#include "io/vdb/vdb_tree_check.h"
 #include "io/vdb/vdb_volume.h"
 
 namespace vog {

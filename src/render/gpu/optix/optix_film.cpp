@@ -14,7 +14,7 @@ constexpr int kTableEntries = 4096;
 std::vector<device::Float4> table_of(const TransferFunction& tf) {
     std::vector<device::Float4> table;
     for (int n = 0; n < kTableEntries; ++n) {
-        const Rgba c = evaluate(tf, static_cast<float>(n) / (kTableEntries - 1));
+        const Rgba c = color_at(tf, static_cast<float>(n) / (kTableEntries - 1));
         table.push_back({c.r, c.g, c.b, c.a});
     }
     return table;

@@ -8,12 +8,12 @@
 #include "convert/moments/gaussian_moments.h"
 #include "support/data.h"
 #include "support/moment_volumes.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/moments.h"
 #include "vog/progress.h"
 #include "vog/reference.h"
-#include "vog/render.h"
-#include "vog/vdb.h"
+#include "vog/splat.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 namespace {

@@ -7,7 +7,7 @@
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/em/em_step.h"
 #include "support/moment_volumes.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 
 namespace vog {
 namespace {
@@ -51,15 +51,15 @@ TEST(packed_cells, those_kept_become_gaussians_in_their_order) {
 
 TEST(packed_cells, soft_steps_lose_no_voxel_out_of_reach_and_keep_no_cell_without_any) {
     const Volume volume = test::random_volume(7, 0.3);
-    const MomentField field = moment_field(volume);
+    const LatticeField field = lattice_field(volume);
     PackedCells cells(field.bricks);
     // One cell with voxels in reach, one far from all: the first takes the bricks that neither
     // reaches.
     const Vec3d middle = index_box(volume).center();
     cells.push_back({1, middle, {4, 0, 0, 4, 0, 4}});
     cells.push_back({1, middle + Vec3d{1e5, 0, 0}, {4, 0, 0, 4, 0, 4}});
-    SoftSteps steps;
-    Softener(field.bricks).step(cells, steps);
+    EmHistory steps;
+    EmSolver(field.bricks).step(cells, steps);
     ASSERT_EQ(cells.size(), 1u);
     EXPECT_EQ(steps.ways.size(), 1u);
     EXPECT_NEAR(cells.mass(0) * voxel_volume(volume) / mass(volume), 1, 1e-6);

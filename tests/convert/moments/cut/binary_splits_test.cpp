@@ -75,7 +75,7 @@ TEST(moment_halves, splits_part_the_octants_down_to_single_ones) {
     Random random(11);
     for (int tries = 0; tries < 200; ++tries) {
         const Octants octants = random_octants(random, 0.7);
-        const Halves halves = halves_of(octants, 1);
+        const BinarySplits halves = splits_of(octants, 1);
         int parts = 0, all = 0;
         for_each_part(halves, 0x7F, [&](std::uint8_t mask) {
             EXPECT_TRUE(std::has_single_bit(mask));
@@ -102,7 +102,7 @@ TEST(moment_halves, a_long_cell_is_parted_across_its_length) {
             for (int k = 0; k < 3; ++k)
                 octants[o].mean[k] = o >> (2 - k) & 1 ? (k == axis ? 3 : 1) : 0;
         }
-        const Halves halves = halves_of(octants, 1);
+        const BinarySplits halves = splits_of(octants, 1);
         EXPECT_EQ(halves.axes & 3, axis);
         EXPECT_EQ(halves.sides(0)[1], kUpperOctants[std::size_t(axis)]);
         EXPECT_GT(halves.gain[0], halves.gain[1]);
@@ -112,7 +112,7 @@ TEST(moment_halves, a_long_cell_is_parted_across_its_length) {
 TEST(moment_halves, at_any_price_no_other_cut_is_worth_more) {
     Random random(5);
     for (int tries = 0; tries < 100; ++tries) {
-        const Halves halves = halves_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
+        const BinarySplits halves = splits_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
         if (!halves.present) continue;
         std::array<Priced, 8> octants;
         for (std::size_t o = 0; o < 8; ++o)
@@ -132,7 +132,7 @@ TEST(moment_halves, at_any_price_no_other_cut_is_worth_more) {
                 };
                 if (!side[0] || !side[1]) return below(0) + below(1);
                 if (!(set >> n & 1)) return 0.0;
-                return whole_float(halves.gain[std::size_t(n)]) - price + below(0) + below(1);
+                return from_bfloat16(halves.gain[std::size_t(n)]) - price + below(0) + below(1);
             };
             return worth(0);
         };
@@ -175,7 +175,7 @@ TEST(price_search, finds_the_price_of_every_budget) {
 
 TEST(moment_halves, every_cut_has_the_moments_of_the_whole) {
     const Volume volume = test::random_volume(29, 0.05);
-    const MomentField field = moment_field(volume);
+    const LatticeField field = lattice_field(volume);
     const CutTree tree = cut_tree(field);
     const std::size_t finest = finest_count(tree);
     const auto whole = [&](std::size_t budget) {

@@ -20,8 +20,8 @@ Volume cube(int edge, float value, int from = 0) {
 
 TEST(moment_seen, more_is_seen_of_corners_than_of_faces_than_of_the_middle) {
     const Volume volume = cube(64, 1);
-    const MomentField field = moment_field(volume);
-    const SeenShare seen(field);
+    const LatticeField field = lattice_field(volume);
+    const VisibilityWeight seen(field);
     const double corner = seen({2, 2, 2}), edge = seen({2, 2, 31}), face = seen({2, 31, 31}),
                  middle = seen({31, 31, 31});
     EXPECT_GT(corner, edge);
@@ -38,20 +38,20 @@ TEST(moment_seen, a_column_is_what_lies_along_it) {
     // One bin of 4^3, alone: its columns hold it along all directions, at steps of 1, sqrt 2 and
     // sqrt 3, of which the longest are the highest percentile: T = 4 along these.
     const Volume volume = cube(4, 3);
-    const MomentField field = moment_field(volume);
+    const LatticeField field = lattice_field(volume);
     const double root3 = std::sqrt(3.0);
     const double expected = 0.1 + (3 * std::exp(-8 / root3) +
                                    6 * std::exp(-8 * std::sqrt(2.0) / root3) + 4 * std::exp(-8.0)) /
                                       13;
-    EXPECT_NEAR(SeenShare(field)({1.5, 1.5, 1.5}), expected, 1e-6);
+    EXPECT_NEAR(VisibilityWeight(field)({1.5, 1.5, 1.5}), expected, 1e-6);
 }
 
 TEST(moment_seen, units_of_density_and_length_and_places_do_not_matter) {
     const Volume one = cube(40, 1);
     Volume other = cube(40, 1e-6f, -96);
     other.world_from_index.linear = {{Vec3d{0, -1e5, 0}, {1e5, 0, 0}, {0, 0, 1e5}}};
-    const MomentField field = moment_field(one), far = moment_field(other);
-    const SeenShare seen(field), seen_far(far);
+    const LatticeField field = lattice_field(one), far = lattice_field(other);
+    const VisibilityWeight seen(field), seen_far(far);
     for (const Vec3d at : {Vec3d{1, 1, 1}, Vec3d{20, 3, 7}, Vec3d{39, 39, 20}})
         EXPECT_NEAR(seen(at), seen_far(at - Vec3d{96, 96, 96}), 1e-5);
 }
@@ -60,16 +60,16 @@ TEST(moment_seen, tiles_are_seen_as_the_leaves_they_stand_for) {
     Volume tiles;
     tiles.tiles = {{{0, 0, 0}, 128, 0.5f}};
     const Volume leaves = cube(128, 0.5f);
-    const MomentField a = moment_field(tiles), b = moment_field(leaves);
-    const SeenShare coarse(a), fine(b);
+    const LatticeField a = lattice_field(tiles), b = lattice_field(leaves);
+    const VisibilityWeight coarse(a), fine(b);
     // Bins are as large as the samples of the tile, 16 voxels, instead of 4.
     for (const double at : {8.0, 40.0, 72.0}) {
         const Vec3d place{at, at + 16, at};
         EXPECT_NEAR(coarse(place), fine(place), 0.05);
     }
     const Volume none;
-    const MomentField nothing = moment_field(none);
-    EXPECT_NO_THROW(SeenShare{nothing});
+    const LatticeField nothing = lattice_field(none);
+    EXPECT_NO_THROW(VisibilityWeight{nothing});
 }
 
 }  // namespace

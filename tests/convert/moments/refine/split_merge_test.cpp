@@ -7,7 +7,7 @@
 #include "compare/error_views.h"
 #include "convert/moments/cells/uniform_cells.h"
 #include "convert/moments/refine/split_merge.h"
-#include "vog/moments.h"
+#include "vog/convert_moments.h"
 #include "vog/sample.h"
 
 namespace vog {
@@ -19,19 +19,19 @@ TEST(moment_error, it_is_given_to_the_gaussians_that_have_it) {
     options.block_voxels = 8;
     Gaussians model = convert_moments(volume, options);
     const ErrorViews views(model);  // of itself: no error at first
-    for (const float error : views.errors(model)) ASSERT_LT(error, 1e-9f);
-    EXPECT_LT(views.visible(model), 1e-6);
+    for (const float error : views.error_of_each_gaussian(model)) ASSERT_LT(error, 1e-9f);
+    EXPECT_LT(views.visible_rms(model), 1e-6);
     const std::size_t spoiled = model.size() / 2;
     model.density[spoiled] *= 3;
-    EXPECT_GT(views.visible(model), 1e-4);
-    const std::vector<float> errors = views.errors(model);
+    EXPECT_GT(views.visible_rms(model), 1e-4);
+    const std::vector<float> errors = views.error_of_each_gaussian(model);
     EXPECT_EQ(std::ranges::max_element(errors) - errors.begin(),
               static_cast<std::ptrdiff_t>(spoiled));
 }
 
 TEST(moment_exchange, parts_the_worst_and_joins_others_with_their_moments) {
     const Volume volume = sample_explosion({.size = 64});
-    const MomentField field = moment_field(volume);
+    const LatticeField field = lattice_field(volume);
     PackedCells cells = uniform_cells(field, 8);
     const std::size_t count = cells.size();
     std::vector<float> error(count);
@@ -43,7 +43,7 @@ TEST(moment_exchange, parts_the_worst_and_joins_others_with_their_moments) {
     };
     const PackedCells before = cells;
     const Moments before_all = whole();
-    exchange(cells, error, 0.1, SeenShare(field));
+    split_and_merge(cells, error, 0.1, VisibilityWeight(field));
     ASSERT_EQ(cells.size(), count);
     const Moments after_all = whole();
     EXPECT_NEAR(after_all.mass / before_all.mass, 1, 1e-6);

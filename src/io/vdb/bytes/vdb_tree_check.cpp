@@ -1,6 +1,6 @@
 // vdb_tree_check.cpp: tree topology and voxel blocks, checked byte by byte. The order of things is that
 // of RootNode.h, InternalNode.h, LeafNode.h, PointDataGrid.h and io/Compression.h of OpenVDB.
-#include "io/vdb/vdb_tree_check.h"
+#include "io/vdb/bytes/vdb_tree_check.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 #include <tuple>
 
 #include "core/parallel.h"
-#include "io/vdb/vdb_file.h"
+#include "io/vdb/bytes/vdb_file.h"
 
 namespace vog {
 

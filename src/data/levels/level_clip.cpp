@@ -2,7 +2,7 @@
 // Where lattices are parallel, the faces of all regions divide a voxel into boxes each of which is
 // seen or hidden as its centre is: volumes are then exact, whatever the ratio and the offset, and
 // also where several regions overlap. Where they are not, equal boxes stand in for those.
-#include "data/level_clip.h"
+#include "data/levels/level_clip.h"
 
 #include <algorithm>
 #include <bit>

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "data/voxel_lookup.h"
+#include "data/levels/voxel_lookup.h"
 
 namespace vog {
 

@@ -1,4 +1,4 @@
-// vog/moments.h: voxels to Gaussians by moments, without training.
+// vog/convert_moments.h: voxels to Gaussians by moments, without training.
 // A Gaussian has the mass, mean and covariance of the voxels it replaces, all three after the cut
 // of its kernel (docs/moments.md). The sums are additive, so one bottom-up pass gives every node of
 // an octree its own Gaussian; a model is a cut through that octree.
@@ -12,14 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/progress.h"
-#include "vog/together.h"
 #include "vog/volume.h"
 
 namespace vog {
+
+struct Collective;
 
 /// Standard deviations at which moment Gaussians are cut.
 inline constexpr float kMomentCutoff = 2.25f;
@@ -38,23 +38,23 @@ struct MomentOptions {
                                 ///< while they err less: no more the same bytes each time; [0, 1e6]
     bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
     bool measure = false;       ///< measure the error of a uniform cut or a budget too
-    Together together{};        ///< with others who have other parts of the volume: a hard uniform
-                                ///< cut, whose parts together are the whole's model where they are
-                                ///< aligned to its cells
+    /// Processes that each hold a part of the volume. Only for block_voxels with soft_steps 0; parts
+    /// must be aligned to cells, then the union of the results equals the single-process model.
+    const Collective* collective = nullptr;
     Progress progress{};
 };
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 
 /// One way to choose cells, as commands and bindings are asked for it; 0: not asked. None of them:
 /// what the conversion does unasked.
-struct Cut {
+struct CellChoice {
     int block_voxels = 0;
     std::size_t budget = 0;
     double error = 0;
     int lod = 0;  ///< moment_lod or point_lod
 };
 /// throws vog::Error where two are asked for: "block and budget exclude each other"
-void choose(MomentOptions& options, const Cut& cut);
+void set_cut(MomentOptions& options, const CellChoice& cut);
 
 /// What the conversion did and reached.
 struct MomentReport {
@@ -67,14 +67,10 @@ struct MomentReport {
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 };
 
-/// The views that measured errors are of, as MomentReport has it; 256^2 pixels.
-std::vector<Camera> error_views(const Box& box);
-inline constexpr int kErrorViewSize_px = 256;
-
-/// What convert_moments and convert_points say in Gaussians::reached: counts, mass, measured error.
+/// What convert_moments and convert_points say in Gaussians::summary: counts, mass, measured error.
 /// of  what the model stands for: "active voxels", "particles"
-std::string reached_text(const Gaussians& model, const MomentReport& report, const std::string& of);
-std::string reached_text(std::uint64_t gaussians, std::uint64_t source_voxels,
+std::string summary_text(const Gaussians& model, const MomentReport& report, const std::string& of);
+std::string summary_text(std::uint64_t gaussians, std::uint64_t source_voxels,
                          const MomentReport& report, const std::string& of);
 
 /// Levels of detail 1 (finest) to 5: uniform cells of 2, 4, 8, 16, 32 voxels.

@@ -1,5 +1,5 @@
 // vdb_file.cpp: header, grid descriptors, metadata.
-#include "io/vdb/vdb_file.h"
+#include "io/vdb/bytes/vdb_file.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-// vog/render.h: Gaussians and a camera in, optical depth out. T is a plain sum over Gaussians, so
+// vog/splat.h: Gaussians and a camera in, optical depth out. T is a plain sum over Gaussians, so
 // no order, no hit limit, no seams: the T of a union is the sum of the Ts.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
-#include "vog/hierarchy.h"
 #include "vog/image.h"
+#include "vog/lod.h"
 #include "vog/progress.h"
 
 namespace vog {

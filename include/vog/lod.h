@@ -1,13 +1,15 @@
-// vog/hierarchy.h: coarser Gaussians for every neighbourhood of a model, so that the cost of a
+// vog/lod.h: levels of detail: coarser Gaussians for every neighbourhood of a model, so that the cost of a
 // picture follows the screen and not the model.
 // Mass, first and second moments add up whatever Gaussians they are of, so any group of them has
 // one that stands for it. Groups are the cells of an octree over the means; a view draws a cut
 // through it (docs/scaling.md, "Cost that follows the screen").
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -50,13 +52,6 @@ struct HierarchyOptions {
 ///         scattered
 [[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
 
-/// Fills first_node and first_leaf from the counts: the roots are the first nodes, then come the
-/// children of all nodes in the order of their parents, and so do leaves; leaves of no node are
-/// the last.
-/// throws  vog::Error naming `where` if the counts are not those of a forest over `leaves`
-void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where);
-/// Whether it lies as link() has it: what build_hierarchy makes, and a file holds.
-bool in_one_order(const Hierarchy& hierarchy);
 /// Checks lengths, order and values of a hierarchy over `leaves` Gaussians with this cutoff.
 /// throws  vog::Error naming `where` and what is wrong
 void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
@@ -104,5 +99,23 @@ class ViewCut {
     struct State;
     std::unique_ptr<State> state_;
 };
+
+/// Coarser models of the same mass, mean and covariance. Neighbours are joined by a tree that
+/// halves the model across its longest axis, and split again where that gains most.
+/// budgets  the most Gaussians each result may have, > 0
+/// returns  one model a budget, with the model's cutoff and box. A budget that the model meets gives
+///          the model itself; with rotations otherwise. The same bytes for any number of threads
+/// throws   vog::Error for a budget of 0 or an invalid model
+/// cost     O(N log N) time, once for all budgets; 200 bytes a Gaussian
+[[nodiscard]] std::vector<Gaussians> coarsen(const Gaussians& model,
+                                             std::span<const std::size_t> budgets);
+[[nodiscard]] Gaussians coarsen(const Gaussians& model, std::size_t budget);
+
+/// What levels of detail below a model of this size may have: a quarter as many Gaussians each
+/// time, down to about a thousand.
+/// most  levels, the model included
+[[nodiscard]] std::vector<std::size_t> detail_budgets(std::size_t size, std::size_t most = 8);
+/// The model and, coarsened, those below it.
+[[nodiscard]] std::vector<Gaussians> detail_levels(Gaussians model, std::size_t most = 8);
 
 }  // namespace vog

@@ -1,5 +1,5 @@
 // voxel_lookup.cpp: leaves and tiles in hash maps by their origin.
-#include "data/voxel_lookup.h"
+#include "data/levels/voxel_lookup.h"
 
 #include <algorithm>
 #include <cstdint>

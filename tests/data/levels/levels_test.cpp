@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "data/voxel_lookup.h"
+#include "data/levels/voxel_lookup.h"
 #include "support/level_volumes.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"

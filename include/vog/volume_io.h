@@ -1,4 +1,4 @@
-// vog/vdb.h: OpenVDB files, read and written, and what is inside them.
+// vog/volume_io.h: volumes from OpenVDB and NanoVDB files, one grid or all levels of a mesh, and back.
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "vog/levels.h"
 #include "vog/volume.h"
-#include "vog/volume_part.h"
 
 namespace vog {
 
@@ -34,34 +34,43 @@ struct VdbNotes {
 Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {},
                 VdbNotes* notes = nullptr);
 
-/// A grid of a file whose values are still there: what it holds is known, and parts of it are read
-/// as asked. Holds about 100 bytes for each leaf (a level set that is to be fog: all of it).
-class VdbReader {
-  public:
-    /// throws vog::Error as read_vdb does, but for what values alone can show
-    explicit VdbReader(const std::filesystem::path& file, const VdbOptions& options = {});
-    ~VdbReader();
-    VdbReader(VdbReader&&) noexcept;
-    VdbReader& operator=(VdbReader&&) noexcept;
-
-    std::uint64_t active_voxels() const;  ///< of the whole, as stored
-    std::size_t leaf_count() const;       ///< of the whole: those with active voxels
-    Box world_box() const;                ///< of the whole, as world_box(Volume) has it
-    const Affine& world_from_index() const;
-    /// throws vog::Error for values that are not finite, for bytes that are not sound, for a mask
-    ///        without a value above 0 (of the whole)
-    Volume read(const VolumePart& part = {}, VdbNotes* notes = nullptr);
-    /// Those leaves and tiles alone. throws as read does
-    Volume read_where(const NodeChoice& wanted, VdbNotes* notes = nullptr);
-
-  private:
-    struct State;
-    std::unique_ptr<State> state_;
-};
+/// Reads one grid of a NanoVDB file as density, by the rules of read_vdb: files of major version
+/// 32, uncompressed, zip or blosc; floats, doubles, integers of 16, 32 and 64 bits, quantised
+/// floats (Fp4, Fp8, Fp16, FpN), vectors by magnitude when asked by name. Tiles stay tiles. throws
+/// vog::Error for a missing, foreign, truncated or corrupt file; another major version, naming it;
+/// no, several or unknown grids (listing the names); a level set (unless options.level_set_to_fog);
+/// a singular transform; an empty grid; non-finite values (their count and the first index)
+Volume read_nvdb(const std::filesystem::path& file, const VdbOptions& options = {},
+                 VdbNotes* notes = nullptr);
 
 /// Names of the grids of a file, in file order; "density[1]" where two have one name.
 /// throws vog::Error for a missing, foreign or truncated file
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
+
+/// Names of the grids of a file, in file order.
+/// throws vog::Error for a missing, foreign or truncated file
+std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
+
+/// read_nvdb for .nvdb, else read_vdb.
+/// notes   what reading changed, in words, is added: "a.vdb: 3 negative values of 'density' set to
+///         zero"
+Volume read_volume(const std::filesystem::path& file, const VdbOptions& options = {},
+                   std::vector<std::string>* notes = nullptr);
+
+/// Names of the grids of a .vdb or .nvdb, in file order.
+std::vector<std::string> grid_names(const std::filesystem::path& file);
+
+struct LevelOptions {
+    std::string grid{};  ///< name, or a pattern with * and ?: all that match; empty: the default
+    std::string mask{};  ///< name; its * is what the * of `grid` stands for; empty: no masks
+    bool level_set_to_fog = false;
+};
+
+/// Of each file one volume, or all whose names match.
+/// throws vog::Error as read_volume does, and for a pattern no grid matches, listing the names; for
+///        a pattern in one of grid and mask alone
+Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options = {},
+                   std::vector<std::string>* notes = nullptr);
 
 /// Writes `volume` as a FloatGrid of class fog volume: blosc-compressed where the library has it,
 /// values as half floats if `half`. Written beside the file and renamed.

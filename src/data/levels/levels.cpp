@@ -10,7 +10,7 @@
 
 #include "core/paging.h"
 #include "core/parallel.h"
-#include "data/level_clip.h"
+#include "data/levels/level_clip.h"
 #include "vog/error.h"
 
 namespace vog {
