@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-namespace vog {
+namespace vog::comparison {
 
 namespace {
 
@@ -60,4 +60,4 @@ void draw_text(Image& image, int column, int row, std::string_view text, Rgba co
     }
 }
 
-}  // namespace vog
+}  // namespace vog::comparison

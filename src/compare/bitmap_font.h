@@ -5,7 +5,7 @@
 
 #include "vog/image.h"
 
-namespace vog {
+namespace vog::comparison {
 
 inline constexpr int kGlyphWidth = 5, kGlyphHeight = 7, kGlyphAdvance = 6;  ///< pixels
 
@@ -13,4 +13,4 @@ inline constexpr int kGlyphWidth = 5, kGlyphHeight = 7, kGlyphAdvance = 6;  ///<
 /// Characters: 0-9 + - . / | A B e and space; any other is an assertion.
 void draw_text(Image& image, int column, int row, std::string_view text, Rgba color);
 
-}  // namespace vog
+}  // namespace vog::comparison

@@ -9,6 +9,8 @@
 
 namespace vog {
 
+using namespace comparison;
+
 namespace {
 
 /// Fills everything but the SSIM. `bytes` holds `channels` values a pixel.

@@ -13,6 +13,8 @@
 
 namespace vog {
 
+using namespace comparison;
+
 namespace {
 
 /// Differences a pixel, in 1/255, and how they are shown.

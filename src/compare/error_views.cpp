@@ -13,6 +13,8 @@
 
 namespace vog {
 
+using namespace comparison;
+
 namespace {
 
 constexpr int kSize_px = kErrorViewSize_px;

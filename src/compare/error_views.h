@@ -9,7 +9,7 @@
 #include "vog/image.h"
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::comparison {
 
 /// A picture of T without the empty ends of its rows: most of it, of data seen from outside.
 class CroppedDepth {
@@ -60,4 +60,4 @@ class ErrorViews {
     double extinction_ = 1;
 };
 
-}  // namespace vog
+}  // namespace vog::comparison

@@ -8,7 +8,7 @@
 #include "data/image_checks.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::comparison {
 
 namespace {
 
@@ -63,4 +63,4 @@ std::vector<Rgb8> color_bytes(const Image& image) {
     return bytes;
 }
 
-}  // namespace vog
+}  // namespace vog::comparison

@@ -8,7 +8,7 @@
 
 #include "vog/image.h"
 
-namespace vog {
+namespace vog::comparison {
 
 /// throws vog::Error naming both sizes if they differ, or if an image is empty or invalid
 void require_same_size(const DepthImage& reference, const DepthImage& image);
@@ -31,4 +31,4 @@ struct Rgb8 {
 /// round(255 c) of colours over black.
 std::vector<Rgb8> color_bytes(const Image& image);
 
-}  // namespace vog
+}  // namespace vog::comparison

@@ -9,7 +9,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::comparison {
 
 namespace {
 
@@ -94,4 +94,4 @@ double structural_similarity(const std::vector<float>& reference, const std::vec
     return total / (static_cast<double>(columns) * static_cast<double>(rows));
 }
 
-}  // namespace vog
+}  // namespace vog::comparison

@@ -5,11 +5,11 @@
 
 #include <vector>
 
-namespace vog {
+namespace vog::comparison {
 
 /// Mean SSIM over the windows that lie wholly inside the picture: 11x11 Gaussian of 1.5 pixels,
 /// K1 = 0.01, K2 = 0.03. Values of 0 to 255. NaN where no window fits.
 double structural_similarity(const std::vector<float>& reference, const std::vector<float>& image,
                              int width, int height);
 
-}  // namespace vog
+}  // namespace vog::comparison

@@ -19,6 +19,8 @@
 
 namespace vog {
 
+using namespace evaluation;
+
 namespace fs = std::filesystem;
 
 namespace {

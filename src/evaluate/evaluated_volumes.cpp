@@ -8,7 +8,7 @@
 #include <fstream>
 #include <limits>
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -97,4 +97,4 @@ Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptio
     return evaluation;
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

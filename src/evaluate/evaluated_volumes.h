@@ -8,7 +8,7 @@
 #include "vog/distributed.h"
 #include "vog/evaluate.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 /// Counts are exact in doubles.
 void add_up(const Collective& collective, std::uint64_t& count);
@@ -17,4 +17,4 @@ Box box_of(std::span<const Volume> volumes, const Collective& collective);
 /// What the evaluation is of and how it is made: all but its views and rows.
 Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptions& options);
 
-}  // namespace vog
+}  // namespace vog::evaluation

@@ -14,7 +14,7 @@
 #include "evaluate/svg_plot.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace fs = std::filesystem;
 
@@ -285,4 +285,4 @@ void write_report(const fs::path& file, const Evaluation& evaluation, const fs::
     });
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

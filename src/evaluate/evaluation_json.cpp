@@ -11,7 +11,7 @@
 #include "core/atomic_file.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -196,4 +196,4 @@ Evaluation read_results(const std::filesystem::path& file) {
     }
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

@@ -5,11 +5,11 @@
 
 #include "vog/evaluate.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 void write_results(const std::filesystem::path& file, const Evaluation& evaluation);
 
 /// throws vog::Error naming the file and the key for anything but results of write_results
 Evaluation read_results(const std::filesystem::path& file);
 
-}  // namespace vog
+}  // namespace vog::evaluation

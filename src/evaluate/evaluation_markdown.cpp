@@ -8,7 +8,7 @@
 #include "evaluate/paper_figures.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -47,4 +47,4 @@ void write_markdown(const std::filesystem::path& file, const Evaluation& evaluat
     });
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -116,4 +116,4 @@ std::vector<std::string> report_facts(const Evaluation& evaluation) {
     };
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

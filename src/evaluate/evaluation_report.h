@@ -7,7 +7,7 @@
 
 #include "vog/evaluate.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 /// Difference maps of the report end at this many of 255, in every row: rows can be compared.
 inline constexpr double kMapLimit = 20;
@@ -58,4 +58,4 @@ void write_markdown(const std::filesystem::path& file, const Evaluation& evaluat
 void write_report(const std::filesystem::path& file, const Evaluation& evaluation,
                   const std::filesystem::path& pictures);
 
-}  // namespace vog
+}  // namespace vog::evaluation

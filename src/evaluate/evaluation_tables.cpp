@@ -7,7 +7,7 @@
 #include "evaluate/evaluation_report.h"
 #include "evaluate/paper_figures.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -204,4 +204,4 @@ std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
     return tables;
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

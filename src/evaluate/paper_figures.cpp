@@ -1,7 +1,7 @@
 // paper_figures.cpp: the column "smoke" of the paper's tables 1 to 4.
 #include "evaluate/paper_figures.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -26,4 +26,4 @@ const PaperFigures* paper_figures(const Evaluation& evaluation, const std::strin
     return nullptr;
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

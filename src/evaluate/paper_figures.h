@@ -5,7 +5,7 @@
 
 #include "vog/evaluate.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 /// How the paper's figures were made, as far as it tells.
 inline constexpr const char* kPaperHardware =
@@ -23,4 +23,4 @@ struct PaperFigures {
 /// The paper's figures for a step of its own recipe, or null: of other data, or not in its tables.
 const PaperFigures* paper_figures(const Evaluation& evaluation, const std::string& step);
 
-}  // namespace vog
+}  // namespace vog::evaluation

@@ -9,7 +9,7 @@
 
 #include "core/html_text.h"
 
-namespace vog {
+namespace vog::evaluation {
 
 namespace {
 
@@ -223,4 +223,4 @@ std::string svg(const Plot& plot) {
     return out + "</svg>\n";
 }
 
-}  // namespace vog
+}  // namespace vog::evaluation

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace vog {
+namespace vog::evaluation {
 
 struct PlotPoint {
     double x = 0, y = 0;
@@ -28,4 +28,4 @@ struct Plot {
 /// An <svg> element, coloured for colour-blind eyes, with axes, round ticks and a legend.
 std::string svg(const Plot& plot);
 
-}  // namespace vog
+}  // namespace vog::evaluation

@@ -15,6 +15,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 bool is_nvdb(const std::filesystem::path& file) {

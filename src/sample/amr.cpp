@@ -14,6 +14,8 @@
 
 namespace vog {
 
+using namespace sampling;
+
 namespace {
 
 constexpr int kLevels = 3;

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-namespace vog {
+namespace vog::sampling {
 
 namespace {
 
@@ -64,4 +64,4 @@ bool find_depths(const Billow& billow, const LeafPoints& points, BillowPoints& r
     return true;
 }
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -7,7 +7,7 @@
 
 #include "sample/spheres.h"
 
-namespace vog {
+namespace vog::sampling {
 
 struct Billow {
     SphereUnion lobes;
@@ -44,4 +44,4 @@ inline float smooth_step(float t) {
     return t * t * (3 - 2 * t);
 }
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -9,6 +9,8 @@
 
 namespace vog {
 
+using namespace sampling;
+
 namespace {
 
 constexpr float kBase = -0.21f;  // y of the flat base, world units
@@ -115,7 +117,7 @@ class Cloud final : public DensityField {
 
 }  // namespace
 
-std::unique_ptr<DensityField> cloud_field(std::uint32_t seed, float voxel) {
+std::unique_ptr<DensityField> sampling::cloud_field(std::uint32_t seed, float voxel) {
     return std::make_unique<Cloud>(seed, voxel);
 }
 

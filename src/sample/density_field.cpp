@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::sampling {
 
 namespace {
 
@@ -161,4 +161,4 @@ Volume sample_field(const DensityField& field, const std::string& source,
     return volume;
 }
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -8,7 +8,7 @@
 #include "sample/noise.h"
 #include "vog/sample.h"
 
-namespace vog {
+namespace vog::sampling {
 
 /// Density as a function of world position: zero outside [-1/2, 1/2]^3.
 class DensityField {
@@ -33,4 +33,4 @@ inline constexpr float kFaintestDensity = 0.01f;
 Volume sample_field(const DensityField& field, const std::string& source,
                     const SampleOptions& options);
 
-}  // namespace vog
+}  // namespace vog::sampling

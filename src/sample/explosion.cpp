@@ -9,6 +9,8 @@
 
 namespace vog {
 
+using namespace sampling;
+
 namespace {
 
 constexpr float kGround = -0.475f;  // y of the flat ground, world units
@@ -130,7 +132,7 @@ class Explosion final : public DensityField {
 
 }  // namespace
 
-std::unique_ptr<DensityField> explosion_field(std::uint32_t seed, float voxel) {
+std::unique_ptr<DensityField> sampling::explosion_field(std::uint32_t seed, float voxel) {
     return std::make_unique<Explosion>(seed, voxel);
 }
 

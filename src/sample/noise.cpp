@@ -6,7 +6,7 @@
 #include <cassert>
 #include <vector>
 
-namespace vog {
+namespace vog::sampling {
 
 namespace {
 
@@ -200,4 +200,4 @@ Interval interval_of(std::span<const float> values) {
             *std::max_element(upper.begin(), upper.end())};
 }
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -11,7 +11,7 @@
 
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::sampling {
 
 /// World positions of a leaf's voxel centres, by leaf_offset.
 struct LeafPoints {
@@ -89,4 +89,4 @@ constexpr float reach_of(std::span<const Octave> octaves) {
     return sum;
 }
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace vog {
+namespace vog::sampling {
 
 namespace {
 
@@ -87,4 +87,4 @@ std::vector<Sphere> buds(const std::vector<Sphere>& parents, const Budding& budd
     return result;
 }
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -6,7 +6,7 @@
 #include "sample/noise.h"
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::sampling {
 
 struct Sphere {
     Vec3f center;
@@ -49,4 +49,4 @@ struct Budding {
 std::vector<Sphere> buds(const std::vector<Sphere>& parents, const Budding& budding,
                          Uniform& uniform);
 
-}  // namespace vog
+}  // namespace vog::sampling

@@ -20,6 +20,8 @@
 
 namespace vog {
 
+using namespace sampling;
+
 namespace {
 
 constexpr double kBoxEdge = 100;         ///< world units, as Mpc/h

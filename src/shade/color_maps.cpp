@@ -17,6 +17,8 @@
 #include "vog/shade.h"
 
 namespace vog {
+
+using namespace shading;
 namespace {
 
 /// Entries of a 256-entry table, each 0xIIRRGGBB: index, then the colour in 8 bits.
@@ -130,13 +132,15 @@ std::vector<std::string> transfer_function_names() {
     return names;
 }
 
-std::string transfer_function_name_list() {
+std::string shading::transfer_function_name_list() {
     std::string list;
     for (const NamedMap& map : kMaps) list += (list.empty() ? "" : ", ") + std::string(map.name);
     return list;
 }
 
-bool is_transfer_function_name(const std::string& name) { return find_map(name) != nullptr; }
+bool shading::is_transfer_function_name(const std::string& name) {
+    return find_map(name) != nullptr;
+}
 
 TransferFunction named_transfer_function(const std::string& name) {
     const NamedMap* map = find_map(name);

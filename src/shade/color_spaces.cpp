@@ -9,7 +9,7 @@
 #include <numbers>
 #include <utility>
 
-namespace vog {
+namespace vog::shading {
 namespace {
 
 using std::numbers::pi;
@@ -199,4 +199,4 @@ std::vector<ColorPoint> sample_colors(ColorSpace space, const std::vector<ColorP
     return points;
 }
 
-}  // namespace vog
+}  // namespace vog::shading

@@ -7,7 +7,7 @@
 
 #include "vog/shade.h"
 
-namespace vog {
+namespace vog::shading {
 
 using Color = std::array<double, 3>;
 
@@ -24,4 +24,4 @@ std::vector<std::pair<double, Color>> sample_curve(const std::function<Color(dou
 /// The transfer function through `control` (sorted by v) in `space`, made piecewise linear in RGB.
 std::vector<ColorPoint> sample_colors(ColorSpace space, const std::vector<ColorPoint>& control);
 
-}  // namespace vog
+}  // namespace vog::shading

@@ -9,7 +9,7 @@
 
 #include "vog/shade.h"
 
-namespace vog {
+namespace vog::shading {
 
 inline bool in_unit_range(float x) { return x >= 0 && x <= 1; }  // false for NaN
 
@@ -67,4 +67,4 @@ class Ramp {
 
 inline const std::vector<OpacityPoint> kOpaque{{0, 1}};
 
-}  // namespace vog
+}  // namespace vog::shading

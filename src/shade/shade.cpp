@@ -14,6 +14,8 @@
 #include "vog/error.h"
 
 namespace vog {
+
+using namespace shading;
 namespace {
 
 /// `front`, whose alpha is its opacity, over `back`; straight alpha. An opaque back gives

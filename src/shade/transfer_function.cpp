@@ -7,6 +7,8 @@
 
 namespace vog {
 
+using namespace shading;
+
 namespace {
 
 void require_points(const std::string& where, const char* what, const auto& points) {
@@ -23,7 +25,7 @@ void require_points(const std::string& where, const char* what, const auto& poin
 
 }  // namespace
 
-void require_valid(const std::string& where, const TransferFunction& tf) {
+void shading::require_valid(const std::string& where, const TransferFunction& tf) {
     if (tf.color.empty()) throw Error(fmt::format("{}: no colour, expected at least one", where));
     require_points(where, "colour", tf.color);
     require_points(where, "opacity", tf.opacity);

@@ -5,7 +5,7 @@
 
 #include "vog/shade.h"
 
-namespace vog {
+namespace vog::shading {
 
 /// throws vog::Error unless there is a colour, points are sorted by v, and every number is in [0,
 /// 1]
@@ -17,4 +17,4 @@ bool is_transfer_function_name(const std::string& name);
 /// "gray, viridis, ...", for messages.
 std::string transfer_function_name_list();
 
-}  // namespace vog
+}  // namespace vog::shading

@@ -13,6 +13,8 @@
 #include "vog/error.h"
 
 namespace vog {
+
+using namespace shading;
 namespace {
 
 using nlohmann::json;

@@ -19,6 +19,9 @@
 
 namespace vog {
 
+using namespace shading;
+using namespace web;
+
 namespace {
 
 using Json = nlohmann::ordered_json;

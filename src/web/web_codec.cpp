@@ -14,7 +14,7 @@
 #include "data/point_grid.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::web {
 
 namespace {
 
@@ -259,4 +259,4 @@ std::string WebLevel::compressed() const {
     return out;
 }
 
-}  // namespace vog
+}  // namespace vog::web

@@ -7,7 +7,7 @@
 
 #include "vog/gaussians.h"
 
-namespace vog {
+namespace vog::web {
 
 /// Where numbers of the page count from: places from the centre, lengths in units. Both are those
 /// of the finest level, shared by all levels.
@@ -53,4 +53,4 @@ inline constexpr int kWebRotationWords = 3000;
 /// Gaussians in the order of a Morton curve, those without density left out.
 WebLevel web_level(const Gaussians& model, const WebFrame& frame);
 
-}  // namespace vog
+}  // namespace vog::web

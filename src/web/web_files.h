@@ -3,9 +3,9 @@
 
 #include <string>
 
-namespace vog {
+namespace vog::web {
 
 /// Text of a file by its name, without folder.
 const char* web_file(const std::string& name);
 
-}  // namespace vog
+}  // namespace vog::web

@@ -16,6 +16,8 @@
 
 namespace vog::test {
 
+using namespace vog::comparison;
+
 namespace {
 
 // Figures are sums of a few hundred doubles: rounding stays far below this.

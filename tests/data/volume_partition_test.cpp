@@ -16,6 +16,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 /// Parts put together again, in the order readers deliver.

@@ -23,6 +23,8 @@
 
 namespace vog::test {
 
+using namespace vog::evaluation;
+
 namespace {
 
 namespace fs = std::filesystem;

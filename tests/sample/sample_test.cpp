@@ -20,6 +20,8 @@
 #include "vog/levels.h"
 
 namespace vog {
+
+using namespace sampling;
 namespace {
 
 struct Kind {

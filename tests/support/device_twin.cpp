@@ -10,6 +10,9 @@
 
 namespace vog::test {
 
+using namespace vog::gpu;
+using namespace vog::trace;
+
 DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& camera, int width,
                                   int height) {
     const CudaModel model = cuda_model(gaussians, 0);

@@ -14,6 +14,8 @@
 
 namespace vog::test {
 
+using namespace vog::web;
+
 namespace {
 
 std::string inflated(const std::string& packed, std::size_t size) {

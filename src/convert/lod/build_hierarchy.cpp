@@ -16,6 +16,9 @@
 
 namespace vog {
 
+using namespace lod;
+using namespace moments;
+
 namespace {
 
 std::string name_of(const Gaussians& model) {

@@ -12,6 +12,8 @@
 
 namespace vog {
 
+using namespace particles;
+
 namespace {
 
 /// About this many are drawn in no time anywhere: a coarser level would save nothing.

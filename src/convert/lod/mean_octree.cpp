@@ -13,7 +13,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::lod {
 
 namespace {
 
@@ -212,4 +212,4 @@ MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options) {
     return tree;
 }
 
-}  // namespace vog
+}  // namespace vog::lod

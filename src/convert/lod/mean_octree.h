@@ -6,7 +6,7 @@
 
 #include "vog/lod.h"
 
-namespace vog {
+namespace vog::lod {
 
 /// Cells with no more Gaussians than this are not divided: a node is to save more than it costs.
 inline constexpr std::uint32_t kMostChildren = 8;
@@ -18,4 +18,4 @@ struct MeanOctree {
 /// Puts the Gaussians into the order of the tree.
 MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options);
 
-}  // namespace vog
+}  // namespace vog::lod

@@ -8,7 +8,7 @@
 #include "convert/moments/cut/optimal_cut.h"
 #include "convert/moments/moment_job.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -83,4 +83,4 @@ Gaussians best_model(MomentJob& job) {
     return finished(job, all.fields, softener, std::move(cells));
 }
 
-}  // namespace vog
+}  // namespace vog::moments

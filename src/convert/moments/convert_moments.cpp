@@ -16,6 +16,8 @@
 
 namespace vog {
 
+using namespace moments;
+
 namespace {
 
 void check(const MomentOptions& options) {

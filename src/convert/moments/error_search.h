@@ -8,7 +8,7 @@
 
 #include "vog/gaussians.h"
 
-namespace vog {
+namespace vog::moments {
 
 struct FoundModel {
     Gaussians model;
@@ -89,4 +89,4 @@ FoundModel smallest_model(double target, std::size_t finest_count, const Make& m
     return best;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

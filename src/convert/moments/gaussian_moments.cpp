@@ -7,7 +7,7 @@
 
 #include "core/paging.h"
 
-namespace vog {
+namespace vog::moments {
 
 Moments moments_of(const MomentSums& sums) {
     Moments result;
@@ -146,4 +146,4 @@ std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i) {
     return {at(0, 0), at(0, 1), at(0, 2), at(1, 1), at(1, 2), at(2, 2)};
 }
 
-}  // namespace vog
+}  // namespace vog::moments

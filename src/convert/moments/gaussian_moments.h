@@ -9,7 +9,7 @@
 #include "vog/gaussians.h"
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Sums over voxels about a point that the owner states, usually the centre of a cell.
 struct MomentSums {
@@ -93,4 +93,4 @@ std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i);
 /// Arrays for `count` Gaussians.
 void resize(Gaussians& model, std::size_t count, bool axis_aligned);
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -11,7 +11,7 @@
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Finds the mass below which cells may go: together at most some share of all. Cells are sorted by
 /// the upper 16 bits of their mass, so those within 1 % of each other stay or go collective.
@@ -58,4 +58,4 @@ class MassThreshold {
     std::size_t dropped_cells_ = 0;
 };
 
-}  // namespace vog
+}  // namespace vog::moments

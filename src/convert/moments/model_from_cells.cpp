@@ -5,7 +5,7 @@
 #include "convert/moments/mass_threshold.h"
 #include "convert/moments/moment_job.h"
 
-namespace vog {
+namespace vog::moments {
 
 Gaussians all_gaussians(const MomentJob& job, std::span<const LatticeField> fields,
                         FieldCells cells) {
@@ -50,4 +50,4 @@ Gaussians finished(MomentJob& job, std::span<const LatticeField> fields, FieldEm
     return gaussians_of(job, fields, refined(job, fields, softener, std::move(cells)));
 }
 
-}  // namespace vog
+}  // namespace vog::moments

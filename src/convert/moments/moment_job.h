@@ -14,7 +14,9 @@
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 
-namespace vog {
+namespace vog::moments {
+
+using namespace comparison;
 
 /// One conversion: what is asked, and what is to be reported.
 struct MomentJob {
@@ -110,4 +112,4 @@ Gaussians block_model(MomentJob& job);
 /// The cut of a budget, or the search for an error.
 Gaussians best_model(MomentJob& job);
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -9,7 +9,7 @@
 #include "convert/moments/moment_job.h"
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -82,4 +82,4 @@ Gaussians block_model(MomentJob& job) {
     return finished(job, fields, softener, std::move(cells));
 }
 
-}  // namespace vog
+}  // namespace vog::moments

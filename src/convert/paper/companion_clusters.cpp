@@ -14,7 +14,7 @@
 #include "convert/paper/leaf_blocks.h"
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::paper {
 
 namespace {
 
@@ -242,4 +242,4 @@ std::vector<Group> mirror_tree(const Volume& volume, const std::vector<Group>& l
     return groups;
 }
 
-}  // namespace vog
+}  // namespace vog::paper

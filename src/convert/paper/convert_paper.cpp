@@ -21,6 +21,8 @@
 
 namespace vog {
 
+using namespace paper;
+
 namespace {
 
 constexpr std::array<std::pair<Strategy, const char*>, 6> kStrategyNames = {

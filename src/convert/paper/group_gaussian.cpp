@@ -9,7 +9,7 @@
 
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::paper {
 
 GroupShape group_shape(const GroupFit& fit, Vec3i size) {
     Vec3d deviation;
@@ -44,4 +44,4 @@ GroupFit make_group_fit(const Volume& volume, const PaperOptions& options, float
     return fit;
 }
 
-}  // namespace vog
+}  // namespace vog::paper

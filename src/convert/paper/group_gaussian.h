@@ -9,7 +9,7 @@
 #include "convert/paper/world_shape.h"
 #include "vog/convert_paper.h"
 
-namespace vog {
+namespace vog::paper {
 
 /// Voxels of one group: its index box, and the sum and number of its values.
 struct Group {
@@ -67,4 +67,4 @@ inline void add_group(const GroupFit& fit, const Group& group, std::vector<Fitte
                    shape.scale, shape.rotation});
 }
 
-}  // namespace vog
+}  // namespace vog::paper

@@ -5,7 +5,7 @@
 
 #include "convert/paper/group_gaussian.h"
 
-namespace vog {
+namespace vog::paper {
 
 // The paper's own: one leaf at a time (paper_leaf_groups.cpp).
 
@@ -44,4 +44,4 @@ std::vector<Group> tile_groups(const Volume& volume);
 /// depth belong to their node, tiles at or above it are nodes themselves.
 std::vector<Group> mirror_tree(const Volume& volume, const std::vector<Group>& leaves, int depth);
 
-}  // namespace vog
+}  // namespace vog::paper

@@ -9,7 +9,7 @@
 
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::paper {
 
 /// Bits of the voxels of a slice with y and z in [y, y + edge) x [z, z + edge). Edge 1 to 8.
 constexpr std::uint64_t slice_square(int y, int z, int edge) {
@@ -96,4 +96,4 @@ inline double cube_sum(const BlockSums& sums, LeafCube cube) {
     return sum;
 }
 
-}  // namespace vog
+}  // namespace vog::paper

@@ -6,7 +6,7 @@
 #include "convert/paper/grouping.h"
 #include "convert/paper/leaf_blocks.h"
 
-namespace vog {
+namespace vog::paper {
 
 namespace {
 
@@ -121,4 +121,4 @@ void add_single(const GroupFit& fit, const Leaf& leaf, std::vector<FittedGaussia
     if (group.count > 0) add_group(fit, group, out);
 }
 
-}  // namespace vog
+}  // namespace vog::paper

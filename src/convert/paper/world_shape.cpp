@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace vog {
+namespace vog::paper {
 
 namespace {
 
@@ -82,4 +82,4 @@ WorldShape shape_from_covariance(const Mat3& covariance) {
     return shape;
 }
 
-}  // namespace vog
+}  // namespace vog::paper

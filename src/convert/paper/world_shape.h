@@ -5,7 +5,7 @@
 
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::paper {
 
 /// Standard deviations along the own axes, and the rotation from own axes to world axes.
 struct WorldShape {
@@ -38,4 +38,4 @@ WorldShape world_shape(const WorldFrame& frame, Vec3d deviation_voxels);
 /// that, so that a flat or rounded covariance still has positive scales.
 WorldShape shape_from_covariance(const Mat3& covariance);
 
-}  // namespace vog
+}  // namespace vog::paper

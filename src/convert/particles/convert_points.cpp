@@ -22,6 +22,10 @@
 
 namespace vog {
 
+using namespace comparison;
+using namespace moments;
+using namespace particles;
+
 namespace {
 
 std::string where(const Points& points) { return points.source.empty() ? "points" : points.source; }

@@ -9,7 +9,9 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::particles {
+
+using namespace moments;
 
 namespace {
 
@@ -194,4 +196,4 @@ BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
     return PricedPoints(tree, price).cells();
 }
 
-}  // namespace vog
+}  // namespace vog::particles

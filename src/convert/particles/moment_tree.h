@@ -11,7 +11,9 @@
 #include "convert/moments/gaussian_moments.h"
 #include "data/point_grid.h"
 
-namespace vog {
+namespace vog::particles {
+
+using namespace moments;
 
 /// A particle as the tree sees it.
 struct Particle {
@@ -45,4 +47,4 @@ PointTree point_tree(BigVector<Particle> particles);
 /// origin.
 BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget);
 
-}  // namespace vog
+}  // namespace vog::particles

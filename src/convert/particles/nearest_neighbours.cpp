@@ -22,7 +22,7 @@
 #define VOG_WIDE
 #endif
 
-namespace vog {
+namespace vog::particles {
 
 namespace {
 
@@ -210,4 +210,4 @@ BigVector<float> neighbour_distances(const BigVector<Vec3f>& places, int k, int 
     return distances;
 }
 
-}  // namespace vog
+}  // namespace vog::particles

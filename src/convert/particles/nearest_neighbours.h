@@ -3,7 +3,7 @@
 
 #include "data/point_grid.h"
 
-namespace vog {
+namespace vog::particles {
 
 inline constexpr int kMostNeighbours = 64;
 
@@ -14,4 +14,4 @@ inline constexpr int kMostNeighbours = 64;
 BigVector<float> neighbour_distances(const BigVector<Vec3f>& places, int k, int share = 0,
                                      int shares = 1);
 
-}  // namespace vog
+}  // namespace vog::particles

@@ -26,6 +26,8 @@
 #include "vog/error.h"
 
 namespace vog {
+
+using namespace image_files;
 namespace {
 
 constexpr const char* kExtinction = "extinction";  ///< header attribute of a depth image
@@ -238,7 +240,7 @@ DepthImage read_depth(const std::filesystem::path& file) {
     });
 }
 
-Image read_exr(const std::filesystem::path& file) {
+Image image_files::read_exr(const std::filesystem::path& file) {
     return reading(file, [&] {
         ExrFile exr(file);
         const std::string names = exr.channel_names();

@@ -12,7 +12,9 @@
 
 namespace vog {
 
-ImageFormat image_format(const std::filesystem::path& file) {
+using namespace image_files;
+
+ImageFormat image_files::image_format(const std::filesystem::path& file) {
     require_readable(file);
     constexpr std::array<unsigned char, 8> kPngMagic{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
     constexpr std::array<unsigned char, 4> kExrMagic{0x76, 0x2f, 0x31, 0x01};

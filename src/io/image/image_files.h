@@ -5,7 +5,7 @@
 
 #include "vog/image.h"
 
-namespace vog {
+namespace vog::image_files {
 
 enum class ImageFormat { kPng, kExr, kOther };
 
@@ -15,4 +15,4 @@ ImageFormat image_format(const std::filesystem::path& file);
 Image read_png(const std::filesystem::path& file);
 Image read_exr(const std::filesystem::path& file);
 
-}  // namespace vog
+}  // namespace vog::image_files

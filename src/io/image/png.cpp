@@ -20,6 +20,8 @@
 #include "vog/error.h"
 
 namespace vog {
+
+using namespace image_files;
 namespace {
 
 /// libpng's first complaint. Until `armed` there is no place to jump to.
@@ -142,7 +144,7 @@ std::uint8_t to_byte(float component) {
 
 }  // namespace
 
-Image read_png(const std::filesystem::path& file) {
+Image image_files::read_png(const std::filesystem::path& file) {
     const std::vector<std::uint8_t> content = read_whole_file(file);
     PngReader reader;
     const auto fail = [&]() -> Error {

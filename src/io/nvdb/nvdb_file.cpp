@@ -11,7 +11,7 @@
 #include "core/paging.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::nvdb {
 
 namespace {
 
@@ -47,7 +47,7 @@ bool is_supported(std::uint32_t version) { return version >> 21 == NANOVDB_MAJOR
 /// A name fit for one line of text, whatever a corrupt file holds.
 std::string printable(std::string text) {
     constexpr std::size_t kLongest = 100;
-    if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+    if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "...");
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
     return text;
@@ -193,4 +193,4 @@ std::uint32_t crc32(const void* data, std::size_t bytes) {
     return static_cast<std::uint32_t>(::crc32_z(0, static_cast<const Bytef*>(data), bytes));
 }
 
-}  // namespace vog
+}  // namespace vog::nvdb

@@ -11,7 +11,7 @@
 #include "core/aligned_buffer.h"
 #include "io/byte_source.h"
 
-namespace vog {
+namespace vog::nvdb {
 
 /// Where one grid lies in its file.
 struct NvdbEntry {
@@ -46,4 +46,4 @@ std::string nano_type_name(nanovdb::GridType type);
 /// CRC-32 as zip and NanoVDB compute it.
 std::uint32_t crc32(const void* data, std::size_t bytes);
 
-}  // namespace vog
+}  // namespace vog::nvdb

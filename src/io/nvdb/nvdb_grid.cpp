@@ -14,7 +14,7 @@
 #include "io/nvdb/nvdb_file.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::nvdb {
 
 namespace {
 
@@ -316,4 +316,4 @@ Affine nano_transform(const NanoBuffer& buffer) {
     return world_from_index;
 }
 
-}  // namespace vog
+}  // namespace vog::nvdb

@@ -10,7 +10,9 @@
 #include "vog/linear.h"
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::nvdb {
+
+using namespace vdb;
 
 /// Can be density without being asked for by name.
 bool is_scalar(nanovdb::GridType type);
@@ -35,4 +37,4 @@ openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& grid, const std::string&
 /// The map of the grid's header, which may be singular.
 Affine nano_transform(const NanoBuffer& grid);
 
-}  // namespace vog
+}  // namespace vog::nvdb

@@ -12,6 +12,9 @@
 
 namespace vog {
 
+using namespace nvdb;
+using namespace vdb;
+
 namespace {
 
 /// The grid of this name; without a name the only scalar grid, else the one named density.

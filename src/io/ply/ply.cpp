@@ -25,6 +25,8 @@ static_assert(std::endian::native == std::endian::little,
 
 namespace vog {
 
+using namespace ply;
+
 namespace {
 
 /// What the header says; properties in file order.

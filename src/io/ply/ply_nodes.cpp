@@ -8,7 +8,7 @@
 #include <istream>
 #include <ostream>
 
-namespace vog {
+namespace vog::ply {
 
 namespace {
 
@@ -95,4 +95,4 @@ bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarch
     return true;
 }
 
-}  // namespace vog
+}  // namespace vog::ply

@@ -8,7 +8,7 @@
 
 #include "vog/lod.h"
 
-namespace vog {
+namespace vog::ply {
 
 /// Header lines, "element node N" first; empty for a hierarchy without nodes.
 std::string node_header(const Hierarchy& hierarchy);
@@ -21,4 +21,4 @@ void write_nodes(std::ostream& out, const Hierarchy& hierarchy);
 /// before.
 bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarchy& hierarchy);
 
-}  // namespace vog
+}  // namespace vog::ply

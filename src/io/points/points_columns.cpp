@@ -12,7 +12,7 @@
 #include "io/points/text_fields.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::point_files {
 
 namespace {
 
@@ -208,4 +208,4 @@ PointColumns find_columns(const std::filesystem::path& file, std::string_view te
     return columns;
 }
 
-}  // namespace vog
+}  // namespace vog::point_files

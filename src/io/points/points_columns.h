@@ -8,7 +8,7 @@
 
 #include "vog/points.h"
 
-namespace vog {
+namespace vog::point_files {
 
 /// What a column is: left out, a component of position or velocity, or attribute role - 6.
 inline constexpr int kLeftOut = -1, kFirstVelocity = 3, kFirstAttribute = 6;
@@ -30,4 +30,4 @@ char text_separator(const std::filesystem::path& file, std::string_view head);
 PointColumns find_columns(const std::filesystem::path& file, std::string_view head,
                           const PointReadOptions& options);
 
-}  // namespace vog
+}  // namespace vog::point_files

@@ -3,6 +3,8 @@
 
 namespace vog {
 
+using namespace point_files;
+
 namespace {
 
 bool is_vdb(const std::filesystem::path& file) {

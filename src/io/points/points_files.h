@@ -3,7 +3,7 @@
 
 #include "vog/points.h"
 
-namespace vog {
+namespace vog::point_files {
 
 Points read_points_text(const std::filesystem::path& file, const PointReadOptions& options);
 void write_points_text(const std::filesystem::path& file, const Points& points);
@@ -11,4 +11,4 @@ void write_points_text(const std::filesystem::path& file, const Points& points);
 Points read_points_vdb(const std::filesystem::path& file, const PointReadOptions& options);
 void write_points_vdb(const std::filesystem::path& file, const Points& points);
 
-}  // namespace vog
+}  // namespace vog::point_files

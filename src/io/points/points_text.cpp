@@ -17,7 +17,7 @@
 #include "io/points/text_fields.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::point_files {
 
 namespace {
 
@@ -259,4 +259,4 @@ Points read_points_text(const std::filesystem::path& path, const PointReadOption
     return points;
 }
 
-}  // namespace vog
+}  // namespace vog::point_files

@@ -12,7 +12,7 @@
 #include "io/points/points_files.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::point_files {
 
 namespace {
 
@@ -79,4 +79,4 @@ void write_points_text(const std::filesystem::path& file, const Points& points) 
     });
 }
 
-}  // namespace vog
+}  // namespace vog::point_files

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-namespace vog {
+namespace vog::point_files {
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
@@ -81,4 +81,4 @@ inline bool parse_number(std::string_view field, double& value) {
     return parse_number(with_e, value);
 }
 
-}  // namespace vog
+}  // namespace vog::point_files

@@ -10,7 +10,7 @@
 #include "io/vdb/vdb_grid.h"
 #include "vog/volume_io.h"
 
-namespace vog {
+namespace vog::vdb {
 
 inline Vec3i from_coord(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 inline openvdb::Coord to_coord(Vec3i v) { return {v.x, v.y, v.z}; }
@@ -77,4 +77,4 @@ void check_transform(const std::optional<Affine>& world_from_index, const std::s
 /// Values above 0 become 1, others inactive.
 void keep_positive(Volume& volume);
 
-}  // namespace vog
+}  // namespace vog::vdb

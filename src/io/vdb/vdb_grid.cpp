@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "io/vdb/bytes/vdb_tree_check.h"
 
-namespace vog {
+namespace vog::vdb {
 
 namespace {
 
@@ -162,4 +162,4 @@ LoadedGrid load_grid(VdbFile& file, const VdbEntry& entry) {
     });
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -17,7 +17,7 @@
 #include "io/vdb/bytes/vdb_tree_check.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::vdb {
 
 using DensityGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
                                        openvdb::Int64Grid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
@@ -69,4 +69,4 @@ auto with_vdb_errors(const std::string& where, Run run) {
     }
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -9,6 +9,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 /// Smallest and largest active value, magnitudes for vectors; NaN is passed over.

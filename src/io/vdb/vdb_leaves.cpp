@@ -12,7 +12,7 @@
 #include "core/parallel.h"
 #include "io/vdb/vdb_density.h"
 
-namespace vog {
+namespace vog::vdb {
 
 namespace {
 
@@ -196,4 +196,4 @@ Volume VdbLeaves::read_nodes(std::vector<std::uint32_t> numbers, bool tiles_note
     return volume;
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

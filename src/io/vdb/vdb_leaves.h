@@ -13,7 +13,7 @@
 #include "vog/distributed.h"
 #include "vog/volume_io.h"
 
-namespace vog {
+namespace vog::vdb {
 
 /// throws vog::Error: what a tree of this type is, and what was expected
 [[noreturn]] void throw_not_density(const std::string& where, const std::string& tree_type);
@@ -59,4 +59,4 @@ class VdbLeaves {
     Census tile_census_;
 };
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -11,6 +11,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 std::string names(const std::vector<VdbEntry>& entries) {

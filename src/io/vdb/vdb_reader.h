@@ -9,7 +9,7 @@
 #include "data/volume_partition.h"
 #include "vog/volume_io.h"
 
-namespace vog {
+namespace vog::vdb {
 
 /// A grid of a file whose values are still there: what it holds is known, and parts of it are read
 /// as asked. Holds about 100 bytes for each leaf (a level set that is to be fog: all of it).
@@ -36,4 +36,4 @@ class VdbReader {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -5,7 +5,7 @@
 
 #include <array>
 
-namespace vog {
+namespace vog::vdb {
 
 namespace {
 
@@ -94,4 +94,4 @@ std::string transform_bytes(const Affine& world_from_index) {
     return bytes;
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -9,7 +9,7 @@
 #include "io/byte_source.h"
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::vdb {
 
 /// The transform at the front of `in`; nothing for one that is not affine (a frustum).
 /// throws vog::Error for a kind that OpenVDB does not have
@@ -18,4 +18,4 @@ std::optional<Affine> read_transform(ByteSource& in);
 /// The bytes of `world_from_index`, as the simplest kind that holds it exactly.
 std::string transform_bytes(const Affine& world_from_index);
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -18,6 +18,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 constexpr std::size_t kLeavesPerTask = 64;
@@ -85,8 +87,9 @@ void sdf_to_fog(GridT& grid, const std::string& where) {
 
 }  // namespace
 
-void check_census(const Census& leaves, const Census& tiles, std::span<const Leaf> volume_leaves,
-                  std::span<const Tile> volume_tiles, const std::string& where, VdbNotes& notes) {
+void vdb::check_census(const Census& leaves, const Census& tiles,
+                       std::span<const Leaf> volume_leaves, std::span<const Tile> volume_tiles,
+                       const std::string& where, VdbNotes& notes) {
     notes.clamped_negative = leaves.negative + tiles.negative;
     const std::uint64_t not_finite = leaves.not_finite + tiles.not_finite;
     if (not_finite == 0) return;
@@ -102,7 +105,7 @@ void check_census(const Census& leaves, const Census& tiles, std::span<const Lea
                             where, not_finite, first.x, first.y, first.z));
 }
 
-void check_transform(const std::optional<Affine>& world_from_index, const std::string& where) {
+void vdb::check_transform(const std::optional<Affine>& world_from_index, const std::string& where) {
     if (!world_from_index)
         throw Error(fmt::format("{}: its transform is a frustum, expected an affine one", where));
     const double det = determinant(world_from_index->linear);
@@ -111,7 +114,7 @@ void check_transform(const std::optional<Affine>& world_from_index, const std::s
         throw Error(fmt::format("{}: its transform is singular or not finite", where));
 }
 
-void keep_positive(Volume& volume) {
+void vdb::keep_positive(Volume& volume) {
     for (Leaf& leaf : volume.leaves) {
         Leaf kept;
         kept.origin = leaf.origin;
@@ -124,15 +127,15 @@ void keep_positive(Volume& volume) {
     for (Tile& tile : volume.tiles) tile.value = 1;
 }
 
-Census tiles_from_grid(const openvdb::GridBase& grid, Volume& volume) {
+Census vdb::tiles_from_grid(const openvdb::GridBase& grid, Volume& volume) {
     Census census;
     grid.apply<KnownGrids>([&](const auto& typed) { census = convert_tiles(typed, volume); });
     return census;
 }
 
-Volume density_from_grid(const openvdb::GridBase& grid,
-                         const std::optional<Affine>& world_from_index, const std::string& where,
-                         VdbNotes& notes, bool mask) {
+Volume vdb::density_from_grid(const openvdb::GridBase& grid,
+                              const std::optional<Affine>& world_from_index,
+                              const std::string& where, VdbNotes& notes, bool mask) {
     check_transform(world_from_index, where);
     Volume volume;
     volume.world_from_index = *world_from_index;
@@ -148,7 +151,7 @@ Volume density_from_grid(const openvdb::GridBase& grid,
     return volume;
 }
 
-void level_set_to_fog(openvdb::GridBase& grid, const std::string& where) {
+void vdb::level_set_to_fog(openvdb::GridBase& grid, const std::string& where) {
     using openvdb::GridBase;
     const openvdb::GridClass kind = grid.getGridClass();
     if (kind != openvdb::GRID_LEVEL_SET && kind != openvdb::GRID_UNKNOWN)
@@ -179,8 +182,8 @@ Volume volume_from_grid(const openvdb::FloatGrid& grid) {
     return volume;
 }
 
-void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
-                   const std::string& where) {
+void vdb::set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
+                        const std::string& where) {
     with_vdb_errors(where, [&] {
         const std::string bytes = transform_bytes(world_from_index);
         MemoryStream stream(bytes);

@@ -7,7 +7,7 @@
 #include "io/vdb/vdb_grid.h"
 #include "vog/volume_io.h"
 
-namespace vog {
+namespace vog::vdb {
 
 /// Active values as density: numbers as they are, vectors by magnitude, negative ones as zero.
 /// The volume gets neither name nor source.
@@ -32,4 +32,4 @@ void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
 void write_vdb_grids(const std::filesystem::path& file, std::size_t count,
                      const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of);
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -15,6 +15,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 constexpr float kLargestHalf = 65504;
@@ -83,8 +85,8 @@ void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
 
 }  // namespace
 
-void write_vdb_grids(const std::filesystem::path& file, std::size_t count,
-                     const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
+void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
+                          const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
     const std::string where = file.string();
     with_vdb_errors(where, [&] {
         write_beside_and_rename(file, [&](const std::filesystem::path& path) {

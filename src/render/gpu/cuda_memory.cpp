@@ -6,7 +6,7 @@
 
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::gpu {
 
 void check_cuda(cudaError_t code, const char* doing) {
     if (code == cudaSuccess) return;
@@ -66,4 +66,4 @@ void GpuTimer::stop() {
     ms_ = double{elapsed};
 }
 
-}  // namespace vog
+}  // namespace vog::gpu

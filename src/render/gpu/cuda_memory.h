@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace vog {
+namespace vog::gpu {
 
 /// throws vog::Error "cuda: <doing>: <what CUDA says>" unless `code` is success
 void check_cuda(cudaError_t code, const char* doing);
@@ -74,4 +74,4 @@ class GpuTimer {
     double ms_ = 0;
 };
 
-}  // namespace vog
+}  // namespace vog::gpu

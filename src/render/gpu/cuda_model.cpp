@@ -10,7 +10,7 @@
 #include "render/kernel_polynomial.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::gpu {
 
 CudaModel cuda_model(const Gaussians& gaussians, double kappa) {
     validate(gaussians);
@@ -45,4 +45,4 @@ CudaModel cuda_model(const Gaussians& gaussians, double kappa) {
     return model;
 }
 
-}  // namespace vog
+}  // namespace vog::gpu

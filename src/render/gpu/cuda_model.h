@@ -6,7 +6,7 @@
 #include "render/device/tile_splat.h"
 #include "vog/gaussians.h"
 
-namespace vog {
+namespace vog::gpu {
 
 struct CudaModel {
     std::vector<device::SplatGaussian> gaussians;  ///< scene units
@@ -19,4 +19,4 @@ struct CudaModel {
 /// throws  vog::Error as trace_scene does
 CudaModel cuda_model(const Gaussians& gaussians, double kappa);
 
-}  // namespace vog
+}  // namespace vog::gpu

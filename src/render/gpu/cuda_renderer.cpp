@@ -10,6 +10,9 @@
 
 namespace vog {
 
+using namespace gpu;
+using namespace trace;
+
 struct CudaSplat::State {
     CudaModel model;
     std::int32_t count = 0;

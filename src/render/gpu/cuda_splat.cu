@@ -7,7 +7,7 @@
 #include "render/gpu/cuda_memory.h"
 #include "render/gpu/cuda_splat.h"
 
-namespace vog {
+namespace vog::gpu {
 
 namespace {
 
@@ -159,4 +159,4 @@ void launch_tiles(const TilePass& pass) {
     check_cuda(cudaGetLastError(), "rendering tiles");
 }
 
-}  // namespace vog
+}  // namespace vog::gpu

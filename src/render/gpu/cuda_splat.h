@@ -7,7 +7,7 @@
 
 #include "render/device/tile_splat.h"
 
-namespace vog {
+namespace vog::gpu {
 
 /// Projects every Gaussian and counts the tiles each touches.
 void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
@@ -51,4 +51,4 @@ struct TilePass {
 };
 void launch_tiles(const TilePass& pass);
 
-}  // namespace vog
+}  // namespace vog::gpu

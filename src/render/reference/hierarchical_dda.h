@@ -19,7 +19,7 @@
 #include "render/reference/nano_tree.h"
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::reference {
 
 /// origin + t direction, t in the units the caller's direction has in world space.
 struct GridRay {
@@ -167,4 +167,4 @@ void march(const NanoRoot& root, Vec3d corner, const GridRay& ray, Visitor&& vis
     }
 }
 
-}  // namespace vog
+}  // namespace vog::reference

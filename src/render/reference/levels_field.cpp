@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "data/levels/voxel_lookup.h"
 
-namespace vog {
+namespace vog::reference {
 
 namespace {
 
@@ -143,4 +143,4 @@ Volume extended_field(const Levels& levels, std::size_t level) {
     return extended;
 }
 
-}  // namespace vog
+}  // namespace vog::reference

@@ -10,7 +10,7 @@
 #include "core/parallel.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::reference {
 
 namespace {
 
@@ -348,4 +348,4 @@ NanoTree nano_tree(const Volume& volume, bool with_border) {
     return nano;
 }
 
-}  // namespace vog
+}  // namespace vog::reference

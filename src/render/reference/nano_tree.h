@@ -6,7 +6,7 @@
 #include "core/aligned_buffer.h"
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::reference {
 
 using NanoRoot = nanovdb::NanoRoot<float>;
 using NanoUpper = nanovdb::NanoUpper<float>;  ///< 32^3 cells of 128 voxels
@@ -30,4 +30,4 @@ struct NanoTree {
 /// throws vog::Error for overlapping nodes or indices beyond 2^30
 NanoTree nano_tree(const Volume& volume, bool with_border);
 
-}  // namespace vog
+}  // namespace vog::reference

@@ -15,6 +15,8 @@
 
 namespace vog {
 
+using namespace reference;
+
 namespace {
 
 /// Sums value times length over voxels of constant value.

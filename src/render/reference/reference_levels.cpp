@@ -13,6 +13,8 @@
 
 namespace vog {
 
+using namespace reference;
+
 namespace {
 
 /// A stretch of the ray inside active voxels of one value.
@@ -110,7 +112,7 @@ double seen_sum(std::span<const Span> spans, std::span<const Segment> seen) {
 
 }  // namespace
 
-double depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction) {
+double reference::depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction) {
     thread_local Scratch scratch;
     scratch.covered.clear();
     double sum = 0;

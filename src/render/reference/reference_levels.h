@@ -16,6 +16,10 @@ struct LevelGrids::Data {
     std::vector<Level> levels;  ///< finest first
 };
 
+}  // namespace vog
+
+namespace vog::reference {
+
 double depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction);
 
-}  // namespace vog
+}  // namespace vog::reference

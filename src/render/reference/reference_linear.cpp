@@ -6,7 +6,7 @@
 
 #include <array>
 
-namespace vog {
+namespace vog::reference {
 
 namespace {
 
@@ -182,4 +182,4 @@ double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray, Segment withi
     return integrate(Midpoints{whole.first, way / steps});
 }
 
-}  // namespace vog
+}  // namespace vog::reference

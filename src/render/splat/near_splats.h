@@ -6,7 +6,7 @@
 #include "render/ray_gaussian.h"
 #include "render/splat/splat_kernels.h"
 
-namespace vog {
+namespace vog::splat {
 
 /// Adds T over |D| of one near splat to the pixels of a tile; the segment is clipped at the eye.
 inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
@@ -21,4 +21,4 @@ inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
         }
 }
 
-}  // namespace vog
+}  // namespace vog::splat

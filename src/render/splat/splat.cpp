@@ -19,6 +19,8 @@
 
 namespace vog {
 
+using namespace splat;
+
 namespace {
 
 /// A run of Gaussians that one task projects, and what came of it.

@@ -13,7 +13,7 @@
 #include "render/splat/near_splats.h"
 #include "render/splat/tile_bins.h"
 
-namespace vog {
+namespace vog::splat {
 
 namespace {
 
@@ -254,4 +254,4 @@ void render_boxes(const SplatKernels& kernels, const SplatModel& model,
     }
 }
 
-}  // namespace vog
+}  // namespace vog::splat

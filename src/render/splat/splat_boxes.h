@@ -5,7 +5,7 @@
 #include "render/splat/splat_kernels.h"
 #include "vog/image.h"
 
-namespace vog {
+namespace vog::splat {
 
 /// T per pixel at extinction 1. In the paper's pipeline the boxes are what rays are tested against
 /// first; where they are smaller than the kernel's support they cut it to silhouettes of boxes.
@@ -17,4 +17,4 @@ void render_boxes(const SplatKernels& kernels, const SplatModel& model,
                   const KernelPolynomial& kernel, const CameraFrame& frame, double aabb_sigma,
                   DepthImage& image);
 
-}  // namespace vog
+}  // namespace vog::splat

@@ -20,7 +20,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace vog {
+namespace vog::splat {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -55,11 +55,11 @@ const SplatKernels& one_lane_kernels() {
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace vog
+}  // namespace vog::splat
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace vog {
+namespace vog::splat {
 
 namespace {
 
@@ -86,6 +86,13 @@ std::string name_of(const SplatKernels& kernels) {
     return kernels.target == 0 ? "scalar" : hwy::TargetName(kernels.target);
 }
 
+/// Names of the runnable targets, best first.
+std::vector<std::string> target_names() {
+    std::vector<std::string> names;
+    for (const SplatKernels* kernels : runnable_kernels()) names.push_back(name_of(*kernels));
+    return names;
+}
+
 }  // namespace
 
 const SplatKernels& best_splat_kernels() {
@@ -93,18 +100,14 @@ const SplatKernels& best_splat_kernels() {
     return best;
 }
 
-std::vector<std::string> splat_targets() {
-    std::vector<std::string> names;
-    for (const SplatKernels* kernels : runnable_kernels()) names.push_back(name_of(*kernels));
-    return names;
-}
-
 const SplatKernels& splat_kernels(const std::string& target_name) {
     for (const SplatKernels* kernels : runnable_kernels())
         if (name_of(*kernels) == target_name) return *kernels;
     throw Error(fmt::format("no SIMD target '{}' on this machine (it has: {})", target_name,
-                            fmt::join(splat_targets(), ", ")));
+                            fmt::join(target_names(), ", ")));
 }
 
-}  // namespace vog
+}  // namespace vog::splat
+
+std::vector<std::string> vog::splat_targets() { return splat::target_names(); }
 #endif  // HWY_ONCE

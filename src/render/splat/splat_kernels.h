@@ -11,7 +11,7 @@
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 
-namespace vog {
+namespace vog::splat {
 
 /// Images are at most this many pixels a side: bounds fit 16 bits.
 inline constexpr int kMaxSide = 1 << 16;
@@ -102,4 +102,4 @@ const SplatKernels& best_splat_kernels();
 /// One of splat_targets(). throws vog::Error listing the names if there is none such
 const SplatKernels& splat_kernels(const std::string& target_name);
 
-}  // namespace vog
+}  // namespace vog::splat

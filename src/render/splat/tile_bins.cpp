@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace vog {
+namespace vog::splat {
 
 namespace {
 
@@ -110,4 +110,4 @@ void TileBins::fill(std::size_t chunk, std::span<const PixelBounds> bounds, std:
     }
 }
 
-}  // namespace vog
+}  // namespace vog::splat

@@ -8,7 +8,7 @@
 
 #include "render/splat/splat_kernels.h"
 
-namespace vog {
+namespace vog::splat {
 
 /// Splats by tile. Splats come in chunks, several at once: start(), count() every chunk, place(),
 /// fill() every chunk. The bins are the same for any number of threads.
@@ -42,4 +42,4 @@ class TileBins {
     std::vector<std::uint32_t> first_, index_, wide_;
 };
 
-}  // namespace vog
+}  // namespace vog::splat

@@ -10,6 +10,8 @@
 
 namespace vog {
 
+using namespace trace;
+
 struct TraceScene::Data {
     TraceModel model;
     TraceBvh bvh;

@@ -16,7 +16,7 @@
 #include "core/parallel.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::trace {
 
 namespace {
 
@@ -205,4 +205,4 @@ void TraceBvh::collect(const device::Ray& ray, device::HitList& list) const {
     rtcIntersect1(embree_->scene.get(), &query, &along);
 }
 
-}  // namespace vog
+}  // namespace vog::trace

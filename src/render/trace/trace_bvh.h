@@ -5,7 +5,7 @@
 
 #include "render/trace/trace_model.h"
 
-namespace vog {
+namespace vog::trace {
 
 /// Traverses as OptiX would; keeps a pointer to the model.
 class TraceBvh {
@@ -27,4 +27,4 @@ class TraceBvh {
     const TraceModel& model_;
 };
 
-}  // namespace vog
+}  // namespace vog::trace

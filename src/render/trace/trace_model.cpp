@@ -10,7 +10,7 @@
 
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::trace {
 
 namespace {
 
@@ -146,4 +146,4 @@ device::Camera scene_camera(const CameraFrame& frame, double unit) {
             plain(frame.step_y),           frame.width,         frame.height};
 }
 
-}  // namespace vog
+}  // namespace vog::trace

@@ -9,7 +9,7 @@
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 
-namespace vog {
+namespace vog::trace {
 
 /// One primitive's box for a hierarchy: relative to TraceModel::center, in scene units, rounded
 /// outwards. The layout of OptixAabb.
@@ -39,4 +39,4 @@ device::Camera scene_camera(const CameraFrame& frame, double unit);
 /// hierarchy in floats: origins of at most 1 and lengths of at most 2 are 2^-23 off, thrice.
 inline constexpr double kBoxSlack = 0x1p-20;
 
-}  // namespace vog
+}  // namespace vog::trace

@@ -9,7 +9,7 @@
 #include "render/device/any_hit.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::trace {
 
 void check_trace_options(const TraceOptions& options) {
     if (options.hits_per_slab < 1 || options.hits_per_slab > device::kMaxHitsPerSlab)
@@ -32,4 +32,4 @@ double stop_depth(const TraceOptions& options) {
                : std::numeric_limits<double>::infinity();
 }
 
-}  // namespace vog
+}  // namespace vog::trace

@@ -17,6 +17,8 @@
 #include "vog/splat.h"
 
 namespace vog {
+
+using namespace moments;
 namespace {
 
 double total_mass(const Composite& data) {

@@ -16,6 +16,8 @@
 
 namespace vog::test {
 
+using namespace vog::particles;
+
 namespace {
 
 /// Clusters of very different density, with velocities and masses.

@@ -14,6 +14,8 @@
 #include "vog/progress.h"
 
 namespace vog {
+
+using namespace vdb;
 namespace {
 
 using openvdb::Coord;

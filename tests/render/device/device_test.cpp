@@ -18,6 +18,8 @@
 
 namespace vog::test {
 
+using namespace vog::reference;
+
 namespace {
 
 device::Double3 plain(Vec3d v) { return {v.x, v.y, v.z}; }

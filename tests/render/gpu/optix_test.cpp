@@ -12,6 +12,8 @@
 
 namespace vog::test {
 
+using namespace vog::gpu;
+
 namespace {
 
 /// One line of an error, or nothing where `make` succeeds: there is a GPU.

@@ -7,6 +7,8 @@
 #include "support/random_volume.h"
 
 namespace vog {
+
+using namespace reference;
 namespace {
 
 TEST(reference_tree, is_a_valid_nanovdb_grid) {

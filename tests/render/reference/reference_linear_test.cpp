@@ -12,6 +12,8 @@
 #include "vog/volume_io.h"
 
 namespace vog {
+
+using namespace reference;
 namespace {
 
 constexpr VoxelGridOptions kExact{Interpolation::linear, 0};

@@ -5,7 +5,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNode>& nodes) {
     BigVector<Brick> bricks;
@@ -86,4 +86,4 @@ Moments brick_node(const Brick& brick, const BrickSums& sums, std::size_t n) {
     return moments;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -11,7 +11,7 @@
 #include "vog/memory.h"
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// 8^3 box-shaped samples of constant density, `spacing` voxels wide. A tile larger than a leaf is
 /// sampled that coarsely: inside it there is nothing to see.
@@ -59,4 +59,4 @@ inline Vec3d brick_cell_center(const Brick& brick, int morton, int edge) {
 /// Moments of node n of a brick's tree, mean as an index; mass 0 where the cell is empty.
 Moments brick_node(const Brick& brick, const BrickSums& sums, std::size_t n);
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -12,7 +12,7 @@
 #include "core/paging.h"
 #include "vog/levels.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -279,4 +279,4 @@ std::vector<LatticeField> lattice_fields(std::span<const Volume> parts) {
     return fields;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

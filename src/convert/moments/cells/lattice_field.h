@@ -7,7 +7,7 @@
 
 #include "convert/moments/cells/bricks.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Leaves that stay where they are as more come, in arrays of twice the size of the one before.
 class StableLeaves {
@@ -37,4 +37,4 @@ LatticeField lattice_field(const Volume& volume);
 /// are free of others or can be merged with one of their size.
 std::vector<LatticeField> lattice_fields(std::span<const Volume> parts);
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -6,7 +6,7 @@
 
 #include "convert/moments/cells/morton_nodes.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Calls take(moments about the index origin's axes) for each occupied cube of `edge` voxels of a
 /// node, in Morton order.
@@ -46,4 +46,4 @@ void for_each_cell(const Volume& volume, const MortonNode& node, int edge, const
     take_all(merge_eight<4>(fours));
 }
 
-}  // namespace vog
+}  // namespace vog::moments

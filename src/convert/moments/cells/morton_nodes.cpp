@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 Moments cell_moments(const MomentCell& cell, int edge_log2) {
     Moments moments;
@@ -34,4 +34,4 @@ std::vector<MortonNode> morton_nodes(const Volume& volume) {
     return nodes;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -10,7 +10,7 @@
 #include "vog/convert_moments.h"
 #include "vog/volume.h"
 
-namespace vog {
+namespace vog::moments {
 
 struct MortonNode {
     Vec3i origin;
@@ -34,4 +34,4 @@ Moments cell_moments(const MomentCell& cell, int edge_log2);
 /// Leaves go to threads in runs of this many: results are joined in the order of the runs.
 inline constexpr std::size_t kNodeChunk = 128;
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -15,6 +15,8 @@
 
 namespace vog {
 
+using namespace moments;
+
 namespace {
 
 /// A cell and its sums in double precision, about the cell's centre: what the next level adds up.
@@ -170,8 +172,8 @@ MomentOctree moment_octree(const Volume& volume, int finest_edge) {
     return octree;
 }
 
-MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_from_index,
-                          double least_top) {
+MomentOctree moments::brick_octree(std::span<const Brick> bricks, const Affine& world_from_index,
+                                   double least_top) {
     MomentOctree octree;
     octree.world_from_index = world_from_index;
     double largest = 1;

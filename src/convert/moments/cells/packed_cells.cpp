@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 PackedCells::PackedCells(std::span<const Brick> bricks) {
     constexpr double kMost = std::numeric_limits<double>::infinity();
@@ -58,4 +58,4 @@ Gaussians PackedCells::to_gaussians(const MomentFrame& frame) && {
     return model;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -9,7 +9,7 @@
 #include "vog/gaussians.h"
 #include "vog/memory.h"
 
-namespace vog {
+namespace vog::moments {
 
 class PackedCells {
   public:
@@ -54,4 +54,4 @@ class PackedCells {
     BigVector<Quat> rest_;       ///< mass, then the covariance's xy xz yz
 };
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -77,4 +77,4 @@ PackedCells uniform_cells(const LatticeField& field, int block) {
     return cells;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

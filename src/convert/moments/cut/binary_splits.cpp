@@ -6,7 +6,7 @@
 
 #include "convert/moments/cut/split_gain.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -137,4 +137,4 @@ Priced priced(const BinarySplits& halves, const std::array<Priced, 8>& octants, 
     return best[0];
 }
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -9,7 +9,7 @@
 #include "convert/moments/gaussian_moments.h"
 #include "core/bfloat16.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Octants on the upper side of each axis.
 inline constexpr std::array<std::uint8_t, 3> kUpperOctants{0xF0, 0xCC, 0xAA};
@@ -63,4 +63,4 @@ void for_each_part(const BinarySplits& halves, std::uint8_t splits, const Take& 
     }
 }
 
-}  // namespace vog
+}  // namespace vog::moments

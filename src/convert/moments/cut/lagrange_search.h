@@ -8,7 +8,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace vog {
+namespace vog::moments {
 
 /// At this price everything is split: gains may be 0.
 inline constexpr double kNoPrice = -1;
@@ -52,4 +52,4 @@ double price_of_budget(std::size_t budget, double most, const Count& count) {
     return price;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

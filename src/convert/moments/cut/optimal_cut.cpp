@@ -10,7 +10,7 @@
 #include "convert/moments/cut/visibility.h"
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -261,4 +261,4 @@ std::vector<PackedCells> best_cut(std::span<const CutTree> trees, std::size_t bu
 
 std::size_t finest_count(const CutTree& tree) { return PrunedTree(tree, kNoPrice).count(); }
 
-}  // namespace vog
+}  // namespace vog::moments

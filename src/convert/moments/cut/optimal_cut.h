@@ -13,7 +13,7 @@
 #include "vog/convert_moments.h"
 #include "vog/memory.h"
 
-namespace vog {
+namespace vog::moments {
 
 inline constexpr std::uint32_t kNoBrick = 0xffffffffu;
 
@@ -48,4 +48,4 @@ std::vector<PackedCells> best_cut(std::span<const CutTree> trees, std::size_t bu
 /// Cells of the finest cut: samples with mass.
 std::size_t finest_count(const CutTree& tree);
 
-}  // namespace vog
+}  // namespace vog::moments

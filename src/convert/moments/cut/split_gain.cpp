@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -66,4 +66,4 @@ double gain_scale(double voxel_edge, ColumnDepth depth) {
     return std::pow(voxel_edge, 3 + kEdgePower - (depth == ColumnDepth::own ? 0.75 : 0.25));
 }
 
-}  // namespace vog
+}  // namespace vog::moments

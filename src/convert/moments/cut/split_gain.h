@@ -3,7 +3,7 @@
 
 #include "convert/moments/gaussian_moments.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// What an error is measured against.
 enum class ColumnDepth {
@@ -21,4 +21,4 @@ double split_gain(const Moments& whole, const Moments& a, const Moments& b, Colu
 /// What a gain in voxels of this edge is to be multiplied with, to be in units of the edge's.
 double gain_scale(double voxel_edge, ColumnDepth depth);
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -7,7 +7,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -137,4 +137,4 @@ double VisibilityWeight::operator()(Vec3d index) const {
     return kFloor + sum / static_cast<double>(directions_.size());
 }
 
-}  // namespace vog
+}  // namespace vog::moments

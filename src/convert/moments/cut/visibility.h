@@ -8,7 +8,7 @@
 
 #include "convert/moments/cells/lattice_field.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Depth of the columns through a field along the 13 directions between neighbouring voxels.
 class VisibilityWeight {
@@ -42,4 +42,4 @@ class VisibilityWeight {
     std::vector<Direction> directions_;
 };
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace vog {
+namespace vog::moments {
 
 Vec3d reach_of(const Moments& cell) {
     const std::array<double, 6>& c = cell.covariance;
@@ -145,4 +145,4 @@ void share_brick(const Brick& brick, BrickScratch& scratch, std::span<MomentSums
         for (const std::size_t n : {0, 3, 5}) part.second[n] += (1 - kPointShare) * box * part.mass;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -11,7 +11,7 @@
 #include "convert/moments/cells/bricks.h"
 #include "convert/moments/em/responsibility_kernels.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// A cell's Gaussian, ready for samples. Larger than a cell: made anew for each brick.
 struct CellKernel {
@@ -37,4 +37,4 @@ struct BrickScratch {
 /// kernels  with peaks of at most 1
 void share_brick(const Brick& brick, BrickScratch& scratch, std::span<MomentSums> parts);
 
-}  // namespace vog
+}  // namespace vog::moments

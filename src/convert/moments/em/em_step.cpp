@@ -13,7 +13,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -315,4 +315,4 @@ void EmSolver::soften(PackedCells& cells, int steps) const {
     for (int n = 0; n < steps; ++n) step(cells, taken);
 }
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -16,7 +16,7 @@
 #include "convert/moments/em/brick_responsibilities.h"
 #include "core/bfloat16.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// What a run of steps remembers: how each cell came to where it is. Half floats do: the next step
 /// starts from about there, and what it finds does not depend on them.
@@ -97,4 +97,4 @@ class EmSolver {
     std::vector<Grid> grids_;  ///< one for each spacing
 };
 
-}  // namespace vog
+}  // namespace vog::moments

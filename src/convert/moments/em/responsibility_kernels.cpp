@@ -9,7 +9,7 @@
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
-namespace vog {
+namespace vog::moments {
 namespace HWY_NAMESPACE {
 namespace {
 
@@ -153,11 +153,11 @@ void take_all(std::span<const RunKernel> kernels, const float* values, const Bri
 
 }  // namespace
 }  // namespace HWY_NAMESPACE
-}  // namespace vog
+}  // namespace vog::moments
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace vog {
+namespace vog::moments {
 
 namespace {
 HWY_EXPORT(add_all);
@@ -178,5 +178,5 @@ void take_shares(std::span<const RunKernel> kernels, const float* values, const 
     HWY_DYNAMIC_DISPATCH(take_all)(kernels, values, weight, parts);
 }
 
-}  // namespace vog
+}  // namespace vog::moments
 #endif  // HWY_ONCE

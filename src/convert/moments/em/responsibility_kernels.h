@@ -10,7 +10,7 @@
 
 #include "convert/moments/gaussian_moments.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Gaussians reach this many standard deviations: at 2.65 or 3.75 models are 0.5 to 2 dB worse.
 inline constexpr double kShareReach = 3;
@@ -48,4 +48,4 @@ bool weights_of(const float* value, float volume, BrickFloats& sum);
 void take_shares(std::span<const RunKernel> kernels, const float* values, const BrickFloats& weight,
                  std::span<MomentSums> parts);
 
-}  // namespace vog
+}  // namespace vog::moments

@@ -5,7 +5,7 @@
 #include "convert/moments/moment_job.h"
 #include "convert/moments/refine/split_merge.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -72,4 +72,4 @@ FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEm
     return best;
 }
 
-}  // namespace vog
+}  // namespace vog::moments

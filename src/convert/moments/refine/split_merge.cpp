@@ -12,7 +12,7 @@
 
 #include "core/parallel.h"
 
-namespace vog {
+namespace vog::moments {
 
 namespace {
 
@@ -105,7 +105,7 @@ class Pairing {
         std::vector<Priced> of;
         for (const Id id : ids) {
             const Moments cell = cells_[id];
-            of.push_back({cell, vog::log_determinant(cell), seen_(cell.mean)});
+            of.push_back({cell, moments::log_determinant(cell), seen_(cell.mean)});
         }
         std::vector<Pair> pairs;
         for (std::size_t a = 0; a + 1 < ids.size(); ++a) {
@@ -113,7 +113,7 @@ class Pairing {
             for (std::size_t b = a + 1; b < ids.size(); ++b) {
                 const std::array<Moments, 2> both{of[a].cell, of[b].cell};
                 const Moments joined = joined_moments(both);
-                const double divergence = 0.5 * (joined.mass * vog::log_determinant(joined) -
+                const double divergence = 0.5 * (joined.mass * moments::log_determinant(joined) -
                                                  both[0].mass * of[a].log_determinant -
                                                  both[1].mass * of[b].log_determinant);
                 const double cost =
@@ -156,4 +156,4 @@ void split_and_merge(PackedCells& cells, std::span<const float> error, double sh
     }
 }
 
-}  // namespace vog
+}  // namespace vog::moments

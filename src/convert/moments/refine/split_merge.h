@@ -6,7 +6,7 @@
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/cut/visibility.h"
 
-namespace vog {
+namespace vog::moments {
 
 /// Parts the cells that err most in two, and joins as many pairs of the others: those that lose
 /// least by it, the bound on the Kullback-Leibler divergence that Runnalls gives ("Kullback-Leibler
@@ -17,4 +17,4 @@ namespace vog {
 void split_and_merge(PackedCells& cells, std::span<const float> error, double share,
                      const VisibilityWeight& seen);
 
-}  // namespace vog
+}  // namespace vog::moments

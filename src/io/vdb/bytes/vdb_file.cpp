@@ -8,7 +8,7 @@
 #include "io/vdb/vdb_transform.h"
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::vdb {
 
 namespace {
 
@@ -115,4 +115,4 @@ std::string read_vdb_metadata(ByteSource& in) {
     return grid_class;
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

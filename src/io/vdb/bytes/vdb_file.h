@@ -13,7 +13,7 @@
 #include "io/byte_source.h"
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::vdb {
 
 /// Where one grid lies in its file.
 struct VdbEntry {
@@ -67,4 +67,4 @@ VdbHead read_vdb_head(ByteSource& in);
 /// Skips a list of named metadata; returns the value of "class", if it is there.
 std::string read_vdb_metadata(ByteSource& in);
 
-}  // namespace vog
+}  // namespace vog::vdb

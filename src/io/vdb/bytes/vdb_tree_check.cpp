@@ -11,7 +11,7 @@
 #include "core/parallel.h"
 #include "io/vdb/bytes/vdb_file.h"
 
-namespace vog {
+namespace vog::vdb {
 
 namespace {
 
@@ -279,4 +279,4 @@ WalkedTree walk_tree(ByteSource& in, const TreeStorage& storage) {
     return TreeWalk(in, storage).walk();
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

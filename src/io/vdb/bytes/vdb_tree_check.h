@@ -13,7 +13,7 @@
 #include "io/byte_source.h"
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::vdb {
 
 /// How a leaf's voxels follow its mask.
 enum class LeafData {
@@ -68,4 +68,4 @@ struct WalkedTree {
 /// reads. throws vog::Error naming the first byte that cannot be
 WalkedTree walk_tree(ByteSource& in, const TreeStorage& storage);
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -8,7 +8,7 @@
 
 #include <cstring>
 
-namespace vog {
+namespace vog::vdb {
 
 namespace {
 
@@ -129,4 +129,4 @@ std::optional<PointCodec> find_codec(const std::string& type, const std::string&
     return found;
 }
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -7,7 +7,7 @@
 
 #include "vog/linear.h"
 
-namespace vog {
+namespace vog::vdb {
 
 struct PointCodec {
     enum class Element { float32, float64, half, int8, int16, int32, int64, uint8, uint16, unit };
@@ -26,4 +26,4 @@ struct PointCodec {
 /// By OpenVDB's names: "vec3s" and "fxpt16"; nothing for types that are no numbers.
 std::optional<PointCodec> find_codec(const std::string& type, const std::string& codec);
 
-}  // namespace vog
+}  // namespace vog::vdb

@@ -17,6 +17,9 @@
 
 namespace vog {
 
+using namespace point_files;
+using namespace vdb;
+
 namespace {
 
 constexpr std::string_view kPointTree = "Tree_ptdataidx32_5_4_3";
@@ -299,7 +302,8 @@ bool vdb_holds_points(const std::filesystem::path& path, const std::string& grid
     return points && !density;
 }
 
-Points read_points_vdb(const std::filesystem::path& path, const PointReadOptions& options) {
+Points point_files::read_points_vdb(const std::filesystem::path& path,
+                                    const PointReadOptions& options) {
     VdbFile file(path);
     const VdbEntry& entry = point_entry(file, options.grid);
     const std::string where = file.where(entry);

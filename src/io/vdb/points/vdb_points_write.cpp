@@ -10,6 +10,8 @@
 
 namespace vog {
 
+using namespace vdb;
+
 namespace {
 
 using openvdb::Index;
@@ -77,7 +79,7 @@ LeafT* make_leaf(const Points& points, const LeafOrder& order, double voxel_size
 
 }  // namespace
 
-void write_points_vdb(const std::filesystem::path& file, const Points& points) {
+void point_files::write_points_vdb(const std::filesystem::path& file, const Points& points) {
     openvdb::initialize();
     for (const PointAttribute& attribute : points.attributes)
         if (attribute.name == "P" || attribute.name == "velocity" ||

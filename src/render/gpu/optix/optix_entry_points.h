@@ -6,7 +6,7 @@
 
 #include "render/device/launch.h"
 
-namespace vog {
+namespace vog::gpu {
 
 /// The device module, compiled from optix_programs.cu into this library: PTX, with a final zero.
 extern const char kOptixPrograms[];
@@ -24,4 +24,4 @@ inline constexpr OptixEntryPoints kCollectEntryPoints{
 inline constexpr OptixEntryPoints kVoxelEntryPoints{
     VOG_RAYGEN_VOXELS, VOG_MISS_VOXELS, VOG_INTERSECTION_VOXELS, nullptr, VOG_CLOSESTHIT_VOXELS};
 
-}  // namespace vog
+}  // namespace vog::gpu

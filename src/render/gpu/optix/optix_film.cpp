@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-namespace vog {
+namespace vog::gpu {
 
 namespace {
 
@@ -68,4 +68,4 @@ Image OptixFilm::mean(int subframes) const {
     return image;
 }
 
-}  // namespace vog
+}  // namespace vog::gpu

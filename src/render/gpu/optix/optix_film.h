@@ -7,7 +7,7 @@
 #include "render/gpu/cuda_memory.h"
 #include "vog/gpu.h"
 
-namespace vog {
+namespace vog::gpu {
 
 class OptixFilm {
   public:
@@ -29,4 +29,4 @@ class OptixFilm {
     GpuArray<device::Float4> accumulation_, table_;
 };
 
-}  // namespace vog
+}  // namespace vog::gpu

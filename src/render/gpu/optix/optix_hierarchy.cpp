@@ -4,7 +4,7 @@
 
 #include "render/gpu/optix/optix_pipeline.h"
 
-namespace vog {
+namespace vog::gpu {
 
 static_assert(sizeof(FloatBox) == sizeof(OptixAabb));
 
@@ -74,4 +74,4 @@ OptixTraversableHandle OptixHierarchy::build(const OptixContext& context,
     return handle;
 }
 
-}  // namespace vog
+}  // namespace vog::gpu

@@ -11,6 +11,9 @@
 
 namespace vog {
 
+using namespace gpu;
+using namespace trace;
+
 struct OptixModel::State {
     TraceModel model;  ///< but for its arrays, which are on the GPU
     std::size_t count = 0;

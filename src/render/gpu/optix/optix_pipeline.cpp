@@ -8,7 +8,7 @@
 
 #include "vog/error.h"
 
-namespace vog {
+namespace vog::gpu {
 
 void check_optix(OptixResult code, const char* doing) {
     if (code == OPTIX_SUCCESS) return;
@@ -159,4 +159,4 @@ void OptixRayPipeline::run(const device::Launch& launch) {
                 "launching");
 }
 
-}  // namespace vog
+}  // namespace vog::gpu

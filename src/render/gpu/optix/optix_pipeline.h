@@ -13,7 +13,9 @@
 #include "render/gpu/optix/optix_entry_points.h"
 #include "render/trace/trace_model.h"
 
-namespace vog {
+namespace vog::gpu {
+
+using namespace trace;
 
 /// throws vog::Error "optix: <doing>: <what OptiX says>" unless `code` is success
 void check_optix(OptixResult code, const char* doing);
@@ -79,4 +81,4 @@ class OptixHierarchy {
     OptixTraversableHandle bottom_ = 0, top_ = 0;
 };
 
-}  // namespace vog
+}  // namespace vog::gpu

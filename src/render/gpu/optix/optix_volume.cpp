@@ -13,6 +13,8 @@
 
 namespace vog {
 
+using namespace gpu;
+
 namespace {
 
 device::Double3 plain(Vec3d v) { return {v.x, v.y, v.z}; }

@@ -16,6 +16,8 @@
 #include "vog/volume_io.h"
 
 namespace vog {
+
+using namespace moments;
 namespace {
 
 using test::random_volume;

@@ -10,6 +10,9 @@
 #include "vog/convert_moments.h"
 
 namespace vog {
+
+using namespace comparison;
+using namespace moments;
 namespace {
 
 constexpr double kFloat = 6e-8;  // a float's rounding

@@ -16,6 +16,8 @@
 #include "support/moment_volumes.h"
 
 namespace vog {
+
+using namespace moments;
 namespace {
 
 using Random = std::mt19937;

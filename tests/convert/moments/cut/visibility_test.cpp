@@ -8,6 +8,8 @@
 #include "support/moment_volumes.h"
 
 namespace vog {
+
+using namespace moments;
 namespace {
 
 using test::VolumeMaker;

@@ -7,6 +7,8 @@
 #include <vector>
 
 namespace vog {
+
+using namespace moments;
 namespace {
 
 struct alignas(64) Aligned {

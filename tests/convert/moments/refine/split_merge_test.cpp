@@ -11,6 +11,9 @@
 #include "vog/sample.h"
 
 namespace vog {
+
+using namespace comparison;
+using namespace moments;
 namespace {
 
 TEST(moment_error, it_is_given_to_the_gaussians_that_have_it) {
