@@ -19,8 +19,8 @@ packages=(
     python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
     # clusters
     libopenmpi-dev openmpi-bin
-    # tests, benches, format check
-    libgtest-dev libbenchmark-dev clang-format
+    # tests, benches, format check, check of the house
+    libgtest-dev libbenchmark-dev clang-format universal-ctags
 )
 
 missing=()
