@@ -5,8 +5,15 @@ cd "$(dirname "$0")/.."
 
 preset=${1:-release}
 shift || true
-scripts/install-deps.sh
+if [[ $preset == demo ]]; then
+    scripts/install-deps.sh command
+else
+    scripts/install-deps.sh all
+fi
+
+# One compiler cache for every preset and every clone: paths relative to the clone, precompiled headers by content.
+export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 cmake --preset "$preset" -DCMAKE_CXX_COMPILER_LAUNCHER=ccache "$@" >"/tmp/vog-configure-$$.log" ||
     { cat "/tmp/vog-configure-$$.log"; exit 1; }
 rm -f "/tmp/vog-configure-$$.log"
-cmake --build "build/$preset"
+cmake --build --preset "$preset"

@@ -3,8 +3,8 @@
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-scripts/build.sh release
-vog=build/release/apps/cli/vog
+scripts/build.sh demo
+vog=build/demo/apps/cli/vog
 out=out-demo
 mkdir -p "$out"
 

@@ -1,5 +1,7 @@
 #!/usr/bin/env bash
-# Installs what vog is built and tested with on Debian 12, if anything of it is missing.
+# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all]. Default: all.
+#   command  enough to build the command `vog` (scripts/demo.sh)
+#   all      window, Python package, vog-mpi, tests, benches and checks as well
 # Runs as root or with sudo.
 set -euo pipefail
 
@@ -11,6 +13,8 @@ packages=(
     libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libopenexr-dev libimath-dev
     # ray tracing
     libembree-dev
+)
+all_packages=(
     # window: OpenGL, also without a display or a graphics card
     libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libgl1-mesa-dri libegl-mesa0 fonts-dejavu-core xvfb xauth
     # tests of the page for browsers
@@ -19,9 +23,14 @@ packages=(
     python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
     # clusters
     libopenmpi-dev openmpi-bin
-    # tests, benches, format check, check of the house
+    # tests, benches, checks of format and house
     libgtest-dev libbenchmark-dev clang-format universal-ctags
 )
+case ${1:-all} in
+    command) ;;
+    all) packages+=("${all_packages[@]}") ;;
+    *) echo "install-deps: set '$1', expected command or all" >&2; exit 2 ;;
+esac
 
 missing=()
 for package in "${packages[@]}"; do
