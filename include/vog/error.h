@@ -1,4 +1,4 @@
-// vog/error.h: the one exception type for bad inputs, files and devices.
+// vog/error.h: the exception type for bad inputs, files and devices.
 #pragma once
 
 #include <stdexcept>
@@ -6,11 +6,12 @@
 
 namespace vog {
 
-/// Thrown for anything a user can cause: a bad file, an option out of range, an absent device.
-/// what() is one line that says what, where, got and expected:
-/// `smoke.vdb: no grid named 'density' (it has: temperature, flame)`.
+/// Exception for every failure a user can cause: a bad file, an option out of range, an absent
+/// device. The text of what() is one line with the failure, its place, the value found and the
+/// values that would be valid: `smoke.vdb: no grid named 'density' (it has: temperature, flame)`.
 class Error : public std::runtime_error {
   public:
+    /// message  one line of UTF-8 without a newline
     explicit Error(const std::string& message) : std::runtime_error(message) {}
 };
 

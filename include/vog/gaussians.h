@@ -1,11 +1,13 @@
-// vog/gaussians.h: the model. N truncated 3D Gaussians in world space, as plain arrays.
+// vog/gaussians.h: the model, N truncated 3D Gaussians in world space, as plain arrays.
 //
-//   sigma(x) = sum_i density_i * exp(-1/2 |W_i (x - mean_i)|^2)   where |W_i (x - mean_i)| <= cutoff
-//   W_i = diag(1 / scale_i) * R_i^T                               R_i: rotation matrix of rotation_i
+//   sigma(x) = sum_i density_i * exp(-1/2 |W_i (x - mean_i)|^2), for |W_i (x - mean_i)| <= cutoff
+//   W_i = diag(1 / scale_i) * R_i^T
+//   R_i = rotation matrix of rotation_i
 //
-// Conventions (docs/method.md compares them with the paper's, 3DGS's and volprim's): scales are
-// standard deviations in world units, density is the peak per world unit, the kernel is cut at
-// `cutoff` standard deviations and the cut is part of the model: mass and spread account for it.
+// sigma is density per world unit of length: its integral along a ray, times the extinction (a factor
+// chosen at render time), is the optical depth T. The truncated Gaussian is the kernel: mass and
+// variance are those after the cut. docs/method.md compares these conventions with those of the
+// paper, of 3DGS and of volprim.
 #pragma once
 
 #include <cstddef>
@@ -19,54 +21,67 @@
 
 namespace vog {
 
+/// Model of N Gaussians. A BigVector (vog/memory.h) is a std::vector that may be larger than memory.
 struct Gaussians {
-    BigVector<Vec3f> mean;     ///< [N] world units
-    BigVector<Vec3f> scale;    ///< [N] standard deviations along the own axes, > 0, world units
-    BigVector<Quat> rotation;  ///< [N], or empty: every own axis is a world axis
-    BigVector<float> density;  ///< [N] peak, per world unit, >= 0
+    BigVector<Vec3f> mean;     ///< [N] centres, world units
+    BigVector<Vec3f> scale;    ///< [N] standard deviations along the own axes, world units, > 0
+    BigVector<Quat> rotation;  ///< [N] from own axes to world axes; empty: no Gaussian is rotated
+    BigVector<float> density;  ///< [N] peak density, per world unit, >= 0
 
-    float cutoff = 2.25f;  ///< k: support radius in standard deviations, (0, 8]
+    float cutoff = 2.25f;  ///< radius of the support, standard deviations, (0, 8]
 
-    Box box;                          ///< of the data the model came from: gives it the same views
-    std::uint64_t source_voxels = 0;  ///< active voxels (or points) it stands for; 0: unknown
-    std::string source;               ///< "smoke.vdb density"
-    std::string method;               ///< "paper", "moments", ...
-    std::string options;              ///< what the conversion was asked for, as flags
-    std::string summary;              ///< what it reached, in words: mass, measured error
+    Box box;  ///< box of the source data, world units: source and model get the same views by it
+    std::uint64_t source_voxels = 0;  ///< active voxels or particles of the source; 0: unknown
+    std::string source;               ///< name of the source data: "smoke.vdb density"
+    std::string method;               ///< name of the conversion: "paper", "moments", ...
+    std::string options;              ///< options of the conversion, as flags of `vog convert`
+    std::string
+        summary;  ///< one line on the conversion's result: count, mass ratio, measured error
 
-    std::size_t size() const { return mean.size(); }
+    std::size_t size() const { return mean.size(); }  ///< N
+    /// Whether no Gaussian is rotated.
     bool axis_aligned() const { return rotation.empty(); }
 };
 
-/// Share of a 3D Gaussian's mass inside `cutoff` standard deviations, P_3(cutoff^2):
-/// erf(k/sqrt 2) - sqrt(2/pi) k exp(-k^2/2). 0.8327 at 2.25.
+/// Share of a 3D Gaussian's mass inside k = `cutoff` standard deviations, in [0, 1]:
+///   P_3(k^2) = erf(k / sqrt 2) - sqrt(2 / pi) k exp(-k^2 / 2);  0.8327 at 2.25
+/// (P_n: chi-square distribution function of n degrees of freedom).
 double mass_within(double cutoff);
-/// Share of a 3D Gaussian's variance along an axis that is left by the cut, P_5(k^2) / P_3(k^2):
-/// the truncated kernel's own variance is scale^2 times this. 0.7106 at 2.25.
+/// Variance of the truncated kernel along an axis, divided by scale^2, in [0, 1]:
+///   P_5(k^2) / P_3(k^2);  0.7106 at k = `cutoff` = 2.25.
 double variance_within(double cutoff);
 
-/// The cutoff at which a kernel has fallen to this share of its peak, sqrt(-2 ln kappa): the
-/// paper's kappa. `otherwise` for 0. throws vog::Error if kappa is neither 0 nor in [1.3e-14, 1)
+/// Cutoff, standard deviations, at which a kernel has fallen to `kappa` of its peak:
+/// sqrt(-2 ln kappa). Source: the paper's density threshold kappa.
+/// kappa      share of the peak, [1.3e-14, 1); 0: the result is `otherwise`
+/// otherwise  standard deviations
+/// throws     vog::Error for a kappa out of range
 double cutoff_of_kappa(double kappa, double otherwise);
 
-/// Mass of Gaussian i, after truncation: density (2 pi)^(3/2) s1 s2 s3 mass_within(cutoff).
+/// Mass of Gaussian i, its integral over space after the cut, density times world volume:
+///   density (2 pi)^(3/2) s1 s2 s3 mass_within(cutoff).
 double mass(const Gaussians& gaussians, std::size_t i);
+/// Mass of the model: the sum over its Gaussians, density times world volume.
 double mass(const Gaussians& gaussians);
-/// World box of the truncated support of Gaussian i: tight, also for rotated ellipsoids.
+/// Smallest axis-aligned box around the support of Gaussian i, an ellipsoid; world units.
 Box support_box(const Gaussians& gaussians, std::size_t i);
-/// The box views are taken of: `gaussians.box`, or the union of the supports if that is empty.
+/// Box that views of the model are framed by, world units: gaussians.box, or the union of the
+/// supports if that is empty.
 Box view_box(const Gaussians& gaussians);
-/// Whitening W of Gaussian i: |W (x - mean)| is the distance in standard deviations.
+/// Whitening matrix W of Gaussian i, per world unit: |W (x - mean)| is the distance of x in standard
+/// deviations.
 Mat3 whitening(const Gaussians& gaussians, std::size_t i);
 
-/// Appends `other`. Rotations appear when either has them.
-/// throws vog::Error if the cutoffs differ
+/// Appends `other`. The result has rotations if either has; boxes are united, source_voxels added,
+/// texts that differ joined by " + ".
+/// throws  vog::Error if the cutoffs differ
 void append(Gaussians& gaussians, const Gaussians& other);
-/// The Gaussians of these numbers, in that order; the box stays, so that views do too.
-/// throws vog::Error for a number that is not below size()
+/// Copies some Gaussians, with the model's cutoff, box, source, method and options.
+/// index   places in the model, [0, N), in the order of the result; repeats are allowed
+/// throws  vog::Error for an index of N or more
 [[nodiscard]] Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index);
-/// Checks lengths, finiteness, positive scales, non-negative densities, the cutoff.
-/// throws vog::Error naming `gaussians.source` and the first offending Gaussian
+/// Checks the lengths of the arrays and the ranges given above.
+/// throws  vog::Error naming `gaussians.source` and the first offending Gaussian
 void validate(const Gaussians& gaussians);
 
 }  // namespace vog

@@ -1,4 +1,4 @@
-// vog/progress.h: how long calls report, how they are ended, how many threads they may use.
+// vog/progress.h: progress reports, interruption and the number of threads of long calls.
 #pragma once
 
 #include <functional>
@@ -6,16 +6,19 @@
 
 namespace vog {
 
-/// Called with the finished fraction in [0, 1], from any thread but never from two at once.
-/// Throwing from it ends the call that reports.
+/// Callback with the finished fraction of a call, in [0, 1]. Called from any thread, never from two
+/// at once. An exception from it ends the call that reports, and leaves that call. Empty: no
+/// reports.
 using Progress = std::function<void(double)>;
 
-/// While alive, the calls that its thread makes into vog look in at `check` every `period_ms` or
-/// so, on that thread, from wherever they are. Throwing from it ends the call: the exception comes
-/// out of it, nothing is left half written. A look at the clock costs 5 ns; what OpenVDB
-/// does for vog (decompressing a grid) is waited for.
+/// Scope in which long calls of this thread can be interrupted: they call `check` about every
+/// `period_ms`, on this thread. An exception from `check` ends the call and leaves it; no file is
+/// left half written. Work inside OpenVDB (decompressing a grid) is not interrupted.
+/// cost  5 ns for each reading of the clock
 class InterruptCheck {
   public:
+    /// check      throws to interrupt
+    /// period_ms  least time between two calls of `check`, milliseconds, >= 0
     explicit InterruptCheck(std::function<void()> check, double period_ms = 20);
     ~InterruptCheck();
     InterruptCheck(const InterruptCheck&) = delete;
@@ -27,9 +30,10 @@ class InterruptCheck {
     std::unique_ptr<State> state_;
 };
 
-/// While alive, vog's parallel loops in this process use at most `threads` threads (0: all cores).
+/// Scope in which vog's parallel loops, in the whole process, use at most `threads` threads.
 class ThreadLimit {
   public:
+    /// threads  >= 1; 0 or less: all cores
     explicit ThreadLimit(int threads);
     ~ThreadLimit();
     ThreadLimit(const ThreadLimit&) = delete;
@@ -40,7 +44,7 @@ class ThreadLimit {
     std::unique_ptr<Control> control_;
 };
 
-/// Threads vog's loops use now.
+/// Number of threads that vog's parallel loops use at present, >= 1.
 int thread_count();
 
 }  // namespace vog
