@@ -4,9 +4,9 @@
 //   W_i = diag(1 / scale_i) * R_i^T
 //   R_i = rotation matrix of rotation_i
 //
-// sigma is density per world unit of length: its integral along a ray, times the extinction (a factor
-// chosen at render time), is the optical depth T. The truncated Gaussian is the kernel: mass and
-// variance are those after the cut. docs/method.md compares these conventions with those of the
+// sigma is density per world unit of length: its integral along a ray, times the extinction (a
+// factor chosen at render time), is the optical depth T. The truncated Gaussian is the kernel: mass
+// and variance are those after the cut. docs/method.md compares these conventions with those of the
 // paper, of 3DGS and of volprim.
 #pragma once
 
@@ -21,7 +21,7 @@
 
 namespace vog {
 
-/// Model of N Gaussians. A BigVector (vog/memory.h) is a std::vector that may be larger than memory.
+/// Model of N Gaussians. BigVector (vog/memory.h): a std::vector that may exceed main memory.
 struct Gaussians {
     BigVector<Vec3f> mean;     ///< [N] centres, world units
     BigVector<Vec3f> scale;    ///< [N] standard deviations along the own axes, world units, > 0
@@ -35,8 +35,7 @@ struct Gaussians {
     std::string source;               ///< name of the source data: "smoke.vdb density"
     std::string method;               ///< name of the conversion: "paper", "moments", ...
     std::string options;              ///< options of the conversion, as flags of `vog convert`
-    std::string
-        summary;  ///< one line on the conversion's result: count, mass ratio, measured error
+    std::string summary;              ///< one line on the result: count, mass ratio, measured error
 
     std::size_t size() const { return mean.size(); }  ///< N
     /// Whether no Gaussian is rotated.
@@ -68,8 +67,8 @@ Box support_box(const Gaussians& gaussians, std::size_t i);
 /// Box that views of the model are framed by, world units: gaussians.box, or the union of the
 /// supports if that is empty.
 Box view_box(const Gaussians& gaussians);
-/// Whitening matrix W of Gaussian i, per world unit: |W (x - mean)| is the distance of x in standard
-/// deviations.
+/// Whitening matrix W of Gaussian i, per world unit: |W (x - mean)| is the distance of x in
+/// standard deviations.
 Mat3 whitening(const Gaussians& gaussians, std::size_t i);
 
 /// Appends `other`. The result has rotations if either has; boxes are united, source_voxels added,

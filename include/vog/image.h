@@ -7,8 +7,8 @@
 
 namespace vog {
 
-/// Optical depth T of the ray through each pixel: extinction times the integral of density along the
-/// ray. Rows from the top. T = 0: empty space all along the ray.
+/// Optical depth T of the ray through each pixel: extinction times the integral of density along
+/// the ray. Rows from the top. T = 0: empty space all along the ray.
 struct DepthImage {
     int width = 0, height = 0;  ///< pixels
     std::vector<float> depth;   ///< [height * width] T, dimensionless, >= 0

@@ -1,4 +1,5 @@
-// vog/openvdb.h: the interop header, the only public one that shows a third-party type.
+// vog/openvdb.h: conversion between volumes and OpenVDB grids in memory. No other public header
+// includes a third-party one, so vog/vog.h leaves it out.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -7,11 +8,11 @@
 
 namespace vog {
 
-/// Density from a grid in memory: values below zero become zero, non-finite ones are refused.
-/// throws vog::Error for a level set, a non-affine or singular transform, non-finite values
+/// Density volume of a grid. Values below zero become zero.
+/// throws  vog::Error for a level set, a non-affine or singular transform, values not finite
 Volume volume_from_grid(const openvdb::FloatGrid& grid);
 
-/// The same volume as an OpenVDB grid of class fog volume, tiles as tiles.
+/// OpenVDB grid of class fog volume with the leaves, tiles, name and transform of a volume.
 openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume);
 
 }  // namespace vog

@@ -1,4 +1,4 @@
-// vog/points.h: particles as plain arrays, and the files they come in: text and PointDataGrids.
+// vog/points.h: particles as plain arrays, and their files: text and OpenVDB's PointDataGrids.
 #pragma once
 
 #include <array>
@@ -12,71 +12,76 @@
 
 namespace vog {
 
-/// One number a particle: a mass, a temperature.
+/// Attribute of particles, one number each: a mass, a temperature.
 struct PointAttribute {
-    std::string name;
-    BigVector<float> value;  ///< [N]
+    std::string name;        ///< name of the column or of the grid's attribute
+    BigVector<float> value;  ///< [N] finite, in the unit of the file
 };
 
-/// Particles in world space. Positions are doubles: a box of 50,000 kpc/h keeps its halos.
+/// Particles in world space. Positions are doubles, so that a box of 50,000 kpc/h keeps its halos.
 struct Points {
-    BigVector<Vec3d> position;  ///< [N]
-    BigVector<Vec3f> velocity;  ///< [N], or empty: not known
-    std::vector<PointAttribute> attributes;
-    std::string source;  ///< file they came from, for messages and model headers
+    BigVector<Vec3d> position;               ///< [N] world units
+    BigVector<Vec3f> velocity;               ///< [N] in the unit of the file; empty: unknown
+    std::vector<PointAttribute> attributes;  ///< in the order of the file
+    std::string source;  ///< file of origin, for messages and model headers; empty: none
 
-    std::size_t size() const { return position.size(); }
+    std::size_t size() const { return position.size(); }  ///< N
 };
 
-/// The least box around all positions.
+/// Smallest axis-aligned box around all positions, world units; empty for no particles.
 Box bounds(const Points& points);
-/// Appends `other`. throws vog::Error unless both have the same attributes, and velocities or not
+/// Appends `other`.
+/// throws  vog::Error unless both have the same attributes, and both velocities or neither
 void append(Points& points, const Points& other);
-/// Checks lengths and finiteness, and that there is a particle.
-/// throws vog::Error naming `points.source` and the first offence
+/// Checks the lengths of the arrays, that all numbers are finite, and N, 1 to 2^31 - 1.
+/// throws  vog::Error naming `points.source` and the first offence
 void validate(const Points& points);
 
-/// One number a particle by name: "count" (1), "speed" (of the velocity, or the attribute of that
-/// name or "velocity"), or an attribute.
-/// throws vog::Error listing the names if there is none such
+/// Values of the particles, [N], by name: "count" (1 for each), "speed" (length of the velocity; an
+/// attribute "speed" or "velocity" where there is none), or the name of an attribute.
+/// throws  vog::Error listing the names for an unknown one
 BigVector<float> point_values(const Points& points, const std::string& name);
-/// What point_values takes for these particles: "count", "speed", ...
+/// Names that point_values takes for these particles: "count", "speed", ...
 std::vector<std::string> point_value_names(const Points& points);
 
-/// Edge of a cubic voxel that holds about one particle: as many to an occupied voxel as a uniform
-/// scatter of one a voxel has. 1 where all particles lie in one place.
+/// Edge of a cubic voxel that holds about one particle, world units: an occupied voxel has 1.58
+/// particles, as in a uniform random scatter of one per voxel. 1 where all positions are equal.
+/// throws  vog::Error as validate does
 double point_voxel_size(const Points& points);
 
+/// Options of read_points.
 struct PointReadOptions {
-    /// Of text: the columns that are x, y, z and, if there are six, the velocity's components; each
-    /// by its name or by its number from 1. Empty: those called x, y, z, vx, vy, vz (or pos_x,
-    /// vel_x and the like); without names the first three numbers of a line, and the next three
-    /// where there are that many.
+    /// Columns of a text file for x, y, z or for x, y, z, vx, vy, vz, each by its name or its
+    /// number from 1. Empty: the columns called x, y, z, vx, vy, vz (or pos_x, vel_x and the like);
+    /// in a file without names the first three numbers of a line, and the next three as velocity.
     std::vector<std::string> columns{};
-    std::string grid{};  ///< of .vdb: name; empty: the only PointDataGrid
+    std::string grid{};  ///< name of the grid in a .vdb; empty: its only PointDataGrid
 };
 
-/// Whether a .vdb has PointDataGrids and nothing else, among the grids of this name if one is
-/// given. throws vog::Error for a missing, foreign or truncated file
+/// Whether a .vdb has PointDataGrids and no other grids.
+/// grid    name: only grids of this name are considered; empty: all
+/// throws  vog::Error for a missing, foreign or truncated file
 bool vdb_holds_points(const std::filesystem::path& file, const std::string& grid = {});
 
-/// Reads .xyz, .txt and .dat (fields between blanks), .csv (commas, or semicolons), .tsv (tabs) and
-/// the PointDataGrids of .vdb. In text, '#' and '%' begin comments, lines without a number before
-/// the first particle are headers, and the last comment before it may name the columns too; .xyz
-/// may begin with the number of particles and a title, as chemists have it. Columns that are
-/// neither position nor velocity become attributes; those that hold text are left out.
-/// Of .vdb a PointDataGrid, whatever the codecs of its attributes: P, a vector called velocity or
-/// v, other numbers as attributes, other vectors by their length; leaf by leaf. throws vog::Error
-/// for a missing or foreign file, no particles, unknown columns, and every line
-///        that does not have as many numbers as the first: file and line, got, expected
-/// cost   1 M lines of six numbers in about 0.2 s on two cores
+/// Reads particles from text, by extension: .xyz, .txt and .dat (fields between blanks), .csv
+/// (commas or semicolons), .tsv (tabs), or from a PointDataGrid (.vdb).
+///   text  '#' and '%' begin comments. Lines without a number before the first particle are
+///         headers; the last comment before it may name the columns too. An .xyz may begin with the
+///         number of particles and a title, as in chemistry. Columns of numbers other than position
+///         and velocity become attributes; columns of text are left out.
+///   .vdb  Attributes of every codec: P as position; a vector called velocity or v as velocity;
+///         other numbers as attributes; other vectors by their length. Particles in the order of
+///         leaves.
+/// throws  vog::Error for a missing or foreign file, no particles, unknown columns, and every line
+///         with another count of numbers than the first: file and line, got, expected
+/// cost    1 M lines of six numbers in about 0.2 s on two cores
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {});
 
-/// Writes text by extension (.xyz: "# x y z ..." and blanks between; .csv; .tsv) that reads back
-/// bit for bit, or a PointDataGrid "points" (.vdb) of point_voxel_size with P, velocity and the
-/// attributes; its positions are single precision within a voxel. Written beside the file and
-/// renamed.
-/// throws vog::Error as validate does, and if the file cannot be written
+/// Writes particles, by extension: text that reads back bit for bit (.xyz with a line "# x y z ..."
+/// and blanks between; .csv; .tsv), or a PointDataGrid "points" (.vdb) of voxels of
+/// point_voxel_size with P, velocity and the attributes, its positions in single precision within a
+/// voxel. Written beside the file and renamed when whole.
+/// throws  vog::Error as validate does, for another extension, and if the file cannot be written
 void write_points(const std::filesystem::path& file, const Points& points);
 
 }  // namespace vog

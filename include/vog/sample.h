@@ -1,5 +1,4 @@
-// vog/sample.h: volumes and particles from nothing: deterministic procedural inputs for demos,
-// tests and benches.
+// vog/sample.h: procedural volumes and particles, as inputs for demos, tests and benches.
 #pragma once
 
 #include <cstdint>
@@ -11,34 +10,41 @@
 
 namespace vog {
 
+/// Options of the volume samples. Each gives the same bytes for any number of threads.
 struct SampleOptions {
-    int size = 128;  ///< voxels across the longest axis, 64 to 1024
-    std::uint32_t seed = 1;
-    Progress progress{};
+    int size = 128;          ///< voxels along an edge of the sampled cube, 64 to 1024
+    std::uint32_t seed = 1;  ///< any number; another one gives another shape
+    Progress progress{};     ///< called with the finished fraction; empty: not
 };
 
-/// A cumulus: soft irregular boundary, many partly filled leaves, constant core as active tiles.
-/// World extent about 1 unit, whatever the size. The same bytes for any number of threads.
-/// throws vog::Error if size is out of range
+/// Cumulus cloud, density (0.01, 1]: soft irregular boundary, many partly filled leaves, a constant
+/// core of active tiles. Voxel edge 1 / size world units, so the extent is about 1 for any size.
+/// throws  vog::Error if size is out of range
 [[nodiscard]] Volume sample_cloud(const SampleOptions& options = {});
 
-/// An expanding fireball with a turbulent shell, hollow towards the centre.
+/// Expanding fireball, density (0.01, 1.04]: a turbulent shell around a hollow of density 0.04.
+/// Voxel edge 1 / size world units.
+/// throws  vog::Error if size is out of range
 [[nodiscard]] Volume sample_explosion(const SampleOptions& options = {});
 
-/// A small universe on three nested levels, coarsest first, named density_L0 to density_L2: halos
-/// and the filaments between them refined in blocks, two to one. `size` counts the cells across of
-/// the finest level, whose world extent is 1 unit. Cells under a finer block are there too.
+/// Adaptive mesh of a small universe in the world cube [-1/2, 1/2]^3: three nested levels, coarsest
+/// first, named density_L0 to density_L2, each of half the voxel edge of the one before. Halos and
+/// the filaments between them are refined in blocks; coarse voxels under a finer block are kept.
+/// `size` counts the finest voxels along an edge of the cube.
+/// throws  vog::Error if size is out of range
 [[nodiscard]] std::vector<Volume> sample_levels(const SampleOptions& options = {});
 
+/// Options of sample_particles.
 struct ParticleSampleOptions {
-    int size = 40;  ///< particles along an edge of the lattice they come from, 8 to 512
-    std::uint32_t seed = 1;
-    Progress progress{};
+    int size = 40;           ///< cube root of the number of particles, 8 to 512
+    std::uint32_t seed = 1;  ///< any number; another one gives another universe
+    Progress progress{};     ///< called with the finished fraction; empty: not
 };
 
-/// size^3 particles of a box of a universe, 100 units wide, with velocities: walls, filaments, and
-/// halos where they meet. The same bytes for any number of threads.
-/// throws vog::Error if size is out of range
+/// Particles of a cosmological box, size^3 of them: walls, filaments, and halos where they meet.
+/// Positions in [0, 100] world units, as Mpc/h; velocities as km/s, root mean square 300. The same
+/// bytes for any number of threads.
+/// throws  vog::Error if size is out of range
 [[nodiscard]] Points sample_particles(const ParticleSampleOptions& options = {});
 
 }  // namespace vog

@@ -1,6 +1,7 @@
-// vog/volume.h: a sparse density volume as plain data: leaves of 8^3 voxels and constant tiles.
-// The layout is OpenVDB's 5-4-3 tree, flattened: what every stage needs of a grid, without its
-// library. Readers are in vog/vdb.h; grids in memory come through vog/openvdb.h.
+// vog/volume.h: sparse density volumes as plain data: leaves of 8^3 voxels and constant tiles.
+// The layout is OpenVDB's 5-4-3 tree, flattened, so that no stage but reading and writing needs its
+// library. A voxel is active where the volume has a value; all other space has density 0. Files are
+// read by vog/volume_io.h, OpenVDB grids in memory by vog/openvdb.h.
 #pragma once
 
 #include <array>
@@ -14,68 +15,78 @@
 
 namespace vog {
 
-inline constexpr int kLeafEdge = 8;      ///< voxels along a leaf
-inline constexpr int kLeafVoxels = 512;  ///< voxels in a leaf
+inline constexpr int kLeafEdge = 8;      ///< edge of a leaf, voxels
+inline constexpr int kLeafVoxels = 512;  ///< voxels in a leaf, kLeafEdge^3
 
-/// Offset of a voxel inside its leaf: z fastest, as OpenVDB stores it. x, y, z in [0, 8).
+/// Offset of a voxel inside its leaf, [0, 512), z fastest, as OpenVDB stores it.
+/// x, y, z  voxels from the leaf's origin, [0, 8)
 constexpr int leaf_offset(int x, int y, int z) { return (x << 6) | (y << 3) | z; }
 
-/// 8x8x8 voxels, some of them active.
+/// Block of 8x8x8 voxels, each active or not.
 struct Leaf {
-    Vec3i origin;                            ///< index of voxel (0,0,0); multiples of 8
-    std::array<std::uint64_t, 8> mask{};     ///< bit n of the 512: voxel at offset n is active
-    std::array<float, kLeafVoxels> value{};  ///< density by leaf_offset; 0 where inactive
+    Vec3i origin;  ///< index of the voxel at offset 0; multiples of 8
+    std::array<std::uint64_t, 8>
+        mask{};  ///< bit n & 63 of word n >> 6: voxel at offset n is active
+    std::array<float, kLeafVoxels> value{};  ///< density by leaf_offset, >= 0; 0 where inactive
 
+    /// Whether the voxel at `offset` is active.
     bool active(int offset) const {
         return (mask[static_cast<std::size_t>(offset) >> 6] >> (offset & 63)) & 1;
     }
+    /// Makes the voxel at `offset` active, with this density, >= 0.
     void set(int offset, float density) {
         mask[static_cast<std::size_t>(offset) >> 6] |= std::uint64_t{1} << (offset & 63);
         value[static_cast<std::size_t>(offset)] = density;
     }
+    /// Number of active voxels, [0, 512].
     int active_count() const {
         int count = 0;
         for (std::uint64_t word : mask) count += std::popcount(word);
         return count;
     }
+    /// Whether all 512 voxels are active.
     bool dense() const { return active_count() == kLeafVoxels; }
 };
 
-/// A cube of edge^3 active voxels of one value. Edge is 8, 128 or 4096: the child sizes of
-/// OpenVDB's lower, upper and root nodes.
+/// Cube of edge^3 active voxels of one density.
 struct Tile {
-    Vec3i origin;  ///< index of its first voxel; multiples of edge
-    std::int32_t edge = 8;
-    float value = 0;
+    Vec3i origin;           ///< least index of its voxels; multiples of `edge`
+    std::int32_t edge = 8;  ///< voxels: 8, 128 or 4096, the children of OpenVDB's upper nodes
+    float value = 0;        ///< density of every voxel, >= 0
 };
 
-/// A fog volume: density >= 0, finite, zero outside leaves and tiles. A voxel at index i occupies
-/// [i-1/2, i+1/2]^3 in index space; world_from_index maps that to world units.
+/// Fog volume: density >= 0, finite, zero outside leaves and tiles. The voxel at index i occupies
+/// [i - 1/2, i + 1/2]^3 in index space. Density times the extinction, a factor chosen at render
+/// time, is per world unit of length.
 struct Volume {
-    BigVector<Leaf> leaves;   ///< no two share an origin; sorted by origin (x, then y, then z)
+    BigVector<Leaf> leaves;   ///< no two of one origin; sorted by origin (x, then y, then z)
     std::vector<Tile> tiles;  ///< disjoint from each other and from the leaves; sorted likewise
-    Affine world_from_index;  ///< any non-singular affine map
-    std::string name;         ///< grid name, "density"
-    std::string source;       ///< file it came from, for messages and model headers
+    Affine world_from_index;  ///< any non-singular affine map, from indices to world units
+    std::string name;         ///< grid name: "density"
+    std::string source;       ///< file of origin, for messages and model headers; empty: none
 
+    /// Whether there is neither a leaf nor a tile.
     bool empty() const { return leaves.empty() && tiles.empty(); }
 };
 
-/// Active voxels, tiles counted by the voxels they stand for.
+/// Number of active voxels; a tile counts edge^3.
 std::uint64_t active_voxels(const Volume& volume);
-/// Voxels of the leaf-padded bounding box: what a dense grid would hold.
+/// Number of voxels of index_box, the size of a dense grid over leaves and tiles.
 std::uint64_t bounding_voxels(const Volume& volume);
-/// World volume of one voxel.
+/// Volume of one voxel, cubic world units, > 0.
 double voxel_volume(const Volume& volume);
-/// Sum of density times voxel volume.
+/// Mass: the sum over active voxels of density times voxel volume.
 double mass(const Volume& volume);
-/// Leaf-padded index box, voxel faces included: [origin - 1/2, origin + edge - 1/2].
+/// Box around all leaves and tiles in index space, to the outer faces of their voxels; a node
+/// reaches from origin - 1/2 to origin + edge - 1/2. Empty for an empty volume.
 Box index_box(const Volume& volume);
-/// World-axis box around index_box: the box of the `paper` view.
+/// Axis-aligned box around index_box in the world, world units. Views are framed by it.
 Box world_box(const Volume& volume);
-/// Sorts leaves and tiles by origin, the order every reader delivers.
+/// Sorts leaves and tiles by origin (x, then y, then z), the order that readers deliver.
 void sort_nodes(Volume& volume);
-/// Checks what the struct's comments promise. throws vog::Error naming the first offence
+/// Checks order, origins and edges of nodes, values and the transform against the ranges above;
+/// overlap of tiles is not checked.
+/// throws  vog::Error naming the source and the first offence
 void validate(const Volume& volume);
 
 }  // namespace vog
