@@ -1,6 +1,7 @@
-// vog/compare.h: how far one picture is from another. The first is always the reference.
-// Figures of pictures are of 8-bit values, round(255 c), as a viewer shows them; figures of T are
-// of the floats. What each figure means, with its formula: docs/evaluation.md, "Figures".
+// vog/compare.h: differences between two pictures or two depth images, as numbers and as heat maps.
+// The first argument is always the reference. Pictures are compared by their 8-bit values,
+// round(255 c), as displayed; T, the optical depth, by its floats. Definitions: docs/evaluation.md,
+// "Figures".
 #pragma once
 
 #include "vog/image.h"
@@ -8,50 +9,64 @@
 
 namespace vog {
 
-/// Two pictures, 8 bits a channel.
+/// Difference of two pictures with 8 bits a channel.
 struct PictureDifference {
-    double psnr_db = 0;  ///< 10 log10(255² / mean squared difference); infinity: no value differs
-    double ssim = 0;     ///< of the grey (luma) values, 1: equal; NaN below 11 pixels a side
+    /// Peak signal-to-noise ratio, dB: 10 log10(255² / mean squared difference over all pixels and
+    /// channels). Infinity: no value differs.
+    double psnr_db = 0;
+    /// Mean structural similarity of the luma, [-1, 1], 1: equal; NaN below 11 pixels a side.
+    /// Source: Wang et al. 2004, windows of 11x11 pixels.
+    double ssim = 0;
     double share_off_1 = 0;  ///< share of pixels with a channel off by more than 1 of 255, [0, 1]
-    double share_off_4 = 0;  ///< ... by more than 4 of 255
-    int largest = 0;         ///< largest difference of a channel, of 255
-    int largest_column = 0, largest_row = 0;  ///< where; the first such pixel
+    double share_off_4 = 0;  ///< share of pixels with a channel off by more than 4 of 255, [0, 1]
+    int largest = 0;         ///< largest absolute difference of a channel, [0, 255]
+    /// Pixel with the largest difference, from the top left, counted from 0; the first of several.
+    int largest_column = 0, largest_row = 0;
 };
 
-/// Colours over black where they are transparent; the channels weigh the same in the PSNR.
-/// throws vog::Error if the sizes differ
+/// Compares two colour images, transparent ones over black. In the PSNR the three channels weigh
+/// the same.
+/// throws  vog::Error if the sizes differ, or an image has no pixels or NaN
 [[nodiscard]] PictureDifference compare(const Image& reference, const Image& image);
 
-/// Two depth images, both taken at the extinction of the reference.
+/// Difference of two depth images at the extinction of the reference.
 struct DepthDifference {
-    PictureDifference grey;  ///< of V = 1 - exp(-T) as a grey picture
-    double relative_l2 = 0;  ///< |T - T_ref|₂ / |T_ref|₂
-    double bias = 1;         ///< mean T / mean T_ref
-    double largest_dt = 0;   ///< T - T_ref where it is largest in magnitude, signed
-    int largest_column = 0, largest_row = 0;  ///< where; the first such pixel
-    double extinction = 1;                    ///< the reference's: what T and V above are at
-    bool identical = false;                   ///< every T is the same
+    PictureDifference grey;  ///< difference of V = 1 - exp(-T) as 8-bit grey, round(255 V)
+    double relative_l2 = 0;  ///< |T - T_ref|₂ / |T_ref|₂ over all pixels, >= 0
+    double bias = 1;         ///< mean T / mean T_ref, >= 0; below 1: too little optical depth
+    double largest_dt = 0;   ///< T - T_ref of largest magnitude, with its sign
+    /// Pixel of largest_dt, from the top left, counted from 0; the first of several.
+    int largest_column = 0, largest_row = 0;
+    double extinction = 1;   ///< extinction of the reference: factor on density, > 0
+    bool identical = false;  ///< no T differs
 };
 
-/// relative_l2 and bias are 0 and 1 where both images are empty; infinite where the reference is.
-/// throws vog::Error if the sizes differ
+/// Compares two depth images; the second is scaled to the extinction of the first. If both are
+/// empty (all T = 0), relative_l2 is 0 and bias 1; if only the reference is, both are infinite.
+/// throws  vog::Error if the sizes differ, or a T is negative or not finite
 [[nodiscard]] DepthDifference compare(const DepthImage& reference, const DepthImage& image);
 
-/// Both shaded with the same transfer function on black, at the reference's extinction.
+/// Compares two depth images as colours: both at the extinction of the reference, shaded with one
+/// transfer function on black.
+/// throws  vog::Error as compare and shade do
 [[nodiscard]] PictureDifference compare_shaded(const DepthImage& reference, const DepthImage& image,
                                                const TransferFunction& tf);
 
+/// Options of difference_map.
 struct DifferenceMapOptions {
-    /// End of the colour scale, in 1/255. 0: the largest difference, rounded up to 1, 2 or 5 times
-    /// a power of ten.
+    /// Difference at the end of the colour scale, in 1/255, >= 0. 0: the largest difference in the
+    /// images, rounded up to 1, 2 or 5 times a power of ten.
     double limit = 0;
-    bool bar = true;  ///< add the colour scale, with figures, on the right
+    bool bar = true;  ///< add the colour scale with its numbers on the right, 76 pixels wide
 };
 
-/// Heat map of V - V_ref: blue where too little is seen, red where too much, grey where equal.
+/// Heat map of V - V_ref, V = 1 - exp(-T), at the extinction of the reference: blue below zero, red
+/// above, grey at zero.
+/// throws  vog::Error if the sizes differ, or for a limit that is negative or not finite
 [[nodiscard]] Image difference_map(const DepthImage& reference, const DepthImage& image,
                                    const DifferenceMapOptions& options = {});
-/// Heat map of the largest difference of the three channels, black where equal.
+/// Heat map of the largest absolute difference of the three channels; black where equal.
+/// throws  vog::Error as the one above
 [[nodiscard]] Image difference_map(const Image& reference, const Image& image,
                                    const DifferenceMapOptions& options = {});
 

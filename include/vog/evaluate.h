@@ -1,6 +1,9 @@
-// vog/evaluate.h: the paper's evaluation (its tables 1 to 4 and both figures) for any volume.
-// Models are made in many ways, rendered from seven views and held against the voxels themselves;
-// the results are written as JSON, Markdown and one HTML page. Protocol: docs/evaluation.md.
+// vog/evaluate.h: evaluation of conversions: the paper's tables 1 to 4 and both figures for any
+// volume. Each conversion makes a model, a row of the results; it is rendered from seven views and
+// compared with exact integration of the voxels (vog/reference.h). Results: JSON, Markdown and an
+// HTML page. Protocol: docs/evaluation.md.
+// T: optical depth; V = 1 - exp(-T), compared as 8-bit grey; RGB: T shaded by the transfer
+// function. All are at the extinction (factor on density) of the view.
 #pragma once
 
 #include <cstdint>
@@ -21,112 +24,136 @@ namespace vog {
 
 struct Collective;
 
-/// One way to make a model: one row of the results.
+/// Conversion to evaluate; it makes one row of the results.
 struct Conversion {
-    std::string series;     ///< rows drawn as one line: "mean", "mass"
-    std::string step;       ///< place in the series, part of the row's name: "lod1", "sigma3"
-    std::string label;      ///< "dense 2³, smart grouping"
-    double aabb_sigma = 0;  ///< SplatOptions::aabb_sigma
-    /// budget: Gaussians of the row named below, shared among volumes by their active voxels; else
-    /// 0
+    std::string series;     ///< name of the rows that a plot joins by a line: "mean", "mass"
+    std::string step;       ///< name of the row in its series: "lod1", "sigma3"
+    std::string label;      ///< description of the row: "dense 2³, smart grouping"
+    double aabb_sigma = 0;  ///< half edge of the paper's boxes, in its radii, > 0; 0: no boxes
+    /// Converts one volume; the models of several volumes are joined.
+    /// budget  most Gaussians, > 0: this volume's share, by active voxels, of the count of the row
+    ///         named below; 0 where no row is named
     std::function<Gaussians(const Volume&, std::size_t budget)> convert;
-    std::string budget_series{}, budget_step{};  ///< an earlier row
-    /// Levels of a mesh as one model; none: each of their parts by `convert`
+    /// Series and step of an earlier row whose count of Gaussians is the budget. Empty: no budget.
+    std::string budget_series{}, budget_step{};
+    /// Converts the levels of an adaptive mesh as one model. Empty: `convert` for each of its
+    /// parts.
     std::function<Gaussians(const Composite&, std::size_t budget)> convert_levels{};
 };
 
-/// The paper's rows, with its amplitude (mean) and with the amplitude that conserves mass: levels
-/// of detail 1 to 5, and level 3 with bounding boxes of 1, 2 and 3 sigma.
+/// Conversions of the paper's tables, series "mean" (its amplitude, the mean density of a group)
+/// and "mass" (the amplitude that conserves mass): levels of detail 1 to 5, and level 3 with
+/// bounding boxes of 1, 2 and 3 sigma.
 std::vector<Conversion> paper_conversions();
-/// Moments: uniform cells of 2, 4, 8 and 16 voxels, the adaptive cut at the count of each of them
-/// and at those of the paper's levels 1 and 5, and what `vog convert` does unasked.
+/// Conversions by moments: uniform cells of 2, 4, 8 and 16 voxels; the adaptive cut with as many
+/// Gaussians as each of these and as the paper's levels 1 and 5; the default of `vog convert`.
 std::vector<Conversion> moment_conversions();
-/// Both.
+/// paper_conversions, then moment_conversions.
 std::vector<Conversion> all_conversions();
 
-/// Milliseconds of repeated runs.
+/// Wall-clock times of repeated runs.
 struct Timing {
-    double min_ms = 0, median_ms = 0, max_ms = 0;
-    int runs = 0;
+    double min_ms = 0, median_ms = 0, max_ms = 0;  ///< over the runs, milliseconds
+    int runs = 0;                                  ///< runs counted
 };
 
+/// View of the data, with its reference.
 struct EvaluationView {
-    std::string name;  ///< "paper", "around 1" ... "around 5", "inside"
-    Camera camera;
-    double extinction = 1;  ///< of this view, for the reference and every model
-    double covered = 0;     ///< share of pixels whose T is above 0 in the reference
-    Timing reference;       ///< the voxels themselves, by the reference renderer
+    std::string name;       ///< "paper", "around 1" ... "around 5", "inside"
+    Camera camera;          ///< world units
+    double extinction = 1;  ///< factor on density in the reference and in every row, > 0
+    double covered = 0;     ///< share of pixels with T > 0 in the reference, [0, 1]
+    Timing reference;       ///< renders of the voxels by the reference renderer
 };
 
-/// `paper`, five more around the data, and one from inside it. Extinction and timing are not set.
+/// Views of a box: `paper`, five more around it, and one from inside. Only names and cameras are
+/// set.
 std::vector<EvaluationView> evaluation_views(const Box& box);
 
-/// One model in one view, against the reference.
+/// Difference of a row's picture from the reference in one view. Definitions: vog/compare.h.
 struct ViewResult {
-    std::string view;
-    double psnr_v_covered_db = 0;  ///< of V; the same error over the covered pixels alone
-    double psnr_v_db = 0, psnr_rgb_db = 0, ssim = 0, relative_l2 = 0, bias = 1, largest_dt = 0;
-    double off_by_1 = 0, off_by_4 = 0;  ///< shares of pixels
-    Timing render;                      ///< of T, shading and loading apart
+    std::string view;  ///< EvaluationView::name
+    /// PSNR of V over the covered pixels (T > 0 in the reference), dB, without the background:
+    /// psnr_v_db + 10 log10(EvaluationView::covered).
+    double psnr_v_covered_db = 0;
+    double psnr_v_db = 0,  ///< PSNR of V over all pixels, dB; infinity: no 8-bit value differs
+        psnr_rgb_db = 0,   ///< PSNR of RGB over all pixels, dB, likewise
+        ssim = 0,          ///< structural similarity of V, [-1, 1]; 1: equal
+        relative_l2 = 0,   ///< |T - T_ref|₂ / |T_ref|₂, >= 0
+        bias = 1,          ///< mean T / mean T_ref, >= 0
+        largest_dt = 0;    ///< T - T_ref of largest magnitude, with its sign
+    double off_by_1 = 0,   ///< share of pixels whose V is off by more than 1 of 255, [0, 1]
+        off_by_4 = 0;      ///< share of pixels whose V is off by more than 4 of 255, [0, 1]
+    Timing render;         ///< renders of T, without shading and loading
 };
 
+/// Results of one conversion.
 struct EvaluationRow {
-    std::string series, step, label;
-    std::string options;  ///< of the conversion, as flags
-    double aabb_sigma = 0;
-    std::uint64_t gaussians = 0, bytes = 0;  ///< bytes: of the PLY file
-    double mass_ratio = 1;                   ///< mass of the model / of the volume
-    Timing convert;
+    std::string series, step, label;  ///< names as in Conversion
+    std::string options;              ///< flags of `vog convert` for this model: "--method ..."
+    double aabb_sigma = 0;            ///< as in Conversion
+    std::uint64_t gaussians = 0,      ///< Gaussians in the model
+        bytes = 0;                    ///< size of the model's PLY file, bytes
+    double mass_ratio = 1;            ///< mass of the model / mass of the data
+    Timing convert;                 ///< conversions: up to 3 runs, one if it takes a second or more
     std::vector<ViewResult> views;  ///< in the order of Evaluation::views
 };
 
-/// Mean and worst of a figure over the views of a row.
+/// Mean and worst value of a figure over the views of a row, in the figure's unit.
 struct Spread {
     double mean = 0, worst = 0;
 };
-/// worst is the least where `more_is_better`, else the largest
+/// Computes mean and worst over the views of a row; both 0 for a row without views.
+/// figure          member of ViewResult: &ViewResult::psnr_v_db
+/// more_is_better  worst is the least value; else the largest
 Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is_better);
 
-/// Everything the reports are made of.
+/// Results of an evaluation, the content of its reports. Counts are sums over all volumes.
 struct Evaluation {
-    std::string title;                  ///< source and grid of every volume
-    std::uint64_t active_voxels = 0;    ///< tiles by the voxels they stand for; of levels: seen
-    std::uint64_t bounding_voxels = 0;  ///< of the boxes around the active voxels
-    std::uint64_t leaves = 0, dense_leaves = 0, tiles = 0;
-    std::uint64_t reference_bytes = 0;  ///< of the NanoVDB grids
-    double mass = 0;
-    int width = 512, height = 512;
-    std::string tf, extinction;  ///< transfer function; "auto" or a number
-    std::string machine;         ///< processor
-    int threads = 1;
-    std::vector<EvaluationView> views;
-    std::vector<EvaluationRow> rows;
+    std::string title;                  ///< file and grid of every volume: "smoke.vdb density"
+    std::uint64_t active_voxels = 0;    ///< a tile counts edge^3; levels: at least partly visible
+    std::uint64_t bounding_voxels = 0;  ///< voxels of the smallest box around the active ones
+    std::uint64_t leaves = 0,           ///< leaves of 8^3 voxels
+        dense_leaves = 0,               ///< leaves with all 512 voxels active
+        tiles = 0;                      ///< constant tiles of any size
+    std::uint64_t reference_bytes = 0;  ///< size of the reference's NanoVDB grids, bytes
+    double mass = 0;                    ///< density times world volume, at extinction 1
+    int width = 512, height = 512;      ///< size of the pictures, pixels
+    std::string tf,                     ///< transfer function: a name or a JSON file
+        extinction;                     ///< "auto" (by view) or a number
+    std::string machine;                ///< name of the processor
+    int threads = 1;                    ///< threads of conversions and renders
+    std::vector<EvaluationView> views;  ///< views with their references
+    std::vector<EvaluationRow> rows;    ///< one for each conversion, in their order
 };
 
+/// Options of evaluate.
 struct EvaluateOptions {
-    int width = 512, height = 512;  ///< pixels
-    int repeats = 5;                ///< timed renders a view, after one that does not count
-    double extinction = 0;          ///< 0: for each view the auto_extinction of its reference
-    std::string tf = "inferno";     ///< of the RGB figures and the pictures: a name or a JSON file
-    std::vector<Conversion> conversions = all_conversions();
-    /// Processes that each hold a part of the volumes; the root compares and writes. Only for
-    /// conversions that are collective too, and not for levels.
+    int width = 512, height = 512;  ///< size of the pictures, pixels, >= 1
+    int repeats = 5;                ///< timed renders of each view, >= 1, after one untimed
+    double extinction = 0;          ///< factor on density, > 0; 0: auto_extinction by view
+    std::string tf = "inferno";     ///< transfer function of RGB: a name or a JSON file
+    std::vector<Conversion> conversions = all_conversions();  ///< rows of the results
+    /// Processes that each hold a part of the volumes (vog/distributed.h); the root compares and
+    /// writes. Needs conversions that are collective too; not for levels. Null: one process.
     const Collective* collective = nullptr;
-    bool resume = false;  ///< keep the rows of folder/results.json, if it is there
-    Progress progress{};
+    bool resume = false;  ///< keep the rows of an earlier folder/results.json
+    Progress progress{};  ///< called with the finished fraction; empty: not
 };
 
-/// Evaluates `volumes` together (T adds) and writes into `folder`, made if absent:
+/// Evaluates conversions of `volumes`, whose T and mass add up, and writes into `folder`, made if
+/// absent:
 ///   results.json   after every row, so that an interrupted evaluation can be resumed
-///   pictures/      each row seen from `paper` and `inside`, and its difference map
-///   results.md, index.html
-/// throws   vog::Error for volumes that are empty, a file that cannot be written, results to resume
-///          that are of other data or settings
+///   pictures/      pictures of each row in the views `paper` and `inside`, and difference maps
+///   results.md, index.html   at the end
+/// throws   vog::Error for options out of range, no volume or an empty one, a file that cannot be
+///          written, earlier results of other data or settings
 /// cost     conversions * views * (repeats + 1) renders
 Evaluation evaluate(std::span<const Volume> volumes, const std::filesystem::path& folder,
                     const EvaluateOptions& options = {});
-/// The same for levels of a mesh: the reference counts each piece of a ray in the finest level
-/// that is there, the conversions take what finer levels leave.
+/// Evaluates conversions of the levels of an adaptive mesh, likewise. The reference integrates each
+/// piece of a ray in the finest level that covers it; conversions get the parts of each level that
+/// no finer level hides.
 Evaluation evaluate(const Levels& levels, const std::filesystem::path& folder,
                     const EvaluateOptions& options = {});
 

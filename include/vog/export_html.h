@@ -1,5 +1,5 @@
-// vog/export_html.h: models as one page for a browser: the data, a WebGL2 viewer, nothing else.
-// No server, no network, no other file; it opens from a disk or from anywhere (docs/web.md).
+// vog/export_html.h: export of models as one HTML page: their data and a WebGL2 viewer.
+// The page needs no server, no network and no other file (docs/web.md).
 #pragma once
 
 #include <cstddef>
@@ -15,40 +15,42 @@
 
 namespace vog {
 
-/// One entry of the page's switch.
+/// Model of a page. With several, the page shows one and has a switch between them.
 struct HtmlModel {
-    std::string name;               ///< what the switch says
-    std::vector<Gaussians> levels;  ///< finest first, at least one: what the detail slider offers
+    std::string name;               ///< label in the switch
+    std::vector<Gaussians> levels;  ///< levels of detail for the slider, at least 1, finest first
 };
 
+/// Options of write_html.
 struct HtmlOptions {
-    std::string title = "vog";       ///< plain text, as is the description
-    std::string description{};       ///< may have several lines
-    std::optional<Camera> camera{};  ///< first view; default: the paper view of the first model
-    std::optional<double>
-        extinction{};  ///< > 0; default: auto_extinction of each model's first view
-    TransferFunction tf = named_transfer_function("inferno");
-    ShadeOptions shading{};
-    /// The background is black or white as the reader's system is dark or light, not shading's.
+    std::string title = "vog";       ///< title of the page, plain text
+    std::string description{};       ///< text below the title, plain text, any number of lines
+    std::optional<Camera> camera{};  ///< first view; none: the paper view of the first model
+    /// Factor on density, > 0; none: for each model the auto_extinction of its first view.
+    std::optional<double> extinction{};
+    TransferFunction tf = named_transfer_function("inferno");  ///< colours at first
+    ShadeOptions shading{};                                    ///< background and blend at first
+    /// Use black or white, by the dark or light mode of the reader's system, as the background.
     bool system_background = false;
 };
 
+/// Sizes and settings of a page written.
 struct HtmlReport {
-    std::size_t bytes = 0;         ///< of the file
-    std::size_t viewer_bytes = 0;  ///< of it: all but the models
-    std::size_t gaussians = 0;     ///< of the finest levels
-    double extinction = 1;         ///< of the first model
+    std::size_t bytes = 0;         ///< size of the file, bytes
+    std::size_t viewer_bytes = 0;  ///< size of the file without the models, bytes
+    std::size_t gaussians = 0;     ///< Gaussians in the finest levels of all models
+    double extinction = 1;         ///< extinction of the first model, factor on density, > 0
 };
 
-/// Every Gaussian takes 14 or 20 bytes before compression (docs/web.md, "What is in the page"):
-///   mean      within 1/512 of its smallest standard deviation
-///   scale     within 1/2048, as a half float would be
-///   rotation  within 0.0005 rad
-///   density   mass within 1/2048
-/// Those without density are left out.
-/// file    written beside its name and renamed when whole
-/// throws  vog::Error for no model, a model without levels, an invalid one or one too large for a
-///         browser, an unusable camera, transfer function or extinction
+/// Writes one page with all models, beside the file, renamed when whole. A Gaussian takes 14 bytes,
+/// or 20 with rotation, before compression (docs/web.md, "What is in the page"). Largest errors:
+///   mean      1/512 of the Gaussian's smallest standard deviation
+///   scale     1/2048 of itself, as a half float
+///   rotation  0.0005 rad
+///   density   so that mass is within 1/2048 of itself
+/// Gaussians of density 0 are left out.
+/// throws  vog::Error for no model, a model without levels, an invalid model or one too large for a
+///         browser, an unusable camera, transfer function or extinction, an unwritable file
 HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
                       const HtmlOptions& options = {});
 

@@ -1,6 +1,7 @@
-// vog/shade.h: optical depth to colour. V = 1 - exp(-T); colour = transfer_function(V) where T > 0,
-// background elsewhere. Source: Sharma & Schmalstieg, section 4.1. Changing colours never
-// re-renders.
+// vog/shade.h: colours of optical depth T by a transfer function.
+//   V = 1 - exp(-T);  colour = transfer_function(V) where T > 0, background elsewhere
+// V, the visibility, is in [0, 1]. New colours need no new rendering.
+// Source: Sharma & Schmalstieg, section 4.1.
 #pragma once
 
 #include <filesystem>
@@ -12,59 +13,72 @@
 
 namespace vog {
 
+/// Control point of a transfer function's colour.
 struct ColorPoint {
-    float v = 0;                ///< visibility, [0, 1]
-    float r = 0, g = 0, b = 0;  ///< display values, [0, 1]
+    float v = 0;                ///< visibility V, [0, 1]
+    float r = 0, g = 0, b = 0;  ///< red, green, blue as displayed, [0, 1]
 };
+/// Control point of a transfer function's opacity.
 struct OpacityPoint {
-    float v = 0;
-    float opacity = 1;  ///< [0, 1]
+    float v = 0;        ///< visibility V, [0, 1]
+    float opacity = 1;  ///< weight of the colour against the background, [0, 1]
 };
 
-/// Piecewise linear in RGB and in opacity; constant beyond the first and last point. Two points of
-/// one v make a step, which at v itself has the latter's value.
+/// Transfer function from V to colour and opacity, each piecewise linear between its points and
+/// constant beyond the first and last. Two points of one v make a step; at v the second one holds.
 struct TransferFunction {
-    std::string name;
+    std::string name;                   ///< "inferno"; may be empty
     std::vector<ColorPoint> color;      ///< at least one, sorted by v
-    std::vector<OpacityPoint> opacity;  ///< empty: opaque; else sorted by v
+    std::vector<OpacityPoint> opacity;  ///< sorted by v; empty: opacity 1
 };
 
-/// Colour at v in [0, 1], with the opacity in `a`.
+/// Colour of a transfer function at one V, with the opacity as alpha.
+/// v       [0, 1]
+/// throws  vog::Error for a v out of range or an invalid tf
 Rgba color_at(const TransferFunction& tf, float v);
 
-/// Names that named_transfer_function takes.
+/// Names that named_transfer_function takes: "gray", "viridis", "inferno", ...
 std::vector<std::string> transfer_function_names();
-/// Case does not matter, nor '_' for '-'. throws vog::Error listing the names if there is none such
+/// Opaque transfer function by name, upper or lower case, '_' as good as '-'.
+/// throws  vog::Error listing the names for an unknown one
 TransferFunction named_transfer_function(const std::string& name);
 
-/// Reads a ParaView colour map (a JSON array of presets: RGBPoints, optional Points; the first
-/// preset of the file), or our own JSON, where "colors" may also be a name:
+/// Reads a transfer function from vog's own JSON, where "colors" may also be a name,
 ///   {"name": "...", "colors": [[v, r, g, b], ...], "opacity": [[v, a], ...]}
-/// ParaView's scalar range is mapped to V in [0, 1]. ColorSpace RGB, Lab, Diverging, HSV and Step,
-/// and midpoints and sharpness of opacity, are honoured by sampling, to half an 8-bit step.
-/// throws vog::Error naming the file and the key
+/// or the first preset of a ParaView colour map (a JSON array of presets with RGBPoints and
+/// optional Points). ParaView's scalar range becomes V in [0, 1]. ColorSpace RGB, Lab, Diverging,
+/// HSV and Step, midpoints and sharpness are sampled, exact to half an 8-bit step.
+/// throws  vog::Error naming the file and the key
 TransferFunction read_transfer_function(const std::filesystem::path& file);
+/// Writes vog's own JSON, beside the file, renamed when whole.
+/// throws  vog::Error for an invalid tf, or if the file cannot be written
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf);
-/// `name_or_file`: a name, or else the path of a JSON file.
+/// Transfer function by name, or else read from a JSON file.
+/// name_or_file  a name of transfer_function_names, or a path
+/// throws        vog::Error as read_transfer_function does
 TransferFunction load_transfer_function(const std::string& name_or_file);
 
-/// Colours at evenly spaced v from 0 to 1, as other programs' maps are: their alpha is opacity,
-/// left out where all are 1. throws vog::Error for none, or a component off [0, 1]
+/// Transfer function of colours at evenly spaced V, the first at 0, the last at 1.
+/// colors  at least one, components in [0, 1]; alpha is the opacity
+/// throws  vog::Error for no colour, or a component out of range
 TransferFunction sampled_transfer_function(const std::string& name, std::span<const Rgba> colors);
 
-/// "black", "white" or "transparent". throws vog::Error listing them
+/// Background colour by name: "black", "white" or "transparent" (alpha 0).
+/// throws  vog::Error listing the names for an unknown one
 Rgba named_background(const std::string& name);
 
+/// Options of shade.
 struct ShadeOptions {
-    Rgba background{0, 0, 0, 1};  ///< a = 0 for a picture to lay over others
-    bool blend = false;  ///< the paper's blend: the map fades into the background as V -> 0
+    Rgba background{0, 0, 0, 1};  ///< components in [0, 1]; a = 0: a picture to lay over others
+    bool blend = false;  ///< multiply opacity by V, as the paper does: a fade to the background
 };
 
-/// Shades every pixel with T > 0: mix(background, tf(V), opacity), opacity multiplied by V when
-/// blending; the others are background. Over a clear background (a = 0) a pixel is tf(V) with
-/// alpha = opacity, not multiplied into the colour.
-/// throws vog::Error for a T that is negative or not finite, an invalid tf, a background off [0, 1]
-/// cost   O(pixels), parallel, about 10 ns a pixel and core
+/// Shades a depth image. Where T > 0, a pixel is mix(background, tf(V), opacity), elsewhere the
+/// background. Over a transparent background (a = 0) a pixel is tf(V) with alpha = opacity, not
+/// multiplied into the colour.
+/// throws  vog::Error for a T that is negative or not finite, an invalid tf, or a background with a
+///         component off [0, 1]
+/// cost    O(pixels), parallel, about 10 ns a pixel and core
 Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options = {});
 
 }  // namespace vog

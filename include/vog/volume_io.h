@@ -1,4 +1,4 @@
-// vog/volume_io.h: volumes from OpenVDB and NanoVDB files, one grid or all levels of a mesh, and back.
+// vog/volume_io.h: reading and writing of volumes: OpenVDB (.vdb) and NanoVDB (.nvdb) files.
 #pragma once
 
 #include <array>
@@ -14,88 +14,110 @@
 
 namespace vog {
 
+/// Options of the readers of one grid.
 struct VdbOptions {
-    std::string grid{};             ///< name; empty: the only scalar grid, else "density"
-    bool level_set_to_fog = false;  ///< take a level set's inside as fog; refused otherwise
-    /// Take active values above 0 as 1 and all else as inactive, of bool and mask grids too.
+    std::string grid{};  ///< name of the grid; empty: the only scalar grid, else "density"
+    /// Convert a level set to fog: density 1 inside, a ramp to 0 over the inner half of its narrow
+    /// band. Without it a level set is an error.
+    bool level_set_to_fog = false;
+    /// Read a mask: active values above 0 become 1, all else inactive. Takes bool and mask grids
+    /// too.
     bool mask = false;
 };
 
-/// What reading changed; the command line says it.
+/// Changes that a reader made to the values of a file.
 struct VdbNotes {
-    std::uint64_t clamped_negative = 0;  ///< active values below zero, set to zero; a tile is one
+    std::uint64_t clamped_negative = 0;  ///< active values below 0, set to 0; a tile counts once
 };
 
-/// Reads one grid as density. Float, double, half-stored and integer grids; vector grids by
-/// magnitude when asked by name. Tiles stay tiles.
-/// throws vog::Error for a missing, foreign or truncated file; no, several or unknown grids
-/// (listing the names); a level set, a frustum or singular transform; an empty grid; non-finite
-/// values (their count and the first index)
+/// Reads one grid of an OpenVDB file as density: float, double, half-stored and integer grids, and
+/// vector grids, by magnitude, if options.grid names them. Tiles stay tiles.
+/// notes   receives the changes made to values; null: not reported
+/// throws  vog::Error for a missing, foreign or truncated file; no, several or unknown grids (their
+///         names are listed); a level set (unless options.level_set_to_fog); a frustum or singular
+///         transform; an empty grid; values not finite (their count and the first index)
 Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {},
                 VdbNotes* notes = nullptr);
 
-/// Reads one grid of a NanoVDB file as density, by the rules of read_vdb: files of major version
+/// Reads one grid of a NanoVDB file as density, by the rules of read_vdb. Files of major version
 /// 32, uncompressed, zip or blosc; floats, doubles, integers of 16, 32 and 64 bits, quantised
-/// floats (Fp4, Fp8, Fp16, FpN), vectors by magnitude when asked by name. Tiles stay tiles. throws
-/// vog::Error for a missing, foreign, truncated or corrupt file; another major version, naming it;
-/// no, several or unknown grids (listing the names); a level set (unless options.level_set_to_fog);
-/// a singular transform; an empty grid; non-finite values (their count and the first index)
+/// floats (Fp4, Fp8, Fp16, FpN), vectors by magnitude if options.grid names them. Tiles stay tiles.
+/// notes   receives the changes made to values; null: not reported
+/// throws  vog::Error as read_vdb does, for a corrupt file, and for another major version
 Volume read_nvdb(const std::filesystem::path& file, const VdbOptions& options = {},
                  VdbNotes* notes = nullptr);
 
-/// Names of the grids of a file, in file order; "density[1]" where two have one name.
-/// throws vog::Error for a missing, foreign or truncated file
+/// Names of the grids of an OpenVDB file, in file order; "density[1]" where two have one name.
+/// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
 
-/// Names of the grids of a file, in file order.
-/// throws vog::Error for a missing, foreign or truncated file
+/// Names of the grids of a NanoVDB file, in file order.
+/// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
 
-/// read_nvdb for .nvdb, else read_vdb.
-/// notes   what reading changed, in words, is added: "a.vdb: 3 negative values of 'density' set to
-///         zero"
+/// Reads one grid as density, by extension: read_nvdb for .nvdb, else read_vdb.
+/// notes   receives a line for each change made to values, behind those already there: "a.vdb: 3
+///         negative values of 'density' set to zero"; null: not reported
+/// throws  vog::Error as these readers do
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options = {},
                    std::vector<std::string>* notes = nullptr);
 
 /// Names of the grids of a .vdb or .nvdb, in file order.
+/// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> grid_names(const std::filesystem::path& file);
 
+/// Options of read_levels.
 struct LevelOptions {
-    std::string grid{};  ///< name, or a pattern with * and ?: all that match; empty: the default
-    std::string mask{};  ///< name; its * is what the * of `grid` stands for; empty: no masks
-    bool level_set_to_fog = false;
+    /// Name of the grid in each file, or a pattern (* any text, ? any letter) for all grids that
+    /// match. Empty: as VdbOptions::grid.
+    std::string grid{};
+    /// Name of the grid with the mask of each volume (Levels::masks). A * in it stands for the text
+    /// that the * of `grid` matched. Empty: no masks.
+    std::string mask{};
+    bool level_set_to_fog = false;  ///< as VdbOptions::level_set_to_fog, for volumes, not for masks
 };
 
-/// Of each file one volume, or all whose names match.
-/// throws vog::Error as read_volume does, and for a pattern no grid matches, listing the names; for
-///        a pattern in one of grid and mask alone
+/// Reads the levels of an adaptive mesh (vog/levels.h): one volume of each file, or one for each
+/// grid that matches a pattern, in the order of files and grids.
+/// notes   as in read_volume
+/// throws  vog::Error as read_volume does, for a pattern that no grid matches (the names are
+///         listed), and for a pattern in `grid` or `mask` unless both have a *
 Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options = {},
                    std::vector<std::string>* notes = nullptr);
 
-/// Writes `volume` as a FloatGrid of class fog volume: blosc-compressed where the library has it,
-/// values as half floats if `half`. Written beside the file and renamed.
+/// Writes a volume as an OpenVDB FloatGrid of class fog volume, compressed by blosc where OpenVDB
+/// has it. Written beside the file and renamed when whole.
+/// half    store values as half floats, up to 65504
+/// throws  vog::Error for an invalid or empty volume, a value too large for a half float, or if the
+///         file cannot be written
 void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half = false);
-/// Several grids in one file. throws vog::Error where two have the same name, or one has none
+/// Writes several volumes as grids of one OpenVDB file.
+/// volumes  at least one; of several each needs a name of its own
+/// throws   vog::Error as the one above, for no volume, an empty name or two equal ones
 void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes,
                bool half = false);
 
-/// One grid of a file, as `vog info` tells it.
+/// Description of one grid of a file, as `vog info` prints it.
 struct GridInfo {
-    std::string name, type, grid_class;  ///< "density", "float", "fog volume"
-    bool half_stored = false;
-    std::uint64_t active_voxels = 0;              ///< tiles included
-    std::array<std::uint64_t, 3> active_tiles{};  ///< of 8^3, 128^3 and 4096^3 voxels
-    std::uint64_t leaves = 0, dense_leaves = 0;
-    std::uint64_t points = 0;  ///< of a PointDataGrid
-    Vec3i lower, upper;        ///< active bounding box, inclusive indices
-    Box world;                 ///< of the active bounding box, voxel faces included
-    Affine world_from_index;
-    bool affine = true;              ///< false: a frustum, world_from_index is unset
-    double min = 0, max = 0;         ///< over active values; magnitudes for vectors, 0 for points
-    std::uint64_t memory_bytes = 0;  ///< of the tree in memory
+    std::string name,                 ///< "density"
+        type,                         ///< type of the values: "float", "vec3s", "points"
+        grid_class;                   ///< OpenVDB's class: "fog volume", "level set", "unknown"
+    bool half_stored = false;         ///< values are half floats in the file
+    std::uint64_t active_voxels = 0;  ///< active voxels; a tile counts edge^3
+    std::array<std::uint64_t, 3> active_tiles{};  ///< active tiles of 8^3, 128^3, 4096^3 voxels
+    std::uint64_t leaves = 0,                     ///< leaves of 8^3 voxels
+        dense_leaves = 0;                         ///< leaves with all 512 voxels active
+    std::uint64_t points = 0;                     ///< particles of a PointDataGrid; else 0
+    Vec3i lower, upper;       ///< least and largest active index; both 0 where none is active
+    Box world;                ///< box around the active voxels, world units; empty where none is
+    Affine world_from_index;  ///< from indices to world units
+    bool affine = true;       ///< false: a frustum, for which world_from_index and world are unset
+    double min = 0, max = 0;  ///< over active values; vectors by magnitude, 0 for points
+    std::uint64_t memory_bytes = 0;  ///< size of the tree in memory, bytes
 };
 
-/// Every grid of the file, in file order. throws vog::Error as read_vdb does
+/// Describes every grid of an OpenVDB file, in file order.
+/// throws  vog::Error for a missing, foreign, truncated or corrupt file
 std::vector<GridInfo> inspect_vdb(const std::filesystem::path& file);
 
 }  // namespace vog
