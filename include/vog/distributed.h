@@ -1,5 +1,6 @@
-// vog/distributed.h: one data set shared out among processes: parts of volumes, levels and models,
-// and the collective operations of a conversion. Not in vog/vog.h: vog-mpi is its user.
+// vog/distributed.h: work of several processes on one data set: parts of volumes, adaptive meshes
+// and models, and the collective operations of a conversion. Not in vog/vog.h: only vog-mpi uses
+// it.
 #pragma once
 
 #include <cstddef>
@@ -24,59 +25,75 @@ struct VdbOptions;
 /// Collective operations between processes that convert one data set together. Every process must
 /// make the same calls in the same order. The caller supplies both all-reduces, usually by MPI.
 struct Collective {
-    int index = 0, count = 1;  ///< rank of this process, number of processes
-    /// Sums element by element over all processes: each gets the same bytes. Throws where one of
-    /// them has failed. Empty: one process.
+    int index = 0,  ///< rank of this process, [0, count)
+        count = 1;  ///< number of processes, >= 1
+    /// Replaces each element by its sum over all processes, the same bytes in each process. Every
+    /// process passes as many elements. Throws if a process has failed. Empty: a single process.
     std::function<void(std::span<double>)> allreduce_sum{};
-    /// Largest element by element, likewise.
+    /// Replaces each element by its maximum over all processes, likewise.
     std::function<void(std::span<double>)> allreduce_max{};
 
+    /// Whether there may be other processes.
     bool shared() const { return static_cast<bool>(allreduce_sum); }
+    /// allreduce_sum; no change for a single process.
     void sum(std::span<double> values) const {
         if (allreduce_sum) allreduce_sum(values);
     }
     void sum(double& value) const { sum(std::span(&value, 1)); }
+    /// allreduce_max; no change for a single process.
     void max(std::span<double> values) const {
         if (allreduce_max) allreduce_max(values);
     }
+    /// Whether this is the process of rank 0.
     bool is_root() const { return index == 0; }
 };
-/// `collective`, or a single process where it is null.
+/// The operations of `collective`, or those of a single process if it is null.
 const Collective& collective_or_single(const Collective* collective);
 
-/// One of `count` parts: leaves and tiles in Morton order are cut into runs of about as many active
-/// voxels (a tile counts as a leaf), and this is run `index`. Parts are disjoint, together the
-/// whole, and may be empty: where there are fewer cubes than parts.
+/// Part of a volume. Leaves and tiles in Morton order are cut into `count` runs with about the same
+/// number of active voxels (a tile counts 512); this part is run `index`. Parts are disjoint, and
+/// their union is the volume. A part may be empty if there are fewer aligned cubes than parts.
 struct VolumePart {
-    int index = 0, count = 1;
-    int align_voxels = 8;  ///< runs begin where aligned cubes of this edge do; a power of two, >= 8
+    int index = 0,  ///< number of the part, [0, count)
+        count = 1;  ///< number of parts, >= 1
+    /// Edge, voxels, of the aligned cubes that no cut divides: a power of two, >= 8. Equal to the
+    /// edge of uniform cells or a multiple: no cell lies in two parts.
+    int align_voxels = 8;
 
+    /// Whether the part is the volume itself.
     bool whole() const { return count == 1; }
 };
-/// throws vog::Error for a count below 1, an index outside, an edge that is no power of two
+/// Checks index, count and edge. throws vog::Error for one out of range
 void validate(const VolumePart& part);
 
-/// A part of a volume, with its name, source and transform. Its box is its own: views of the whole
-/// are taken of the whole's. throws vog::Error as validate() does
+/// Copies a part of a volume, with the volume's name, source and transform. world_box of the result
+/// is that of the part: views of the data need the box of the whole volume.
+/// throws  vog::Error as validate does
 [[nodiscard]] Volume part_of(const Volume& volume, const VolumePart& part);
 
-/// A volume in a file, whose parts are read as asked: of a .vdb without the rest; a .nvdb is held
-/// whole.
+/// Reader of parts of a volume in a file. A .vdb gives each part without reading the rest, at 100
+/// bytes a leaf (a level set that becomes fog is held whole); a .nvdb is held whole.
 class VolumeReader {
   public:
-    /// throws vog::Error as VdbReader and read_nvdb do
+    /// throws  vog::Error as read_vdb and read_nvdb do (vog/volume_io.h); values of a .vdb are only
+    ///         checked by read
     explicit VolumeReader(const std::filesystem::path& file, const VdbOptions& options);
     explicit VolumeReader(const std::filesystem::path& file);
     ~VolumeReader();
     VolumeReader(VolumeReader&&) noexcept;
     VolumeReader& operator=(VolumeReader&&) noexcept;
 
-    std::uint64_t active_voxels() const;  ///< of the whole, as stored
-    std::size_t leaf_count() const;       ///< of the whole: those with active voxels
-    Box world_box() const;                ///< of the whole
-    const Affine& world_from_index() const;
-    /// Negative values found are added to `negative`. throws vog::Error as VdbReader does
+    std::uint64_t active_voxels() const;     ///< active voxels of the whole volume; a tile: edge^3
+    std::size_t leaf_count() const;          ///< leaves of the whole volume with active voxels
+    Box world_box() const;                   ///< box of the whole volume, world units
+    const Affine& world_from_index() const;  ///< from indices to world units
+    /// Reads a part.
+    /// negative  is increased by the number of values below 0, which become 0; null: not counted
+    /// throws    vog::Error for an invalid part, corrupt bytes, or values not finite
     Volume read(const VolumePart& part = {}, std::uint64_t* negative = nullptr);
+    /// Reads the leaves and tiles for which wanted(origin, edge) is true: origin the least voxel
+    /// index of a node, edge its voxels (8, 128 or 4096).
+    /// throws  vog::Error as read does
     Volume read_where(const std::function<bool(Vec3i origin, std::int32_t edge)>& wanted);
 
   private:
@@ -84,47 +101,62 @@ class VolumeReader {
     std::unique_ptr<State> state_;
 };
 
-/// A volume that read_levels reads, and its mask.
+/// Place of one level of an adaptive mesh, and of its mask.
 struct LevelSource {
-    std::filesystem::path file;
-    std::string grid{};  ///< as VdbOptions::grid
-    std::string mask{};  ///< empty: none
+    std::filesystem::path file;  ///< .vdb or .nvdb
+    std::string grid{};          ///< name of the grid, as VdbOptions::grid
+    std::string mask{};          ///< name of the grid with its mask; empty: none
 };
-/// What read_levels reads, in its order. throws as it does for patterns and names
+/// Lists the volumes and masks that read_levels reads, in its order.
+/// throws  vog::Error as read_levels does for patterns
 std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> files,
                                        const LevelOptions& options);
 
-/// Of every level this part of its leaves, the last volume of a Levels; before it what of finer
-/// levels lies over it, all values 0: it hides and adds nothing. So the T of the results, for all
-/// parts, is the T of the levels; so is what composite() leaves of their last volumes. Levels
-/// without a leaf in the part are left out.
-/// volumes  in any order, as Levels has them
-/// masks    none, or one for each volume
-/// throws   vog::Error as the readers do
+/// Reads one part of an adaptive mesh. Each result holds this part of one level, as its last
+/// volume, and before it the nodes of finer levels that overlap it, with values set to 0, so that
+/// they mask it without adding to the optical depth T. T summed over the results of all parts is
+/// the T of the mesh; so it is for the last volumes of the results as composite() leaves them.
+/// Levels without a node in the part are left out.
+/// volumes   levels, in any order
+/// masks     none, or one for each volume (Levels::masks)
+/// part      applied to each level by itself
+/// negative  as in VolumeReader::read
+/// throws    vog::Error as the readers do
 std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<VolumeReader> masks,
                                      const VolumePart& part, std::uint64_t* negative = nullptr);
 
-/// One of `count` runs of about as many Gaussians: this is run `index`.
+/// Part of a model: run `index` of `count` runs with about the same number of Gaussians.
 struct ModelPart {
-    int index = 0, count = 1;
+    int index = 0,  ///< number of the part, [0, count)
+        count = 1;  ///< number of parts, >= 1
 };
-/// A part of a model: the rest of the body is not read. Box and source voxels are the whole's.
-/// throws vog::Error as read_ply does, and for an index outside
+/// Reads a part of a model without reading the rest. Box and source_voxels are those of the whole.
+/// throws  vog::Error as read_ply in vog/ply.h does, and for an index out of range
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part);
 
-/// What write_ply writes, for those who write one file together: the header of a model of `count`
-/// Gaussians that this one describes, and the rows behind it, Gaussian by Gaussian.
+/// Header of the PLY file that write_ply writes, for a file written by several processes.
+/// description  cutoff, box and texts of the model; its Gaussians are ignored
+/// count        Gaussians in the whole file
+/// rotated      whether rows have rotations
 std::string ply_header(const Gaussians& description, std::uint64_t count, bool rotated);
+/// Rows of that file behind the header: for each Gaussian 7 floats, or 11 with rotations.
+/// first, count  range of Gaussians of this model
+/// rotated       as in the header; a model without rotations gets the identity
 std::vector<float> ply_rows(const Gaussians& gaussians, std::size_t first, std::size_t count,
                             bool rotated);
 
-/// A model in several files: {"vog_models": ["model.0.ply", ...]}, beside the index or below it.
+/// Writes the index of a model in several files: {"vog_models": ["model.0.ply", ...]}.
+/// models  paths relative to the folder of the index
+/// throws  vog::Error if the file cannot be written
 void write_model_index(const std::filesystem::path& file, std::span<const std::string> models);
-/// throws vog::Error for a missing file, anything else than such an index
+/// Reads the index of a model in several files.
+/// returns  at least one path, with the folder of the index
+/// throws   vog::Error for a missing file, or content of another form
 std::vector<std::filesystem::path> read_model_index(const std::filesystem::path& file);
 
-/// The views that measured errors are of, as MomentReport has it; 256^2 pixels.
+/// Views of the measured error (MomentReport::measured_error): eight cameras around a box.
+/// box  world units
 std::vector<Camera> error_views(const Box& box);
-inline constexpr int kErrorViewSize_px = 256;
+inline constexpr int kErrorViewSize_px = 256;  ///< width and height of these views, pixels
 
 }  // namespace vog

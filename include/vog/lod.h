@@ -1,8 +1,8 @@
-// vog/lod.h: levels of detail: coarser Gaussians for every neighbourhood of a model, so that the cost of a
-// picture follows the screen and not the model.
-// Mass, first and second moments add up whatever Gaussians they are of, so any group of them has
-// one that stands for it. Groups are the cells of an octree over the means; a view draws a cut
-// through it (docs/scaling.md, "Cost that follows the screen").
+// vog/lod.h: levels of detail: hierarchies of coarser Gaussians, cuts through them, coarser models.
+// A node is a Gaussian with the mass, mean and covariance of a group of Gaussians, its leaves: the
+// cells of an octree over their means. A view draws a cut through the hierarchy: a node where its
+// parts are smaller than a pixel, else the parts. Cost then follows the size of the picture and not
+// that of the model (docs/scaling.md, "Cost that follows the screen").
 #pragma once
 
 #include <cstddef>
@@ -19,80 +19,92 @@
 
 namespace vog {
 
-/// A forest over a model's Gaussians, its leaves. Nodes lie level by level, and so do leaves, those
-/// of one size side by side: what a view draws is read in long runs.
+/// Forest of M nodes whose leaves are the N Gaussians of a model. Nodes are stored level by level,
+/// roots first, the children of a node side by side, and so are the leaves.
 struct Hierarchy {
-    Gaussians nodes;  ///< [M] mass, mean and covariance of the leaves below
-    /// [M] children of node n: the nodes first_node[n] ... first_node[n] + node_count[n] - 1, all
-    /// behind n, and the leaves first_leaf[n] ... first_leaf[n] + leaf_count[n] - 1.
+    Gaussians nodes;  ///< [M] with the mass, mean and covariance of all leaves below
+    /// [M] Children of node n: the nodes first_node[n] ... first_node[n] + node_count[n] - 1, all
+    /// behind n, and the leaves first_leaf[n] ... first_leaf[n] + leaf_count[n] - 1 of the model.
     std::vector<std::uint32_t> first_node, first_leaf;
-    std::vector<std::uint8_t> node_count, leaf_count;  ///< [M] together at least 2
-    /// [M] of the ball around the mean that holds the supports of the node and of all below.
+    std::vector<std::uint8_t> node_count, leaf_count;  ///< [M] numbers of children, sum >= 2
+    /// [M] radius of a ball around the node's mean that holds the supports of the node and of all
+    /// below, world units, >= 0.
     std::vector<float> radius;
-    /// [M] how far from its place mass is drawn: half the edge of the node's cell in the octree, or
-    /// of a box as wide as its widest child where that is larger. World units; none below a node
-    /// has a larger one. What a view compares with its pixels.
+    /// [M] Geometric error, world units, >= 0: half the edge of the node's octree cell, or of its
+    /// widest child's box if larger. Never less than a child's. A node is drawn where the
+    /// projection of its error is below CutOptions::pixel_error.
     std::vector<float> error;
 
-    std::size_t size() const { return node_count.size(); }
+    std::size_t size() const { return node_count.size(); }  ///< M
     bool empty() const { return node_count.empty(); }
 };
 
+/// Options of build_hierarchy.
 struct HierarchyOptions {
-    /// Lattice of the cells that the Gaussians came from, if they did: nodes are then blocks of
-    /// 2^3, 4^3, ... of them, as they should be. A voxel i is [i - 1/2, i + 1/2].
+    /// Map from world units to voxel indices of the volume that the model came from; voxel i is
+    /// [i - 1/2, i + 1/2]. Nodes are then blocks of 2^3, 4^3, ... of its cells. None: the octree
+    /// divides the box of the means.
     std::optional<Affine> index_from_world;
 };
 
-/// Builds it, and puts the model's Gaussians into its order. The same bytes for any number of
-/// threads.
-/// throws  vog::Error for an invalid model, or one of 2^32 Gaussians
-/// cost    O(N log N) time; 20 bytes a Gaussian and 80 a node while it is built. Nodes are a
-///         seventh as many as Gaussians that fill their cells, up to a third where they are
-///         scattered
+/// Builds the hierarchy of a model, and sorts the model's Gaussians into its order. The same bytes
+/// for any number of threads.
+/// model   finite values, at most 2^32 - 2 Gaussians; a model of fewer than 2 has no nodes
+/// throws  vog::Error for an invalid or too large model
+/// cost    O(N log N) time; 20 bytes a Gaussian and 80 a node of memory meanwhile. M is N / 7 where
+///         Gaussians fill their cells, up to N / 3 where they are scattered
 [[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
 
-/// Checks lengths, order and values of a hierarchy over `leaves` Gaussians with this cutoff.
-/// throws  vog::Error naming `where` and what is wrong
+/// Checks the arrays of a hierarchy against its model and the ranges above.
+/// leaves  N, Gaussians of the model
+/// cutoff  cutoff of the model, standard deviations
+/// where   name in the error message
+/// throws  vog::Error naming `where` and the first offence
 void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
               const std::string& where);
 
-/// Joins those of two models, as vog::append joins these: level by level each for itself.
-/// leaves  of the model before
+/// Appends the hierarchy of another model, when vog::append has joined or will join the models.
+/// Each keeps its own levels; write_ply refuses the result.
+/// leaves  N of the first model, before it is joined
+/// throws  vog::Error if the cutoffs differ
 void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves);
 
+/// Options of a cut.
 struct CutOptions {
-    /// A node is drawn where its error is below this many pixels: 1 merges parts that are smaller
-    /// than a pixel. 0: no node ever is. >= 0
+    /// Largest projected error of a node that is drawn, pixels, >= 0. 1: nodes whose parts are
+    /// smaller than a pixel. 0: no nodes, only leaves.
     double pixel_error = 1;
-    bool skip_unseen = true;  ///< leave out what is wholly off the picture or behind the eye
+    bool skip_unseen = true;  ///< leave out nodes whose ball is off the picture or behind the eye
 };
 
+/// Counts of a cut.
 struct CutReport {
-    std::size_t visited = 0;  ///< nodes that were looked at
-    std::size_t nodes = 0;    ///< nodes that are drawn,
-    std::size_t leaves = 0;   ///< and Gaussians of the model
-    std::size_t drawn() const { return nodes + leaves; }
+    std::size_t visited = 0;                              ///< nodes tested
+    std::size_t nodes = 0;                                ///< nodes drawn
+    std::size_t leaves = 0;                               ///< Gaussians of the model drawn
+    std::size_t drawn() const { return nodes + leaves; }  ///< Gaussians drawn in all
 };
 
-/// Cuts through one hierarchy, view after view: every leaf is drawn, or one node above it is, or it
-/// is not in view. Its buffers last, so that a view like the one before allocates nothing.
+/// Cuts through one hierarchy for a sequence of views. In each, a leaf is drawn, or one node above
+/// it, or neither where it is out of view. Buffers are kept from view to view.
 class ViewCut {
   public:
-    /// model, hierarchy  must outlive it and stay as they are
+    /// model, hierarchy  must outlive the object and stay unchanged
+    /// cost              32 bytes a node
     ViewCut(const Gaussians& model, const Hierarchy& hierarchy);
     ~ViewCut();
     ViewCut(ViewCut&&) noexcept;
     ViewCut& operator=(ViewCut&&) noexcept;
 
-    /// returns  the Gaussians to draw, nodes level by level, then leaves in the model's order; the
-    ///          model itself where that is all of it. The same bytes for any number of threads.
-    ///          Good until the next call
-    /// throws   vog::Error for an error that is negative or no number
-    /// cost     O(nodes visited + Gaussians drawn) time, parallel; 32 bytes a node for good, 44 a
-    ///          Gaussian drawn
+    /// Chooses the Gaussians that a view draws.
+    /// frame    camera and image size
+    /// returns  nodes level by level, then leaves in the model's order; the model itself if all its
+    ///          leaves are drawn. The same bytes for any number of threads. Valid until the next
+    ///          call
+    /// throws   vog::Error for a pixel_error that is negative or NaN
+    /// cost     O(nodes visited + Gaussians drawn) time, parallel; 44 bytes a Gaussian drawn
     const Gaussians& choose(const CameraFrame& frame, const CutOptions& options = {});
-    /// Of the last call.
+    /// Counts of the last cut.
     const CutReport& report() const;
 
   private:
@@ -100,22 +112,26 @@ class ViewCut {
     std::unique_ptr<State> state_;
 };
 
-/// Coarser models of the same mass, mean and covariance. Neighbours are joined by a tree that
-/// halves the model across its longest axis, and split again where that gains most.
-/// budgets  the most Gaussians each result may have, > 0
-/// returns  one model a budget, with the model's cutoff and box. A budget that the model meets gives
-///          the model itself; with rotations otherwise. The same bytes for any number of threads
+/// Coarser models of the same mass, mean and covariance, by a tree that halves the model across its
+/// longest axis; parts are split in the order of their gain.
+/// budgets  largest number of Gaussians of each result, > 0
+/// returns  one model a budget, with rotations and the model's cutoff and box; the model itself for
+///          a budget of N or more. The same bytes for any number of threads
 /// throws   vog::Error for a budget of 0 or an invalid model
 /// cost     O(N log N) time, once for all budgets; 200 bytes a Gaussian
 [[nodiscard]] std::vector<Gaussians> coarsen(const Gaussians& model,
                                              std::span<const std::size_t> budgets);
+/// Coarser model for one budget.
 [[nodiscard]] Gaussians coarsen(const Gaussians& model, std::size_t budget);
 
-/// What levels of detail below a model of this size may have: a quarter as many Gaussians each
-/// time, down to about a thousand.
-/// most  levels, the model included
+/// Budgets for the levels of detail below a model: a quarter of the Gaussians each time, down to
+/// about 1000.
+/// size     N of the model
+/// most     largest number of levels, the model included
+/// returns  largest first; empty for fewer than 2000 Gaussians
 [[nodiscard]] std::vector<std::size_t> detail_budgets(std::size_t size, std::size_t most = 8);
-/// The model and, coarsened, those below it.
+/// Levels of detail of a model, finest first: the model, then coarsen for detail_budgets.
+/// most  largest number of levels
 [[nodiscard]] std::vector<Gaussians> detail_levels(Gaussians model, std::size_t most = 8);
 
 }  // namespace vog
