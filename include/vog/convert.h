@@ -1,4 +1,4 @@
-// vog/convert.h: volumes and particles to Gaussians, by every method.
+// vog/convert.h: conversion of volumes and particles to Gaussians, by every method.
 #pragma once
 
 #include "vog/convert_moments.h"

@@ -1,7 +1,13 @@
-// vog/convert_moments.h: voxels to Gaussians by moments, without training.
-// A Gaussian has the mass, mean and covariance of the voxels it replaces, all three after the cut
-// of its kernel (docs/moments.md). The sums are additive, so one bottom-up pass gives every node of
-// an octree its own Gaussian; a model is a cut through that octree.
+// vog/convert_moments.h: conversion of voxels to Gaussians by moments, without training.
+// A cell is a group of voxels; its Gaussian, truncated at kMomentCutoff, has the mass, mean and
+// covariance of these voxels. Sums of moments are additive, so that one bottom-up pass gives every
+// node of an octree its Gaussian. A cut through the octree, cubes that together hold every voxel
+// once, is a model: uniform with cubes of one size, adaptive with small cubes where they gain most.
+//   hard cell   every voxel belongs to the one cube that holds it
+//   soft cell   voxels are shared: cell i gets the share G_i(x) / sum_j G_j(x) of the voxel at x, G
+//               the Gaussians of the step before (expectation-maximisation); smooth where hard
+//               cells ripple
+// Method and measurements: docs/moments.md.
 #pragma once
 
 #include <array>
@@ -21,76 +27,92 @@ namespace vog {
 
 struct Collective;
 
-/// Standard deviations at which moment Gaussians are cut.
+/// Cutoff of moment Gaussians: radius of the support, standard deviations.
 inline constexpr float kMomentCutoff = 2.25f;
 
+/// Options of convert_moments. Cells are chosen by block_voxels, else by budget, else by error.
 struct MomentOptions {
-    int block_voxels = 0;    ///< uniform cut: edge of a cell, a power of two, 1 to 128; 0: no
-    std::size_t budget = 0;  ///< best cut with at most this many Gaussians; 0: no
-    double error = 0.03;     ///< smallest cut with a measured error up to this, where neither
-                             ///< block_voxels nor budget is given; (0, 1)
-    int soft_steps = -1;     ///< steps from hard cells to soft ones, 0 to 1000; -1: none for a
-                             ///< uniform cut, kSoftSteps for a budget, kSearchSoftSteps for
-                             ///< an error, which makes several models
-    float spread = 1;        ///< widens each standard deviation at constant mass, [0.5, 2]
-    double mass_threshold = 1e-4;  ///< the lightest cells go, up to this share of the mass, [0, 1)
-    double refine_seconds = 0;  ///< soft steps, and cells moved to where pictures err, for so long,
-                                ///< while they err less: no more the same bytes each time; [0, 1e6]
-    bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
-    bool measure = false;       ///< measure the error of a uniform cut or a budget too
-    /// Processes that each hold a part of the volume. Only for block_voxels with soft_steps 0; parts
-    /// must be aligned to cells, then the union of the results equals the single-process model.
+    int block_voxels = 0;  ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128; 0: no
+    std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians; 0: no
+    /// Adaptive cut of the fewest Gaussians whose measured error (MomentReport::measured_error) is
+    /// at most this, (0, 1). Used without block_voxels and budget.
+    double error = 0.03;
+    /// Expectation-maximisation steps from hard to soft cells, 0 to 1000. -1: none for a uniform
+    /// cut, kSoftSteps for a budget, kSearchSoftSteps for an error, whose search makes several
+    /// models.
+    int soft_steps = -1;
+    float spread = 1;  ///< factor on each standard deviation at constant mass, [0.5, 2]
+    /// Largest share of the mass that is dropped with the lightest cells, [0, 1).
+    double mass_threshold = 1e-4;
+    /// Time for refinement, seconds, [0, 1e6]: moves cells to where pictures have the largest
+    /// error, with further soft steps, as long as that error falls. 0: none. The result then
+    /// depends on the speed of the machine.
+    double refine_seconds = 0;
+    bool axis_aligned = false;  ///< diagonal covariance, no rotations: 28 bytes each, not 44
+    bool measure = false;       ///< report the measured error of a uniform cut or a budget too
+    /// Processes that each hold a part of the volume (vog/distributed.h). Only for block_voxels with
+    /// soft_steps 0, without refinement and measure; parts must be aligned to cells, then the union
+    /// of the results equals the single-process model. Null: a single process.
     const Collective* collective = nullptr;
-    Progress progress{};
+    Progress progress{};  ///< called with the finished fraction; empty: not
 };
+/// Default soft_steps for a budget and for each model in the search for an error.
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 
-/// One way to choose cells, as commands and bindings are asked for it; 0: not asked. None of them:
-/// what the conversion does unasked.
+/// Choice of cells by at most one of four ways, 0: not by this one. By none: the default of the
+/// conversion.
 struct CellChoice {
-    int block_voxels = 0;
-    std::size_t budget = 0;
-    double error = 0;
-    int lod = 0;  ///< moment_lod or point_lod
+    int block_voxels = 0;    ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128
+    std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians
+    double error = 0;        ///< adaptive cut: largest measured error, (0, 1)
+    int lod = 0;             ///< level of detail as in moment_lod or point_lod, 1 to 5
 };
-/// throws vog::Error where two are asked for: "block and budget exclude each other"
+/// Sets the options by which cells are chosen.
+/// throws  vog::Error if two ways are given: "block and budget exclude each other"
 void set_cut(MomentOptions& options, const CellChoice& cut);
 
-/// What the conversion did and reached.
+/// Results of a conversion by moments.
 struct MomentReport {
-    double mass_ratio = 1;          ///< of all cells to the volume, before any is dropped
-    double dropped_mass_share = 0;  ///< lost to the threshold, of the volume's mass
-    std::size_t dropped_cells = 0;
-    /// Relative L2 of T over eight views around the volume, 256^2 pixels each; below 0: not
-    /// measured. Above MomentOptions::error where even the finest cut is.
+    double mass_ratio = 1;          ///< mass of all cells, dropped ones included / mass of the data
+    double dropped_mass_share = 0;  ///< mass of the dropped cells / mass of the data, [0, 1)
+    std::size_t dropped_cells = 0;  ///< number of cells below the mass threshold
+    /// Relative L2 error of the optical depth T, sqrt(sum (T - T_ref)^2 / sum T_ref^2), over eight
+    /// views around the data of 256^2 pixels; T_ref by exact integration of the voxels. -1: not
+    /// measured. Above MomentOptions::error if the finest cut does not achieve it.
     double measured_error = -1;
-    std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
+    /// Stages of the conversion in their order: name and duration, milliseconds.
+    std::vector<std::pair<std::string, double>> stage_ms;
 };
 
-/// What convert_moments and convert_points say in Gaussians::summary: counts, mass, measured error.
-/// of  what the model stands for: "active voxels", "particles"
+/// Text of Gaussians::summary after a conversion by moments: counts, mass ratio, measured error.
+/// of  name of the source elements: "active voxels", "particles"
 std::string summary_text(const Gaussians& model, const MomentReport& report, const std::string& of);
+/// The same text by counts, for a model in several parts.
+/// source_voxels  active voxels or particles of the source; 0: unknown
 std::string summary_text(std::uint64_t gaussians, std::uint64_t source_voxels,
                          const MomentReport& report, const std::string& of);
 
-/// Levels of detail 1 (finest) to 5: uniform cells of 2, 4, 8, 16, 32 voxels.
-/// throws vog::Error outside 1..5
+/// Options of a level of detail: uniform cells of 2, 4, 8, 16 or 32 voxels along an edge.
+/// lod     1 (finest) to 5
+/// throws  vog::Error for another lod
 MomentOptions moment_lod(int lod);
 
-/// returns  Gaussians in world space, in Morton order of their cells: the same bytes for any number
-///          of threads
-/// throws   vog::Error if an option is out of range, both a block and a budget are asked for, the
-///          volume has no mass, a value is negative or not finite
-/// cost     O(active voxels) time for a uniform cut, with the memory of its result; the others take
-///          as much again for each soft step, the search for an error a few times that
+/// Converts a volume by moments.
+/// report   receives the results; null: not reported
+/// returns  Gaussians in world space, in Morton order of their cells; without refine_seconds the
+///          same bytes for any number of threads
+/// throws   vog::Error if an option is out of range, both block_voxels and budget are set, the
+///          volume has no mass, or a value is negative or not finite
+/// cost     a uniform cut: O(active voxels) time, and the memory of its result; each soft step: as
+///          much time again; the search for an error: a few models
 [[nodiscard]] Gaussians convert_moments(const Volume& volume, const MomentOptions& options = {},
                                         MomentReport* report = nullptr);
 
-/// Levels of an adaptive mesh as one model: one octree takes the cells of all levels whose lattices
-/// divide each other in halves, so that seams do not show; levels that fit no other have an octree
-/// of their own, under the same budget. A block counts voxels of each level up to 8, then voxels of
-/// the coarsest.
-/// throws   as above, or if no part is left
+/// Converts the levels of an adaptive mesh to one model by moments. Levels whose lattices divide
+/// each other in halves share one octree, so that no seam shows; a level that fits no other has an
+/// octree of its own, under the same budget. Up to 8, block_voxels counts voxels of each level;
+/// above, voxels of the coarsest.
+/// throws  vog::Error as above, or if `data` has no parts
 [[nodiscard]] Gaussians convert_moments(const Composite& data, const MomentOptions& options = {},
                                         MomentReport* report = nullptr);
 

@@ -1,7 +1,9 @@
-// vog/convert.h: turn a sparse density volume into 3D Gaussians.
+// vog/convert_paper.h: conversion of voxels to Gaussians by the paper's strategies.
 // Source: Sharma & Schmalstieg, "3D Gaussian Modeling and Ray Marching of OpenVDB datasets for
-// Scientific Visualization", section 3, and its companion arXiv 2504.04857, section 4.
-// Departures from their text: docs/method.md.
+// Scientific Visualization" (the paper), section 3, and arXiv 2504.04857 (its companion), section
+// 4. Departures from their text: docs/method.md.
+// A leaf is a block of 8^3 voxels, dense if all are active. A group of voxels becomes one Gaussian
+// in its bounding box: the paper's radius is half the box, the standard deviation radius / sqrt(2).
 #pragma once
 
 #include <string>
@@ -13,55 +15,67 @@
 
 namespace vog {
 
-/// How the voxels of leaves are grouped; each group becomes one axis-aligned Gaussian.
+/// Strategies by which the active voxels of a volume are grouped. The first three are the paper's
+/// and divide dense leaves into blocks of PaperOptions::dense_block; the others are the
+/// companion's.
 enum class Strategy {
-    smart_grouping,     ///< 2^3 blocks, then face-adjacent pairs along X, Y, Z, then singles
+    smart_grouping,     ///< 2^3 blocks, then face-adjacent pairs along X, Y, Z, then single voxels
     strict_blocks,      ///< 2^3 blocks, then single voxels
-    single_per_leaf,    ///< one Gaussian in the running minimum bounding box of the active voxels
-    variance_clusters,  ///< companion: halve a leaf until the variance of values in a part is small
-    leaf_clusters,      ///< companion: neighbouring leaves of similar mean become one Gaussian
-    tree_mirror,        ///< companion: one Gaussian per tree node at a chosen depth
+    single_per_leaf,    ///< one group per leaf
+    variance_clusters,  ///< cubes of a leaf, divided into eighths until their variance is small
+    leaf_clusters,      ///< boxes of neighbouring leaves of similar mean density
+    tree_mirror,        ///< one group per tree node of one depth
 };
 
+/// Rules for the peak density of a group's Gaussian.
 enum class Amplitude {
-    mean,  ///< the paper's: the peak is the mean density of the group
-    mass,  ///< the peak at which the truncated Gaussian has the mass of the group
+    mean,  ///< mean density of the group, as in the paper
+    mass,  ///< density at which the truncated Gaussian has the mass of the group
 };
 
+/// Options of convert_paper.
 struct PaperOptions {
-    Strategy strategy = Strategy::smart_grouping;
-    int dense_block = 2;  ///< paper: block edge in dense leaves, 2, 4 or 8 voxels
-    Amplitude amplitude = Amplitude::mean;
-    float opacity_threshold = 1e-4f;     ///< groups with mean density at or below this are dropped
-    float minimum_radius_voxels = 0.1f;  ///< radii are raised to this
-    float kappa = 0.01f;  ///< density at which the paper cuts a Gaussian: k = sqrt(-2 ln kappa)
-    float variance_threshold = 0.01f;  ///< variance: of that of all values in leaves, >= 0
-    float similarity = 0.1f;  ///< neighbours: relative difference of means that joins, [0, 1]
-    int tree_depth = 3;       ///< tree: 1 root's children (4096^3), 2 (128^3), 3 leaves (8^3)
-    Progress progress{};
+    Strategy strategy = Strategy::smart_grouping;  ///< grouping of voxels
+    int dense_block = 2;  ///< the paper's strategies: block edge in dense leaves, 2, 4 or 8 voxels
+    Amplitude amplitude = Amplitude::mean;  ///< peak density
+    float opacity_threshold = 1e-4f;        ///< mean density, >= 0, up to which a group is dropped
+    float minimum_radius_voxels = 0.1f;     ///< least radius, voxels, [0, 1e6]
+    /// Share of its peak at which a Gaussian is cut, [1.3e-14, 1): cutoff = sqrt(-2 ln kappa).
+    float kappa = 0.01f;
+    /// variance_clusters: largest variance of density in a cube, as a share of the variance over
+    /// all leaves, >= 0.
+    float variance_threshold = 0.01f;
+    /// leaf_clusters: largest difference of the means of two leaves, as a share of the larger, [0,
+    /// 1].
+    float similarity = 0.1f;
+    int tree_depth = 3;   ///< tree_mirror: 1: nodes of 4096^3 voxels, 2: 128^3, 3: leaves, 8^3
+    Progress progress{};  ///< called with the finished fraction; empty: not
 };
 
-/// smart, strict, single, variance, neighbours, tree: what `vog convert --strategy` takes.
+/// Name of a strategy for `vog convert --strategy`: smart, strict, single, variance, neighbours,
+/// tree, in the order of the enumeration.
 std::string strategy_name(Strategy strategy);
-/// throws vog::Error listing the names if there is none such
+/// Strategy of such a name. throws vog::Error listing the names for an unknown one
 Strategy strategy_from_name(const std::string& name);
 
-/// Levels 1 (finest) to 5 (coarsest) of the paper's tables: dense blocks 2, 4, 8, 8, 8 with smart
-/// grouping (1-3), strict blocks (4) and a single Gaussian per leaf (5).
-/// throws vog::Error outside 1..5
+/// Options of a level of detail in the paper's tables: dense_block 2, 4, 8, 8, 8 with
+/// smart_grouping (1 to 3), strict_blocks (4) and single_per_leaf (5).
+/// lod     1 (finest) to 5
+/// throws  vog::Error for another lod
 PaperOptions paper_lod(int lod);
 
-/// The paper's conversion, one leaf a task; each tile becomes one Gaussian. The companion's
-/// strategies treat dense leaves like all others.
+/// Converts a volume by one of the paper's strategies. Each tile becomes one Gaussian.
 /// volume   density >= 0, any affine transform
-/// returns  Gaussians in world space, in leaf order, then tiles: the same bytes for any number of
-///          threads. None at all where no group's mean exceeds the opacity threshold
-/// throws   vog::Error if an option is out of range, the volume is empty or a value is negative or
+/// returns  Gaussians in world space, in leaf order, then tiles; the same bytes for any number of
+///          threads. Empty if no group's mean exceeds the opacity threshold
+/// throws   vog::Error if an option is out of range, the volume is empty, or a value is negative or
 ///          not finite
-/// cost     O(active voxels) time, O(Gaussians) memory
+/// cost     O(active voxels) time, O(Gaussians) memory, parallel over leaves
 [[nodiscard]] Gaussians convert_paper(const Volume& volume, const PaperOptions& options = {});
 
-/// Parts of levels as one model, part by part; its box and voxels are those of all levels.
+/// Converts the levels of an adaptive mesh to one model, part by part of `data`. Box and
+/// source_voxels are those of all levels.
+/// throws  vog::Error as above, or if `data` has no parts
 [[nodiscard]] Gaussians convert_paper(const Composite& data, const PaperOptions& options = {});
 
 }  // namespace vog

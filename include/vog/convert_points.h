@@ -1,6 +1,8 @@
-// vog/convert_points.h: particles to Gaussians: one for each, or any smaller number by moments.
+// vog/convert_points.h: conversion of particles to Gaussians, one each or fewer by moments.
 // Source: Sharma & Schmalstieg, "Unstructured Point Clouds". Departures: a particle's Gaussian has
-// its value as mass, not as peak, and a width from its neighbours (docs/particles.md).
+// the particle's value as mass, not as peak, and a width from its neighbours (docs/particles.md).
+// A cell is a group of particles; its Gaussian has their mass, mean and covariance
+// (vog/convert_moments.h).
 #pragma once
 
 #include <string>
@@ -12,49 +14,57 @@
 
 namespace vog {
 
+/// Options of convert_points. Cells are chosen by one of block_voxels, budget and error; by none:
+/// one Gaussian a particle.
 struct PointOptions {
-    std::string value =
-        "count";                ///< mass of a particle: "count" (1), "speed" or an attribute, >= 0
-    double radius = 0;          ///< standard deviation of a particle's Gaussian, world units; 0:
-                                ///< adaptive, half the distance to a near neighbour
-    int neighbours = 8;         ///< adaptive: which neighbour, 1 (the nearest) to 64
-    int block_voxels = 0;       ///< uniform cut: edge of a cell in voxels of point_voxel_size, a
-                                ///< power of two, 1 to 128; 0: no
-    std::size_t budget = 0;     ///< best cut with at most this many Gaussians; 0: no
-    double error = 0;           ///< smallest cut with a measured error up to this, (0, 1); 0: no.
-                                ///< None of the three: one Gaussian a particle
-    double mass_threshold = 0;  ///< the lightest go, up to this share of the mass, [0, 1)
-    bool axis_aligned = false;  ///< variances along the world axes only: 28 bytes, not 44
-    bool measure = false;       ///< measure the error of a uniform cut or a budget too
-    /// Processes that each hold all particles: adaptive widths are computed in shares, everything
-    /// else by each process.
+    /// Mass of a particle, >= 0: "count" (1), "speed" or the name of an attribute.
+    std::string value = "count";
+    /// Standard deviation of a particle's Gaussian, world units, > 0. 0: adaptive, half the
+    /// distance to the neighbour number `neighbours`.
+    double radius = 0;
+    int neighbours = 8;  ///< rank of the neighbour by distance, 1 (nearest) to 64
+    /// Uniform cells: edge, in voxels of edge point_voxel_size, a power of two, 1 to 128; 0: no.
+    int block_voxels = 0;
+    std::size_t budget = 0;  ///< adaptive cells: largest number of Gaussians; 0: no
+    /// Adaptive cells: largest measured error, (0, 1), with the fewest Gaussians; 0: no. The
+    /// reference is the model of one Gaussian a particle.
+    double error = 0;
+    /// Largest share of the mass that is dropped with the lightest cells, [0, 1).
+    double mass_threshold = 0;
+    bool axis_aligned = false;  ///< diagonal covariance, no rotations: 28 bytes each, not 44
+    bool measure = false;       ///< report the measured error of block_voxels or a budget too
+    /// Processes that each hold all particles (vog/distributed.h): the adaptive widths are divided
+    /// among them, everything else is done by each. Null: a single process.
     const Collective* collective = nullptr;
-    Progress progress{};
+    Progress progress{};  ///< called with the finished fraction; empty: not
 };
 
-/// Levels of detail 1 (finest) to 5: uniform cells of 2, 4, 8, 16, 32 voxels.
-/// throws vog::Error outside 1..5
+/// Options of a level of detail: uniform cells of 2, 4, 8, 16 or 32 voxels along an edge.
+/// lod     1 (finest) to 5
+/// throws  vog::Error for another lod
 PointOptions point_lod(int lod);
 
+/// Sets the options by which cells are chosen.
+/// throws  vog::Error if two ways are given: "block and budget exclude each other"
 void set_cut(PointOptions& options, const CellChoice& cut);
 
-/// Gaussians whose masses, after the cut of their kernel at kMomentCutoff, sum to the particles'
-/// values. One a particle: isotropic, in the order of the particles, those of value 0 left out.
-/// Fewer: each with the mass, mean and covariance of several, cut from a tree of moments. The same
-/// bytes for any number of threads.
-/// The error is against one Gaussian a particle, over the eight views of MomentReport.
-/// throws vog::Error if an option is out of range, two cuts are asked for, a value is negative or
-///        all are zero, or the radius is adaptive and all particles lie in one place
-/// cost   O(N log N) time, 28 bytes a particle and 150 for a budget, besides the particles
+/// Converts particles to Gaussians truncated at kMomentCutoff, whose masses sum to the particles'
+/// values.
+/// report   receives the results, as of convert_moments; the reference of its measured error is the
+///          model of one Gaussian a particle; null: not reported
+/// returns  one a particle: isotropic, in the order of the particles, without those of value 0; by
+///          cells: one each. World units; the same bytes for any number of threads
+/// throws   vog::Error if an option is out of range, two choices of cells are set, a value is
+///          negative or all are zero, or the radius is adaptive and all particles are in one place
+/// cost     O(N log N) time; besides the particles 28 bytes each, and 150 for a budget
 [[nodiscard]] Gaussians convert_points(const Points& points, const PointOptions& options = {},
                                        MomentReport* report = nullptr);
 
-/// The paper's particles: isotropic Gaussians of one radius whose peak is the particle's value, in
-/// the order of a PointDataGrid's leaves and voxels.
-/// value   what the opacity encodes; the paper's: "speed"
-/// radius  the paper's, sqrt(2) standard deviations, world units; 0: half a voxel of
-///         point_voxel_size
-/// kappa   density at which the kernel is cut: k = sqrt(-2 ln kappa), as in PaperOptions
+/// Converts particles as the paper does: isotropic Gaussians of one radius whose peak density is
+/// the particle's value, in the order of a PointDataGrid's leaves and voxels.
+/// value   peak density, >= 0, by its name as in PointOptions; "speed" in the paper
+/// radius  sqrt(2) standard deviations, world units, > 0; 0: half of point_voxel_size
+/// kappa   share of its peak at which a Gaussian is cut, [1.3e-14, 1): cutoff = sqrt(-2 ln kappa)
 /// throws  vog::Error as convert_points does
 [[nodiscard]] Gaussians convert_points_paper(const Points& points,
                                              const std::string& value = "speed", double radius = 0,
