@@ -50,9 +50,9 @@ struct MomentOptions {
     double refine_seconds = 0;
     bool axis_aligned = false;  ///< diagonal covariance, no rotations: 28 bytes each, not 44
     bool measure = false;       ///< report the measured error of a uniform cut or a budget too
-    /// Processes that each hold a part of the volume (vog/distributed.h). Only for block_voxels with
-    /// soft_steps 0, without refinement and measure; parts must be aligned to cells, then the union
-    /// of the results equals the single-process model. Null: a single process.
+    /// Processes that each hold a part of the volume (vog/distributed.h). Only for block_voxels
+    /// with soft_steps 0, without refinement and measure; parts must be aligned to cells, then the
+    /// union of the results equals the single-process model. Null: a single process.
     const Collective* collective = nullptr;
     Progress progress{};  ///< called with the finished fraction; empty: not
 };

@@ -86,11 +86,10 @@ struct CutReport {
 };
 
 /// Cuts through one hierarchy for a sequence of views. In each, a leaf is drawn, or one node above
-/// it, or neither where it is out of view. Buffers are kept from view to view.
+/// it, or neither where it is out of view. Buffers, 32 bytes a node, are kept from view to view.
 class ViewCut {
   public:
-    /// model, hierarchy  must outlive the object and stay unchanged
-    /// cost              32 bytes a node
+    /// model, hierarchy  must outlive it and stay as they are
     ViewCut(const Gaussians& model, const Hierarchy& hierarchy);
     ~ViewCut();
     ViewCut(ViewCut&&) noexcept;

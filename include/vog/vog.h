@@ -1,5 +1,40 @@
-// vog/vog.h: the library, but for the OpenVDB interop header (vog/openvdb.h) and data shared out among
-// processes (vog/distributed.h). Headers in the order of the data: load -> convert -> render -> shade -> image.
+// vog/vog.h: all of the library in one include, and the order in which to read its headers.
+// Data flows one way, as plain structs between functions: load -> convert -> render -> shade ->
+// image.
+//
+//   data     volume.h           sparse density volumes: leaves of 8^3 voxels and tiles
+//            points.h           particles, and their files
+//            levels.h           levels of adaptive meshes: volumes of different voxel size, one
+//                               field
+//            gaussians.h        the model: N truncated 3D Gaussians
+//            camera.h           pinhole cameras and named views
+//            image.h            depth images (optical depth T), colour images, and their files
+//   load     volume_io.h        volumes from and to OpenVDB and NanoVDB files
+//            dense.h            volumes from and to dense arrays
+//            ply.h              models from and to PLY files
+//            sample.h           procedural volumes and particles
+//   convert  convert.h          the three below
+//            convert_moments.h  voxels to Gaussians by moments, the default
+//            convert_paper.h    voxels to Gaussians by the paper's strategies
+//            convert_points.h   particles to Gaussians
+//            lod.h              levels of detail: hierarchies, cuts by view, coarser models
+//   render   splat.h            T of Gaussians on the CPU, the default
+//            trace.h            T of Gaussians on the CPU by ray tracing
+//            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
+//            reference.h        T of the voxels themselves, the ground truth
+//            renderer.h         all of these renderers by name
+//   shade    shade.h            T to colours by a transfer function
+//   judge    compare.h          differences between two images
+//            evaluate.h         tables and figures of many conversions of one data set
+//   share    export_html.h      models as one HTML page
+//   all      error.h            the exception type
+//            linear.h           vectors, matrices, affine maps, boxes
+//            memory.h           arrays larger than memory
+//            progress.h         progress, interruption, number of threads
+//            text.h             counts and sizes as text
+//
+// Not included here: openvdb.h (volumes from and to OpenVDB grids in memory; needs OpenVDB's
+// headers) and distributed.h (one data set divided among processes; used by vog-mpi).
 #pragma once
 
 #include "vog/camera.h"
