@@ -21,8 +21,7 @@ struct Camera {
 /// `eye` and has the unnormalised direction corner + column * step_x + row * step_y, which advances
 /// one world unit along `forward`.
 struct CameraFrame {
-    /// Centre of projection, world units, and the camera's axes: unit vectors, right = forward x
-    /// up.
+    /// Centre of projection, world units, and the camera's unit axes, right x up = -forward.
     Vec3d eye, right, up, forward;
     /// Direction through pixel (0, 0), and its change from one column and from one row to the next,
     /// world units per world unit along `forward`.

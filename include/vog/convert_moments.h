@@ -5,8 +5,7 @@
 // once, is a model: uniform with cubes of one size, adaptive with small cubes where they gain most.
 //   hard cell   every voxel belongs to the one cube that holds it
 //   soft cell   voxels are shared: cell i gets the share G_i(x) / sum_j G_j(x) of the voxel at x, G
-//               the Gaussians of the step before (expectation-maximisation); smooth where hard
-//               cells ripple
+//               the Gaussians of the step before (expectation-maximisation); no ripples between
 // Method and measurements: docs/moments.md.
 #pragma once
 
@@ -34,12 +33,11 @@ inline constexpr float kMomentCutoff = 2.25f;
 struct MomentOptions {
     int block_voxels = 0;  ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128; 0: no
     std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians; 0: no
-    /// Adaptive cut of the fewest Gaussians whose measured error (MomentReport::measured_error) is
-    /// at most this, (0, 1). Used without block_voxels and budget.
+    /// Adaptive cut of the fewest Gaussians, to 5 %, with a MomentReport::measured_error of at most
+    /// this, (0, 1). Used without block_voxels and budget.
     double error = 0.03;
-    /// Expectation-maximisation steps from hard to soft cells, 0 to 1000. -1: none for a uniform
-    /// cut, kSoftSteps for a budget, kSearchSoftSteps for an error, whose search makes several
-    /// models.
+    /// Expectation-maximisation steps from hard to soft cells, 0 to 1000. -1: 0 for a uniform cut,
+    /// kSoftSteps for a budget, kSearchSoftSteps for an error (its search makes several models).
     int soft_steps = -1;
     float spread = 1;  ///< factor on each standard deviation at constant mass, [0.5, 2]
     /// Largest share of the mass that is dropped with the lightest cells, [0, 1).
@@ -77,7 +75,7 @@ struct MomentReport {
     double dropped_mass_share = 0;  ///< mass of the dropped cells / mass of the data, [0, 1)
     std::size_t dropped_cells = 0;  ///< number of cells below the mass threshold
     /// Relative L2 error of the optical depth T, sqrt(sum (T - T_ref)^2 / sum T_ref^2), over eight
-    /// views around the data of 256^2 pixels; T_ref by exact integration of the voxels. -1: not
+    /// views of 256^2 pixels around the data; T_ref by exact integration of the voxels. -1: not
     /// measured. Above MomentOptions::error if the finest cut does not achieve it.
     double measured_error = -1;
     /// Stages of the conversion in their order: name and duration, milliseconds.

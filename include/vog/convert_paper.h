@@ -1,7 +1,7 @@
 // vog/convert_paper.h: conversion of voxels to Gaussians by the paper's strategies.
 // Source: Sharma & Schmalstieg, "3D Gaussian Modeling and Ray Marching of OpenVDB datasets for
-// Scientific Visualization" (the paper), section 3, and arXiv 2504.04857 (its companion), section
-// 4. Departures from their text: docs/method.md.
+// Scientific Visualization" (the paper), section 3; arXiv 2504.04857 (its companion), section 4.
+// Departures from their text: docs/method.md.
 // A leaf is a block of 8^3 voxels, dense if all are active. A group of voxels becomes one Gaussian
 // in its bounding box: the paper's radius is half the box, the standard deviation radius / sqrt(2).
 #pragma once
@@ -15,9 +15,8 @@
 
 namespace vog {
 
-/// Strategies by which the active voxels of a volume are grouped. The first three are the paper's
-/// and divide dense leaves into blocks of PaperOptions::dense_block; the others are the
-/// companion's.
+/// Strategies to group the active voxels of a volume. The first three are the paper's and divide
+/// dense leaves into blocks of PaperOptions::dense_block; the others are the companion's.
 enum class Strategy {
     smart_grouping,     ///< 2^3 blocks, then face-adjacent pairs along X, Y, Z, then single voxels
     strict_blocks,      ///< 2^3 blocks, then single voxels
@@ -45,8 +44,8 @@ struct PaperOptions {
     /// variance_clusters: largest variance of density in a cube, as a share of the variance over
     /// all leaves, >= 0.
     float variance_threshold = 0.01f;
-    /// leaf_clusters: largest difference of the means of two leaves, as a share of the larger, [0,
-    /// 1].
+    /// leaf_clusters: largest difference of the means of two leaves, as a share of the larger one,
+    /// [0, 1].
     float similarity = 0.1f;
     int tree_depth = 3;   ///< tree_mirror: 1: nodes of 4096^3 voxels, 2: 128^3, 3: leaves, 8^3
     Progress progress{};  ///< called with the finished fraction; empty: not

@@ -1,6 +1,5 @@
 // vog/distributed.h: work of several processes on one data set: parts of volumes, adaptive meshes
-// and models, and the collective operations of a conversion. Not in vog/vog.h: only vog-mpi uses
-// it.
+// and models, collective operations of a conversion. Not in vog/vog.h: only vog-mpi uses it.
 #pragma once
 
 #include <cstddef>
@@ -75,16 +74,16 @@ void validate(const VolumePart& part);
 /// bytes a leaf (a level set that becomes fog is held whole); a .nvdb is held whole.
 class VolumeReader {
   public:
-    /// throws  vog::Error as read_vdb and read_nvdb do (vog/volume_io.h); values of a .vdb are only
-    ///         checked by read
+    /// options  as of read_volume in vog/volume_io.h
+    /// throws   vog::Error as read_volume does, but values of a .vdb are checked by read alone
     explicit VolumeReader(const std::filesystem::path& file, const VdbOptions& options);
     explicit VolumeReader(const std::filesystem::path& file);
     ~VolumeReader();
     VolumeReader(VolumeReader&&) noexcept;
     VolumeReader& operator=(VolumeReader&&) noexcept;
 
-    std::uint64_t active_voxels() const;     ///< active voxels of the whole volume; a tile: edge^3
-    std::size_t leaf_count() const;          ///< leaves of the whole volume with active voxels
+    std::uint64_t active_voxels() const;     ///< active voxels of the whole grid, as stored
+    std::size_t leaf_count() const;          ///< leaves of the whole grid with active voxels
     Box world_box() const;                   ///< box of the whole volume, world units
     const Affine& world_from_index() const;  ///< from indices to world units
     /// Reads a part.
@@ -154,7 +153,8 @@ void write_model_index(const std::filesystem::path& file, std::span<const std::s
 /// throws   vog::Error for a missing file, or content of another form
 std::vector<std::filesystem::path> read_model_index(const std::filesystem::path& file);
 
-/// Views of the measured error (MomentReport::measured_error): eight cameras around a box.
+/// Views of the measured error (MomentReport::measured_error): eight cameras around a box, pi / 4
+/// apart in azimuth, at elevations of 0.35 and 0.87 rad above and below, else as paper_view.
 /// box  world units
 std::vector<Camera> error_views(const Box& box);
 inline constexpr int kErrorViewSize_px = 256;  ///< width and height of these views, pixels

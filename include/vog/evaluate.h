@@ -36,8 +36,7 @@ struct Conversion {
     std::function<Gaussians(const Volume&, std::size_t budget)> convert;
     /// Series and step of an earlier row whose count of Gaussians is the budget. Empty: no budget.
     std::string budget_series{}, budget_step{};
-    /// Converts the levels of an adaptive mesh as one model. Empty: `convert` for each of its
-    /// parts.
+    /// Converts the levels of an adaptive mesh as one model. Empty: `convert` for each part.
     std::function<Gaussians(const Composite&, std::size_t budget)> convert_levels{};
 };
 
@@ -66,8 +65,7 @@ struct EvaluationView {
     Timing reference;       ///< renders of the voxels by the reference renderer
 };
 
-/// Views of a box: `paper`, five more around it, and one from inside. Only names and cameras are
-/// set.
+/// Views of a box: `paper`, five more around it, one from inside. Sets only names and cameras.
 std::vector<EvaluationView> evaluation_views(const Box& box);
 
 /// Difference of a row's picture from the reference in one view. Definitions: vog/compare.h.

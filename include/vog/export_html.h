@@ -28,8 +28,8 @@ struct HtmlOptions {
     std::optional<Camera> camera{};  ///< first view; none: the paper view of the first model
     /// Factor on density, > 0; none: for each model the auto_extinction of its first view.
     std::optional<double> extinction{};
-    TransferFunction tf = named_transfer_function("inferno");  ///< colours at first
-    ShadeOptions shading{};                                    ///< background and blend at first
+    TransferFunction tf = named_transfer_function("inferno");  ///< first colours
+    ShadeOptions shading{};                                    ///< background and blend
     /// Use black or white, by the dark or light mode of the reader's system, as the background.
     bool system_background = false;
 };

@@ -87,7 +87,8 @@ void write_png(const std::filesystem::path& file, const Image& image);
 /// EXR defines; read_image divides again, so a pixel of alpha 0 loses its colour.
 /// throws  vog::Error as write_png does
 void write_exr(const std::filesystem::path& file, const Image& image);
-/// Writes a PNG or an EXR, by the extension of `file`. throws vog::Error for any other extension
+/// Writes a PNG or an EXR, by the extension of `file`.
+/// throws  vog::Error as these two do, and for any other extension
 void write_image(const std::filesystem::path& file, const Image& image);
 /// Writes a depth image as an EXR: one float32 channel Y = T, lossless ZIP, double attribute
 /// `extinction`.

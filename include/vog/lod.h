@@ -98,8 +98,8 @@ class ViewCut {
     /// Chooses the Gaussians that a view draws.
     /// frame    camera and image size
     /// returns  nodes level by level, then leaves in the model's order; the model itself if all its
-    ///          leaves are drawn. The same bytes for any number of threads. Valid until the next
-    ///          call
+    ///          leaves are drawn; valid until the next call. The same bytes for any number of
+    ///          threads
     /// throws   vog::Error for a pixel_error that is negative or NaN
     /// cost     O(nodes visited + Gaussians drawn) time, parallel; 44 bytes a Gaussian drawn
     const Gaussians& choose(const CameraFrame& frame, const CutOptions& options = {});

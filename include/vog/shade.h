@@ -59,6 +59,7 @@ void write_transfer_function(const std::filesystem::path& file, const TransferFu
 TransferFunction load_transfer_function(const std::string& name_or_file);
 
 /// Transfer function of colours at evenly spaced V, the first at 0, the last at 1.
+/// name    name of the result
 /// colors  at least one, components in [0, 1]; alpha is the opacity
 /// throws  vog::Error for no colour, or a component out of range
 TransferFunction sampled_transfer_function(const std::string& name, std::span<const Rgba> colors);

@@ -25,8 +25,8 @@ constexpr int leaf_offset(int x, int y, int z) { return (x << 6) | (y << 3) | z;
 /// Block of 8x8x8 voxels, each active or not.
 struct Leaf {
     Vec3i origin;  ///< index of the voxel at offset 0; multiples of 8
-    std::array<std::uint64_t, 8>
-        mask{};  ///< bit n & 63 of word n >> 6: voxel at offset n is active
+    /// Active voxels: bit n & 63 of word n >> 6 is that of the voxel at offset n.
+    std::array<std::uint64_t, 8> mask{};
     std::array<float, kLeafVoxels> value{};  ///< density by leaf_offset, >= 0; 0 where inactive
 
     /// Whether the voxel at `offset` is active.

@@ -17,11 +17,10 @@ namespace vog {
 /// Options of the readers of one grid.
 struct VdbOptions {
     std::string grid{};  ///< name of the grid; empty: the only scalar grid, else "density"
-    /// Convert a level set to fog: density 1 inside, a ramp to 0 over the inner half of its narrow
-    /// band. Without it a level set is an error.
+    /// Convert a level set to fog: density 0 at the surface, rising to 1 over the inner half of the
+    /// narrow band. Otherwise a level set is an error.
     bool level_set_to_fog = false;
-    /// Read a mask: active values above 0 become 1, all else inactive. Takes bool and mask grids
-    /// too.
+    /// Read a mask, of bool and mask grids too: active values above 0 become 1, all else inactive.
     bool mask = false;
 };
 
