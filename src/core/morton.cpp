@@ -1,4 +1,4 @@
-// morton.cpp: Morton order without keys.
+// morton.cpp: Morton order of 32-bit indices, by the highest differing bit instead of 96-bit codes.
 #include "core/morton.h"
 
 namespace vog {

@@ -1,26 +1,32 @@
 // point_grid.cpp: the spacing of particles, their Morton keys, their order.
 #include "data/point_grid.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
+#include "core/morton.h"
 #include "core/paging.h"
 #include "core/parallel.h"
-#include "data/parallel_sort.h"
 
 namespace vog {
 
 namespace {
 
-/// Spreads 21 bits so that each has two free places above it.
-std::uint64_t every_third(std::uint64_t bits) {
-    bits = (bits | bits << 32) & 0x001f00000000ffff;
-    bits = (bits | bits << 16) & 0x001f0000ff0000ff;
-    bits = (bits | bits << 8) & 0x100f00f00f00f00f;
-    bits = (bits | bits << 4) & 0x10c30c30c30c30c3;
-    bits = (bits | bits << 2) & 0x1249249249249249;
-    return bits;
+/// tbb::parallel_sort of an array that may be larger than memory.
+/// less  a total order, or the result depends on the threads
+template <class Values, class Less>
+void sort_parallel(Values& values, const Less& less) {
+    if (!memory_limited()) {
+        tbb::parallel_sort(values.begin(), values.end(), less);
+        return;
+    }
+    tbb::parallel_sort(values.begin(), values.end(), [&less](const auto& a, const auto& b) {
+        thread_local std::size_t turns = 0;
+        keep_memory_at(turns++);
+        return less(a, b);
+    });
 }
 
 /// Particles in the order of key_of(particle), then of their own.
@@ -36,7 +42,7 @@ void sort_by_key(std::size_t count, const KeyOf& key_of, BigVector<std::uint64_t
     vog::parallel_for(std::size_t{0}, count, [&](std::size_t n) {
         entries[n] = {key_of(n), static_cast<std::uint32_t>(n)};
     });
-    vog::parallel_sort(entries, [](const Entry& a, const Entry& b) {
+    sort_parallel(entries, [](const Entry& a, const Entry& b) {
         return a.key != b.key ? a.key < b.key : a.index < b.index;
     });
     resize_kept(key, count);
@@ -116,10 +122,10 @@ PointGrid point_grid(const Points& points) {
         points.size(),
         [&](std::size_t n) {
             const Vec3d at = scale * (points.position[n] - box.lower);
-            const auto bits = [&](int axis) {
-                return every_third(static_cast<std::uint64_t>(std::min(at[axis], kLast)));
+            const auto cell = [&](int axis) {
+                return static_cast<std::uint64_t>(std::min(at[axis], kLast));
             };
-            return bits(0) << 2 | bits(1) << 1 | bits(2);
+            return morton_code(cell(0), cell(1), cell(2));
         },
         grid.key, grid.index);
     refine_voxels(grid);

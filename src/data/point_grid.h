@@ -3,12 +3,13 @@
 
 #include <cstdint>
 
+#include "core/morton.h"
 #include "vog/points.h"
 
 namespace vog {
 
-/// Bits of a Morton key to each axis.
-inline constexpr int kKeyBits = 21;
+/// Bits of each axis in the 63-bit key of a particle.
+inline constexpr int kKeyBits = kMortonAxisBits;
 
 /// Particles in the order of an octree whose cells are aligned with voxels of about one particle.
 struct PointGrid {

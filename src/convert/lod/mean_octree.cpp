@@ -11,6 +11,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/morton.h"
 #include "core/parallel.h"
 
 namespace vog::lod {
@@ -26,21 +27,9 @@ struct Place {
     }
 };
 
-constexpr int kAxisBits = 21;  // three times this fit one word
-
-/// The lower 21 bits, each followed by two zeros.
-std::uint64_t spread_bits(std::uint64_t v) {
-    v &= (1u << kAxisBits) - 1;
-    v = (v | v << 32) & 0x1f00000000ffff;
-    v = (v | v << 16) & 0x1f0000ff0000ff;
-    v = (v | v << 8) & 0x100f00f00f00f00f;
-    v = (v | v << 4) & 0x10c30c30c30c30c3;
-    return (v | v << 2) & 0x1249249249249249;
-}
-
 /// From the world to the lattice of the codes, whose coordinates are in [0, 2^21).
 Affine code_from_world(const Gaussians& model, const HierarchyOptions& options) {
-    constexpr double kSide = 1 << kAxisBits;
+    constexpr double kSide = 1 << kMortonAxisBits;
     Box means;
     const Affine& lattice = options.index_from_world.value_or(Affine{});
     for (const Vec3f& mean : model.mean) means.include(lattice(vec_cast<double>(mean)));
@@ -75,11 +64,12 @@ std::vector<Place> sorted_places(const Gaussians& model, const Affine& code_from
     std::vector<Place> places(model.size());
     for_all(places.size(), [&](std::size_t i) {
         const Vec3d at = code_from(vec_cast<double>(model.mean[i]));
-        const auto bits = [](double v) {
-            constexpr double kLast = (1 << kAxisBits) - 1;
-            return spread_bits(static_cast<std::uint64_t>(std::clamp(v, 0.0, kLast)));
+        const auto cell = [](double v) {
+            constexpr double kLast = (1 << kMortonAxisBits) - 1;
+            return static_cast<std::uint64_t>(std::clamp(v, 0.0, kLast));
         };
-        places[i] = {bits(at.x) << 2 | bits(at.y) << 1 | bits(at.z), static_cast<std::uint32_t>(i)};
+        places[i] = {morton_code(cell(at.x), cell(at.y), cell(at.z)),
+                     static_cast<std::uint32_t>(i)};
     });
     // Cells of a conversion come in this order.
     if (!std::is_sorted(places.begin(), places.end()))

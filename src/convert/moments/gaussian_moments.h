@@ -5,6 +5,7 @@
 #include <array>
 #include <span>
 
+#include "core/morton.h"
 #include "vog/convert_moments.h"
 #include "vog/gaussians.h"
 #include "vog/volume.h"
@@ -62,14 +63,6 @@ LeafSums<2> leaf_sums(const Leaf& leaf);
 /// Eight neighbours to one; `edge` of the smaller cubes.
 template <int edge>
 LeafSums<2 * edge> merge_eight(const LeafSums<edge>& fine);
-
-/// Place of cube n in Morton order, in cubes.
-constexpr Vec3i morton_place(int n) {
-    const auto every_third = [](int bits) {
-        return (bits & 1) | (bits >> 2 & 2) | (bits >> 4 & 4) | (bits >> 6 & 8);
-    };
-    return {every_third(n >> 2), every_third(n >> 1), every_third(n)};
-}
 
 /// What a moment Gaussian needs besides its moments.
 struct MomentFrame {
