@@ -101,7 +101,7 @@ cli::Converted write_model(const std::string& file, const SharedModel& model, co
     const Sums sums = sums_of(model, ranks);
     const std::string header = ranks.from_first(
         ranks.first() ? ply_header(model.description, sums.count, sums.rotated) : std::string());
-    const std::uint64_t row_bytes = (sums.rotated ? 11 : 7) * sizeof(float);
+    const std::uint64_t row_bytes = ply_row_floats(sums.rotated) * sizeof(float);
     std::vector<std::uint64_t> offsets;
     std::uint64_t end = header.size();
     for (const Gaussians& part : model.inputs) {

@@ -138,6 +138,8 @@ Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part);
 /// count        Gaussians in the whole file
 /// rotated      whether rows have rotations
 std::string ply_header(const Gaussians& description, std::uint64_t count, bool rotated);
+/// Float32 values in a Gaussian's row: 11 with a rotation, 7 without.
+std::size_t ply_row_floats(bool rotated);
 /// Rows of that file behind the header: for each Gaussian 7 floats, or 11 with rotations.
 /// first, count  range of Gaussians of this model
 /// rotated       as in the header; a model without rotations gets the identity

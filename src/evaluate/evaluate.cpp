@@ -253,7 +253,7 @@ class Run {
         if (collective_or_single(options_.collective).shared())
             about.source_voxels = evaluation_.active_voxels;
         row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
-                    row.gaussians * (rotated > 0 ? 11 : 7) * sizeof(float);
+                    row.gaussians * ply_row_floats(rotated > 0) * sizeof(float);
         double model_mass = mass(model);
         collective_or_single(options_.collective).sum(model_mass);
         row.mass_ratio = evaluation_.mass > 0 ? model_mass / evaluation_.mass : 1;
