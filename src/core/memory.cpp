@@ -1,4 +1,4 @@
-// memory.cpp: arrays in files without a name, and the thread that lets go of their pages.
+// memory.cpp: arrays in unnamed mapped files, and the thread that drops their pages under a memory limit.
 #include "vog/memory.h"
 
 #include <fcntl.h>
@@ -33,9 +33,9 @@ namespace {
 constexpr std::uint64_t kLeastLimit = 64 << 20;
 constexpr std::uint64_t kShareOfFiles = 16;  // arrays of a sixteenth of the limit lie in files
 
-/// Memory the process holds now, bytes.
+/// Resident memory of the process, bytes; 0 if the system does not report it.
 std::uint64_t resident_memory() {
-    // Pages of the address space, then resident ones. Not by stdio: this is read often.
+    // Two counts of pages: address space, resident. Plain read(): called up to 20 times per ms.
     char text[128] = {};
     const int file = ::open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
     if (file < 0) return 0;
@@ -46,45 +46,44 @@ std::uint64_t resident_memory() {
     return resident ? std::strtoull(resident, nullptr, 10) * page : 0;
 }
 
-/// The arrays that lie in files. A page that is let go of is read again when it is touched: its
-/// bytes are in the file, or on their way there.
+/// Arrays that lie in mapped files. A dropped page is read back from its file on access.
 class Mappings {
   public:
     void add(void* memory, std::size_t bytes) {
         const std::lock_guard lock(mutex_);
         all_[memory] = bytes;
-        total_ += bytes;
-        most_ = std::max(most_, total_);
+        bytes_ += bytes;
+        peak_bytes_ = std::max(peak_bytes_, bytes_);
         any_ = true;
     }
-    /// Whether this was one of them, which is then gone.
+    /// Unmaps an array; false if it is not one of these.
     bool remove(void* memory) {
         if (!any_.load(std::memory_order_acquire)) return false;
         const std::lock_guard lock(mutex_);
         const auto found = all_.find(memory);
         if (found == all_.end()) return false;
         ::munmap(memory, found->second);
-        total_ -= found->second;
+        bytes_ -= found->second;
         all_.erase(found);
         return true;
     }
-    void let_go() {
+    void drop_pages() {
         const std::lock_guard lock(mutex_);
         for (const auto& [memory, bytes] : all_) ::madvise(memory, bytes, MADV_DONTNEED);
     }
-    std::uint64_t most() {
+    std::uint64_t peak_bytes() {
         const std::lock_guard lock(mutex_);
-        return most_;
+        return peak_bytes_;
     }
-    void forget_most() {
+    void reset_peak() {
         const std::lock_guard lock(mutex_);
-        most_ = total_;
+        peak_bytes_ = bytes_;
     }
 
   private:
     std::mutex mutex_;
     std::map<void*, std::size_t> all_;
-    std::uint64_t total_ = 0, most_ = 0;
+    std::uint64_t bytes_ = 0, peak_bytes_ = 0;
     std::atomic<bool> any_{false};
 };
 
@@ -94,9 +93,9 @@ Mappings& mappings() {
 }
 
 struct FilePolicy {
-    /// From this size on, arrays lie in files of `folder`; 0: there is no limit.
+    /// Smallest array that lies in a file of `folder`, bytes; 0: no limit is set.
     std::atomic<std::uint64_t> least_bytes{0};
-    std::atomic<std::uint64_t> high{0};  ///< pages are let go of from here on
+    std::atomic<std::uint64_t> high{0};  ///< resident bytes from which pages are dropped
     std::mutex mutex;
     std::filesystem::path folder;
 };
@@ -109,7 +108,7 @@ FilePolicy& policy() {
     throw Error(fmt::format("{}: {}: {}", folder.string(), what, std::strerror(error)));
 }
 
-/// An open file without a name.
+/// Opens a file without a name: O_TMPFILE, or a temporary file unlinked at once.
 int open_nameless(const std::filesystem::path& folder) {
     int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
     if (file < 0 && (errno == EOPNOTSUPP || errno == EISDIR || errno == EINVAL)) {
@@ -117,7 +116,7 @@ int open_nameless(const std::filesystem::path& folder) {
         file = ::mkostemp(pattern.data(), O_CLOEXEC);
         if (file >= 0) ::unlink(pattern.c_str());
     }
-    if (file < 0) fail(folder, "no scratch file can be made here", errno);
+    if (file < 0) fail(folder, "cannot make a scratch file here", errno);
     return file;
 }
 
@@ -128,16 +127,16 @@ void* map_file(std::size_t bytes) {
         folder = policy().folder;
     }
     const int file = open_nameless(folder);
-    // Room is taken now: a full disk would end the process at some write to memory.
+    // Blocks are reserved now: on a full disk, a later write to memory would raise SIGBUS.
     const int full = ::posix_fallocate(file, 0, static_cast<off_t>(bytes));
     void* memory = MAP_FAILED;
     if (full == 0) memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     const int error = full ? full : errno;
     ::close(file);
     if (memory == MAP_FAILED)
-        fail(folder, fmt::format("a scratch file of {} bytes cannot be made", bytes), error);
-    // Else one touch maps 2 MiB where the page cache has them in one piece: 40 MB in the time
-    // between two looks. A kernel without huge pages refuses, and needs none of this.
+        fail(folder, fmt::format("cannot make a scratch file of {} bytes", bytes), error);
+    // With huge pages one access maps 2 MiB, 40 MB between two checks of keep_memory. A kernel
+    // without them refuses the advice and does not need it.
     (void)::madvise(memory, bytes, MADV_NOHUGEPAGE);
     mappings().add(memory, bytes);
     return memory;
@@ -150,25 +149,24 @@ bool memory_limited() { return policy().least_bytes.load(std::memory_order_relax
 void keep_memory() {
     if (!memory_limited()) return;
     using Clock = std::chrono::steady_clock;
-    // A loop that jumps between pages has some 3 MB more of them by then: the system maps 64 KiB
-    // around each.
+    // Random access maps about 3 MB in this time: the system maps 64 KiB around each page.
     constexpr Clock::duration kPeriod = std::chrono::microseconds(50);
     constexpr Clock::duration kTrimPeriod = std::chrono::milliseconds(100);
     static std::atomic<Clock::rep> next{0}, next_trim{0};
     const Clock::rep now = Clock::now().time_since_epoch().count();
     Clock::rep due = next.load(std::memory_order_relaxed);
-    // One of the threads that come by looks.
+    // Only one thread of those that call checks.
     if (now < due || !next.compare_exchange_strong(due, now + kPeriod.count())) return;
     const std::uint64_t high = policy().high.load(std::memory_order_relaxed);
     if (resident_memory() < high) return;
-    mappings().let_go();
+    mappings().drop_pages();
     if (resident_memory() < high || now < next_trim.load(std::memory_order_relaxed)) return;
-    // Other memory alone is too much: what malloc keeps may help.
+    // Memory outside the files exceeds the threshold: return free memory of malloc.
     ::malloc_trim(0);
     next_trim = now + kTrimPeriod.count();
 }
 
-/// Keeps memory while no loop does: in libraries that vog calls.
+/// Thread that calls keep_memory() every millisecond, for time spent inside other libraries.
 class MemoryLimit::Pager {
   public:
     Pager() : thread_([this] { watch(); }) {}
@@ -197,7 +195,7 @@ class MemoryLimit::Pager {
 MemoryLimit::MemoryLimit(std::uint64_t bytes, const std::filesystem::path& folder) {
     if (bytes < kLeastLimit)
         throw Error(
-            fmt::format("a memory limit of {} bytes, expected at least {}", bytes, kLeastLimit));
+            fmt::format("memory limit of {} bytes, expected at least {}", bytes, kLeastLimit));
     const auto where = folder.empty() ? std::filesystem::temp_directory_path() : folder;
     ::close(open_nameless(where));
     struct statfs kind {};
@@ -207,27 +205,27 @@ MemoryLimit::MemoryLimit(std::uint64_t bytes, const std::filesystem::path& folde
     FilePolicy& files = policy();
     const std::lock_guard lock(files.mutex);
     if (files.least_bytes != 0)
-        throw Error("a memory limit is set already, expected one at a time");
-    mappings().forget_most();
+        throw Error("a memory limit is already set, expected one at a time");
+    mappings().reset_peak();
     files.folder = where;
-    files.high = bytes / 8 * 5;  // threads go on while pages are let go of
+    files.high = bytes / 8 * 5;  // other threads map pages while these are dropped
     files.least_bytes = bytes / kShareOfFiles;
     pager_ = std::make_unique<Pager>();
 }
 
 MemoryLimit::~MemoryLimit() { policy().least_bytes = 0; }
 
-std::uint64_t MemoryLimit::scratch_bytes() const { return mappings().most(); }
+std::uint64_t MemoryLimit::scratch_bytes() const { return mappings().peak_bytes(); }
 
 std::uint64_t peak_memory() {
-    // Not getrusage: its figure begins with that of the process this one was started from.
+    // Not getrusage: its peak includes that of the parent before exec.
     std::ifstream status("/proc/self/status");
     for (std::string line; std::getline(status, line);)
         if (line.starts_with("VmHWM:")) return std::stoull(line.substr(6)) * 1024;
     return 0;
 }
 
-void* allocate_big(std::size_t bytes, std::size_t alignment) {
+void* BigMemory::allocate(std::size_t bytes, std::size_t alignment) {
     const std::uint64_t least = policy().least_bytes.load(std::memory_order_relaxed);
     if (least != 0 && bytes >= least) return map_file(bytes);
     if (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__)
@@ -235,7 +233,7 @@ void* allocate_big(std::size_t bytes, std::size_t alignment) {
     return ::operator new(bytes);
 }
 
-void free_big(void* memory, std::size_t, std::size_t alignment) noexcept {
+void BigMemory::free(void* memory, std::size_t alignment) noexcept {
     if (mappings().remove(memory)) return;
     if (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__)
         ::operator delete(memory, std::align_val_t(alignment));
