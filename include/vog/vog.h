@@ -58,6 +58,7 @@
 #include "vog/sample.h"
 #include "vog/shade.h"
 #include "vog/splat.h"
+#include "vog/text.h"
 #include "vog/trace.h"
 #include "vog/volume.h"
 #include "vog/volume_io.h"

@@ -13,6 +13,7 @@
 #include "evaluate/paper_figures.h"
 #include "evaluate/svg_plot.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog::evaluation {
 
@@ -156,7 +157,7 @@ Plot rate_plot(const Evaluation& evaluation, const char* title, const char* x_la
             series.points.push_back(
                 {cost(row), view->psnr_v_db,
                  fmt::format("{}: {} Gaussians, {}, {} dB", step_title(row.step),
-                             count_text(row.gaussians), size_text(row.bytes),
+                             count_text(row.gaussians), bytes_text(row.bytes),
                              decibel_text(view->psnr_v_db))});
         }
         std::stable_sort(series.points.begin(), series.points.end(),

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vog/text.h"
+
 namespace vog::evaluation {
 
 namespace {
@@ -70,22 +72,6 @@ std::string decibel_text(double decibels) {
     return std::isinf(decibels) ? "∞" : fmt::format("{:.2f}", decibels);
 }
 
-std::string count_text(std::uint64_t count) {
-    const std::string digits = std::to_string(count);
-    std::string text;
-    for (std::size_t n = 0; n < digits.size(); ++n) {
-        if (n > 0 && (digits.size() - n) % 3 == 0) text += ',';
-        text += digits[n];
-    }
-    return text;
-}
-
-std::string size_text(std::uint64_t bytes) {
-    const double kilobytes = static_cast<double>(bytes) / 1000;
-    return kilobytes < 1000 ? fmt::format("{:.1f} kB", kilobytes)
-                            : fmt::format("{:.1f} MB", kilobytes / 1000);
-}
-
 double frames_per_second(const Timing& timing) {
     return timing.median_ms > 0 ? 1000 / timing.median_ms : 0;
 }
@@ -108,7 +94,7 @@ std::vector<std::string> report_facts(const Evaluation& evaluation) {
             "Reference: the voxels themselves, traversed exactly in a NanoVDB tree of {}. "
             "Extinction: {}, the same for both pictures of a view. RGB figures and pictures: "
             "{} on V = 1 - exp(-T).",
-            size_text(evaluation.reference_bytes),
+            bytes_text(evaluation.reference_bytes),
             evaluation.extinction == "auto"
                 ? "for each view so that the 99th percentile of the reference's non-zero T is 4"
                 : evaluation.extinction,

@@ -34,10 +34,8 @@ const EvaluationRow* find_row(const Evaluation& evaluation, const std::string& s
 /// Null if the row was not rendered from that view.
 const ViewResult* find_view(const EvaluationRow& row, const std::string& view);
 
-/// Figures as text: "44.21", "∞"; "5,318"; "4.4 MB".
+/// Two digits after the point: "44.21"; infinity is "∞".
 std::string decibel_text(double decibels);
-std::string count_text(std::uint64_t count);
-std::string size_text(std::uint64_t bytes);
 double frames_per_second(const Timing& timing);
 
 /// A table of the report. In a row with one cell, the cell is a heading over the rows that follow.

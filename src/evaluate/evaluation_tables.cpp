@@ -6,6 +6,7 @@
 
 #include "evaluate/evaluation_report.h"
 #include "evaluate/paper_figures.h"
+#include "vog/text.h"
 
 namespace vog::evaluation {
 
@@ -60,7 +61,7 @@ std::vector<std::string> quality_cells(const Evaluation& evaluation, const Evalu
     return {fmt::format("{}: {}", step_title(row.step), row.label),
             count_text(row.gaussians),
             percent(row.gaussians, evaluation.active_voxels),
-            size_text(row.bytes),
+            bytes_text(row.bytes),
             decibel_text(paper->psnr_v_db),
             decibel_text(psnr.mean),
             decibel_text(psnr.worst),
@@ -123,7 +124,7 @@ ReportTable count_table(const Evaluation& evaluation) {
         std::vector<std::string> cells = {
             fmt::format("{}: {}", step_title(step), row->label), count_text(row->gaussians),
             percent(row->gaussians, evaluation.active_voxels),
-            percent(row->gaussians, evaluation.bounding_voxels), size_text(row->bytes)};
+            percent(row->gaussians, evaluation.bounding_voxels), bytes_text(row->bytes)};
         if (const PaperFigures* figures = paper_figures(evaluation, step))
             cells.insert(cells.end(), {figures->gaussians, figures->bounding_share});
         cells.resize(table.columns.size());

@@ -50,8 +50,8 @@ Composite compose(const Levels& levels) {
     Composite data = composite(levels);
     if (data.parts.empty()) throw Error("every voxel lies outside the masks");
     note(fmt::format("{} levels: {} voxels seen ({} of them in part), {} hidden by finer ones",
-                     levels.volumes.size(), grouped(data.voxels), grouped(data.partly_hidden),
-                     grouped(data.hidden)));
+                     levels.volumes.size(), count_text(data.voxels), count_text(data.partly_hidden),
+                     count_text(data.hidden)));
     return data;
 }
 
@@ -85,7 +85,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
         if (!others.writes) return {};
         stages.run("save", [&] { write_points(arguments.output, points); });
         if (!arguments.json)
-            fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+            fmt::print("{}: {} particles\n", arguments.output, count_text(points.size()));
         return {{"output", arguments.output}, {"particles", points.size()}};
     }
     MomentReport one;
@@ -268,7 +268,7 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
     const double share = share_of_voxels(made);
     if (!arguments.json) {
         fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
-                   grouped(made.gaussians), 100 * share, grouped(made.source_voxels),
+                   count_text(made.gaussians), 100 * share, count_text(made.source_voxels),
                    kind == FileKind::points ? "particles" : "active voxels", bytes_text(made.bytes),
                    mass_ratio);
         if (by_moments) fmt::print("{}\n{}\n", made.summary, times_text(moments.stage_ms));

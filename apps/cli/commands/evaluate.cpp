@@ -21,7 +21,7 @@ void print(const Evaluation& evaluation) {
     for (const EvaluationRow& row : evaluation.rows) {
         const ViewResult& paper = row.views.front();
         fmt::print("{:<14} {:>10} {:>9.2f} {:>9.2f} {:>9.4f} {:>8.3f} {:>8.1f}\n",
-                   row.series + " " + row.step, grouped(row.gaussians), paper.psnr_v_db,
+                   row.series + " " + row.step, count_text(row.gaussians), paper.psnr_v_db,
                    spread(row, &ViewResult::psnr_v_db, true).worst, paper.relative_l2, paper.bias,
                    1000 / paper.render.median_ms);
     }

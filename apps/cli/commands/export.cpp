@@ -103,7 +103,7 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
                            : detail_levels(convert_particles(arguments, stages.progress()), most);
     });
     note(fmt::format("{}: converted as vog convert does by default: {} Gaussians",
-                     arguments.inputs.front(), grouped(entry.levels.front().size())));
+                     arguments.inputs.front(), count_text(entry.levels.front().size())));
     return entries;
 }
 
@@ -113,7 +113,7 @@ Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
     stages.run("save", [&] { write_ply(arguments.output, model); });
     if (!arguments.json)
-        fmt::print("{}: {} Gaussians, {}\n", arguments.output, grouped(model.size()),
+        fmt::print("{}: {} Gaussians, {}\n", arguments.output, count_text(model.size()),
                    bytes_text(ply_bytes(model)));
     return {{"output", arguments.output}, {"gaussians", model.size()}, {"bytes", ply_bytes(model)}};
 }
@@ -124,7 +124,7 @@ Json report_page(const ExportArguments& arguments, const std::vector<HtmlModel>&
         for (const HtmlModel& entry : entries) {
             std::string counts;
             for (const Gaussians& level : entry.levels)
-                counts += (counts.empty() ? "" : ", ") + grouped(level.size());
+                counts += (counts.empty() ? "" : ", ") + count_text(level.size());
             fmt::print("{}: {} Gaussians\n", entry.name, counts);
         }
         fmt::print("{}: {}, of which the viewer {}\n", arguments.output, bytes_text(report.bytes),

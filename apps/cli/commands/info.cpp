@@ -63,13 +63,13 @@ void print(const GridInfo& grid) {
     fmt::print("grid '{}'\n", grid.name);
     line("type", grid.type + (grid.half_stored ? ", stored as half" : ""));
     line("class", grid.grid_class);
-    if (grid.points) line("points", grouped(grid.points));
-    line("active voxels", grouped(grid.active_voxels));
+    if (grid.points) line("points", count_text(grid.points));
+    line("active voxels", count_text(grid.active_voxels));
     line("active tiles",
-         fmt::format("{} of 8^3, {} of 128^3, {} of 4096^3", grouped(grid.active_tiles[0]),
-                     grouped(grid.active_tiles[1]), grouped(grid.active_tiles[2])));
-    line("leaves",
-         fmt::format("{}, {} of them dense", grouped(grid.leaves), grouped(grid.dense_leaves)));
+         fmt::format("{} of 8^3, {} of 128^3, {} of 4096^3", count_text(grid.active_tiles[0]),
+                     count_text(grid.active_tiles[1]), count_text(grid.active_tiles[2])));
+    line("leaves", fmt::format("{}, {} of them dense", count_text(grid.leaves),
+                               count_text(grid.dense_leaves)));
     if (grid.active_voxels) {
         const Vec3i size = grid.upper - grid.lower + Vec3i{1, 1, 1};
         line("bounding box", fmt::format("{} to {}, {}x{}x{} voxels", text(grid.lower),
@@ -161,7 +161,7 @@ void print(const Gaussians& model, const Hierarchy& hierarchy) {
     for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
     fmt::print("model\n");
     line("Gaussians",
-         grouped(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
+         count_text(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
     line("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
     line("mass", fmt::format("{:.8g} (density times world volume)", mass(model)));
     if (!bounds.empty()) line("bounds", text(bounds.lower) + " to " + text(bounds.upper));
@@ -172,10 +172,10 @@ void print(const Gaussians& model, const Hierarchy& hierarchy) {
         line("share", fmt::format("{:.3g} % of {} active voxels or particles",
                                   100.0 * static_cast<double>(model.size()) /
                                       static_cast<double>(model.source_voxels),
-                                  grouped(model.source_voxels)));
+                                  count_text(model.source_voxels)));
     if (!model.method.empty()) line("method", model.method + " " + model.options);
     if (!model.summary.empty()) line("summary", model.summary);
-    line("hierarchy", hierarchy.empty() ? "none" : grouped(hierarchy.size()) + " nodes");
+    line("hierarchy", hierarchy.empty() ? "none" : count_text(hierarchy.size()) + " nodes");
     line("size", bytes_text(ply_bytes(model, hierarchy)));
 }
 
@@ -211,7 +211,7 @@ void print(const Points& points) {
     };
     const Box box = bounds(points);
     fmt::print("particles\n");
-    line("count", grouped(points.size()));
+    line("count", count_text(points.size()));
     line("box", text(box.lower) + " to " + text(box.upper));
     line("velocities", points.velocity.empty() ? "none" : "yes");
     for (const ValueRange& range : value_ranges(points))

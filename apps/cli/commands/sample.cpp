@@ -31,7 +31,7 @@ void sample_points(const SampleArguments& arguments) {
     if (arguments.size) options.size = arguments.size;
     const Points points = stages.run("sample", [&] { return sample_particles(options); });
     stages.run("write", [&] { write_points(arguments.output, points); });
-    fmt::print("{}: {} particles\n", arguments.output, grouped(points.size()));
+    fmt::print("{}: {} particles\n", arguments.output, count_text(points.size()));
 }
 
 void sample(const SampleArguments& arguments) {
@@ -52,8 +52,8 @@ void sample(const SampleArguments& arguments) {
     for (const Volume& volume : volumes)
         fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
                    volumes.size() > 1 ? volume.name : arguments.what,
-                   grouped(active_voxels(volume)), grouped(volume.leaves.size()),
-                   grouped(volume.tiles.size()));
+                   count_text(active_voxels(volume)), count_text(volume.leaves.size()),
+                   count_text(volume.tiles.size()));
 }
 
 }  // namespace

@@ -222,10 +222,10 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
 
 void set_primitives_text(Drawing& drawing, std::size_t levels) {
     if (drawing.kind != FileKind::volume) {
-        drawing.primitives_text = grouped(drawing.gaussians) + " Gaussians";
+        drawing.primitives_text = count_text(drawing.gaussians) + " Gaussians";
         return;
     }
-    drawing.primitives_text = grouped(drawing.active_voxels) + " voxels";
+    drawing.primitives_text = count_text(drawing.active_voxels) + " voxels";
     if (levels) drawing.primitives_text += fmt::format(" in {} levels", levels);
 }
 

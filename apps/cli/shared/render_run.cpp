@@ -54,8 +54,8 @@ nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& d
                        times.median, depth.extinction, 100 * static_cast<double>(covered) / pixels);
         if (drawing.cut)
             fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
-                       grouped(drawing.cut->leaves), grouped(drawing.cut->nodes),
-                       grouped(drawing.cut->visited));
+                       count_text(drawing.cut->leaves), count_text(drawing.cut->nodes),
+                       count_text(drawing.cut->visited));
         if (!arguments.depth_output.empty())
             fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", arguments.depth_output, sum / pixels,
                        largest);

@@ -1,4 +1,4 @@
-// terminal.cpp: progress bars, notes and number formats.
+// terminal.cpp: progress bars and notes on standard error.
 #include "shared/terminal.h"
 
 #include <fmt/core.h>
@@ -41,20 +41,5 @@ Progress Stages::progress() {
 }
 
 void note(const std::string& text) { fmt::print(stderr, "vog: note: {}\n", text); }
-
-std::string grouped(std::uint64_t number) {
-    std::string text = std::to_string(number);
-    for (int at = static_cast<int>(text.size()) - 3; at > 0; at -= 3)
-        text.insert(static_cast<std::size_t>(at), 1, ',');
-    return text;
-}
-
-std::string bytes_text(std::uint64_t bytes) {
-    const char* units[] = {"B", "kB", "MB", "GB", "TB"};
-    double value = static_cast<double>(bytes);
-    std::size_t unit = 0;
-    while (value >= 1000 && unit + 1 < std::size(units)) value /= 1000, ++unit;
-    return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
-}
 
 }  // namespace vog::cli

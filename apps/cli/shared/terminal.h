@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "vog/progress.h"
+#include "vog/text.h"
 
 namespace vog::cli {
 
@@ -48,10 +49,5 @@ class Stages {
 
 /// One line of standard error that is no failure: what the user should know.
 void note(const std::string& text);
-
-/// 1234567 -> "1,234,567".
-std::string grouped(std::uint64_t number);
-/// 4400000 -> "4.4 MB".
-std::string bytes_text(std::uint64_t bytes);
 
 }  // namespace vog::cli

@@ -14,6 +14,7 @@
 #include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/splat.h"
+#include "vog/text.h"
 
 namespace vog::viewer {
 
@@ -50,15 +51,6 @@ std::string title_of(const std::vector<std::string>& files) {
 }
 
 }  // namespace
-
-std::string grouped(std::uint64_t number) {
-    std::string text = std::to_string(number), result;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        if (i > 0 && (text.size() - i) % 3 == 0) result += ',';
-        result += text[i];
-    }
-    return result;
-}
 
 SceneLoader::SceneLoader(ReadFiles read) : read_(std::move(read)) {}
 SceneLoader::~SceneLoader() { stop(); }
@@ -175,7 +167,7 @@ void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
     }
     scene.voxels = std::move(voxels);
     scene.box = data.box;
-    scene.facts = grouped(data.voxels) + " active voxels";
+    scene.facts = count_text(data.voxels) + " active voxels";
     if (count > 1) scene.facts += fmt::format(" in {} {}", count, is_mesh ? "levels" : "volumes");
     show(std::move(scene));
     convert_levels(data, is_mesh);
@@ -186,7 +178,7 @@ void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
 void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) {
     const std::uint64_t voxels = model.source_voxels;
     scene.box = view_box(model);
-    scene.facts = voxels ? "a model of " + grouped(voxels) + " active voxels" : "a model";
+    scene.facts = voxels ? "a model of " + count_text(voxels) + " active voxels" : "a model";
     show(std::move(scene));
     Level level;
     level.name = model.method.empty() ? "model" : model.method;
@@ -204,7 +196,7 @@ void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) 
 void SceneLoader::show_points(const Points& points, PointOptions options, Scene scene) {
     const auto count = static_cast<double>(points.size());
     scene.unit = "particles";
-    scene.facts = grouped(points.size()) + " particles";
+    scene.facts = count_text(points.size()) + " particles";
     scene.box = bounds(points);
     options.progress = progress();
     begin("converting: one Gaussian a particle");

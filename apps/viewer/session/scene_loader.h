@@ -96,7 +96,4 @@ class SceneLoader {
     std::thread thread_;
 };
 
-/// 1234567 -> "1,234,567".
-std::string grouped(std::uint64_t number);
-
 }  // namespace vog::viewer

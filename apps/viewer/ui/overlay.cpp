@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "ui/panels.h"
+#include "vog/text.h"
 
 namespace vog::viewer {
 
@@ -28,8 +29,8 @@ void draw_figures(Session& session, const Gui& gui, const Layout& layout) {
     if (const Level* level = session.shown_level()) {
         const std::size_t all = level->model->size(), drawn = session.left().drawn();
         ImGui::Text("%s%s Gaussians, %s",
-                    drawn > 0 && drawn != all ? (grouped(drawn) + " for ").c_str() : "",
-                    grouped(all).c_str(), level->name.c_str());
+                    drawn > 0 && drawn != all ? (count_text(drawn) + " for ").c_str() : "",
+                    count_text(all).c_str(), level->name.c_str());
         const PixelSize size = session.left().size();
         ImGui::Text("%d x %d, %s, sub-frame %d of %d", size.width, size.height, name_of(s.renderer),
                     session.left().subframes(),

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vog/text.h"
+
 namespace vog::viewer {
 
 namespace {
@@ -30,7 +32,7 @@ void choose_renderer(Session& session, Gui& gui, const char* label, Renderer& re
 }
 
 std::string level_text(const Level& level, const std::string& unit) {
-    std::string text = grouped(level.model->size()) + " Gaussians";
+    std::string text = count_text(level.model->size()) + " Gaussians";
     if (level.share > 0) text += fmt::format(", {:.3g} % of the {}", 100 * level.share, unit);
     return text;
 }
