@@ -1,4 +1,4 @@
-// aligned_buffer.h: memory aligned as NanoVDB wants its grids.
+// aligned_buffer.h: zeroed memory with the 32-byte alignment that NanoVDB requires of grids.
 #pragma once
 
 #include <nanovdb/NanoVDB.h>
@@ -12,18 +12,18 @@
 
 namespace vog {
 
-/// Zeroed bytes whose first lies at a multiple of 32.
+/// Zeroed bytes at an address that is a multiple of 32.
 class NanoBuffer {
   public:
     NanoBuffer() = default;
     explicit NanoBuffer(std::size_t bytes) : bytes_(bytes) {
-        // Zeroed bit by bit: it may be larger than memory.
-        constexpr std::size_t kAtOnce = (1 << 20) / NANOVDB_DATA_ALIGNMENT;
+        // Zeroed 1 MiB at a time: the buffer may be larger than memory.
+        constexpr std::size_t kStep = (1 << 20) / NANOVDB_DATA_ALIGNMENT;
         const std::size_t count = (bytes + sizeof(Block) - 1) / sizeof(Block);
         blocks_.reserve(count);
         while (blocks_.size() < count) {
             keep_memory();
-            blocks_.resize(std::min(blocks_.size() + kAtOnce, count));
+            blocks_.resize(std::min(blocks_.size() + kStep, count));
         }
     }
 

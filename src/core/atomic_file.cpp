@@ -1,4 +1,4 @@
-// atomic_file.cpp: whole files or none.
+// atomic_file.cpp: temporary names, renaming, and checks of paths.
 #include "core/atomic_file.h"
 
 #include <fmt/core.h>
@@ -23,13 +23,13 @@ void write_beside_and_rename(const std::filesystem::path& file,
     if (fs::is_directory(file, code))
         throw Error(fmt::format("{}: cannot write: it is a folder", file.string()));
 
-    // A device or a pipe is written in place; through a link, the file it points to is replaced.
+    // Devices and pipes are written in place; a symbolic link stays and its target is replaced.
     const auto type = fs::status(file, code).type();
     if (type != fs::file_type::not_found && type != fs::file_type::regular) return write(file);
     if (fs::is_symlink(file, code) && type == fs::file_type::regular)
         return write_beside_and_rename(fs::canonical(file), write);
 
-    // The process and a counter make the name unique; the extension stays for writers that look.
+    // Unique by process id and counter; some writers choose a format by the extension, so it stays.
     static std::atomic<unsigned> counter{0};
     const fs::path beside = folder / fmt::format(".{}.{}-{}{}", file.stem().string(), ::getpid(),
                                                  counter++, file.extension().string());

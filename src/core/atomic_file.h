@@ -1,5 +1,5 @@
-// atomic_file.h: write a file beside its name and rename it when whole, so that a failed or
-// interrupted write never costs the user the file that was there.
+// atomic_file.h: write a file beside its name and rename it when complete, so that a failed or
+// interrupted write never destroys an existing file.
 #pragma once
 
 #include <filesystem>
@@ -8,7 +8,7 @@
 namespace vog {
 
 /// Calls write(path) with a path beside `file` and the same extension, then renames it to `file`.
-/// If write throws, the temporary is removed, `file` is untouched and the exception goes on.
+/// If write throws, the temporary file is removed, `file` is unchanged and the exception propagates.
 /// throws vog::Error if the folder does not exist or cannot be written
 void write_beside_and_rename(const std::filesystem::path& file,
                              const std::function<void(const std::filesystem::path&)>& write);

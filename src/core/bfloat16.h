@@ -1,4 +1,4 @@
-// bfloat16.h: floats of 16 bits with the range of 32: the upper half, cut off.
+// bfloat16.h: 16-bit floats, the upper half of a float32.
 #pragma once
 
 #include <bit>
@@ -6,10 +6,10 @@
 
 namespace vog {
 
-/// Sign, 8 bits of exponent, 7 of mantissa: a relative error below 2^-7.
+/// Bits of a bfloat16: sign, 8 of exponent, 7 of mantissa; relative error below 2^-7.
 using BFloat16 = std::uint16_t;
 
-/// Towards zero.
+/// Rounds towards zero.
 inline BFloat16 to_bfloat16(float value) {
     return static_cast<BFloat16>(std::bit_cast<std::uint32_t>(value) >> 16);
 }

@@ -1,4 +1,4 @@
-// html_text.cpp: escaping and base64.
+// html_text.cpp: escaping of markup characters, and base64.
 #include "core/html_text.h"
 
 #include <cstdint>

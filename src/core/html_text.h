@@ -1,14 +1,14 @@
-// html_text.h: text and bytes as HTML and SVG hold them.
+// html_text.h: text and bytes for embedding in HTML and SVG.
 #pragma once
 
 #include <string>
 
 namespace vog {
 
-/// Text as content or within quotes: & < > " are replaced.
+/// Text with & < > " replaced by entities, for element content and quoted attributes.
 std::string escaped(const std::string& text);
 
-/// With padding, without line breaks.
+/// Base64 with padding and without line breaks.
 std::string base64(const std::string& bytes);
 
 }  // namespace vog

@@ -1,4 +1,4 @@
-// linear.cpp: rotations, eigenvectors and mapped boxes.
+// linear.cpp: rotations as quaternions and matrices, eigenvectors, and boxes under affine maps.
 #include "vog/linear.h"
 
 #include <algorithm>
@@ -16,7 +16,7 @@ Mat3 matrix_from_quat(Quat q) {
 }
 
 Quat quat_from_matrix(const Mat3& m) {
-    // Shepperd's method: take the root of the largest of 4w², 4x², 4y², 4z², so nothing cancels.
+    // Shepperd's method: divide by the largest of w, x, y, z, so that nothing cancels.
     const double trace = m(0, 0) + m(1, 1) + m(2, 2);
     double w, x, y, z;
     if (trace >= m(0, 0) && trace >= m(1, 1) && trace >= m(2, 2)) {
@@ -37,12 +37,12 @@ Quat quat_from_matrix(const Mat3& m) {
 
 namespace {
 
-/// One Jacobi rotation: zeroes `pq`, the element between axes p and q, and turns what they have
-/// with the third axis, `rp` and `rq`.
+/// One Jacobi rotation: zeroes the off-diagonal element `pq` of axes p and q, and updates their
+/// elements `rp` and `rq` with the third axis.
 void rotate(double& pp, double& qq, double& pq, double& rp, double& rq, Mat3& axes, int p, int q) {
-    // What does not change the larger of both in double precision is nothing.
-    constexpr double kNothing = 1e-17;
-    if (std::abs(pq) <= kNothing * (std::abs(pp) + std::abs(qq))) {
+    // Below this share of the diagonal an element does not change it in double precision.
+    constexpr double kNegligible = 1e-17;
+    if (std::abs(pq) <= kNegligible * (std::abs(pp) + std::abs(qq))) {
         pq = 0;
         return;
     }
@@ -63,8 +63,8 @@ void rotate(double& pp, double& qq, double& pq, double& rp, double& rq, Mat3& ax
 Eigen3 symmetric_eigen(const Mat3& symmetric) {
     const Mat3& m = symmetric;
     Mat3 axes;
-    // Cyclic Jacobi: each rotation zeroes one off-diagonal element; convergence is quadratic, so a
-    // dozen sweeps leave nothing in double precision.
+    // Cyclic Jacobi: each rotation zeroes one off-diagonal element; convergence is quadratic, and
+    // twelve sweeps are more than double precision needs.
     double xx = m(0, 0), yy = m(1, 1), zz = m(2, 2), xy = m(0, 1), xz = m(0, 2), yz = m(1, 2);
     constexpr int kSweeps = 12;
     for (int sweep = 0; sweep < kSweeps && (xy != 0 || xz != 0 || yz != 0); ++sweep) {
@@ -73,7 +73,7 @@ Eigen3 symmetric_eigen(const Mat3& symmetric) {
         rotate(yy, zz, yz, xy, xz, axes, 1, 2);
     }
     const std::array<double, 3> value{xx, yy, zz};
-    // Largest first, then right-handed.
+    // Largest eigenvalue first; the last axis is flipped if the basis is left-handed.
     std::array<int, 3> order{0, 1, 2};
     const auto before = [&](int i, int j) {
         if (value[order[j]] > value[order[i]]) std::swap(order[i], order[j]);

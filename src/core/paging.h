@@ -1,4 +1,4 @@
-// paging.h: what loops over much data do for a MemoryLimit (vog/memory.h).
+// paging.h: calls by which loops over large arrays keep to a MemoryLimit (vog/memory.h).
 #pragma once
 
 #include <algorithm>
@@ -9,20 +9,21 @@
 
 namespace vog {
 
-/// Whether one is alive.
+/// Whether a MemoryLimit is alive.
 bool memory_limited();
-/// Lets go of the pages of large arrays where the process has come near its limit. Looks
-/// twenty times a millisecond; costs next to nothing in between, and nothing without a limit.
+/// Drops the resident pages of large arrays if the process is near its limit. Checks at most every
+/// 50 microseconds; costs one clock read in between, and one load without a limit.
 void keep_memory();
 
-/// For loops on one thread that go from page to page: `n` counts their turns. Those that jump
-/// between pages call keep_memory() at every turn.
+/// keep_memory() every 1024 iterations, for sequential loops on one thread; loops with random access
+/// call keep_memory() in every iteration.
+/// n  iteration
 inline void keep_memory_at(std::size_t n) {
     constexpr std::size_t kEvery = 1024;
     if (n % kEvery == kEvery - 1) keep_memory();
 }
 
-/// values.resize(count), which writes to every page that is new.
+/// values.resize(count) with keep_memory() after each MiB: resizing writes to every new page.
 template <class T>
 void resize_kept(BigVector<T>& values, std::size_t count) {
     constexpr std::size_t kStep = (std::size_t{1} << 20) / sizeof(T);
@@ -34,14 +35,14 @@ void resize_kept(BigVector<T>& values, std::size_t count) {
     values.resize(count);
 }
 
-/// to.insert(to.end(), from.begin(), from.end()).
+/// to.insert(to.end(), from.begin(), from.end()) with keep_memory() after each MiB.
 template <class T>
 void append_kept(BigVector<T>& to, const BigVector<T>& from) {
     constexpr std::size_t kStep = (std::size_t{1} << 20) / sizeof(T);
-    const std::size_t together = to.size() + from.size();
-    if (to.capacity() < together) {
+    const std::size_t total = to.size() + from.size();
+    if (to.capacity() < total) {
         BigVector<T> larger;
-        larger.reserve(std::max(together, to.empty() ? 0 : 2 * to.capacity()));
+        larger.reserve(std::max(total, to.empty() ? 0 : 2 * to.capacity()));
         append_kept(larger, to);
         to = std::move(larger);
     }

@@ -1,4 +1,4 @@
-// parallel.h: tbb::parallel_for that a call's owner can end (InterruptCheck in vog/progress.h).
+// parallel.h: tbb::parallel_for that an InterruptCheck (vog/progress.h) can end.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -9,13 +9,16 @@
 
 namespace vog {
 
-/// Whether an InterruptCheck of this thread is alive.
+/// Whether an InterruptCheck of this thread or a MemoryLimit is alive.
 bool interruptible();
-/// Calls it if its time has come. For long loops on one thread; costs 5 ns.
-void look_in();
+/// Calls keep_memory(), and this thread's InterruptCheck if its period has passed. For long loops on
+/// one thread; about 5 ns.
+/// throws whatever the check throws
+void check_interrupt();
 
-/// As TBB's. The thread that began the loop looks in as it works; once its check has thrown, the
-/// others leave what they have begun. Called as vog::parallel_for: the ranges bring TBB's own name.
+/// tbb::parallel_for; the calling thread calls check_interrupt() before each of its pieces. After a
+/// throw, the remaining pieces are skipped and the exception leaves the loop. Callers qualify it as
+/// vog::parallel_for, because argument-dependent lookup on ranges also finds TBB's.
 template <class Range, class Body, class... Partitioner>
 void parallel_for(const Range& range, const Body& body, const Partitioner&... partitioner) {
     if (!interruptible()) {
@@ -28,7 +31,7 @@ void parallel_for(const Range& range, const Body& body, const Partitioner&... pa
         [&](const Range& piece) {
             if (ended.load(std::memory_order_relaxed)) return;
             try {
-                look_in();
+                check_interrupt();
             } catch (...) {
                 ended = true;
                 throw;
@@ -45,7 +48,7 @@ void parallel_for(Index begin, Index end, const Body& body) {
         tbb::parallel_for(begin, end, body);
         return;
     }
-    // TBB's pieces of a range may be long: looks in at each index.
+    // TBB's pieces of a range may be long: the check is made for each index.
     std::atomic<bool> ended{false};
     tbb::parallel_for(tbb::blocked_range<Index>(begin, end),
                       [&](const tbb::blocked_range<Index>& piece) {
@@ -53,7 +56,7 @@ void parallel_for(Index begin, Index end, const Body& body) {
                           try {
                               for (Index n = piece.begin(); n < piece.end(); ++n) {
                                   if (ended.load(std::memory_order_relaxed)) return;
-                                  if (own) look_in();
+                                  if (own) check_interrupt();
                                   body(n);
                               }
                           } catch (...) {

@@ -1,4 +1,4 @@
-// progress.cpp: the interrupt check and the thread limit.
+// progress.cpp: interrupt checks of threads, and the limit on TBB's threads.
 #include "vog/progress.h"
 
 #include <tbb/global_control.h>
@@ -17,19 +17,19 @@ namespace vog {
 struct InterruptCheck::State {
     std::function<void()> check;
     double period_ms = 0;
-    double next_ms = 0;      ///< when to look in again
-    State* outer = nullptr;  ///< the one that was there before
+    double next_ms = 0;      ///< clock time of the next call
+    State* outer = nullptr;  ///< enclosing check of this thread
 };
 
 namespace {
 
-// What a thread's calls look in at is a matter of the thread, as TBB's limits are: a token handed
-// through forty signatures would reach the same loops.
-thread_local InterruptCheck::State* of_this_thread = nullptr;
+// Innermost check of this thread. A thread-local, as TBB's limits are: the alternative, a token
+// parameter in forty signatures, would end the same loops.
+thread_local InterruptCheck::State* current_check = nullptr;
 
 double clock_ms() {
 #ifdef CLOCK_MONOTONIC_COARSE
-    // Of the kernel's tick: 1 to 4 ms, at a quarter of the steady clock's price.
+    // Resolution of the kernel's tick, 1 to 4 ms, in a quarter of the steady clock's time.
     std::timespec now{};
     clock_gettime(CLOCK_MONOTONIC_COARSE, &now);
     return static_cast<double>(now.tv_sec) * 1e3 + static_cast<double>(now.tv_nsec) * 1e-6;
@@ -41,18 +41,18 @@ double clock_ms() {
 
 }  // namespace
 
-bool interruptible() { return of_this_thread != nullptr || memory_limited(); }
+bool interruptible() { return current_check != nullptr || memory_limited(); }
 
-void look_in() {
+void check_interrupt() {
     keep_memory();
-    InterruptCheck::State* state = of_this_thread;
+    InterruptCheck::State* state = current_check;
     if (!state) return;
     const double now = clock_ms();
     if (now < state->next_ms) return;
-    // What the check itself calls is not interrupted.
+    // Calls made by the check itself are not interrupted.
     struct Pause {
-        InterruptCheck::State* state = std::exchange(of_this_thread, nullptr);
-        ~Pause() { of_this_thread = state; }
+        InterruptCheck::State* state = std::exchange(current_check, nullptr);
+        ~Pause() { current_check = state; }
     } pause;
     state->next_ms = now + state->period_ms;
     state->check();
@@ -63,9 +63,9 @@ InterruptCheck::InterruptCheck(std::function<void()> check, double period_ms)
     state_->check = std::move(check);
     state_->period_ms = period_ms;
     state_->next_ms = clock_ms() + period_ms;
-    state_->outer = std::exchange(of_this_thread, state_.get());
+    state_->outer = std::exchange(current_check, state_.get());
 }
-InterruptCheck::~InterruptCheck() { of_this_thread = state_->outer; }
+InterruptCheck::~InterruptCheck() { current_check = state_->outer; }
 
 struct ThreadLimit::Control {
     std::optional<tbb::global_control> limit;

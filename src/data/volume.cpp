@@ -27,7 +27,7 @@ std::string text(Vec3i index) { return fmt::format("[{}, {}, {}]", index.x, inde
 std::uint64_t active_voxels(const Volume& volume) {
     std::uint64_t count = 0;
     for (const Leaf& leaf : volume.leaves) {
-        look_in();
+        check_interrupt();
         count += static_cast<std::uint64_t>(leaf.active_count());
     }
     for (const Tile& tile : volume.tiles) count += cube(tile.edge);
@@ -48,7 +48,7 @@ double voxel_volume(const Volume& volume) {
 double mass(const Volume& volume) {
     double sum = 0;
     for (const Leaf& leaf : volume.leaves) {
-        look_in();
+        check_interrupt();
         double leaf_sum = 0;
         for (int n = 0; n < kLeafVoxels; ++n)
             if (leaf.active(n)) leaf_sum += leaf.value[static_cast<std::size_t>(n)];
@@ -68,7 +68,7 @@ Box index_box(const Volume& volume) {
         box.include(first + Vec3d{size, size, size});
     };
     for (const Leaf& leaf : volume.leaves) {
-        look_in();
+        check_interrupt();
         include(leaf.origin, kLeafEdge);
     }
     for (const Tile& tile : volume.tiles) include(tile.origin, tile.edge);
@@ -83,12 +83,12 @@ void sort_nodes(Volume& volume) {
     // Leaves are 2 kB: not a byte is moved where they are in order.
     bool sorted = true;
     for (std::size_t i = 1; sorted && i < volume.leaves.size(); ++i) {
-        look_in();
+        check_interrupt();
         sorted = by_origin(volume.leaves[i - 1], volume.leaves[i]);
     }
     if (!sorted)
         std::sort(volume.leaves.begin(), volume.leaves.end(), [](const Leaf& a, const Leaf& b) {
-            look_in();
+            check_interrupt();
             return by_origin(a, b);
         });
     std::sort(volume.tiles.begin(), volume.tiles.end(), by_origin);
@@ -107,7 +107,7 @@ void validate(const Volume& volume) {
                              text(index)));
     };
     for (std::size_t i = 0; i < volume.leaves.size(); ++i) {
-        look_in();
+        check_interrupt();
         const Leaf& leaf = volume.leaves[i];
         for (int axis = 0; axis < 3; ++axis)
             if (leaf.origin[axis] & (kLeafEdge - 1))

@@ -217,13 +217,13 @@ Points sample_particles(const ParticleSampleOptions& options) {
 
     double speed2 = 0;
     for (const Placed& p : placed) {
-        look_in();
+        check_interrupt();
         speed2 += dot(p.velocity, p.velocity);
     }
     const double to_speed = kSpeed / std::sqrt(speed2 / static_cast<double>(placed.size()));
     Points points;
     for (const Placed& p : placed) {
-        look_in();
+        check_interrupt();
         // Floats: what the text files of simulations hold.
         Vec3f position;
         for (int axis = 0; axis < 3; ++axis)

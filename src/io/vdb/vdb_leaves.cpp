@@ -124,13 +124,13 @@ void VdbLeaves::read_leaves(const GridT& grid, std::span<const std::uint32_t> nu
     std::ranges::sort(wanted, {}, [](const Wanted& w) { return w.spot->buffer; });
     volume.leaves.reserve(wanted.size());
     for (std::size_t n = 0; n < wanted.size(); n = volume.leaves.size()) {
-        look_in();
+        check_interrupt();
         volume.leaves.resize(std::min(n + 4096, wanted.size()));
     }
 
     for (std::size_t first = 0, last = 0; first < wanted.size(); first = last) {
         last = batch_end(wanted, first);
-        look_in();
+        check_interrupt();
         const std::uint64_t begin = wanted[first].spot->buffer;
         const Spot& back = *wanted[last - 1].spot;
         const BigVector<char> bytes = file_.bytes(begin, back.buffer + back.bytes);
@@ -142,7 +142,7 @@ void VdbLeaves::read_leaves(const GridT& grid, std::span<const std::uint32_t> nu
                     MemoryStream stream(bytes);
                     tag_vdb_stream(stream, file_.version(), storage_.compression);
                     openvdb::io::setGridBackgroundValuePtr(stream, &grid.tree().background());
-                    look_in();
+                    check_interrupt();
                     for (std::size_t i = range.begin(); i < range.end(); ++i) {
                         const Spot& spot = *wanted[i].spot;
                         LeafT leaf(to_coord(spot.origin));

@@ -133,7 +133,7 @@ Layout lay_out(const Volume& volume, bool with_border) {
                                         origin[axis]));
     };
     for (const Leaf& leaf : volume.leaves) {
-        look_in();
+        check_interrupt();
         require_in_range(leaf.origin);
         if (leaf.active_count() > 0) layout.lower_cells.push_back({leaf.origin, 0});
     }
@@ -161,7 +161,7 @@ Layout lay_out(const Volume& volume, bool with_border) {
     };
     for (Cell& cell : layout.lower_cells) {
         if (cell.child < 0) continue;
-        look_in();
+        check_interrupt();
         cell.child = static_cast<std::int64_t>(layout.leaves.size());
         layout.leaves.push_back(&*find_leaf(cell.origin));
     }
@@ -244,7 +244,7 @@ void write_root(const std::vector<Cell>& cells, const NanoUpper* uppers, NanoRoo
 std::uint64_t count_voxels(const Layout& layout) {
     std::uint64_t voxels = 0;
     for (const Leaf* leaf : layout.leaves) {
-        look_in();
+        check_interrupt();
         voxels += static_cast<std::uint64_t>(leaf->active_count());
     }
     const auto add_tiles = [&](const std::vector<Cell>& cells, std::uint64_t edge) {

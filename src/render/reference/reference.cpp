@@ -67,7 +67,7 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
         const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
         for (int row = top; row < std::min(top + kTileEdge, height); ++row)
             for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
-                look_in();
+                check_interrupt();
                 image.at(column, row) =
                     static_cast<float>(depth(frame.eye, frame.direction(column, row)));
             }

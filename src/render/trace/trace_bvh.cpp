@@ -139,7 +139,7 @@ struct Building {
 bool goes_on(void* data, double) {
     auto& building = *static_cast<Building*>(data);
     try {
-        if (!building.ended) look_in();
+        if (!building.ended) check_interrupt();
     } catch (...) {
         building.ended_by = std::current_exception();
         building.ended = true;

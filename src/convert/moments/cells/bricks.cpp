@@ -11,7 +11,7 @@ BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNod
     BigVector<Brick> bricks;
     bricks.reserve(nodes.size());
     for (const MortonNode& node : nodes) {
-        look_in();
+        check_interrupt();
         Brick brick{node.origin, 1, nullptr, 0};
         if (node.tile) {
             brick.value = volume.tiles[node.index].value;

@@ -22,7 +22,7 @@ std::vector<MortonNode> morton_nodes(const Volume& volume) {
     std::vector<MortonNode> nodes;
     nodes.reserve(volume.leaves.size() + volume.tiles.size());
     for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
-        look_in();
+        check_interrupt();
         nodes.push_back({volume.leaves[n].origin, kLeafEdge, static_cast<std::uint32_t>(n), false});
     }
     for (std::size_t n = 0; n < volume.tiles.size(); ++n)

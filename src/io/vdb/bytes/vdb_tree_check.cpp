@@ -54,7 +54,7 @@ class TreeWalk {
             point_leaves();
         } else {
             for (WalkedTree::LeafSpot& leaf : tree_.leaves) {
-                look_in();
+                check_interrupt();
                 leaf_buffer(leaf);
             }
             if (!in_.at_end()) in_.fail("corrupt: the tree ends before its grid does");
