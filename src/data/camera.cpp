@@ -59,14 +59,14 @@ Camera orbit_view(const Box& box, double azimuth_rad, double elevation_rad, doub
                   double fov_degrees) {
     Camera camera;
     camera.look_at = box.empty() ? Vec3d{} : box.center();
-    // A box without extent (one point) still gets a view: of its unit neighbourhood.
+    // A box without extent (one point) is viewed as if its radius were 1.
     const double radius = box.empty() || box.radius() == 0 ? 1 : box.radius();
     const double flat = std::cos(elevation_rad);
     camera.eye = camera.look_at + distance_radii * radius *
                                       Vec3d{flat * std::cos(azimuth_rad), std::sin(elevation_rad),
                                             flat * std::sin(azimuth_rad)};
     camera.fov_degrees = fov_degrees;
-    // Straight down or up, y cannot be the image's up: x takes its place.
+    // Looking straight up or down, y is parallel to the view: x is the image's up axis instead.
     if (std::abs(flat) < 1e-6) camera.up = {1, 0, 0};
     return camera;
 }

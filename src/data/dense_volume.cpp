@@ -1,4 +1,4 @@
-// dense_volume.cpp: dense arrays to leaves and back.
+// dense_volume.cpp: conversion between dense arrays and sparse leaves.
 #include "vog/dense.h"
 
 #include <fmt/core.h>
@@ -15,17 +15,17 @@ namespace vog {
 
 namespace {
 
-/// A leaf that a block reaches into.
-struct Reach {
-    Vec3i origin;
-    std::uint32_t block = 0;
-    std::uint32_t refused = 0;  ///< values there that no density can have
-    Vec3i first_refused{};
-    bool active = false;
+/// Overlap of one block with one leaf.
+struct Overlap {
+    Vec3i origin;               ///< of the leaf
+    std::uint32_t block = 0;    ///< index of the block
+    std::uint32_t invalid = 0;  ///< number of values that are negative or not finite
+    Vec3i first_invalid{};      ///< voxel of the first of them
+    bool active = false;        ///< some voxel is active
 };
 
-constexpr auto place = [](const Reach& r) {
-    return std::tie(r.origin.x, r.origin.y, r.origin.z, r.block);
+constexpr auto sort_key = [](const Overlap& o) {
+    return std::tie(o.origin.x, o.origin.y, o.origin.z, o.block);
 };
 
 Vec3i leaf_of(Vec3i index) {
@@ -35,7 +35,7 @@ Vec3i leaf_of(Vec3i index) {
 /// Calls visit(index, value) for the active voxels of a block in the leaf at `origin`.
 template <class Visit>
 void each_active(const DenseBlock& block, Vec3i origin, const Visit& visit) {
-    Vec3i lower, upper;  // of the block's own indices
+    Vec3i lower, upper;  // range of indices into the block, upper excluded
     for (int axis = 0; axis < 3; ++axis) {
         lower[axis] = std::max(origin[axis] - block.first[axis], 0);
         upper[axis] = std::min(origin[axis] + kLeafEdge - block.first[axis], block.size[axis]);
@@ -47,7 +47,7 @@ void each_active(const DenseBlock& block, Vec3i origin, const Visit& visit) {
         for (int y = lower.y; y < upper.y; ++y)
             for (int z = lower.z; z < upper.z; ++z) {
                 const float value = block.value[at(block.stride, x, y, z)];
-                // Without a mask whatever is not 0 is looked at: what is below is refused.
+                // Without a mask every value but 0 counts, so that negative ones are reported.
                 const bool active =
                     block.active ? block.active[at(block.active_stride, x, y, z)] : value != 0;
                 if (active) visit(block.first + Vec3i{x, y, z}, value);
@@ -55,7 +55,7 @@ void each_active(const DenseBlock& block, Vec3i origin, const Visit& visit) {
 }
 
 void check(const DenseBlock& block, const std::string& name) {
-    // Indices stay within a range whose sums and leaf origins an int holds.
+    // Sums of two indices and origins of leaves then fit an int.
     constexpr std::int64_t kFarthest = std::int64_t{1} << 30;
     for (int axis = 0; axis < 3; ++axis) {
         const std::int64_t first = block.first[axis], size = block.size[axis];
@@ -68,9 +68,9 @@ void check(const DenseBlock& block, const std::string& name) {
     }
 }
 
-/// Every leaf that a block reaches into, in the order of origins, then blocks.
-std::vector<Reach> reached_leaves(std::span<const DenseBlock> blocks) {
-    std::vector<Reach> all;
+/// Overlaps of all blocks with leaves, sorted by the leaf's origin, then by block.
+std::vector<Overlap> overlapped_leaves(std::span<const DenseBlock> blocks) {
+    std::vector<Overlap> all;
     for (std::uint32_t n = 0; n < blocks.size(); ++n) {
         const Vec3i lower = leaf_of(blocks[n].first);
         const Vec3i upper = blocks[n].first + blocks[n].size;
@@ -79,37 +79,38 @@ std::vector<Reach> reached_leaves(std::span<const DenseBlock> blocks) {
                 for (int z = lower.z; z < upper.z; z += kLeafEdge) all.push_back({{x, y, z}, n});
     }
     std::sort(all.begin(), all.end(),
-              [](const Reach& a, const Reach& b) { return place(a) < place(b); });
+              [](const Overlap& a, const Overlap& b) { return sort_key(a) < sort_key(b); });
     return all;
 }
 
-void look_at(const DenseBlock& block, Reach& reach) {
-    each_active(block, reach.origin, [&](Vec3i index, float value) {
+/// Sets `active` and the invalid values of an overlap.
+void check_values(const DenseBlock& block, Overlap& overlap) {
+    each_active(block, overlap.origin, [&](Vec3i index, float value) {
         if (value >= 0 && std::isfinite(value)) {
-            reach.active = true;
+            overlap.active = true;
             return;
         }
-        if (reach.refused++ == 0) reach.first_refused = index;
+        if (overlap.invalid++ == 0) overlap.first_invalid = index;
     });
 }
 
-void require_densities(const std::vector<Reach>& reached, std::span<const DenseBlock> blocks,
+void require_densities(const std::vector<Overlap>& overlaps, std::span<const DenseBlock> blocks,
                        const std::string& name) {
-    std::uint64_t refused = 0;
-    const Reach* first = nullptr;
-    for (const Reach& reach : reached) {
-        if (reach.refused && !first) first = &reach;
-        refused += reach.refused;
+    std::uint64_t invalid = 0;
+    const Overlap* first = nullptr;
+    for (const Overlap& overlap : overlaps) {
+        if (overlap.invalid && !first) first = &overlap;
+        invalid += overlap.invalid;
     }
     if (!first) return;
     const DenseBlock& block = blocks[first->block];
-    const Vec3i at = first->first_refused, in_block = at - block.first;
+    const Vec3i at = first->first_invalid, in_block = at - block.first;
     const float value = block.value[in_block.x * block.stride[0] + in_block.y * block.stride[1] +
                                     in_block.z * block.stride[2]];
     throw Error(
         fmt::format("{}: {} values that are no densities, the first {} at [{}, {}, {}], expected "
                     "finite and >= 0",
-                    name, refused, value, at.x, at.y, at.z));
+                    name, invalid, value, at.x, at.y, at.z));
 }
 
 bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -120,29 +121,29 @@ Volume volume_from_dense(std::span<const DenseBlock> blocks, const Affine& world
                          const std::string& name) {
     for (const DenseBlock& block : blocks) check(block, name);
 
-    // What is active decides which leaves there are: an array may be mostly empty.
-    std::vector<Reach> reached = reached_leaves(blocks);
-    vog::parallel_for(std::size_t{0}, reached.size(),
-                      [&](std::size_t n) { look_at(blocks[reached[n].block], reached[n]); });
-    require_densities(reached, blocks, name);
-    std::erase_if(reached, [](const Reach& reach) { return !reach.active; });
-    if (reached.empty())
+    // Only leaves with active voxels are made: an array may be mostly empty.
+    std::vector<Overlap> overlaps = overlapped_leaves(blocks);
+    vog::parallel_for(std::size_t{0}, overlaps.size(),
+                      [&](std::size_t n) { check_values(blocks[overlaps[n].block], overlaps[n]); });
+    require_densities(overlaps, blocks, name);
+    std::erase_if(overlaps, [](const Overlap& overlap) { return !overlap.active; });
+    if (overlaps.empty())
         throw Error(fmt::format("{}: no active voxel, expected some above 0", name));
 
-    // One leaf for each origin, its blocks in their order.
+    // One leaf for each origin; later blocks overwrite earlier ones.
     std::vector<std::size_t> first;
-    for (std::size_t n = 0; n < reached.size(); ++n)
-        if (n == 0 || reached[n].origin != reached[n - 1].origin) first.push_back(n);
+    for (std::size_t n = 0; n < overlaps.size(); ++n)
+        if (n == 0 || overlaps[n].origin != overlaps[n - 1].origin) first.push_back(n);
     Volume volume;
     volume.name = name;
     volume.world_from_index = world_from_index;
     volume.leaves.resize(first.size());
-    first.push_back(reached.size());
+    first.push_back(overlaps.size());
     vog::parallel_for(std::size_t{0}, volume.leaves.size(), [&](std::size_t n) {
         Leaf& leaf = volume.leaves[n];
-        leaf.origin = reached[first[n]].origin;
+        leaf.origin = overlaps[first[n]].origin;
         for (std::size_t r = first[n]; r < first[n + 1]; ++r)
-            each_active(blocks[reached[r].block], leaf.origin, [&](Vec3i index, float value) {
+            each_active(blocks[overlaps[r].block], leaf.origin, [&](Vec3i index, float value) {
                 const Vec3i d = index - leaf.origin;
                 leaf.set(leaf_offset(d.x, d.y, d.z), value);
             });
@@ -188,7 +189,7 @@ void copy_dense(const Volume& volume, Vec3i first, Vec3i size, std::span<float> 
                                 size.x, size.y, size.z));
     std::fill(values.begin(), values.end(), 0.0f);
 
-    /// Rows along z of the part of a node that lies within the array.
+    // Calls put(row, voxel in the node) for each row along z of the node's overlap with the array.
     const auto each_row = [&](Vec3i origin, int edge, const auto& put) {
         Vec3i lower, upper;
         for (int axis = 0; axis < 3; ++axis) {

@@ -1,4 +1,4 @@
-// gaussians.cpp: mass, spread, bounds and checks of a model.
+// gaussians.cpp: mass, bounds, whitening, joining and validation of Gaussian models.
 #include "vog/gaussians.h"
 
 #include <fmt/core.h>
@@ -33,7 +33,7 @@ double variance_within(double cutoff) {
 
 double cutoff_of_kappa(double kappa, double otherwise) {
     if (kappa == 0) return otherwise;
-    // As for any model, the cutoff is to lie within (0, 8].
+    // Bounds that keep the cutoff sqrt(-2 ln kappa) within (0, 8], the range of every model.
     if (!(kappa >= 1.3e-14 && kappa < 1))
         throw Error(
             fmt::format("kappa {}, expected in [1.3e-14, 1), or 0: the model's own cutoff", kappa));
@@ -150,7 +150,7 @@ void validate(const Gaussians& gaussians) {
     for (std::size_t i = 0; i < n; ++i) {
         keep_memory_at(i);
         const Vec3f s = gaussians.scale[i];
-        if (!finite(gaussians.mean[i])) fail(fmt::format("Gaussian {}: its mean is not finite", i));
+        if (!finite(gaussians.mean[i])) fail(fmt::format("Gaussian {}: mean not finite", i));
         if (!finite(s) || !(s.x > 0 && s.y > 0 && s.z > 0))
             fail(fmt::format("Gaussian {}: scales {} {} {}, expected finite and > 0", i, s.x, s.y,
                              s.z));
@@ -161,8 +161,10 @@ void validate(const Gaussians& gaussians) {
         const Quat q = gaussians.rotation[i];
         const float norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
         if (!(norm2 > 1e-12f) || !std::isfinite(norm2))
-            fail(fmt::format("Gaussian {}: rotation {} {} {} {}, expected a quaternion", i, q.w,
-                             q.x, q.y, q.z));
+            fail(
+                fmt::format("Gaussian {}: rotation {} {} {} {}, expected a quaternion of finite, "
+                            "nonzero length",
+                            i, q.w, q.x, q.y, q.z));
     }
 }
 

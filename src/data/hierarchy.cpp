@@ -1,4 +1,4 @@
-// hierarchy.cpp: whose children are where, checks, and joining.
+// hierarchy.cpp: child indices, validation and joining of hierarchies.
 #include "vog/lod.h"
 
 #include <fmt/core.h>
@@ -13,21 +13,23 @@ namespace vog {
 
 namespace {
 
-/// Nodes that are no one's children, if they lie in one order.
+/// Number of roots of a hierarchy in the order of link().
 std::size_t root_count(const Hierarchy& hierarchy) {
     std::size_t below = 0;
     for (const std::uint8_t count : hierarchy.node_count) below += count;
     return below < hierarchy.size() ? hierarchy.size() - below : 0;
 }
 
-/// Every node and every leaf is a child once at most, and behind its parent: so it is a forest.
+/// Checks that the hierarchy is a forest: every node and leaf is the child of at most one node, and
+/// children follow their parents.
+/// throws vog::Error naming `where` otherwise
 void check_children(const Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
-    std::vector<bool> node_taken(hierarchy.size()), leaf_taken(leaves);
-    const auto take = [](std::vector<bool>& taken, std::size_t first, std::size_t count) {
-        if (first > taken.size() || count > taken.size() - first) return false;
+    std::vector<bool> node_has_parent(hierarchy.size()), leaf_has_parent(leaves);
+    const auto mark = [](std::vector<bool>& has_parent, std::size_t first, std::size_t count) {
+        if (first > has_parent.size() || count > has_parent.size() - first) return false;
         for (std::size_t i = first; i < first + count; ++i) {
-            if (taken[i]) return false;
-            taken[i] = true;
+            if (has_parent[i]) return false;
+            has_parent[i] = true;
         }
         return true;
     };
@@ -41,10 +43,10 @@ void check_children(const Hierarchy& hierarchy, std::size_t leaves, const std::s
         };
         if (nodes + own < 2) fail("2 or more in all");
         if (nodes > 0 && hierarchy.first_node[n] <= n) fail("nodes behind it");
-        if (!take(node_taken, nodes ? hierarchy.first_node[n] : 0, nodes))
-            fail(fmt::format("nodes of the {} that are no other's", hierarchy.size()));
-        if (!take(leaf_taken, own ? hierarchy.first_leaf[n] : 0, own))
-            fail(fmt::format("Gaussians of the model's {} that are no other's", leaves));
+        if (!mark(node_has_parent, nodes ? hierarchy.first_node[n] : 0, nodes))
+            fail(fmt::format("nodes of the {} that have no other parent", hierarchy.size()));
+        if (!mark(leaf_has_parent, own ? hierarchy.first_leaf[n] : 0, own))
+            fail(fmt::format("Gaussians of the model's {} that have no other parent", leaves));
     }
 }
 
@@ -56,7 +58,7 @@ void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
     hierarchy.first_leaf.resize(count);
     std::uint64_t node = root_count(hierarchy), leaf = 0;
     for (std::size_t n = 0; n < count; ++n) {
-        // Beyond 2^32 they are beyond the model, too, which is said below.
+        // Indices beyond 2^32 wrap around; check_children refuses such counts below.
         hierarchy.first_node[n] = static_cast<std::uint32_t>(node);
         hierarchy.first_leaf[n] = static_cast<std::uint32_t>(leaf);
         node += hierarchy.node_count[n];
@@ -84,12 +86,12 @@ void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
     if (hierarchy.nodes.size() != count || hierarchy.first_node.size() != count ||
         hierarchy.first_leaf.size() != count || hierarchy.leaf_count.size() != count ||
         hierarchy.radius.size() != count || hierarchy.error.size() != count)
-        fail(fmt::format("a hierarchy of {} nodes with arrays of other lengths", count));
+        fail(fmt::format("hierarchy of {} nodes: arrays of different lengths", count));
     if (count == 0) return;
     check_children(hierarchy, leaves, where);
     if (double{hierarchy.nodes.cutoff} != cutoff)
-        fail(fmt::format("a hierarchy with a cutoff of {}, expected the model's {}",
-                         hierarchy.nodes.cutoff, cutoff));
+        fail(fmt::format("hierarchy: cutoff {}, expected the model's {}", hierarchy.nodes.cutoff,
+                         cutoff));
     try {
         validate(hierarchy.nodes);
     } catch (const Error& error) {

@@ -1,4 +1,4 @@
-// hierarchy_links.h: the order in which the nodes and leaves of a hierarchy lie.
+// hierarchy_links.h: breadth-first order of the nodes and leaves of a hierarchy.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace vog {
 
-/// Fills first_node and first_leaf from the counts: the roots are the first nodes, then come the
-/// children of all nodes in the order of their parents, and so do leaves; leaves of no node are
-/// the last.
-/// throws  vog::Error naming `where` if the counts are not those of a forest over `leaves`
+/// Computes first_node and first_leaf from the counts, in breadth-first order: nodes are the roots,
+/// then the children of each node in turn; leaves are in the order of their parents, those without
+/// a parent last.
+/// throws  vog::Error naming `where` if the counts do not form a forest over `leaves` Gaussians
 void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where);
-/// Whether it lies as link() has it: what build_hierarchy makes, and a file holds.
+/// Whether nodes and leaves are in the order of link(), as build_hierarchy and files have them.
 bool in_one_order(const Hierarchy& hierarchy);
 
 }  // namespace vog

@@ -1,4 +1,4 @@
-// image.cpp: whether an image is fit to be written or returned.
+// image.cpp: size limits and value checks of images.
 #include "vog/image.h"
 
 #include <fmt/core.h>

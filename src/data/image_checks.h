@@ -1,4 +1,4 @@
-// image_checks.h: limits on the size of images, and checks of their values.
+// image_checks.h: size limits and value checks of images.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace vog {
 
-/// Larger images are refused, so that a few hostile bytes cannot claim all memory. 2^28 pixels are
-/// 16384 x 16384: 1 GiB of T, 4 GiB of colours.
+/// Limits of images, so that a corrupt header cannot allocate all memory. 2^28 pixels are
+/// 16384 x 16384: 1 GiB of T, 4 GiB of RGBA.
 inline constexpr std::int64_t kMaxImageSide = 65536;
 inline constexpr std::int64_t kMaxImagePixels = std::int64_t{1} << 28;
 

@@ -1,4 +1,4 @@
-// point_grid.cpp: the spacing of particles, their Morton keys, their order.
+// point_grid.cpp: mean spacing of particles, and their sorting by Morton and leaf keys.
 #include "data/point_grid.h"
 
 #include <tbb/parallel_sort.h>
@@ -29,7 +29,7 @@ void sort_parallel(Values& values, const Less& less) {
     });
 }
 
-/// Particles in the order of key_of(particle), then of their own.
+/// Sorts particles by key_of(particle), then by index.
 template <class KeyOf>
 void sort_by_key(std::size_t count, const KeyOf& key_of, BigVector<std::uint64_t>& key,
                  BigVector<std::uint32_t>& index) {
@@ -53,7 +53,7 @@ void sort_by_key(std::size_t count, const KeyOf& key_of, BigVector<std::uint64_t
     });
 }
 
-/// Spacing of a uniform scatter in the box, by as many dimensions as it has.
+/// Mean spacing of `count` uniformly scattered particles in a box of one to three dimensions.
 double uniform_spacing(const Box& box, std::size_t count) {
     const Vec3d size = box.upper - box.lower;
     const double largest = std::max({size.x, size.y, size.z});
@@ -69,7 +69,7 @@ double uniform_spacing(const Box& box, std::size_t count) {
     return largest * std::pow(product / static_cast<double>(count), 1.0 / dimensions);
 }
 
-/// Cells of a level that hold particles.
+/// Number of octree cells of a level that hold particles; level 0 has the finest.
 std::size_t occupied_cells(const PointGrid& grid, int level) {
     const int shift = 3 * level;
     std::size_t count = 1;
@@ -80,16 +80,17 @@ std::size_t occupied_cells(const PointGrid& grid, int level) {
     return count;
 }
 
-/// Makes the voxels as small as clustered particles need.
+/// Halves the voxel size while that brings the mean number of particles in an occupied voxel nearer
+/// to that of a uniform scatter: clustered particles get smaller voxels.
 void refine_voxels(PointGrid& grid) {
-    // A Poisson scatter of one a voxel has 1 / (1 - 1/e) = 1.58 to an occupied voxel. Voxels halve
-    // while that brings them nearer: factors on a logarithmic scale.
-    constexpr double kWanted = 1.582;
+    // Poisson scatter of one particle per voxel: 1 / (1 - 1/e) = 1.582 per occupied voxel. The
+    // distance to it is measured in factors, on a logarithmic scale.
+    constexpr double kPoissonMean = 1.582;
     const auto count = static_cast<double>(grid.size());
     const auto distance = [&](int root_log2) {
         const int level = kKeyBits - root_log2;
         const double mean = count / static_cast<double>(occupied_cells(grid, level));
-        return std::abs(std::log(mean / kWanted));
+        return std::abs(std::log(mean / kPoissonMean));
     };
     double best = distance(grid.root_log2);
     while (grid.root_log2 < kKeyBits) {
@@ -115,7 +116,7 @@ PointGrid point_grid(const Points& points) {
 
     grid.voxel_size = std::max(grid.voxel_size, std::ldexp(largest, -grid.root_log2));
 
-    // The upper faces of the root belong to it.
+    // Particles on the upper faces of the root belong to its last cells.
     const double scale = std::ldexp(1.0, kKeyBits - grid.root_log2) / grid.voxel_size;
     constexpr double kLast = (1 << kKeyBits) - 1;
     sort_by_key(

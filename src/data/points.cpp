@@ -1,4 +1,4 @@
-// points.cpp: what is true of particles whatever file they came from.
+// points.cpp: bounds, joining, validation and named values of particles.
 #include "vog/points.h"
 
 #include <fmt/format.h>
@@ -20,7 +20,7 @@ const PointAttribute* find_attribute(const Points& points, const std::string& na
     return found == points.attributes.end() ? nullptr : &*found;
 }
 
-/// The attribute that holds the speed where there is no velocity.
+/// Attribute with the speed of each particle, for data without velocity vectors; null if absent.
 const PointAttribute* speed_attribute(const Points& points) {
     const PointAttribute* speed = find_attribute(points, "speed");
     return speed ? speed : find_attribute(points, "velocity");
@@ -62,7 +62,7 @@ void validate(const Points& points) {
         throw Error(fmt::format("{}: {}", where(points), what));
     };
     if (count == 0) refuse("no particles");
-    // Cells and their children are counted in 32 bits.
+    // Conversion counts cells and their children in 32 bits.
     if (count > 0x7fffffff) refuse(fmt::format("{} particles, expected at most 2^31 - 1", count));
     if (!points.velocity.empty() && points.velocity.size() != count)
         refuse(fmt::format("{} velocities for {} particles", points.velocity.size(), count));

@@ -1,4 +1,4 @@
-// volume.cpp: counts, mass and boxes of a sparse volume.
+// volume.cpp: counts, mass, bounding boxes, sorting and validation of sparse volumes.
 #include "vog/volume.h"
 
 #include <fmt/core.h>
@@ -80,7 +80,7 @@ Box world_box(const Volume& volume) {
 }
 
 void sort_nodes(Volume& volume) {
-    // Leaves are 2 kB: not a byte is moved where they are in order.
+    // Leaves are 2 kB each: sorted ones are left untouched.
     bool sorted = true;
     for (std::size_t i = 1; sorted && i < volume.leaves.size(); ++i) {
         check_interrupt();

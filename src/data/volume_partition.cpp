@@ -1,4 +1,4 @@
-// volume_partition.cpp: runs of nodes in Morton order.
+// volume_partition.cpp: division of a volume into runs of leaves and tiles in Morton order.
 #include "data/volume_partition.h"
 
 #include <fmt/core.h>
@@ -19,17 +19,18 @@ const Collective& collective_or_single(const Collective* collective) {
 
 void validate(const VolumePart& part) {
     if (part.count < 1 || part.index < 0 || part.index >= part.count)
-        throw Error(fmt::format("part {} of {}, expected 0 to one less than a number of parts",
-                                part.index, part.count));
+        throw Error(fmt::format(
+            "part {} of {}, expected an index from 0 to one less than the number of parts",
+            part.index, part.count));
     if (part.align_voxels < kLeafEdge ||
         !std::has_single_bit(static_cast<unsigned>(part.align_voxels)))
-        throw Error(fmt::format("parts aligned to {} voxels, expected a power of two from {} on",
+        throw Error(fmt::format("parts aligned to {} voxels, expected a power of two, at least {}",
                                 part.align_voxels, kLeafEdge));
 }
 
 namespace {
 
-/// Where the first cube begins that has this many voxels before it.
+/// Position in `order` of the first node of an aligned cube with at least `voxels` before it.
 std::size_t run_begin(std::span<const PartNode> nodes, std::span<const std::uint32_t> order,
                       int edge_log2, std::uint64_t voxels) {
     std::uint64_t before = 0;
@@ -65,15 +66,15 @@ std::vector<std::uint32_t> nodes_of(std::span<const PartNode> nodes, const Volum
     return run;
 }
 
-Volume nodes_where(const Volume& volume, const NodeChoice& wanted) {
+Volume nodes_where(const Volume& volume, const NodeChoice& selected) {
     Volume some;
     some.world_from_index = volume.world_from_index;
     some.name = volume.name;
     some.source = volume.source;
     for (const Leaf& leaf : volume.leaves)
-        if (wanted(leaf.origin, kLeafEdge)) some.leaves.push_back(leaf);
+        if (selected(leaf.origin, kLeafEdge)) some.leaves.push_back(leaf);
     for (const Tile& tile : volume.tiles)
-        if (wanted(tile.origin, tile.edge)) some.tiles.push_back(tile);
+        if (selected(tile.origin, tile.edge)) some.tiles.push_back(tile);
     return some;
 }
 

@@ -1,4 +1,4 @@
-// volume_partition.h: which leaves and tiles are in a part of a volume.
+// volume_partition.h: selection of the leaves and tiles in one part of a volume.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace vog {
 
-/// What dividing needs of a leaf or a tile.
+/// Leaf or tile as an item of the partition.
 struct PartNode {
-    Vec3i origin;
-    std::uint32_t voxels = 0;  ///< active ones, 512 for a tile
+    Vec3i origin;              ///< index of the first voxel
+    std::uint32_t voxels = 0;  ///< weight: active voxels, 512 for a tile
 };
-/// Which of these nodes, in any order, are in the part: their numbers, ascending.
+/// Positions in `nodes` of those in the part, ascending.
+/// nodes  in any order
 [[nodiscard]] std::vector<std::uint32_t> nodes_of(std::span<const PartNode> nodes,
                                                   const VolumePart& part);
 
-/// Which leaves and tiles are wanted: by the index of their first voxel and the voxels along an
-/// edge.
+/// Predicate on leaves and tiles: index of the first voxel, edge in voxels.
 using NodeChoice = std::function<bool(Vec3i origin, std::int32_t edge)>;
-/// Those leaves and tiles of a volume, with its name, source and transform.
-[[nodiscard]] Volume nodes_where(const Volume& volume, const NodeChoice& wanted);
+/// Volume of the selected leaves and tiles, with the same name, source and transform.
+[[nodiscard]] Volume nodes_where(const Volume& volume, const NodeChoice& selected);
 
 }  // namespace vog

@@ -1,4 +1,4 @@
-// byte_source.cpp: checked access to bytes, in a file and in memory.
+// byte_source.cpp: bounds-checked reading of bytes from files and memory.
 #include "io/byte_source.h"
 
 #include <fmt/core.h>
@@ -10,6 +10,14 @@
 #include "vog/error.h"
 
 namespace vog {
+
+std::string printable(std::string text) {
+    constexpr std::size_t kLongest = 100;
+    if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "...");
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+    return text;
+}
 
 std::string ByteSource::string() {
     const auto length = number<std::uint32_t>();

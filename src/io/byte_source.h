@@ -1,5 +1,5 @@
-// byte_source.h: checked access to bytes. No read goes past what is there, so a length in a corrupt
-// file never allocates more than the file holds and never walks out of a buffer.
+// byte_source.h: bounds-checked reading of bytes from files and memory. Lengths are checked against
+// the bytes left, so a corrupt file causes neither an overrun nor an allocation beyond its size.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,18 @@
 
 namespace vog {
 
-/// Little-endian bytes, in order. A read past the end throws vog::Error.
+/// Name from a file for a one-line message: at most 100 bytes, control characters replaced by '?'.
+std::string printable(std::string text);
+
+/// Sequential little-endian bytes. Every read past the end throws vog::Error.
 class ByteSource {
   public:
     virtual ~ByteSource() = default;
-    /// The next `count` bytes, valid until the next call.
+    /// Returns the next `count` bytes, valid until the next call.
     virtual const char* take(std::uint64_t count) = 0;
-    /// Passes over the next `count` bytes.
+    /// Skips the next `count` bytes.
     virtual void skip(std::uint64_t count) { take(count); }
-    virtual std::uint64_t position() const = 0;  ///< in the file
+    virtual std::uint64_t position() const = 0;  ///< of the next byte, from the start of the file
     virtual bool at_end() const = 0;
 
     template <class T>
@@ -33,8 +36,9 @@ class ByteSource {
         std::memcpy(&value, take(sizeof value), sizeof value);
         return value;
     }
-    /// A 32-bit length and as many characters.
+    /// Reads a 32-bit length and as many characters.
     std::string string();
+    /// throws vog::Error with the name of the file, `what` and the position
     [[noreturn]] void fail(const std::string& what) const;
 
   protected:
@@ -42,10 +46,10 @@ class ByteSource {
     [[noreturn]] void fail_short(std::uint64_t wanted, std::uint64_t left) const;
 
   private:
-    std::string where_;  // what every message starts with: "smoke.vdb: grid 'density'"
+    std::string where_;  // start of every message: "smoke.vdb: grid 'density'"
 };
 
-/// A file, read as asked.
+/// A whole file with random access.
 class FileBytes : public ByteSource {
   public:
     /// throws vog::Error unless `file` is a readable file
@@ -55,6 +59,7 @@ class FileBytes : public ByteSource {
     bool at_end() const override { return position_ == size_; }
     std::uint64_t size() const { return size_; }
     void seek(std::uint64_t position);
+    /// Bytes begin to end - 1.
     BigVector<char> range(std::uint64_t begin, std::uint64_t end);
 
   private:
@@ -63,10 +68,10 @@ class FileBytes : public ByteSource {
     BigVector<char> taken_;
 };
 
-/// A part of a file, read through a window that moves along; what is skipped beyond it is not read.
+/// Part of a file, read in windows of 1 MiB; skipped windows are not read.
 class FileRange : public ByteSource {
   public:
-    /// file  must outlive this, and is left to it alone meanwhile
+    /// file  must outlive this and not be used by others meanwhile
     FileRange(FileBytes& file, std::uint64_t begin, std::uint64_t end, std::string where)
         : ByteSource(std::move(where)), file_(file), position_(begin), end_(end) {}
     const char* take(std::uint64_t count) override;
@@ -84,14 +89,14 @@ class FileRange : public ByteSource {
     BigVector<char> window_;
 };
 
-/// Bytes in memory that lay at `file_offset` of a file.
+/// Bytes in memory, copied from `file_offset` of a file.
 class MemoryBytes : public ByteSource {
   public:
     MemoryBytes(std::span<const char> bytes, std::string where, std::uint64_t file_offset)
         : ByteSource(std::move(where)), bytes_(bytes), file_offset_(file_offset) {}
     const char* take(std::uint64_t count) override;
     std::uint64_t position() const override { return file_offset_ + offset_; }
-    std::size_t offset() const { return offset_; }  ///< in `bytes`
+    std::size_t offset() const { return offset_; }  ///< of the next byte, from the start of `bytes`
     const char* at(std::size_t offset) const { return bytes_.data() + offset; }
     bool at_end() const override { return offset_ == bytes_.size(); }
 
@@ -101,8 +106,7 @@ class MemoryBytes : public ByteSource {
     std::size_t offset_ = 0;
 };
 
-/// std::istream over bytes in memory that stay where they are; a short read throws
-/// std::ios_base::failure.
+/// std::istream over bytes in memory, without a copy; a short read throws std::ios_base::failure.
 class MemoryStream : public std::istream {
   public:
     explicit MemoryStream(std::span<const char> bytes) : std::istream(nullptr), buffer_(bytes) {

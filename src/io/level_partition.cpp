@@ -1,26 +1,27 @@
-// level_partition.cpp: parts of levels, and what lies over them.
-#include "vog/distributed.h"
-#include "vog/volume_io.h"
-
+// level_partition.cpp: one process's part of AMR levels, with the finer leaves that overlap it.
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
+
+#include "vog/distributed.h"
+#include "vog/volume_io.h"
 
 namespace vog {
 
 namespace {
 
-/// Where the nodes of a volume are, for nodes of other volumes.
-class Occupied {
+/// Leaves and tiles of a volume, for overlap tests with nodes of other volumes.
+class Occupancy {
   public:
-    explicit Occupied(const Volume& volume)
+    explicit Occupancy(const Volume& volume)
         : index_from_world_(inverse(volume.world_from_index)), tiles_(volume.tiles) {
-        for (const Leaf& leaf : volume.leaves) leaves_.insert(key(of_leaf(leaf.origin)));
+        for (const Leaf& leaf : volume.leaves) leaves_.insert(key(leaf_coordinates(leaf.origin)));
     }
-    /// Whether a node of another volume may overlap one of these; touching does not count.
+    /// Whether a node of another volume may overlap a node of this one; touching does not count. The
+    /// test is conservative: it may be true for a node that does not overlap.
     bool meets(const Affine& world_from_index, Vec3i origin, std::int32_t edge) const {
-        // Seen from here, a node that is turned has a box around it.
-        constexpr double kHalf = 0.5, kTouching = 1e-7;  // of a voxel: what rounding may do
+        // A rotated node is replaced by its bounding box in this volume's index space.
+        constexpr double kHalf = 0.5, kTouching = 1e-7;  // voxels; the latter allows for rounding
         const Affine here_from_there{index_from_world_.linear * world_from_index.linear,
                                      index_from_world_(world_from_index.translation)};
         const double size = edge;
@@ -31,16 +32,17 @@ class Occupied {
     }
 
   private:
-    /// The lattice of leaves, each axis in 21 bits: OpenVDB's indices have 32, three less for
-    /// leaves; what agrees in the lower 21 of them is taken for more than there is, which is right
-    /// too.
+    /// Leaf coordinates, 21 bits per axis. OpenVDB's have 29, so distant leaves may share a key; the
+    /// test then only selects a node too many, which is harmless.
     static std::uint64_t key(Vec3i leaf) {
         constexpr std::uint64_t kMask = (1 << 21) - 1;
         return (static_cast<std::uint64_t>(leaf.x) & kMask) << 42 |
                (static_cast<std::uint64_t>(leaf.y) & kMask) << 21 |
                (static_cast<std::uint64_t>(leaf.z) & kMask);
     }
-    static Vec3i of_leaf(Vec3i origin) { return {origin.x >> 3, origin.y >> 3, origin.z >> 3}; }
+    static Vec3i leaf_coordinates(Vec3i origin) {
+        return {origin.x >> 3, origin.y >> 3, origin.z >> 3};
+    }
     static std::int32_t leaf_at(double index) {
         return static_cast<std::int32_t>(std::floor((index + 0.5) / kLeafEdge));
     }
@@ -55,10 +57,10 @@ class Occupied {
         }
         const Vec3i first{leaf_at(box.lower.x), leaf_at(box.lower.y), leaf_at(box.lower.z)};
         const Vec3i last{leaf_at(box.upper.x), leaf_at(box.upper.y), leaf_at(box.upper.z)};
-        // A tile over more of the lattice than is worth a look is taken along: that costs nothing.
-        constexpr double kMostLooks = 4096;
+        // A node over more leaves than this is selected without a search: selecting it is harmless.
+        constexpr double kMaxLookups = 4096;
         if (double(last.x - first.x + 1) * (last.y - first.y + 1) * (last.z - first.z + 1) >
-            kMostLooks)
+            kMaxLookups)
             return true;
         for (std::int32_t x = first.x; x <= last.x; ++x)
             for (std::int32_t y = first.y; y <= last.y; ++y)
@@ -72,8 +74,8 @@ class Occupied {
     std::vector<Tile> tiles_;
 };
 
-/// What of a level lies over the part.
-Volume over(VolumeReader& reader, const Occupied& part) {
+/// Leaves and tiles of a level that overlap the part.
+Volume read_overlap(VolumeReader& reader, const Occupancy& part) {
     return reader.read_where([&](Vec3i origin, std::int32_t edge) {
         return part.meets(reader.world_from_index(), origin, edge);
     });
@@ -84,38 +86,38 @@ void clear_values(Volume& volume) {
     for (Tile& tile : volume.tiles) tile.value = 0;
 }
 
-/// Volumes with nothing in them, for their maps.
-std::vector<Volume> maps_of(std::span<VolumeReader> readers) {
-    std::vector<Volume> maps(readers.size());
+/// Empty volumes with the transforms of the readers.
+std::vector<Volume> empty_volumes(std::span<VolumeReader> readers) {
+    std::vector<Volume> empty(readers.size());
     for (std::size_t n = 0; n < readers.size(); ++n)
-        maps[n].world_from_index = readers[n].world_from_index();
-    return maps;
+        empty[n].world_from_index = readers[n].world_from_index();
+    return empty;
 }
 
 }  // namespace
 
 std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<VolumeReader> masks,
                                      const VolumePart& part, std::uint64_t* negative) {
-    const std::vector<Volume> maps = maps_of(volumes);
-    const std::vector<std::size_t> order = finest_first(maps);
+    const std::vector<Volume> empty = empty_volumes(volumes);
+    const std::vector<std::size_t> order = finest_first(empty);
     std::vector<Levels> parts;
     for (std::size_t k = 0; k < order.size(); ++k) {
         Volume own = volumes[order[k]].read(part, negative);
         if (own.empty()) continue;
-        const Occupied occupied(own);
+        const Occupancy occupied(own);
         Levels levels;
         for (std::size_t finer = 0; finer < k; ++finer) {
             const std::size_t n = order[finer];
             if (!masks.empty()) {
-                // Where a mask hides, values do not matter.
-                levels.masks.push_back(over(masks[n], occupied));
-                levels.volumes.push_back(maps[n]);
+                // A mask alone hides coarser levels: values are not needed.
+                levels.masks.push_back(read_overlap(masks[n], occupied));
+                levels.volumes.push_back(empty[n]);
                 continue;
             }
-            levels.volumes.push_back(over(volumes[n], occupied));
+            levels.volumes.push_back(read_overlap(volumes[n], occupied));
             clear_values(levels.volumes.back());
         }
-        if (!masks.empty()) levels.masks.push_back(over(masks[order[k]], occupied));
+        if (!masks.empty()) levels.masks.push_back(read_overlap(masks[order[k]], occupied));
         levels.volumes.push_back(std::move(own));
         parts.push_back(std::move(levels));
     }

@@ -1,4 +1,4 @@
-// volume_files.cpp: which reader a file is for, which of its grids a pattern names.
+// volume_files.cpp: choice of a reader by extension, and of grids by name patterns.
 #include "vog/volume_io.h"
 
 #include <fmt/ranges.h>
@@ -29,7 +29,7 @@ bool is_nvdb(const std::filesystem::path& file) {
 bool is_pattern(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
 bool has_star(const std::string& name) { return name.find('*') != std::string::npos; }
 
-/// Whether a name is of a pattern, where * is any text and ? any letter.
+/// Whether a name matches a pattern, where * stands for any text and ? for any character.
 bool matches(std::string_view pattern, std::string_view name) {
     if (pattern.empty()) return name.empty();
     if (pattern.front() == '*')
@@ -39,7 +39,7 @@ bool matches(std::string_view pattern, std::string_view name) {
            matches(pattern.substr(1), name.substr(1));
 }
 
-/// What the first * of a pattern stands for in a name of it: the shortest text that does.
+/// Shortest text that the first * of a pattern stands for in a matching name; empty without a *.
 std::string star_text(const std::string& pattern, const std::string& name) {
     const std::size_t star = pattern.find('*');
     if (star == std::string::npos) return {};
@@ -80,7 +80,7 @@ std::vector<std::string> grid_names(const std::filesystem::path& file) {
 
 struct VolumeReader::State {
     std::optional<VdbReader> vdb{};
-    Volume whole{};  ///< where there is no reader
+    Volume whole{};  ///< for files without partial reading (.nvdb)
     VdbNotes notes{};
 };
 
@@ -115,14 +115,14 @@ const Affine& VolumeReader::world_from_index() const {
 Volume VolumeReader::read(const VolumePart& part, std::uint64_t* negative) {
     VdbNotes found;
     Volume volume = state_->vdb ? state_->vdb->read(part, &found) : part_of(state_->whole, part);
-    // A file that is read whole reports with its first part.
+    // Files that are read whole report their clamped values with the first part only.
     if (!state_->vdb && part.index == 0) found = state_->notes;
     if (negative) *negative += found.clamped_negative;
     return volume;
 }
 
-Volume VolumeReader::read_where(const NodeChoice& wanted) {
-    return state_->vdb ? state_->vdb->read_where(wanted) : nodes_where(state_->whole, wanted);
+Volume VolumeReader::read_where(const NodeChoice& selected) {
+    return state_->vdb ? state_->vdb->read_where(selected) : nodes_where(state_->whole, selected);
 }
 
 std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> files,

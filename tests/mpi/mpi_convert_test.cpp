@@ -142,7 +142,7 @@ TEST_F(mpi_convert, split_models_are_one_model) {
     EXPECT_EQ(distance("one.ply", "parts.json"), 0);
     must_mpi(2, "render parts.json --size 32 -o parts.png");
     write("wrong.json", "{\"eye\": [0,0,1]}");
-    must_fail(1, "render wrong.json -o w.png", "no index of models");
+    must_fail(1, "render wrong.json -o w.png", "not an index of models");
 }
 
 /// Time steps go to ranks whole.

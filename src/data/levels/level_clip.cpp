@@ -1,7 +1,7 @@
-// level_clip.cpp: voxels cut along the faces of other lattices.
-// Where lattices are parallel, the faces of all regions divide a voxel into boxes each of which is
-// seen or hidden as its centre is: volumes are then exact, whatever the ratio and the offset, and
-// also where several regions overlap. Where they are not, equal boxes stand in for those.
+// level_clip.cpp: visible volume of voxels cut by the faces of other lattices.
+// If lattices are parallel, the faces of all regions divide a voxel into boxes, and each box is
+// visible exactly if its centre is: volumes are exact for any ratio and offset, also where regions
+// overlap. Otherwise 16^3 equal boxes sample the voxel.
 #include "data/levels/level_clip.h"
 
 #include <algorithm>
@@ -13,20 +13,20 @@ namespace vog {
 
 namespace {
 
-/// Offsets below this share of a region's voxel are rounding (of transforms stored as float32).
+/// Offsets below this are rounding: transforms are often stored as float32.
 constexpr double kSnap_voxels = 1e-4;
-/// Slices of a voxel where lattices are not parallel.
+/// Slices per axis of a voxel if lattices are not parallel.
 constexpr int kSamples = 16;
 constexpr int kMostPieces = 8;
 
-/// Index of the voxel that holds a coordinate; far ones end up far, without overflow.
+/// Index of the voxel that holds a coordinate, clamped to +-2^30.
 std::int32_t voxel_at(double coordinate) {
     constexpr double kFar = 1 << 30;
     return static_cast<std::int32_t>(std::floor(std::clamp(coordinate + 0.5, -kFar, kFar)));
 }
 Vec3i voxel_at(Vec3d point) { return {voxel_at(point.x), voxel_at(point.y), voxel_at(point.z)}; }
 
-/// The region's voxels around a box of the level's, without those it merely touches.
+/// Region's voxels that overlap a box of the level's voxels; touching does not count.
 struct IndexRange {
     Vec3i lower, upper;
 };
@@ -40,7 +40,7 @@ IndexRange range_of(const ClipRegion& region, Vec3i lower, Vec3i upper) {
 
 bool is_whole(double number) { return std::abs(number - std::round(number)) < kSnap_voxels; }
 
-/// Whether faces of the region's voxels run along all faces of the level's, `ratio` to an edge.
+/// Whether each of the level's voxels is divided evenly into whole voxels of the region.
 bool lattices_fit(const ClipRegion& region, Vec3d somewhere) {
     if (!region.parallel) return false;
     const Vec3d corner = vec_cast<double>(voxel_at(somewhere)) - Vec3d{0.5, 0.5, 0.5};
@@ -56,11 +56,11 @@ bool lattices_fit(const ClipRegion& region, Vec3d somewhere) {
 ClipRegion clip_region(const VoxelLookup& voxels, bool keeps, const Affine& world_from_region,
                        const Affine& world_from_level) {
     ClipRegion region{&voxels, keeps, {}};
-    // The difference of the translations first: far from 0 it is exact where each is not.
+    // The difference of the translations first: far from the origin, this loses fewer digits.
     const Mat3 back = inverse(world_from_region.linear);
     region.from_level = {back * world_from_level.linear,
                          back * (world_from_level.translation - world_from_region.translation)};
-    // Off-axis terms below this move a face by less than 1e-3 voxel across a thousand.
+    // Off-axis terms below this move a face by less than 1e-3 voxels over 1000 voxels.
     constexpr double kParallel = 1e-6;
     const Mat3& linear = region.from_level.linear;
     region.parallel = true;
@@ -105,7 +105,7 @@ int clip_pieces(std::span<const ClipRegion> regions, Vec3d somewhere) {
         }
     }
     if (fit && pieces <= kMostPieces) return static_cast<int>(pieces);
-    // Twice the finest lattice, so that the place of what is seen is known to half a fine voxel.
+    // Twice the finest lattice, so that visible mass is placed to half a fine voxel.
     if (finest >= kMostPieces / 2) return kMostPieces;
     return static_cast<int>(std::bit_ceil(static_cast<unsigned>(std::ceil(2 * finest))));
 }
@@ -126,8 +126,8 @@ void VoxelClipper::slice(Vec3i voxel, std::span<const ClipRegion* const> cut, in
             for (int n = 1; n < kSamples; ++n) add(static_cast<double>(n) / kSamples, 0);
             continue;
         }
-        // Faces lie at whole numbers + 1/2 of the region's coordinate, which runs along the edge
-        // from `first` on.
+        // Faces are at integers + 1/2 of the region's index, which is `first` at the lower face
+        // and changes by `step` along the edge.
         const int along = region->axis[static_cast<std::size_t>(axis)];
         const double step = region->from_level.linear(along, axis);
         const double first = region->from_level(vec_cast<double>(voxel))[along] - 0.5 * step;
@@ -155,17 +155,17 @@ std::span<const double> VoxelClipper::shares(Vec3i voxel, std::span<const ClipRe
         for (const Slice& y : slices_[1])
             for (const Slice& z : slices_[2]) {
                 const Vec3d at = corner + Vec3d{x.middle, y.middle, z.middle};
-                const bool seen =
+                const bool visible =
                     std::all_of(cut.begin(), cut.end(), [&](const ClipRegion* region) {
                         return region->voxels->active(voxel_at(region->from_level(at))) ==
                                region->keeps;
                     });
-                if (seen)
+                if (visible)
                     shares_[static_cast<std::size_t>((x.piece * pieces_ + y.piece) * pieces_ +
                                                      z.piece)] +=
                         x.width * y.width * z.width / piece_volume;
             }
-    // All of a piece is all of it, whatever the sum of its parts was rounded to.
+    // A fully visible piece has share 1 exactly: the sum of its parts is rounded.
     for (double& share : shares_)
         if (share > 1 - 1e-9) share = 1;
     return shares_;

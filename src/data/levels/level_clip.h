@@ -1,4 +1,4 @@
-// level_clip.h: how much of a level's voxels is to be seen, past the levels that hide it.
+// level_clip.h: visible share of a level's voxels, clipped by masks and finer levels.
 #pragma once
 
 #include <span>
@@ -8,42 +8,43 @@
 
 namespace vog {
 
-/// Voxels that hide a level, or outside of which it does not count, in that level's index space.
+/// Region that clips a level: inside a finer level it is hidden, outside its own mask too.
 struct ClipRegion {
     const VoxelLookup* voxels = nullptr;
-    bool keeps = false;         ///< true: the level counts inside; false: it is hidden inside
+    bool keeps = false;         ///< true: the level is visible inside; false: it is hidden inside
     Affine from_level;          ///< region's index from level's index
     bool parallel = false;      ///< the axes of both lattices are parallel, in any order
-    std::array<int, 3> axis{};  ///< parallel: the region's axis along each axis of the level
-    std::array<double, 3> ratio{1, 1, 1};  ///< voxels of the region along each edge of the level's
+    std::array<int, 3> axis{};  ///< if parallel: region's axis along each axis of the level
+    std::array<double, 3> ratio{1, 1, 1};  ///< level's voxel edge in voxels of the region, per axis
 };
 ClipRegion clip_region(const VoxelLookup& voxels, bool keeps, const Affine& world_from_region,
                        const Affine& world_from_level);
 
-/// What the regions say of a box of whole voxels.
+/// Result of clipping a box of whole voxels.
 struct Clip {
-    bool hidden = false;                 ///< nothing of it is seen; else
-    std::vector<const ClipRegion*> cut;  ///< those it may be divided by; none: all of it is seen
+    bool hidden = false;                 ///< no part is visible
+    std::vector<const ClipRegion*> cut;  ///< regions whose faces may cut it; empty: all visible
 };
+/// Clips the level's voxels lower to upper, both included.
 Clip clip_box(std::span<const ClipRegion* const> regions, Vec3i lower, Vec3i upper);
 
-/// Into how many pieces along each edge a voxel is to be divided that `regions` cut through: as
-/// many as fit the finest lattice, 1 to 8.
-/// somewhere  an index of the level, near which lattices are compared
+/// Pieces along each edge into which a cut voxel is divided: enough to fit the finest lattice.
+/// somewhere  index of the level near which lattices are compared
+/// returns    1 to 8
 int clip_pieces(std::span<const ClipRegion> regions, Vec3d somewhere);
 
-/// Divides voxels into pieces^3 equal boxes and finds the share of each that is seen.
+/// Divides voxels into pieces^3 equal boxes and computes the visible share of each one's volume.
 class VoxelClipper {
   public:
     explicit VoxelClipper(int pieces);
-    /// returns the shares, x-major; valid until the next call
+    /// returns  shares in [0, 1], [pieces][pieces][pieces] with x slowest; valid until the next call
     std::span<const double> shares(Vec3i voxel, std::span<const ClipRegion* const> cut);
 
   private:
-    /// A slice of the voxel along an axis, from its lower face on, in its edges.
+    /// Slice of the voxel perpendicular to an axis; lengths in voxel edges from its lower face.
     struct Slice {
         double middle, width;
-        int piece;
+        int piece;  ///< piece along the axis that holds it
     };
     void slice(Vec3i voxel, std::span<const ClipRegion* const> cut, int axis);
 

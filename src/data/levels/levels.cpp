@@ -1,4 +1,4 @@
-// levels.cpp: levels made into volumes that do not overlap.
+// levels.cpp: composition of AMR levels into volumes that do not overlap.
 #include "vog/levels.h"
 
 #include <fmt/core.h>
@@ -17,13 +17,15 @@ namespace vog {
 
 namespace {
 
-/// What is left of one level, in its own voxels and in smaller ones.
+/// Visible part of one level: whole voxels, and pieces of cut ones.
 struct LevelPart {
     Volume whole, pieces;
-    std::uint64_t voxels = 0, hidden = 0, partly_hidden = 0;
+    std::uint64_t voxels = 0;         ///< active voxels with a visible part
+    std::uint64_t hidden = 0;         ///< active voxels without one
+    std::uint64_t partly_hidden = 0;  ///< visible ones that were cut
 };
 
-/// Clips one level by the regions over it.
+/// Clips one level by regions.
 class LevelCut {
   public:
     LevelCut(const Volume& level, std::vector<ClipRegion> regions)
@@ -39,13 +41,13 @@ class LevelCut {
             volume->name = level_.name;
             volume->source = level_.source;
         }
-        // Piece j of n lies at (j + 1/2)/n - 1/2 of the level's index.
+        // Piece j of n along an edge has the level's index (j + 1/2)/n - 1/2.
         Affine& map = part.pieces.world_from_index;
         const double shift = 0.5 / pieces_ - 0.5;
         map.translation = map({shift, shift, shift});
         for (Vec3d& row : map.linear.row) row = (1.0 / pieces_) * row;
 
-        // Room at once: arrays that grow are copied whole.
+        // Reserved at once: growing copies the whole array.
         part.whole.leaves.reserve(level_.leaves.size());
         std::vector<Leaf> of_tiles;
         for (const Tile& tile : level_.tiles) cut_tile(tile, part, of_tiles);
@@ -57,10 +59,10 @@ class LevelCut {
     }
 
   private:
-    /// Keeps a tile, drops it, or takes it apart where a region ends in it.
+    /// Keeps a tile, drops it, or divides it if a region cuts it: into smaller tiles, then leaves.
     void cut_tile(const Tile& tile, LevelPart& part, std::vector<Leaf>& leaves) const {
-        const std::int32_t reach = tile.edge - 1;
-        const Clip clip = clip_box(all_, tile.origin, tile.origin + Vec3i{reach, reach, reach});
+        const std::int32_t last = tile.edge - 1;
+        const Clip clip = clip_box(all_, tile.origin, tile.origin + Vec3i{last, last, last});
         const auto voxels = static_cast<std::uint64_t>(tile.edge) *
                             static_cast<std::uint64_t>(tile.edge) *
                             static_cast<std::uint64_t>(tile.edge);
@@ -90,7 +92,7 @@ class LevelCut {
     };
 
     void cut_leaves(std::span<const Leaf> leaves, LevelPart& part) const {
-        // Batches bound what is held twice: a leaf and up to eight of pieces, 19 kB.
+        // Batches bound the memory held twice: a leaf and eight leaves of pieces are 19 kB.
         constexpr std::size_t kBatch = 512;
         std::vector<LeafPart> cut;
         for (std::size_t first = 0; first < leaves.size(); first += kBatch) {
@@ -129,22 +131,23 @@ class LevelCut {
             const Vec3i local{n >> 6, n >> 3 & 7, n & 7}, voxel = leaf.origin + local;
             const Clip clip = clip_box(around.cut, voxel, voxel);
             std::span<const double> shares;
-            double seen = clip.hidden ? 0 : 1;
+            double visible = clip.hidden ? 0 : 1;
             if (!clip.hidden && !clip.cut.empty()) {
                 shares = clipper.shares(voxel, clip.cut);
-                seen = std::accumulate(shares.begin(), shares.end(), 0.0) /
-                       static_cast<double>(shares.size());
+                visible = std::accumulate(shares.begin(), shares.end(), 0.0) /
+                          static_cast<double>(shares.size());
             }
-            ++(seen > 0 ? part.voxels : part.hidden);
-            if (seen >= 1)
+            ++(visible > 0 ? part.voxels : part.hidden);
+            if (visible >= 1)
                 part.whole.set(n, value);
-            else if (seen > 0)
+            else if (visible > 0)
                 add_pieces(leaf.origin, local, value, shares, place, part);
         }
     }
 
-    /// Adds the pieces of one voxel. place: which leaf of part.pieces holds each of the pieces^3
-    /// leaves of pieces inside this leaf.
+    /// Adds the visible pieces of one voxel, their density scaled by `shares`.
+    /// local  voxel in its leaf
+    /// place  [pieces^3], index in part.pieces of each leaf of pieces within this leaf; -1: none yet
     void add_pieces(Vec3i leaf_origin, Vec3i local, float value, std::span<const double> shares,
                     std::vector<int>& place, LeafPart& part) const {
         ++part.partly_hidden;
@@ -183,7 +186,7 @@ void validate(const Levels& levels) {
 }
 
 std::vector<std::size_t> finest_first(std::span<const Volume> volumes) {
-    // Voxels this close in volume are one size: transforms are often stored as float32.
+    // Relative difference of voxel volumes that count as equal: transforms are often float32.
     constexpr double kSame = 1e-4;
     std::vector<std::size_t> order(volumes.size());
     std::iota(order.begin(), order.end(), std::size_t{0});

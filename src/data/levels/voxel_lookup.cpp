@@ -1,4 +1,4 @@
-// voxel_lookup.cpp: leaves and tiles in hash maps by their origin.
+// voxel_lookup.cpp: hash maps of leaves and tiles by origin.
 #include "data/levels/voxel_lookup.h"
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 namespace vog {
 
 std::size_t VoxelLookup::Hash::operator()(Vec3i v) const {
-    // Origins are multiples of a power of two: multiply, then use the high bits (Knuth's way).
+    // Multiplicative hashing (Knuth): origins are multiples of powers of two, so the low bits of the
+    // product are equal and the high bits are folded in.
     const auto mix = [](std::int32_t value, std::uint64_t factor) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value)) * factor;
     };
@@ -61,7 +62,7 @@ bool VoxelLookup::meets(Vec3i lower, Vec3i upper) const {
         upper[axis] = std::min(upper[axis], upper_[axis]);
         if (lower[axis] > upper[axis]) return false;
     }
-    // Block by block, or node by node where those are fewer.
+    // Searches block by block, or node by node if there are fewer nodes than blocks.
     const auto in_box = [&](Vec3i first, int edge) {
         for (int axis = 0; axis < 3; ++axis)
             if (first[axis] > upper[axis] || first[axis] + edge <= lower[axis]) return false;
@@ -89,7 +90,7 @@ bool VoxelLookup::meets(Vec3i lower, Vec3i upper) const {
 bool VoxelLookup::covers(Vec3i lower, Vec3i upper) const {
     for (int axis = 0; axis < 3; ++axis)
         if (lower[axis] < lower_[axis] || upper[axis] > upper_[axis]) return false;
-    // By blocks of the size of leaves: a dense one needs no look at its voxels.
+    // Leaf by leaf: dense leaves are accepted without a test of each voxel.
     for (const int edge : {128, 4096})
         if (tile_at(lower, edge) && tile_at(lower, edge) == tile_at(upper, edge)) return true;
     const Vec3i first = origin(lower, kLeafEdge);

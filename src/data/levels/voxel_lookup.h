@@ -1,4 +1,4 @@
-// voxel_lookup.h: voxels of a volume by index, in any order.
+// voxel_lookup.h: random access to the voxels of a sparse volume by index.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace vog {
 
-/// Answers for one volume, which must outlive it. Safe to share among threads.
+/// Index over one volume, which must outlive it. Thread-safe.
 class VoxelLookup {
   public:
     explicit VoxelLookup(const Volume& volume);
@@ -17,14 +17,14 @@ class VoxelLookup {
         const Block block = find(index);
         return block.tile || (block.leaf && block.leaf->active(offset_of(index)));
     }
-    /// 0 where nothing is active.
+    /// Density; 0 for inactive voxels.
     float value(Vec3i index) const {
         const Block block = find(index);
         if (block.tile) return block.tile->value;
         return block.leaf ? block.leaf->value[static_cast<std::size_t>(offset_of(index))] : 0;
     }
     bool in_tile(Vec3i index) const { return find(index).tile != nullptr; }
-    /// Whether a leaf or a tile meets the voxels from `lower` to `upper`, both included.
+    /// Whether any leaf or tile overlaps the voxels lower to upper, both included.
     bool meets(Vec3i lower, Vec3i upper) const;
     /// Whether all of these voxels are active.
     bool covers(Vec3i lower, Vec3i upper) const;
@@ -46,12 +46,12 @@ class VoxelLookup {
     }
     const Tile* tile_at(Vec3i index, int edge) const;
     Block find(Vec3i index) const;
-    /// lower, upper  from the leaf's origin; what lies outside the leaf is not asked
+    /// lower, upper  relative to the leaf's origin; clipped to the leaf
     static bool covers(const Leaf& leaf, Vec3i lower, Vec3i upper);
 
     Map<Leaf> leaves_;
     Map<Tile> small_, middle_, large_;  ///< tiles of 8, 128, 4096 voxels
-    Vec3i lower_, upper_;               ///< of everything, both included
+    Vec3i lower_, upper_;               ///< bounding box of all nodes, both included
 };
 
 }  // namespace vog

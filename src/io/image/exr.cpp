@@ -1,5 +1,4 @@
-// exr.cpp: OpenEXR images: depth images (one float32 channel Y) and colours (R, G, B, A). The only
-// file that includes OpenEXR.
+// exr.cpp: reading and writing OpenEXR: depth images (one float32 channel Y) and colours (R, G, B, A).
 #include <fmt/core.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
@@ -32,24 +31,25 @@ namespace {
 
 constexpr const char* kExtinction = "extinction";  ///< header attribute of a depth image
 
-/// Text from a file, fit for a message of one line.
+/// Replaces all but printable ASCII characters by '?', for one-line messages.
 std::string printable(std::string text) {
     for (char& c : text)
         if (c < ' ' || c > '~') c = '?';
     return text;
 }
 
-/// OpenEXR's reason on one line, without the file name it repeats before `". `.
+/// Text of an OpenEXR exception, without the file name before `". `.
 std::string reason(const std::exception& error) {
     std::string text = error.what();
     if (const auto cut = text.find("\". "); cut != std::string::npos) text.erase(0, cut + 3);
     return printable(text);
 }
 
-/// OpenEXR allocates what an attribute claims before it reads it, up to 2 GiB: walks the header
-/// (version, then name, type, size and value of each attribute, then an empty name) and refuses
-/// claims beyond the end of the file, and the kinds of file that are never ours.
-void require_sound_header(const std::filesystem::path& file) {
+/// Checks the sizes of all header attributes against the size of the file: OpenEXR allocates the
+/// declared size, up to 2 GiB, before it reads. Layout: magic number, version, then name, type, size
+/// and value of each attribute, then an empty name.
+/// throws vog::Error for sizes beyond the end, several parts or deep pixels
+void require_valid_header(const std::filesystem::path& file) {
     constexpr std::int32_t kDeepFlag = 0x800, kMultiPartFlag = 0x1000;
     const std::string name = file.string();
     std::ifstream stream(file, std::ios::binary);
@@ -76,11 +76,11 @@ void require_sound_header(const std::filesystem::path& file) {
     }
 }
 
-/// Runs `read`, and turns whatever OpenEXR throws into one vog::Error.
+/// Runs `read` with every exception of OpenEXR converted to vog::Error.
 template <class Read>
 auto reading(const std::filesystem::path& file, Read read) {
     try {
-        require_sound_header(file);
+        require_valid_header(file);
         return read();
     } catch (const Error&) {
         throw;
@@ -91,7 +91,7 @@ auto reading(const std::filesystem::path& file, Read read) {
     }
 }
 
-/// An EXR of one flat part, its header checked and no pixel read.
+/// Open EXR file of one flat part with a checked header; pixels are not read.
 struct ExrFile {
     std::string name;
     std::ifstream stream;
@@ -102,13 +102,13 @@ struct ExrFile {
         : name(file.string()),
           stream(file, std::ios::binary),
           bytes(stream, "EXR"),
-          parts(bytes, 0, false) {  // a broken offset table is an error, never reconstructed
+          parts(bytes, 0, false) {  // false: do not reconstruct a broken offset table
         if (header().hasType() && !Imf::isImage(header().type()))
             throw Error(
                 fmt::format("{}: part of type '{}', expected a flat image", name, header().type()));
         if (header().dataWindow() != header().displayWindow())
             throw Error(
-                fmt::format("{}: its data window is not its display window: expected a "
+                fmt::format("{}: data window and display window differ, expected a "
                             "picture that is neither cropped nor larger than shown",
                             name));
         require_valid_size(name, width(), height());
@@ -125,7 +125,7 @@ struct ExrFile {
         const Imath::Box2i& window = header().dataWindow();
         return std::int64_t{window.max.y} - window.min.y + 1;
     }
-    /// Names of the channels, sorted as EXR has them: "A, B, G, R".
+    /// Names of the channels in alphabetical order: "A, B, G, R".
     std::string channel_names() const {
         std::string names;
         const Imf::ChannelList& channels = header().channels();
@@ -146,17 +146,17 @@ void require_channel_type(const ExrFile& exr, const char* name, bool half_too) {
                             half_too ? " or half" : ""));
 }
 
-/// Reads all rows into `pixels`, whose elements are one float for each of `names`; a channel the
-/// file lacks is 1. Memory grows with the rows found, so that a header cannot claim more.
+/// Reads all rows into `pixels`; a Pixel is one float per name, 1 for channels that the file lacks.
+/// Pages are touched as rows are read, so that a header alone cannot occupy memory.
 template <class Pixel>
 void read_rows(ExrFile& exr, const std::vector<const char*>& names, std::vector<Pixel>& pixels) {
-    constexpr std::int64_t kRowsAtOnce = 256;  // the largest chunk of any compression (DWAB)
+    constexpr std::int64_t kBlockRows = 256;  // the largest chunk of any compression (DWAB)
     const Imath::Box2i window = exr.header().dataWindow();
     const std::size_t row_bytes = static_cast<std::size_t>(exr.width()) * sizeof(Pixel);
     Imf::InputPart part(exr.parts, 0);
     pixels.reserve(static_cast<std::size_t>(exr.width() * exr.height()));
-    for (std::int64_t row = 0; row < exr.height(); row += kRowsAtOnce) {
-        const std::int64_t rows = std::min(kRowsAtOnce, exr.height() - row);
+    for (std::int64_t row = 0; row < exr.height(); row += kBlockRows) {
+        const std::int64_t rows = std::min(kBlockRows, exr.height() - row);
         pixels.resize(static_cast<std::size_t>((row + rows) * exr.width()));
         auto* target = reinterpret_cast<float*>(pixels.data() + row * exr.width());
         const int first_y = static_cast<int>(window.min.y + row);
@@ -208,7 +208,7 @@ void write_channels(const std::filesystem::path& file, Imf::Header header, const
         } catch (const std::exception& error) {
             throw fail(reason(error));
         }
-        // OutputFile's destructor wrote the table of rows, and would hide a full disk.
+        // OutputFile's destructor writes the offset table and ignores errors such as a full disk.
         stream.close();
         if (!stream) throw fail("the disk is full or failed");
     });
@@ -254,7 +254,7 @@ Image image_files::read_exr(const std::filesystem::path& file) {
         image.width = static_cast<int>(exr.width());
         image.height = static_cast<int>(exr.height());
         read_rows(exr, {"R", "G", "B", "A"}, image.pixel);
-        for (Rgba& pixel : image.pixel)  // colours in EXR are multiplied by alpha
+        for (Rgba& pixel : image.pixel)  // EXR stores premultiplied colours
             if (pixel.a > 0 && pixel.a != 1)
                 pixel = {pixel.r / pixel.a, pixel.g / pixel.a, pixel.b / pixel.a, pixel.a};
         require_valid(exr.name, image);

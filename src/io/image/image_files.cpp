@@ -1,4 +1,4 @@
-// image_files.cpp: which format a file is.
+// image_files.cpp: image formats by the first bytes of a file, and writers by extension.
 #include "io/image/image_files.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-// image_files.h: the formats of image files, and the two decoders that read_image chooses from.
+// image_files.h: formats of image files, and the decoders behind read_image.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,8 @@ namespace vog::image_files {
 
 enum class ImageFormat { kPng, kExr, kOther };
 
-/// By the first bytes, never by the name. throws vog::Error if `file` cannot be read
+/// Format by the first bytes, independent of the name.
+/// throws vog::Error if `file` cannot be read
 ImageFormat image_format(const std::filesystem::path& file);
 
 Image read_png(const std::filesystem::path& file);

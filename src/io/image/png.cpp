@@ -1,6 +1,6 @@
-// png.cpp: PNG images. libpng reports errors by longjmp, which must not cross a C++ destructor:
-// each of the three functions that call setjmp holds plain data only, and what they need is
-// allocated by their caller.
+// png.cpp: reading and writing PNG. libpng reports errors by longjmp, which must not cross a C++
+// destructor: the three functions that call setjmp hold plain data only, and their callers allocate
+// all buffers.
 #include <fmt/core.h>
 #include <png.h>
 
@@ -24,16 +24,16 @@ namespace vog {
 using namespace image_files;
 namespace {
 
-/// libpng's first complaint. Until `armed` there is no place to jump to.
-struct PngComplaint {
+/// First error or warning of libpng.
+struct PngError {
     char text[160] = "";
-    bool armed = false;
+    bool armed = false;  ///< setjmp was called, so longjmp is allowed
 };
 
 struct PngReader {
     png_structp png = nullptr;
     png_infop info = nullptr;
-    PngComplaint complaint;
+    PngError error;
     const std::uint8_t* next = nullptr;  ///< bytes of the file not yet read
     std::size_t left = 0;
 
@@ -46,7 +46,7 @@ struct PngReader {
 struct PngWriter {
     png_structp png = nullptr;
     png_infop info = nullptr;
-    PngComplaint complaint;
+    PngError error;
 
     PngWriter() = default;
     PngWriter(const PngWriter&) = delete;
@@ -54,11 +54,11 @@ struct PngWriter {
     ~PngWriter() { png_destroy_write_struct(&png, &info); }
 };
 
-/// Errors and warnings alike end the call: a file libpng warns about is not what it claims to be.
-void on_complaint(png_structp png, png_const_charp text) {
-    auto* complaint = static_cast<PngComplaint*>(png_get_error_ptr(png));
-    std::snprintf(complaint->text, sizeof complaint->text, "%s", text);
-    if (complaint->armed) png_longjmp(png, 1);
+/// Handler of errors and warnings: both end the call, because a file with a warning is malformed.
+void on_error(png_structp png, png_const_charp text) {
+    auto* error = static_cast<PngError*>(png_get_error_ptr(png));
+    std::snprintf(error->text, sizeof error->text, "%s", text);
+    if (error->armed) png_longjmp(png, 1);
 }
 
 void read_bytes(png_structp png, png_bytep bytes, std::size_t count) {
@@ -81,13 +81,13 @@ void write_bytes(png_structp png, png_bytep bytes, std::size_t count) {
 
 void flush_bytes(png_structp) {}
 
-/// Reads up to the first row and asks for 16-bit RGBA whatever the file holds, values untouched.
+/// Reads up to the first row and selects conversion of any format to 16-bit RGBA.
 bool read_header(PngReader& reader) {
     if (setjmp(png_jmpbuf(reader.png))) return false;
-    reader.complaint.armed = true;
+    reader.error.armed = true;
     png_set_read_fn(reader.png, &reader, read_bytes);
     png_set_user_limits(reader.png, kMaxImageSide, kMaxImageSide);
-    // Colour profiles, texts and times change no stored value: -1 skips all such known chunks.
+    // -1 skips all known ancillary chunks: profiles, texts and times change no stored value.
     png_set_keep_unknown_chunks(reader.png, PNG_HANDLE_CHUNK_NEVER, nullptr, -1);
     png_read_info(reader.png, reader.info);
     png_set_expand_16(reader.png);
@@ -101,14 +101,14 @@ bool read_pixels(PngReader& reader, png_bytepp rows) {
     if (setjmp(png_jmpbuf(reader.png))) return false;
     png_read_update_info(reader.png, reader.info);
     png_read_image(reader.png, rows);
-    png_read_end(reader.png, nullptr);  // a file cut in its last chunk is refused too
+    png_read_end(reader.png, nullptr);  // also detects a truncated last chunk
     return true;
 }
 
 bool write_all(PngWriter& writer, std::vector<std::uint8_t>* content, int width, int height,
                int color_type, png_bytepp rows) {
     if (setjmp(png_jmpbuf(writer.png))) return false;
-    writer.complaint.armed = true;
+    writer.error.armed = true;
     png_set_write_fn(writer.png, content, write_bytes, flush_bytes);
     png_set_IHDR(writer.png, writer.info, static_cast<png_uint_32>(width),
                  static_cast<png_uint_32>(height), 8, color_type, PNG_INTERLACE_NONE,
@@ -149,21 +149,20 @@ Image image_files::read_png(const std::filesystem::path& file) {
     PngReader reader;
     const auto fail = [&]() -> Error {
         return Error(
-            fmt::format("{}: not a whole PNG image: {}", file.string(), reader.complaint.text));
+            fmt::format("{}: not a whole PNG image: {}", file.string(), reader.error.text));
     };
     reader.next = content.data();
     reader.left = content.size();
-    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.complaint, on_complaint,
-                                        on_complaint);
+    reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader.error, on_error, on_error);
     if (reader.png) reader.info = png_create_info_struct(reader.png);
     if (!reader.info || !read_header(reader)) throw fail();
 
-    // The size, before memory is claimed for it: deflate makes at most 1032 bytes of one.
+    // Size check before memory is allocated: deflate expands a byte to at most 1032.
     const auto width = png_get_image_width(reader.png, reader.info);
     const auto height = png_get_image_height(reader.png, reader.info);
     require_valid_size(file.string(), width, height);
     if (png_get_rowbytes(reader.png, reader.info) * height / 1032 > content.size())
-        throw Error(fmt::format("{}: {} bytes cannot hold the {}x{} pixels they claim",
+        throw Error(fmt::format("{}: {} bytes, too few for the declared {}x{} pixels",
                                 file.string(), content.size(), width, height));
 
     constexpr std::size_t kBytesPerPixel = 8;  // 16-bit RGBA, big-endian
@@ -171,7 +170,7 @@ Image image_files::read_png(const std::filesystem::path& file) {
     std::vector<png_bytep> rows = row_pointers(bytes, height);
     if (!read_pixels(reader, rows.data())) throw fail();
 
-    // 8-bit values were expanded by 257, so that v * 257 / 65535 is v / 255 to the last bit.
+    // 8-bit values were multiplied by 257, and v * 257 / 65535 equals v / 255 exactly.
     Image image(static_cast<int>(width), static_cast<int>(height));
     const std::uint8_t* in = bytes.data();
     const auto next = [&in]() {
@@ -211,13 +210,12 @@ std::vector<std::uint8_t> png_bytes(const Image& image) {
     std::vector<std::uint8_t> bytes = image_bytes(image, with_alpha), content;
     std::vector<png_bytep> rows = row_pointers(bytes, static_cast<std::size_t>(image.height));
     PngWriter writer;
-    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.complaint, on_complaint,
-                                         on_complaint);
+    writer.png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &writer.error, on_error, on_error);
     if (writer.png) writer.info = png_create_info_struct(writer.png);
     if (!writer.info ||
         !write_all(writer, &content, image.width, image.height,
                    with_alpha ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, rows.data()))
-        throw Error(fmt::format("picture: cannot be a PNG: {}", writer.complaint.text));
+        throw Error(fmt::format("picture: cannot be a PNG: {}", writer.error.text));
     return content;
 }
 
@@ -228,7 +226,7 @@ void write_png(const std::filesystem::path& file, const Image& image) {
         std::ofstream out(beside, std::ios::binary);
         out.write(reinterpret_cast<const char*>(content.data()),
                   static_cast<std::streamsize>(content.size()));
-        // A full disk shows when the last of it is written.
+        // A full disk may be reported only by the flush.
         if (!out.flush())
             throw Error(fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
     });

@@ -1,4 +1,4 @@
-// nvdb_file.cpp: segments, grid descriptions, unpacking, checksums of heads.
+// nvdb_file.cpp: segments and grid descriptions of .nvdb files, decompression, checks of grid headers.
 #include "io/nvdb/nvdb_file.h"
 
 #include <blosc.h>
@@ -15,13 +15,13 @@ namespace vog::nvdb {
 
 namespace {
 
-// Files before 32.6 and their grids both start with "NanoVDB0"; since then, grids in memory with
-// "NanoVDB1" and files with "NanoVDB2". The layout of version 32 has not changed.
+// Until 32.5, files and grids start with "NanoVDB0"; since 32.6, grids in memory start with
+// "NanoVDB1" and files with "NanoVDB2". All versions 32 share one layout.
 constexpr std::uint64_t kMagic0 = 0x304244566f6e614e;
 constexpr std::uint64_t kMagicGrid = 0x314244566f6e614e;
 constexpr std::uint64_t kMagicFile = 0x324244566f6e614e;
 
-/// A grid's description as it lies in the file, before its name.
+/// Description of a grid in the file; its name follows.
 struct Description {
     std::uint64_t grid_bytes, file_bytes, name_hash, voxels;
     nanovdb::GridType type;
@@ -36,7 +36,7 @@ struct Description {
 };
 static_assert(sizeof(Description) == 176);
 
-/// Since 29.0: 11 bits major, 11 minor, 10 patch; a plain number before.
+/// Version as text. Since 29.0 the id holds 11 bits major, 11 minor, 10 patch; before, one number.
 std::string version_text(std::uint32_t id) {
     if (id < 29u << 21) return std::to_string(id);
     return fmt::format("{}.{}.{}", id >> 21, id >> 10 & 0x7ff, id & 0x3ff);
@@ -44,16 +44,7 @@ std::string version_text(std::uint32_t id) {
 
 bool is_supported(std::uint32_t version) { return version >> 21 == NANOVDB_MAJOR_VERSION_NUMBER; }
 
-/// A name fit for one line of text, whatever a corrupt file holds.
-std::string printable(std::string text) {
-    constexpr std::size_t kLongest = 100;
-    if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "...");
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text;
-}
-
-/// Unpacks zlib's stream of 8 bytes of length and as many of data.
+/// Decompresses a zlib stream behind its length of 8 bytes.
 void unpack_zip(MemoryBytes& in, NanoBuffer& grid) {
     const auto packed = in.number<std::uint64_t>();
     const char* from = in.take(packed);
@@ -61,35 +52,36 @@ void unpack_zip(MemoryBytes& in, NanoBuffer& grid) {
     const int status = uncompress(reinterpret_cast<Bytef*>(grid.data()), &unpacked,
                                   reinterpret_cast<const Bytef*>(from), packed);
     if (status != Z_OK || unpacked != grid.size())
-        in.fail(fmt::format("corrupt: zip gave {} of {} bytes", unpacked, grid.size()));
+        in.fail(fmt::format("corrupt: zip stream of {} bytes decompressed, expected {}", unpacked,
+                            grid.size()));
 }
 
-/// Unpacks blosc chunks of a gigabyte, each after 8 bytes of length.
+/// Decompresses blosc chunks of 1 GiB, each behind its length of 8 bytes.
 void unpack_blosc(MemoryBytes& in, NanoBuffer& grid) {
     constexpr std::size_t kChunk = std::size_t{1} << 30;
     for (std::size_t done = 0; done < grid.size();) {
         const std::size_t expected = std::min(kChunk, grid.size() - done);
         const auto packed = in.number<std::uint64_t>();
         const char* from = in.take(packed);
-        std::size_t promised = 0;
-        const bool sound = blosc_cbuffer_validate(from, packed, &promised) == 0;
-        if (!sound || promised != expected ||
+        std::size_t declared = 0;
+        const bool valid = blosc_cbuffer_validate(from, packed, &declared) == 0;
+        if (!valid || declared != expected ||
             blosc_decompress_ctx(from, grid.data() + done, expected, 1) !=
                 static_cast<int>(expected))
-            in.fail(
-                fmt::format("corrupt: blosc gave {} of {} bytes", sound ? promised : 0, expected));
+            in.fail(fmt::format("corrupt: blosc chunk of {} bytes decompressed, expected {}",
+                                valid ? declared : 0, expected));
         done += expected;
     }
 }
 
-/// What can be said of an unpacked grid without knowing the type of its values.
+/// Checks the parts of a decompressed grid's header that do not depend on its value type.
 void check_header(const NanoBuffer& grid, const std::string& where) {
     const auto fail = [&](const std::string& what) {
         throw Error(fmt::format("{}: corrupt: {}", where, what));
     };
     if (grid.size() < sizeof(nanovdb::GridData)) fail("shorter than the header of a grid");
     const auto& data = *reinterpret_cast<const nanovdb::GridData*>(grid.data());
-    if (data.mMagic != kMagic0 && data.mMagic != kMagicGrid) fail("no NanoVDB grid");
+    if (data.mMagic != kMagic0 && data.mMagic != kMagicGrid) fail("not a NanoVDB grid");
     if (!is_supported(data.mVersion.id()))
         throw Error(fmt::format("{}: NanoVDB grid version {}, expected {}.x", where,
                                 version_text(data.mVersion.id()), NANOVDB_MAJOR_VERSION_NUMBER));
@@ -116,7 +108,7 @@ void NvdbFile::read_segment() {
     const auto version = file_.number<std::uint32_t>();
     if (!is_supported(version))
         throw Error(
-            fmt::format("{}: NanoVDB file version {}, expected {}.x (write it anew with "
+            fmt::format("{}: NanoVDB file version {}, expected {}.x (write it again with "
                         "NanoVDB {}, or convert the .vdb)",
                         name_, version_text(version), NANOVDB_MAJOR_VERSION_NUMBER,
                         NANOVDB_MAJOR_VERSION_NUMBER));
@@ -126,7 +118,7 @@ void NvdbFile::read_segment() {
     if (codec >= kCodecs)
         file_.fail(fmt::format("codec {}, expected 0 (none), 1 (zip) or 2 (blosc)", codec));
 
-    // All descriptions of a segment, then all its grids.
+    // A segment has all its descriptions, then all its grids.
     const std::size_t first = entries_.size();
     for (int i = 0; i < count; ++i) {
         const auto description = file_.number<Description>();
@@ -142,9 +134,9 @@ void NvdbFile::read_segment() {
     for (std::size_t i = first; i < entries_.size(); ++i) {
         NvdbEntry& entry = entries_[i];
         const std::uint64_t bytes = entry.end;
-        // zlib and LZ4 pack at most 1032 and 255 to one.
-        constexpr std::uint64_t kMostPacked = 1032;
-        if (codec == 0 ? entry.grid_bytes != bytes : entry.grid_bytes / kMostPacked > bytes)
+        // Largest ratios: zlib 1032, LZ4 255.
+        constexpr std::uint64_t kMaxRatio = 1032;
+        if (codec == 0 ? entry.grid_bytes != bytes : entry.grid_bytes / kMaxRatio > bytes)
             file_.fail(fmt::format("corrupt: grid '{}' of {} bytes packed into {}", entry.name,
                                    entry.grid_bytes, bytes));
         entry.begin = file_.position();

@@ -1,6 +1,6 @@
-// nvdb_file.h: the frame of a .nvdb file: its segments, its list of grids, their bytes unpacked.
-// Source: NanoVDB's io/IO.h of versions 32.0 to 32.9. That reader is not asked: it allocates what
-// a corrupt length says, and forgets to throw where unpacking fails.
+// nvdb_file.h: container of a .nvdb file: segments, list of grids, decompressed bytes of a grid.
+// Source: NanoVDB's io/IO.h, versions 32.0 to 32.9. That reader is not used: it allocates whatever a
+// corrupt length declares, and ignores failed decompression.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,27 @@
 
 namespace vog::nvdb {
 
-/// Where one grid lies in its file.
+/// Entry of one grid in a file.
 struct NvdbEntry {
     std::string name;
     nanovdb::GridType type;
     std::uint16_t codec = 0;           ///< 0 none, 1 zip, 2 blosc
-    std::uint64_t begin = 0, end = 0;  ///< bytes of the file
-    std::uint64_t grid_bytes = 0;      ///< unpacked
+    std::uint64_t begin = 0, end = 0;  ///< range of bytes in the file
+    std::uint64_t grid_bytes = 0;      ///< decompressed size
 };
 
+/// Open .nvdb file.
 class NvdbFile {
   public:
     /// throws vog::Error for a missing, foreign or truncated file and for another major version
     explicit NvdbFile(const std::filesystem::path& file);
     const std::string& name() const { return name_; }
     const std::vector<NvdbEntry>& entries() const { return entries_; }
-    /// The grid, unpacked, whose header is sound: magic, version, size, checksum of its head.
-    /// Nothing is said of its nodes.
+    /// Decompresses a grid and checks magic number, version and size of its header; its nodes are not
+    /// checked.
+    /// throws vog::Error for a corrupt stream or header
     NanoBuffer load(const NvdbEntry& entry);
-    /// What messages about a grid start with: "smoke.nvdb: grid 'density'".
+    /// Start of messages about a grid: "smoke.nvdb: grid 'density'".
     std::string where(const NvdbEntry& entry) const;
 
   private:
@@ -41,9 +43,9 @@ class NvdbFile {
     std::vector<NvdbEntry> entries_;
 };
 
-/// "float", "Vec3f", ...; a number for a type that is not known.
+/// "float", "Vec3f", ...; "type 42" for an unknown one.
 std::string nano_type_name(nanovdb::GridType type);
-/// CRC-32 as zip and NanoVDB compute it.
+/// CRC-32 of zip (polynomial 0xEDB88320), as NanoVDB uses it.
 std::uint32_t crc32(const void* data, std::size_t bytes);
 
 }  // namespace vog::nvdb

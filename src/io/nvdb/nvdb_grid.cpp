@@ -1,4 +1,4 @@
-// nvdb_grid.cpp: from root to leaves through offsets that are not trusted.
+// nvdb_grid.cpp: traversal of a NanoVDB tree with every offset checked, into an OpenVDB grid.
 #include "io/nvdb/nvdb_grid.h"
 
 #include <fmt/core.h>
@@ -28,7 +28,7 @@ To convert(const From& value) {
         return static_cast<To>(value);
 }
 
-/// One grid of NanoVDB's build type into an OpenVDB grid.
+/// Converts a grid of one NanoVDB build type to an OpenVDB grid.
 template <class Build, class GridT>
 class NanoReader {
     using Root = nanovdb::NanoRoot<Build>;
@@ -39,13 +39,13 @@ class NanoReader {
     using Value = typename GridT::ValueType;
     static constexpr bool kQuantised = std::is_same_v<Build, nanovdb::FpN>;
 
-    struct Placed {
+    struct PlacedLeaf {
         const NanoLeafT* leaf;
         nanovdb::Coord origin;
     };
 
   public:
-    /// leaves  takes them, in place of the grid; null: the grid does
+    /// leaves  receives the leaves instead of the grid; null: the grid does
     NanoReader(const NanoBuffer& buffer, const std::string& where, NanoLeaves* leaves)
         : buffer_(buffer), where_(where), volume_leaves_(leaves) {}
 
@@ -53,14 +53,15 @@ class NanoReader {
         const auto& header = node<nanovdb::GridData>(0);
         const auto& tree = node<nanovdb::TreeData<3>>(sizeof header);
         const std::uint64_t root_at =
-            sizeof header + tree.mNodeOffset[3];  // wraps around if it is corrupt, and is refused
+            sizeof header + tree.mNodeOffset[3];  // a corrupt sum may wrap around; node() checks it
         const auto& root = node<Root>(root_at);
         const auto& table = *root.data();
-        if (table.mTableSize > buffer_.size() / sizeof *table.tile(0)) fail("its root's table");
+        if (table.mTableSize > buffer_.size() / sizeof *table.tile(0))
+            fail("root table longer than the grid");
         (void)bytes_at(root_at, root.memUsage());
         check_head(header, root_at + root.memUsage());
 
-        // From OpenVDB's registry: a constructor here would compile the whole class for every type.
+        // From OpenVDB's registry: naming a constructor compiles the whole class for every type.
         const auto grid =
             std::static_pointer_cast<GridT>(openvdb::GridBase::createGrid(GridT::gridType()));
         grid->tree().root().setBackground(convert<Value>(table.mBackground), false);
@@ -68,14 +69,14 @@ class NanoReader {
         for (std::uint32_t i = 0; i < table.mTableSize; ++i) {
             const auto& tile = *table.tile(i);
             if (!origins.insert(to_coord(tile.origin())).second)
-                fail("two entries of its root in one place");
+                fail("two root entries with one origin");
             if (tile.isChild())
                 read_upper(child<Upper>(root_at, tile.child), tile.origin(), grid->tree());
             else
                 add_tile(grid->tree(), 3, tile.origin(), tile.value, tile.isActive());
         }
         check_nodes(header);
-        volume_leaves_ ? take_leaves() : add_leaves(grid->tree());
+        volume_leaves_ ? convert_leaves() : add_leaves(grid->tree());
         return grid;
     }
 
@@ -99,13 +100,13 @@ class NanoReader {
         return static_cast<std::uint64_t>(reinterpret_cast<const std::byte*>(&parent) -
                                           buffer_.data());
     }
-    /// The child at this distance from its parent. Distinct nodes cannot take more bytes than there
-    /// are: a file whose nodes share children would otherwise grow without bound.
+    /// Child at a byte offset from its parent. The total size of all children is limited to the
+    /// buffer's: a corrupt file whose nodes share children would expand without bound.
     template <class Child>
     const Child& child(std::uint64_t parent_at, std::int64_t distance) {
         const auto at = parent_at + static_cast<std::uint64_t>(distance);
         node_bytes_ += sizeof(Child);
-        if (node_bytes_ > buffer_.size()) fail("nodes that overlap");
+        if (node_bytes_ > buffer_.size()) fail("overlapping nodes");
         return node<Child>(at);
     }
 
@@ -117,7 +118,7 @@ class NanoReader {
             tree.addTile(static_cast<openvdb::Index>(level), to_coord(origin), converted, active);
     }
 
-    /// Calls with_child(child, origin) or adds a tile, for every cell of a node.
+    /// Calls with_child(child, origin) or add_tile for every cell of a node.
     template <class Node, class TreeT, class WithChild>
     void read_cells(const Node& from, const nanovdb::Coord& origin, TreeT& tree,
                     WithChild with_child) {
@@ -125,7 +126,7 @@ class NanoReader {
         for (std::uint32_t n = 0; n < Node::SIZE; ++n) {
             nanovdb::Coord at = Node::OffsetToLocalCoord(n);
             at <<= Child::TOTAL;
-            at += origin;  // where it lies in its parent: its own box is not asked
+            at += origin;  // from the place in the parent: the child's own box is not trusted
             if (from.childMask().isOn(n))
                 with_child(child<Child>(offset_of(from), from.data()->mTable[n].child), at);
             else
@@ -140,8 +141,8 @@ class NanoReader {
         read_cells(upper, origin, tree, [&](const Lower& lower, const nanovdb::Coord& at) {
             lowers_.push_back(&lower);
             read_cells(lower, at, tree, [&](const NanoLeafT& leaf, const nanovdb::Coord& leaf_at) {
-                if constexpr (kQuantised) {  // of a size of its own: 1, 2, 4, 8 or 16 bits a value
-                    if (leaf.data()->bitWidth() > 16) fail("a leaf of unknown width");
+                if constexpr (kQuantised) {  // variable size: 1, 2, 4, 8 or 16 bits per value
+                    if (leaf.data()->bitWidth() > 16) fail("leaf with more than 16 bits per value");
                     (void)bytes_at(offset_of(leaf), leaf.data()->memUsage());
                 }
                 leaves_.push_back({&leaf, leaf_at});
@@ -149,12 +150,14 @@ class NanoReader {
         });
     }
 
-    /// Those with active voxels, sorted by origin.
-    void take_leaves() {
-        const auto is_empty = [](const Placed& placed) { return placed.leaf->valueMask().isOff(); };
+    /// Converts the leaves with active voxels to volume leaves, sorted by origin.
+    void convert_leaves() {
+        const auto is_empty = [](const PlacedLeaf& placed) {
+            return placed.leaf->valueMask().isOff();
+        };
         std::erase_if(leaves_, is_empty);
         std::ranges::sort(leaves_, {},
-                          [](const Placed& placed) { return to_coord(placed.origin); });
+                          [](const PlacedLeaf& placed) { return to_coord(placed.origin); });
         resize_kept(volume_leaves_->leaves, leaves_.size());
         std::mutex mutex;
         constexpr std::size_t kLeavesPerTask = 64;
@@ -162,12 +165,12 @@ class NanoReader {
                           [&](const auto& range) {
                               Census census;
                               for (std::size_t i = range.begin(); i < range.end(); ++i)
-                                  take_leaf(i, census);
+                                  convert_leaf(i, census);
                               const std::lock_guard lock(mutex);
                               volume_leaves_->census = Census::sum(volume_leaves_->census, census);
                           });
     }
-    void take_leaf(std::size_t i, Census& census) const {
+    void convert_leaf(std::size_t i, Census& census) const {
         const auto& [from, origin] = leaves_[i];
         Leaf& leaf = volume_leaves_->leaves[i];
         leaf.origin = from_coord(to_coord(origin));
@@ -189,11 +192,11 @@ class NanoReader {
                 leaves[i]->setActiveState(n, from->valueMask().isOn(n));
             }
         });
-        for (LeafT* leaf : leaves) tree.addLeaf(leaf);  // which takes them over
+        for (LeafT* leaf : leaves) tree.addLeaf(leaf);  // the tree owns it
     }
 
-    /// The low half of the checksum: grid and tree after magic and checksum, until 32.6.0 of the
-    /// root and its table too. All ones: none was made.
+    /// Checks the lower 32 bits of the checksum: CRC of grid and tree header behind the first 16
+    /// bytes, until 32.6.0 of the root and its table too. All ones: there is no checksum.
     void check_head(const nanovdb::GridData& header, std::uint64_t root_end) const {
         constexpr std::uint64_t kSkipped = 16;
         const auto expected = static_cast<std::uint32_t>(header.mChecksum);
@@ -201,15 +204,16 @@ class NanoReader {
                                       ? root_end
                                       : sizeof header + sizeof(nanovdb::TreeData<3>);
         if (expected != kNoChecksum && crc32(buffer_.data() + kSkipped, end - kSkipped) != expected)
-            fail("the checksum of its head does not match");
+            fail("header checksum does not match");
     }
 
-    /// The high half, of all the rest: of blocks of 4096 bytes, until 32.6.0 of node after node.
+    /// Checks the upper 32 bits: CRC over CRCs of the other bytes, in blocks of 4096 bytes, until
+    /// 32.6.0 node by node.
     void check_nodes(const nanovdb::GridData& header) const {
         const auto expected = static_cast<std::uint32_t>(header.mChecksum >> 32);
-        if (expected == kNoChecksum || kQuantised) return;  // versions differ on FpN's leaves
+        if (expected == kNoChecksum || kQuantised) return;  // versions differ for FpN leaves
         if (header.mVersion > nanovdb::Version(32, 6, 0)) {
-            if (crc_of_blocks() != expected) fail("the checksum of its nodes does not match");
+            if (crc_of_blocks() != expected) fail("node checksum does not match");
             return;
         }
         std::vector<std::uint32_t> sums;
@@ -219,12 +223,12 @@ class NanoReader {
         };
         for (const Upper* upper : uppers_) add(*upper);
         for (const Lower* lower : lowers_) add(*lower);
-        for (const Placed& placed : leaves_) add(*placed.leaf);
-        // Sums were kept in uint_fast32_t, which has 8 bytes on some systems and 4 on others.
+        for (const PlacedLeaf& placed : leaves_) add(*placed.leaf);
+        // NanoVDB stored the CRCs as uint_fast32_t, of 8 bytes on some systems and 4 on others.
         const std::vector<std::uint64_t> wide(sums.begin(), sums.end());
         if (crc32(sums.data(), sums.size() * sizeof sums[0]) != expected &&
             crc32(wide.data(), wide.size() * sizeof wide[0]) != expected)
-            fail("the checksum of its nodes does not match");
+            fail("node checksum does not match");
     }
 
     std::uint32_t crc_of_blocks() const {
@@ -234,7 +238,7 @@ class NanoReader {
         for (std::size_t i = 0; i < sums.size(); ++i) {
             const std::size_t at = kBegin + i * kBlock;
             keep_memory();
-            const bool last = i + 1 == sums.size();  // takes the remainder too
+            const bool last = i + 1 == sums.size();  // includes the remainder
             sums[i] = crc32(buffer_.data() + at, last ? buffer_.size() - at : kBlock);
         }
         return crc32(sums.data(), sums.size() * sizeof sums[0]);
@@ -247,7 +251,7 @@ class NanoReader {
     std::uint64_t node_bytes_ = 0;
     std::vector<const Upper*> uppers_;
     std::vector<const Lower*> lowers_;
-    std::vector<Placed> leaves_;
+    std::vector<PlacedLeaf> leaves_;
 };
 
 }  // namespace

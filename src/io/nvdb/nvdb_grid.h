@@ -1,4 +1,4 @@
-// nvdb_grid.h: a NanoVDB grid of any type as an OpenVDB grid, its every pointer checked.
+// nvdb_grid.h: conversion of NanoVDB grids to OpenVDB grids, with every offset checked.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -14,27 +14,26 @@ namespace vog::nvdb {
 
 using namespace vdb;
 
-/// Can be density without being asked for by name.
+/// Whether a grid of this type can be the default density grid.
 bool is_scalar(nanovdb::GridType type);
 
-/// Leaves of a grid as a volume has them, those without active voxels left out, and what was found
-/// in them.
+/// Leaves with active voxels, as in a Volume, and the census of their values.
 struct NanoLeaves {
     BigVector<Leaf> leaves;
     Census census;
 };
 
-/// Values, active states, tiles, background and class; not the transform. Quantised values come as
-/// floats.
-/// grid    with a sound header (NvdbFile::load)
-/// where   what messages start with
-/// leaves  takes the leaves, of which the grid then has none; null: they are the grid's
-/// throws  vog::Error for a type that holds neither numbers nor vectors, for nodes that reach out
-///         of the buffer or overlap, for a checksum that does not match
+/// OpenVDB grid with the values, active states, tiles, background and class, but no transform.
+/// Quantised values become floats.
+/// grid    with a checked header (NvdbFile::load)
+/// where   start of messages
+/// leaves  receives the leaves, and the grid has none; null: the grid has them
+/// throws  vog::Error for a type that holds neither numbers nor vectors, for nodes beyond the
+///         buffer or overlapping ones, for a checksum that does not match
 openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& grid, const std::string& where,
                                       NanoLeaves* leaves = nullptr);
 
-/// The map of the grid's header, which may be singular.
+/// World-from-index map of the grid's header; may be singular.
 Affine nano_transform(const NanoBuffer& grid);
 
 }  // namespace vog::nvdb

@@ -1,4 +1,4 @@
-// nvdb_read.cpp: one grid of a .nvdb file as density: which one, what is refused, what is said.
+// nvdb_read.cpp: choice of a grid in a .nvdb file, and its conversion to density.
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -17,7 +17,8 @@ using namespace vdb;
 
 namespace {
 
-/// The grid of this name; without a name the only scalar grid, else the one named density.
+/// Grid of this name; without a name the only scalar grid, else the one named density.
+/// throws vog::Error if there is none or more than one
 const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
     std::vector<std::string> names;
     std::vector<const NvdbEntry*> named, scalar;
@@ -34,21 +35,21 @@ const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
         throw Error(fmt::format("{}: {} named '{}' ({})", file.name(),
                                 named.empty() ? "no grid" : "several grids", name, list));
     if (scalar.empty())
-        throw Error(
-            fmt::format("{}: no scalar grid ({}); vectors are read when named", file.name(), list));
+        throw Error(fmt::format("{}: no scalar grid ({}); vector grids are read when named",
+                                file.name(), list));
     throw Error(
         fmt::format("{}: {} scalar grids, expected one, or one named 'density', or a name "
                     "({})",
                     file.name(), scalar.size(), list));
 }
 
-/// Straight from the file's leaves: OpenVDB's tree has the tiles alone.
+/// Converts leaves directly from the file; only tiles pass through an OpenVDB tree.
 Volume density_of(const NanoBuffer& buffer, const std::string& where, bool mask, VdbNotes& notes) {
     NanoLeaves from;
     const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where, &from);
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
         throw Error(fmt::format(
-            "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+            "{}: a level set, expected density (--level-set-to-fog converts it)", where));
     Volume volume;
     volume.world_from_index = nano_transform(buffer);
     check_transform(volume.world_from_index, where);

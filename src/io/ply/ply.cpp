@@ -157,8 +157,10 @@ Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
 
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part) {
     if (part.count < 1 || part.index < 0 || part.index >= part.count)
-        fail(file, fmt::format("part {} of {}, expected 0 to one less than a number of parts",
-                               part.index, part.count));
+        fail(file,
+             fmt::format(
+                 "part {} of {}, expected an index from 0 to one less than the number of parts",
+                 part.index, part.count));
     return read_model(file, part, nullptr);
 }
 

@@ -1,4 +1,4 @@
-// ply_index.cpp: the names of the files that one model is in.
+// ply_index.cpp: JSON list of the PLY files of one model.
 #include <fmt/core.h>
 
 #include <fstream>
@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kKey = "vog_models";
 
 [[noreturn]] void fail(const std::filesystem::path& file) {
-    throw Error(fmt::format("{}: no index of models, expected {{\"{}\": [\"a.ply\", ...]}}",
+    throw Error(fmt::format("{}: not an index of models, expected {{\"{}\": [\"a.ply\", ...]}}",
                             file.string(), kKey));
 }
 

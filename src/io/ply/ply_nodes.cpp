@@ -1,4 +1,4 @@
-// ply_nodes.cpp: rows of the element node, block by block.
+// ply_nodes.cpp: rows of the PLY element `node`, in blocks of 65536.
 #include "io/ply/ply_nodes.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-// ply_nodes.h: the hierarchy of a model as the second element of its PLY (docs/formats.md).
+// ply_nodes.h: hierarchy of a model as the second PLY element, `node` (docs/formats.md).
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,16 @@
 
 namespace vog::ply {
 
-/// Header lines, "element node N" first; empty for a hierarchy without nodes.
+/// Header lines, "element node N" first; empty for an empty hierarchy.
 std::string node_header(const Hierarchy& hierarchy);
-/// "float x", "float y", ..., as a header has them after "property ".
+/// Type and name of each property, as in header lines after "property ": "float x", ...
 std::vector<std::string> node_properties(bool axis_aligned);
+/// Bytes of a node's row.
 std::size_t bytes_per_node(bool axis_aligned);
 
 void write_nodes(std::ostream& out, const Hierarchy& hierarchy);
-/// Reads `count` nodes; which children they have is left to link(). False where the stream ends
-/// before.
+/// Reads `count` nodes without their child indices, which link() computes.
+/// returns  false if the stream ends early
 bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarchy& hierarchy);
 
 }  // namespace vog::ply

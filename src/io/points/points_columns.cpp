@@ -1,4 +1,4 @@
-// points_columns.cpp: header lines, column names, and what is guessed without them.
+// points_columns.cpp: roles of the columns of a text file, from header lines or by position.
 #include "io/points/points_columns.h"
 
 #include <fmt/format.h>
@@ -30,15 +30,16 @@ bool is_number(std::string_view field) {
     return parse_number(field, value);
 }
 
-/// The lines before the first particle, and that one.
+/// Header lines and the first particle of a file.
 struct Head {
-    Names names;       ///< of the columns; empty: not told
-    Names first_line;  ///< fields of the first particle
-    std::uint64_t line = 0;
-    bool chemical = false;  ///< number of atoms, title, then lines that begin with an element
+    Names names;             ///< of the columns; empty: unknown
+    Names first_line;        ///< fields of the first particle
+    std::uint64_t line = 0;  ///< number of the first particle's line, from 0
+    bool chemical =
+        false;  ///< XYZ of chemistry: atom count, title, lines that start with an element
 };
 
-/// Names, if these fields can be: as many as columns, no numbers, no two the same.
+/// Fields as column names if they qualify: one for each column, no numbers, all distinct; else empty.
 Names as_names(const std::vector<std::string_view>& fields, std::size_t columns) {
     Names names(fields.begin(), fields.end());
     Names sorted = names;
@@ -56,7 +57,7 @@ Head read_head(const std::filesystem::path& file, std::string_view text, char se
     for (; !text.empty(); ++head.line) {
         const std::string_view line = trimmed(take_line(text));
         if (line.empty()) continue;
-        if (says_nothing(line)) {
+        if (is_comment_or_empty(line)) {
             comments.push_back(trimmed(line.substr(1)));
             continue;
         }
@@ -68,12 +69,13 @@ Head read_head(const std::filesystem::path& file, std::string_view text, char se
         const bool is_count = line.find_first_not_of("0123456789") == std::string_view::npos;
         if (xyz && is_count && !head.chemical && headers.empty()) {
             head.chemical = true;
-            take_line(text);  // the title, whatever it is
+            take_line(text);  // title, any text
             ++head.line;
             continue;
         }
         head.first_line.assign(fields.begin(), fields.end());
-        // Headers come first, as in "x,y,z" over "kpc,kpc,kpc"; of comments the nearest.
+        // The first header line that qualifies, as in "x,y,z" above "kpc,kpc,kpc"; else the last
+        // comment that does.
         for (const std::string_view header : headers)
             if (head.names.empty())
                 head.names = as_names(split_fields(header, separator), fields.size());
@@ -85,15 +87,15 @@ Head read_head(const std::filesystem::path& file, std::string_view text, char se
     throw Error(fmt::format("{}: no particles", file.string()));
 }
 
-/// Columns called x, y, z, alone or behind one of the prefixes.
+/// Columns named prefix + x, y, z or prefix + 0, 1, 2, for the first prefix that has all three.
 std::optional<Three> named_three(const Names& names, std::span<const std::string_view> prefixes) {
     for (const std::string_view prefix : prefixes)
         for (const std::string_view letters : {"xyz", "012"}) {
             Three found;
             std::size_t axis = 0;
             for (; axis < 3; ++axis) {
-                const std::string wanted = std::string(prefix) + letters[axis];
-                const auto at = std::ranges::find(names, wanted, [](auto& n) { return lower(n); });
+                const std::string name = std::string(prefix) + letters[axis];
+                const auto at = std::ranges::find(names, name, [](auto& n) { return lower(n); });
                 if (at == names.end()) break;
                 found[axis] = static_cast<std::size_t>(at - names.begin());
             }
@@ -102,33 +104,33 @@ std::optional<Three> named_three(const Names& names, std::span<const std::string
     return std::nullopt;
 }
 
-/// A column by its name, or by its number from 1.
-std::size_t column_asked(const std::filesystem::path& file, const Head& head,
-                         const std::string& asked) {
-    const auto named = std::ranges::find(head.names, asked);
+/// Index of a column by name, or by number from 1.
+std::size_t find_column(const std::filesystem::path& file, const Head& head,
+                        const std::string& column) {
+    const auto named = std::ranges::find(head.names, column);
     if (named != head.names.end()) return static_cast<std::size_t>(named - head.names.begin());
     std::size_t number = 0;
-    const auto [stop, code] = std::from_chars(asked.data(), asked.data() + asked.size(), number);
-    if (code == std::errc{} && stop == asked.data() + asked.size() && number >= 1 &&
+    const auto [stop, code] = std::from_chars(column.data(), column.data() + column.size(), number);
+    if (code == std::errc{} && stop == column.data() + column.size() && number >= 1 &&
         number <= head.first_line.size())
         return number - 1;
     throw Error(fmt::format(
-        "{}: no column '{}', expected 1 to {}{}", file.string(), asked, head.first_line.size(),
+        "{}: no column '{}', expected 1 to {}{}", file.string(), column, head.first_line.size(),
         head.names.empty() ? std::string()
                            : fmt::format(" or one of {}", fmt::join(head.names, ", "))));
 }
 
-/// Position, and velocity where there is one, in the order of the roles.
+/// Columns of position and, if present, velocity, in the order of their roles: 3 or 6.
 std::vector<std::size_t> vector_columns(const std::filesystem::path& file, const Head& head,
                                         const PointReadOptions& options) {
     std::vector<std::size_t> columns;
     if (!options.columns.empty()) {
         if (options.columns.size() != 3 && options.columns.size() != 6)
             throw Error(fmt::format(
-                "{}: {} columns asked for, expected 3 (position) or 6 (position and velocity)",
+                "{}: {} columns requested, expected 3 (position) or 6 (position and velocity)",
                 file.string(), options.columns.size()));
-        for (const std::string& asked : options.columns)
-            columns.push_back(column_asked(file, head, asked));
+        for (const std::string& column : options.columns)
+            columns.push_back(find_column(file, head, column));
         return columns;
     }
     const auto add = [&](const std::optional<Three>& three) {
@@ -148,7 +150,7 @@ std::vector<std::size_t> vector_columns(const std::filesystem::path& file, const
         add(named_three(head.names, kVelocity));
         return columns;
     }
-    // Without names: the first three, behind the element of chemists.
+    // Without names: the first three numbers, or six; in chemistry, behind the element.
     const std::size_t first = head.chemical && !is_number(head.first_line.front()) ? 1 : 0;
     const std::size_t left = head.first_line.size() - first;
     if (left < 3)
@@ -170,7 +172,7 @@ char text_separator(const std::filesystem::path& file, std::string_view head) {
                         file.string(), extension));
     while (!head.empty()) {
         const std::string_view line = trimmed(take_line(head));
-        if (!says_nothing(line))
+        if (!is_comment_or_empty(line))
             return line.find(',') == std::string_view::npos &&
                            line.find(';') != std::string_view::npos
                        ? ';'
@@ -185,21 +187,22 @@ PointColumns find_columns(const std::filesystem::path& file, std::string_view te
     columns.separator = text_separator(file, text);
     const Head head = read_head(file, text, columns.separator);
     columns.first_line = head.line;
-    columns.role.assign(head.first_line.size(), kLeftOut);
+    columns.role.assign(head.first_line.size(), kSkipped);
 
     const std::vector<std::size_t> vectors = vector_columns(file, head, options);
     for (std::size_t n = 0; n < vectors.size(); ++n) {
-        if (columns.role[vectors[n]] != kLeftOut)
+        if (columns.role[vectors[n]] != kSkipped)
             throw Error(
-                fmt::format("{}: column {} asked for twice", file.string(), vectors[n] + 1));
+                fmt::format("{}: column {} requested twice", file.string(), vectors[n] + 1));
         columns.role[vectors[n]] = static_cast<int>(n);
     }
     columns.has_velocity = vectors.size() == 6;
 
-    // The others hold numbers, or text where a header or chemistry lets one expect it.
+    // Other columns are attributes; text columns are allowed, and skipped, below a header or in
+    // chemistry's format.
     const bool may_be_text = !head.names.empty() || head.chemical;
     for (std::size_t n = 0; n < columns.role.size(); ++n) {
-        if (columns.role[n] != kLeftOut) continue;
+        if (columns.role[n] != kSkipped) continue;
         if (may_be_text && !is_number(head.first_line[n])) continue;
         columns.role[n] = kFirstAttribute + static_cast<int>(columns.attributes.size());
         columns.attributes.push_back(head.names.empty() ? fmt::format("column{}", n + 1)

@@ -1,4 +1,4 @@
-// points_columns.h: which column of a text file is what.
+// points_columns.h: roles of the columns of a particle text file.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,25 @@
 
 namespace vog::point_files {
 
-/// What a column is: left out, a component of position or velocity, or attribute role - 6.
-inline constexpr int kLeftOut = -1, kFirstVelocity = 3, kFirstAttribute = 6;
+/// Role of a column: -1 skipped, 0 to 2 position, 3 to 5 velocity, n >= 6 attribute n - 6.
+inline constexpr int kSkipped = -1, kFirstVelocity = 3, kFirstAttribute = 6;
 
+/// Layout of the lines of a file.
 struct PointColumns {
     char separator = 0;     ///< 0: blanks
     std::vector<int> role;  ///< [columns]
     bool has_velocity = false;
     std::vector<std::string> attributes;  ///< names
-    std::uint64_t first_line = 0;         ///< of the particles, from 0
+    std::uint64_t first_line = 0;         ///< number of the first particle's line, from 0
 };
 
-/// The separator by extension: 0 for blanks; throws vog::Error for an extension that is no text's.
-/// `head`  the file's first lines: tells whether a .csv has semicolons
+/// Separator by extension; 0 for blanks.
+/// head    first lines of the file, to tell commas from semicolons in a .csv
+/// throws  vog::Error for an unknown extension
 char text_separator(const std::filesystem::path& file, std::string_view head);
 
-/// Reads the head of a file. throws vog::Error if it holds no particles or not the columns asked
-/// for
+/// Finds the roles of the columns from the first lines of a file.
+/// throws vog::Error without a particle or without the requested columns
 PointColumns find_columns(const std::filesystem::path& file, std::string_view head,
                           const PointReadOptions& options);
 

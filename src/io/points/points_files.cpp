@@ -1,4 +1,4 @@
-// points_files.cpp: particles by the extension of their file.
+// points_files.cpp: choice of the particle format by extension.
 #include "io/points/points_files.h"
 
 namespace vog {

@@ -1,4 +1,4 @@
-// points_files.h: the kinds of files that particles come in; vog/points.h chooses by extension.
+// points_files.h: readers and writers of each particle format, behind read_points and write_points.
 #pragma once
 
 #include "vog/points.h"

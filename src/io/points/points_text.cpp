@@ -1,4 +1,4 @@
-// points_text.cpp: particles from text and to it, in parallel chunks of whole lines.
+// points_text.cpp: parallel reading of particles from text, in chunks of whole lines.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
@@ -21,7 +21,8 @@ namespace vog::point_files {
 
 namespace {
 
-/// A file of lines. Read, not mapped: a file that shrinks meanwhile is an error, not a signal.
+/// Text file with access to the lines in a range of bytes. Not memory-mapped: a file that shrinks while
+/// it is read is then an error, not a signal.
 class LineFile {
   public:
     explicit LineFile(const std::filesystem::path& file) : name_(file.string()) {
@@ -41,10 +42,10 @@ class LineFile {
     std::uint64_t size() const { return size_; }
     const std::string& name() const { return name_; }
 
-    /// The lines that begin in bytes [begin, end), whole; valid as long as the buffer.
+    /// Complete lines that start in bytes [begin, end); valid until `buffer` changes.
     std::string_view lines(std::uint64_t begin, std::uint64_t end,
                            std::vector<char>& buffer) const {
-        // The byte before tells whether a line begins at `begin`.
+        // The byte before shows whether a line starts at `begin`.
         const std::uint64_t first = begin > 0 ? begin - 1 : 0;
         end = std::min(end, size_);
         buffer.resize(end - first);
@@ -57,7 +58,7 @@ class LineFile {
                 line_end ? static_cast<const char*>(line_end) - buffer.data() + 1 : buffer.size();
             if (skipped >= buffer.size()) return {};
         }
-        // The last line may go on.
+        // Appends the rest of the last line.
         constexpr std::uint64_t kStep = 4096;
         while (end < size_ && buffer.back() != '\n') {
             const std::uint64_t more = std::min(kStep, size_ - end);
@@ -94,15 +95,15 @@ std::uint64_t count_lines(std::string_view text) {
     return static_cast<std::uint64_t>(std::ranges::count(text, '\n')) + (text.back() != '\n');
 }
 
-/// A chunk's place among all lines, what it gave, and what was wrong.
+/// Lines and results of a chunk of 1 MiB.
 struct Chunk {
-    std::uint64_t first_line = 0, line_count = 0;
-    std::uint64_t particles = 0;
-    std::vector<std::uint64_t> bad_lines;  ///< from 0
-    std::string first_fault;
+    std::uint64_t first_line = 0, line_count = 0;  ///< first_line from 0
+    std::uint64_t particles = 0;                   ///< number read
+    std::vector<std::uint64_t> bad_lines;          ///< numbers of malformed lines, from 0
+    std::string first_fault;                       ///< message about the first of them
 };
 
-/// Reads the particles of one chunk into place.
+/// Parses the particles of one chunk into their final arrays.
 class ChunkReader {
   public:
     ChunkReader(const PointColumns& columns, Points& points) : columns_(columns), points_(points) {}
@@ -110,7 +111,7 @@ class ChunkReader {
     void read(std::string_view text, Chunk& chunk) const {
         for (std::uint64_t line = chunk.first_line; !text.empty(); ++line) {
             const std::string_view content = trimmed(take_line(text));
-            if (line < columns_.first_line || says_nothing(content)) continue;
+            if (line < columns_.first_line || is_comment_or_empty(content)) continue;
             if (read_particle(content, first_particle(chunk) + chunk.particles)) {
                 ++chunk.particles;
                 continue;
@@ -119,7 +120,7 @@ class ChunkReader {
             chunk.bad_lines.push_back(line);
         }
     }
-    /// Where a chunk's particles go: behind as many as there are lines before it.
+    /// Index of a chunk's first particle if every line before it were one.
     std::uint64_t first_particle(const Chunk& chunk) const {
         return chunk.first_line < columns_.first_line ? 0 : chunk.first_line - columns_.first_line;
     }
@@ -146,19 +147,19 @@ class ChunkReader {
 };
 
 bool ChunkReader::read_particle(std::string_view line, std::uint64_t n) const {
-    const bool open = columns_.separator && line.ends_with(columns_.separator);
+    const bool ends_open = columns_.separator && line.ends_with(columns_.separator);
     for (const int role : columns_.role) {
         if (line.empty()) return false;
         const std::string_view field = take_field(line, columns_.separator);
-        if (role == kLeftOut) continue;
+        if (role == kSkipped) continue;
         double value;
         if (!parse_number(field, value) || !fits(role, value)) return false;
         put(role, n, value);
     }
-    return line.empty() && !open;
+    return line.empty() && !ends_open;
 }
 
-/// What is wrong with a line that read_particle refused.
+/// Message about a line for which read_particle returned false.
 std::string ChunkReader::fault(std::string_view line) const {
     const auto fields = split_fields(line, columns_.separator);
     if (fields.size() != columns_.role.size())
@@ -166,7 +167,7 @@ std::string ChunkReader::fault(std::string_view line) const {
     for (std::size_t column = 0; column < fields.size(); ++column) {
         const int role = columns_.role[column];
         double value;
-        if (role == kLeftOut) continue;
+        if (role == kSkipped) continue;
         constexpr std::size_t kShown = 40;
         const std::string text(fields[column].substr(0, kShown));
         if (!parse_number(fields[column], value))
@@ -177,7 +178,7 @@ std::string ChunkReader::fault(std::string_view line) const {
     return "malformed";
 }
 
-/// Every malformed line, by number; the first with what is wrong.
+/// throws vog::Error with the numbers of malformed lines, and the reason for the first
 [[noreturn]] void throw_malformed(const std::string& name, const std::vector<Chunk>& chunks) {
     constexpr std::size_t kListed = 20;
     std::string message, others;
@@ -190,9 +191,9 @@ std::string ChunkReader::fault(std::string_view line) const {
                 others += fmt::format("{}{}", count == 1 ? "" : ", ", line + 1);
             ++count;
         }
-    if (count == 2) message += fmt::format("; malformed as well: line {}", others);
+    if (count == 2) message += fmt::format("; also malformed: line {}", others);
     if (count > 2)
-        message += fmt::format("; malformed as well: {} lines: {}{}", count - 1, others,
+        message += fmt::format("; also malformed: {} lines: {}{}", count - 1, others,
                                count > kListed + 1 ? ", ..." : "");
     throw Error(message);
 }
@@ -203,7 +204,7 @@ void resize(Points& points, std::uint64_t count, const PointColumns& columns) {
     for (PointAttribute& attribute : points.attributes) resize_kept(attribute.value, count);
 }
 
-/// Moves the chunks' particles together: comments and empty lines left gaps.
+/// Closes the gaps that comments and empty lines left between the chunks' particles.
 void close_gaps(Points& points, const std::vector<Chunk>& chunks, const ChunkReader& reader) {
     const auto close = [&](auto& values) {
         if (values.empty()) return;
@@ -231,7 +232,7 @@ Points read_points_text(const std::filesystem::path& path, const PointReadOption
         return file.lines(n * kChunkBytes, (n + 1) * kChunkBytes, buffers.local());
     };
 
-    // Headers lie in the first chunk; then which lines are whose, for their numbers.
+    // Columns from the first MiB, then line numbers of all chunks, then the particles.
     std::vector<char> head;
     constexpr std::uint64_t kHeadBytes = std::uint64_t{1} << 20;
     const PointColumns columns =

@@ -1,4 +1,4 @@
-// points_text_write.cpp: particles as text, the shortest that reads back bit for bit.
+// points_text_write.cpp: particles as text, with the shortest digits that read back exactly.
 #include <fmt/format.h>
 
 #include <cerrno>
@@ -59,7 +59,7 @@ void write_points_text(const std::filesystem::path& file, const Points& points) 
             std::ofstream out(path, std::ios::binary);
             out.exceptions(std::ios::failbit | std::ios::badbit);
             out << (own ? "" : "# ") << header(points, separator);
-            // Formatted some chunks at a time, so that the text need not be held whole.
+            // 16 chunks at a time, so that the whole text is never in memory.
             constexpr std::size_t kChunk = 1 << 14, kChunks = 16;
             for (std::size_t first = 0; first < points.size(); first += kChunk * kChunks) {
                 std::vector<std::string> text(kChunks);

@@ -1,4 +1,4 @@
-// text_fields.h: lines, fields and numbers of text, without copies.
+// text_fields.h: splitting of text into lines and fields without copies, and parsing of numbers.
 #pragma once
 
 #include <algorithm>
@@ -19,12 +19,12 @@ inline std::string_view trimmed(std::string_view text) {
     return text;
 }
 
-/// Nothing on the line, or nothing but a comment.
-inline bool says_nothing(std::string_view trimmed_line) {
+/// Whether a trimmed line is empty or a comment (# or %).
+inline bool is_comment_or_empty(std::string_view trimmed_line) {
     return trimmed_line.empty() || trimmed_line.front() == '#' || trimmed_line.front() == '%';
 }
 
-/// Takes the first line off `text`, without its end.
+/// Removes the first line from `text`; returns it without its newline.
 inline std::string_view take_line(std::string_view& text) {
     const auto* end = static_cast<const char*>(std::memchr(text.data(), '\n', text.size()));
     const std::size_t size = end ? static_cast<std::size_t>(end - text.data()) : text.size();
@@ -33,8 +33,9 @@ inline std::string_view take_line(std::string_view& text) {
     return line;
 }
 
-/// Takes the first field off a line. `separator` 0: fields between blanks, none of them empty; the
-/// line must not begin with a blank. Else up to the separator, quotes respected.
+/// Removes the first field from a line and returns it.
+/// line       must not start with a blank if separator is 0
+/// separator  0: fields between runs of blanks; else fields may be empty or quoted
 inline std::string_view take_field(std::string_view& line, char separator) {
     std::size_t end = 0;
     if (separator == 0) {
@@ -57,15 +58,16 @@ inline std::string_view take_field(std::string_view& line, char separator) {
 inline std::vector<std::string_view> split_fields(std::string_view line, char separator) {
     std::vector<std::string_view> fields;
     line = trimmed(line);
-    // A separator at the end of a line has an empty field behind it.
-    const bool open = separator && !line.empty() && line.back() == separator;
+    // A separator at the end of a line is followed by an empty field.
+    const bool ends_open = separator && !line.empty() && line.back() == separator;
     while (!line.empty()) fields.push_back(take_field(line, separator));
-    if (open) fields.emplace_back();
+    if (ends_open) fields.emplace_back();
     return fields;
 }
 
-/// Whether the whole of `field` is a number, NaN and infinity among them. Like C's, with Fortran's
-/// exponents 1.5D+03 besides; too large for a double is infinite.
+/// Parses a whole field as a number: C's syntax with NaN and infinity, and Fortran's 1.5D+03. Numbers
+/// beyond double's range become infinite.
+/// returns  false if the field is not a number
 inline bool parse_number(std::string_view field, double& value) {
     const char *begin = field.data(), *end = begin + field.size();
     if (begin != end && *begin == '+' && begin + 1 != end && begin[1] != '-') ++begin;

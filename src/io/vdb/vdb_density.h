@@ -1,4 +1,4 @@
-// vdb_density.h: OpenVDB's values as density, for the files named vdb_*.cpp only.
+// vdb_density.h: conversion of OpenVDB values, leaves and tiles to density.
 #pragma once
 
 #include <algorithm>
@@ -15,13 +15,14 @@ namespace vog::vdb {
 inline Vec3i from_coord(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 inline openvdb::Coord to_coord(Vec3i v) { return {v.x, v.y, v.z}; }
 
+/// Density of a value: the number itself, or the length of a vector.
 template <class Value>
 float density(const Value& value) {
     if constexpr (openvdb::VecTraits<Value>::IsVec) {
         const openvdb::Vec3d v(value);
         return density(std::sqrt(v.x() * v.x() + v.y() * v.y() + v.z() * v.z()));
     } else if constexpr (std::is_same_v<Value, double>) {
-        // Out of float's range, the conversion is undefined: infinite here.
+        // Conversion beyond float's range is undefined behaviour: such values become infinite.
         constexpr double kLargest = std::numeric_limits<float>::max();
         if (std::abs(value) > kLargest) return std::numeric_limits<float>::infinity();
         return static_cast<float>(value);
@@ -30,12 +31,14 @@ float density(const Value& value) {
     }
 }
 
-/// What was found among active values; a tile is one value.
+/// Counts of invalid active values; a tile is one value.
 struct Census {
     std::uint64_t negative = 0, not_finite = 0;
-    std::uint64_t first_not_finite = std::numeric_limits<std::uint64_t>::max();
+    std::uint64_t first_not_finite =
+        std::numeric_limits<std::uint64_t>::max();  ///< smallest `place`
 
-    /// Counts a value and returns it as a volume may hold it.
+    /// Counts an invalid value and returns 0 for it; returns other values unchanged.
+    /// place  position of the value among all
     float admit(float value, std::uint64_t place) {
         if (!std::isfinite(value)) {
             ++not_finite;
@@ -56,9 +59,10 @@ struct Census {
     }
 };
 
-/// A leaf of OpenVDB's as the volume's leaf `i`.
+/// Converts an OpenVDB leaf to a volume's leaf.
+/// i  index of the leaf in the volume
 template <class LeafT>
-void take_leaf(const LeafT& from, std::size_t i, Leaf& to, Census& census) {
+void convert_leaf(const LeafT& from, std::size_t i, Leaf& to, Census& census) {
     to.origin = from_coord(from.origin());
     for (openvdb::Index word = 0; word < to.mask.size(); ++word)
         to.mask[word] = from.valueMask().template getWord<openvdb::Index64>(word);
@@ -66,15 +70,16 @@ void take_leaf(const LeafT& from, std::size_t i, Leaf& to, Census& census) {
         to.value[voxel.pos()] = census.admit(density(*voxel), i * kLeafVoxels + voxel.pos());
 }
 
-/// Fills volume.tiles, sorted by origin.
+/// Converts active tiles to volume.tiles, sorted by origin.
 Census tiles_from_grid(const openvdb::GridBase& grid, Volume& volume);
 
-/// Tells notes what was found. throws vog::Error for values that are not finite
+/// Records the number of negative values in `notes`.
+/// throws vog::Error for values that are not finite
 void check_census(const Census& leaves, const Census& tiles, std::span<const Leaf> volume_leaves,
                   std::span<const Tile> volume_tiles, const std::string& where, VdbNotes& notes);
 /// throws vog::Error for a transform that is singular or null (not affine)
 void check_transform(const std::optional<Affine>& world_from_index, const std::string& where);
-/// Values above 0 become 1, others inactive.
+/// Sets values above 0 to 1 and makes all others inactive.
 void keep_positive(Volume& volume);
 
 }  // namespace vog::vdb

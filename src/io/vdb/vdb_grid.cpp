@@ -1,4 +1,4 @@
-// vdb_grid.cpp: a walked grid read by OpenVDB: topology in one go, leaves in parallel.
+// vdb_grid.cpp: reading of checked grids by OpenVDB: topology serially, leaves in parallel.
 #include "io/vdb/vdb_grid.h"
 
 #include <tbb/blocked_range.h>
@@ -17,7 +17,7 @@ namespace {
 using openvdb::io::RealToHalf;
 
 constexpr std::string_view kPointTree = "Tree_ptdataidx32_5_4_3";
-constexpr std::uint64_t kPointLeafBytes = 512 * 4;  // per voxel, where its points end
+constexpr std::uint64_t kPointLeafBytes = 512 * 4;  // end of its points for each voxel
 
 template <class GridT>
 TreeLayout layout_of() {
@@ -30,36 +30,36 @@ TreeLayout layout_of() {
     return layout;
 }
 
-/// The bytes of a grid that has been walked.
-struct WalkedBytes {
+/// Bytes of a grid whose tree has been checked.
+struct CheckedBytes {
     std::span<const char> bytes;
-    std::uint64_t begin = 0;   // position in the file
-    std::size_t topology = 0;  // offset
+    std::uint64_t begin = 0;   ///< position of `bytes` in the file
+    std::size_t topology = 0;  ///< offset of the tree in `bytes`
     TreeStorage storage;
     std::uint32_t version = 0;
-    WalkedTree tree;
+    CheckedTree tree;
 };
 
-/// Reads the voxels of the leaves, in parallel.
+/// Reads the voxel values of all leaves in parallel.
 template <class GridT>
-void read_leaves(const WalkedBytes& walked, GridT& grid) {
+void read_leaves(const CheckedBytes& checked, GridT& grid) {
     auto& tree = grid.tree();
-    const auto& leaves = walked.tree.leaves;
+    const auto& leaves = checked.tree.leaves;
     vog::parallel_for(
         tbb::blocked_range<std::size_t>(0, leaves.size(), 64), [&](const auto& range) {
-            MemoryStream stream(walked.bytes);
-            tag_vdb_stream(stream, walked.version, walked.storage.compression);
+            MemoryStream stream(checked.bytes);
+            tag_vdb_stream(stream, checked.version, checked.storage.compression);
             openvdb::io::setGridBackgroundValuePtr(stream, &tree.background());
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 const Vec3i origin = leaves[i].origin;
-                stream.seekg(static_cast<std::streamoff>(leaves[i].buffer - walked.begin));
+                stream.seekg(static_cast<std::streamoff>(leaves[i].buffer - checked.begin));
                 tree.probeLeaf({origin.x, origin.y, origin.z})
-                    ->readBuffers(stream, walked.storage.half_stored);
+                    ->readBuffers(stream, checked.storage.half_stored);
             }
         });
 }
 
-/// How trees of `tree_type` are stored, if that is one of these types.
+/// Storage layout of trees of `tree_type`, if it is one of Grids.
 template <class... Grids>
 std::optional<TreeLayout> layout_of(const std::string& tree_type, openvdb::TypeList<Grids...>) {
     std::optional<TreeLayout> layout;
@@ -80,18 +80,18 @@ LoadedGrid load_own_tree(VdbFile& file, const VdbEntry& entry) {
     if (!layout) return loaded;
     if (loaded.has_points) layout->leaf = LeafData::points;
 
-    WalkedBytes walked{bytes,          entry.begin,
-                       in.offset(),    {*layout, loaded.head.compression, entry.half_stored},
-                       file.version(), {}};
-    walked.tree = walk_tree(in, walked.storage);
-    loaded.grid = read_vdb_topology(walked.bytes.subspan(walked.topology), tree_type,
-                                    file.version(), walked.storage);
+    CheckedBytes checked{bytes,          entry.begin,
+                         in.offset(),    {*layout, loaded.head.compression, entry.half_stored},
+                         file.version(), {}};
+    checked.tree = check_tree(in, checked.storage);
+    loaded.grid = read_vdb_topology(checked.bytes.subspan(checked.topology), tree_type,
+                                    file.version(), checked.storage);
     if (loaded.has_points) {
-        loaded.points = walked.tree.points;
+        loaded.points = checked.tree.points;
         loaded.point_bytes =
-            walked.tree.attribute_bytes + kPointLeafBytes * walked.tree.leaves.size();
+            checked.tree.attribute_bytes + kPointLeafBytes * checked.tree.leaves.size();
     } else {
-        loaded.grid->apply<KnownGrids>([&](auto& grid) { read_leaves(walked, grid); });
+        loaded.grid->apply<KnownGrids>([&](auto& grid) { read_leaves(checked, grid); });
     }
     return loaded;
 }
@@ -121,8 +121,8 @@ void tag_vdb_stream(std::istream& stream, std::uint32_t version, std::uint32_t c
 
 openvdb::GridBase::Ptr read_vdb_topology(std::span<const char> bytes, const std::string& tree_type,
                                          std::uint32_t version, const TreeStorage& storage) {
-    // The grid comes from OpenVDB's registry: naming the constructor of a grid type compiles the
-    // whole of it, 12 seconds for each.
+    // From OpenVDB's registry: naming a grid type's constructor compiles the whole class, 12 seconds
+    // for each type.
     openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(tree_type);
     grid->setSaveFloatAsHalf(storage.half_stored);
     MemoryStream stream(bytes);

@@ -1,4 +1,4 @@
-// vdb_grid.h: grids of a file as OpenVDB's own, for the files named vdb_*.cpp only.
+// vdb_grid.h: checked reading of a file's grids into OpenVDB grids.
 #pragma once
 
 #include <openvdb/openvdb.h>
@@ -24,36 +24,38 @@ using DensityGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, 
                                        openvdb::Vec3IGrid>;
 using KnownGrids = DensityGrids::Append<openvdb::BoolGrid, openvdb::MaskGrid>;
 
-/// Can be density without being asked for by name.
+/// Whether a grid of this type can be the default density grid.
 bool is_scalar(const std::string& tree_type);
-/// "float" for "Tree_float_5_4_3", "points" for a PointDataGrid; other trees as they stand.
+/// "float" for "Tree_float_5_4_3", "points" for a PointDataGrid; other types unchanged.
 std::string short_type(const std::string& tree_type);
 
-/// How trees of this type are stored; none: it is not known.
+/// Storage layout of trees of this type; none for an unknown type.
 std::optional<TreeLayout> tree_layout(const std::string& tree_type);
-/// The entry whose tree `entry` has: itself, or the grid it shares a tree with.
+/// Entry that stores the tree of `entry`: itself, or the grid whose tree it shares.
+/// throws vog::Error if that grid is not in the file
 const VdbEntry& tree_owner(const VdbFile& file, const VdbEntry& entry);
-/// What OpenVDB's readers look up in the stream they read.
+/// Attaches file version and compression to a stream, where OpenVDB's readers look them up.
 void tag_vdb_stream(std::istream& stream, std::uint32_t version, std::uint32_t compression);
-/// Reads the topology of a tree that has been walked; its leaves are without voxels.
-/// bytes  from the tree's first on, to the end of its topology or beyond
+/// Reads the topology of a checked tree; voxel values are not read.
+/// bytes  from the start of the tree to the end of its topology or beyond
 openvdb::GridBase::Ptr read_vdb_topology(std::span<const char> bytes, const std::string& tree_type,
                                          std::uint32_t version, const TreeStorage& storage);
 
+/// Grid in memory, with its head.
 struct LoadedGrid {
-    /// Null if the type is not known. Its transform is not set: that is in the head. For points an
-    /// Int32Grid with the topology alone, which has the same bytes.
+    /// Null for an unknown type. The transform is in `head`, not set here. Points have an Int32Grid
+    /// with the topology alone, whose bytes are the same.
     openvdb::GridBase::Ptr grid;
     VdbHead head;
     bool has_points = false;
-    std::uint64_t points = 0, point_bytes = 0;  ///< bytes in memory, apart from the topology
+    std::uint64_t points = 0, point_bytes = 0;  ///< number; bytes in memory without the topology
 };
 
 /// Reads one grid of the file.
-/// throws vog::Error if its bytes are not whole and sound
+/// throws vog::Error for a truncated or corrupt grid
 LoadedGrid load_grid(VdbFile& file, const VdbEntry& entry);
 
-/// Calls `run`; what OpenVDB and the standard library throw becomes a vog::Error about `where`.
+/// Calls `run`; converts exceptions of OpenVDB and the standard library to vog::Error with `where`.
 template <class Run>
 auto with_vdb_errors(const std::string& where, Run run) {
     try {

@@ -1,4 +1,4 @@
-// vdb_info.cpp: what is inside a .vdb file.
+// vdb_info.cpp: summary of the grids of a .vdb file: counts, value ranges, boxes.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
@@ -13,7 +13,7 @@ using namespace vdb;
 
 namespace {
 
-/// Smallest and largest active value, magnitudes for vectors; NaN is passed over.
+/// Smallest and largest active value, by length for vectors; NaN is ignored.
 struct Range {
     double min = std::numeric_limits<double>::infinity();
     double max = -std::numeric_limits<double>::infinity();
@@ -42,7 +42,7 @@ void for_each_tile(const GridT& grid, Visit visit) {
 }
 
 template <class GridT>
-void tell_nodes(const GridT& grid, GridInfo& info) {
+void count_nodes(const GridT& grid, GridInfo& info) {
     using LeafT = typename GridT::TreeType::LeafNodeType;
     std::vector<const LeafT*> leaves;
     grid.tree().getNodes(leaves);
@@ -52,7 +52,7 @@ void tell_nodes(const GridT& grid, GridInfo& info) {
 }
 
 template <class GridT>
-void tell_range(const GridT& grid, GridInfo& info) {
+void find_range(const GridT& grid, GridInfo& info) {
     std::vector<const typename GridT::TreeType::LeafNodeType*> leaves;
     grid.tree().getNodes(leaves);
     Range range = tbb::parallel_reduce(
@@ -69,13 +69,13 @@ void tell_range(const GridT& grid, GridInfo& info) {
     info.max = range.max;
 }
 
-void tell_grid(const LoadedGrid& loaded, GridInfo& info) {
+void describe_grid(const LoadedGrid& loaded, GridInfo& info) {
     const openvdb::GridBase& grid = *loaded.grid;
     info.active_voxels = grid.activeVoxelCount();
     info.memory_bytes = grid.memUsage() + loaded.point_bytes;
     grid.apply<KnownGrids>([&](const auto& typed) {
-        tell_nodes(typed, info);
-        if (!loaded.has_points) tell_range(typed, info);
+        count_nodes(typed, info);
+        if (!loaded.has_points) find_range(typed, info);
     });
     if (info.active_voxels == 0) return;
 
@@ -104,7 +104,7 @@ std::vector<GridInfo> inspect_vdb(const std::filesystem::path& path) {
         info.points = loaded.points;
         info.affine = loaded.head.world_from_index.has_value();
         if (info.affine) info.world_from_index = *loaded.head.world_from_index;
-        if (loaded.grid) with_vdb_errors(file.where(entry), [&] { tell_grid(loaded, info); });
+        if (loaded.grid) with_vdb_errors(file.where(entry), [&] { describe_grid(loaded, info); });
         infos.push_back(info);
     }
     return infos;

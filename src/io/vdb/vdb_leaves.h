@@ -1,4 +1,4 @@
-// vdb_leaves.h: a grid of a file as density, leaf by leaf, for the files named vdb_*.cpp only.
+// vdb_leaves.h: partial reading of a grid as density, leaf by leaf.
 #pragma once
 
 #include <span>
@@ -15,34 +15,36 @@
 
 namespace vog::vdb {
 
-/// throws vog::Error: what a tree of this type is, and what was expected
+/// throws vog::Error that trees of this type hold no density
 [[noreturn]] void throw_not_density(const std::string& where, const std::string& tree_type);
 
-/// The topology of a grid, and where its leaves lie in the file.
+/// Topology of a grid, with the positions of its leaves in the file.
 class VdbLeaves {
   public:
     /// file   must outlive this
     /// mask   as VdbOptions::mask
-    /// throws vog::Error if the grid's bytes are not whole and sound, its transform is not affine,
-    ///        its values are no density
+    /// throws vog::Error for a truncated or corrupt grid, a transform that is not affine, values
+    ///        that are no density
     VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask);
 
     openvdb::GridClass grid_class() const;
-    bool empty() const { return spots_.empty() && tiles_.tiles.empty(); }
-    std::size_t count() const { return spots_.size(); }  ///< leaves with active voxels
+    bool empty() const { return leaves_.empty() && tiles_.tiles.empty(); }
+    std::size_t count() const { return leaves_.size(); }  ///< leaves with active voxels
     std::uint64_t active_voxels() const;
     Box world_box() const;
     const Affine& world_from_index() const { return tiles_.world_from_index; }
-    /// The volume has neither name nor source.
+    /// Reads a part of the grid. The volume has no name or source.
     Volume read(const VolumePart& part, VdbNotes& notes);
-    Volume read_where(const NodeChoice& wanted, VdbNotes& notes);
+    Volume read_where(const NodeChoice& selected, VdbNotes& notes);
 
   private:
-    using Spot = WalkedTree::LeafSpot;
-    void walk();
+    using LeafRange = CheckedTree::LeafRange;
+    void read_layout();
     void read_topology(std::uint64_t tree_begin, std::uint64_t end);
-    /// Leaves, then tiles, by their numbers. tiles_noted: whether their notes are to be told
-    Volume read_nodes(std::vector<std::uint32_t> numbers, bool tiles_noted, VdbNotes& notes);
+    /// Reads nodes by number: leaves first, then tiles.
+    /// numbers      ascending
+    /// count_tiles  whether negative tiles are counted in `notes`
+    Volume read_nodes(std::vector<std::uint32_t> numbers, bool count_tiles, VdbNotes& notes);
     template <class GridT>
     void read_leaves(const GridT& grid, std::span<const std::uint32_t> numbers, Volume& volume,
                      Census& census);
@@ -53,9 +55,9 @@ class VdbLeaves {
     bool mask_ = false;
     VdbHead head_;
     TreeStorage storage_;
-    openvdb::GridBase::Ptr empty_grid_;  ///< of the tree's type and background
-    std::vector<Spot> spots_;            ///< with active voxels; by origin: x, then y, then z
-    Volume tiles_;                       ///< the tiles alone
+    openvdb::GridBase::Ptr empty_grid_;  ///< has the tree's type and background
+    std::vector<LeafRange> leaves_;      ///< those with active voxels; by origin: x, then y, then z
+    Volume tiles_;                       ///< tiles, without leaves
     Census tile_census_;
 };
 

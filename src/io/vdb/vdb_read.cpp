@@ -1,4 +1,4 @@
-// vdb_read.cpp: one grid of a .vdb file as density: which one, what is refused, what is said.
+// vdb_read.cpp: choice of a grid in a .vdb file, and its reading as density, in parts or whole.
 #include <fmt/ranges.h>
 
 #include <optional>
@@ -21,18 +21,18 @@ std::string names(const std::vector<VdbEntry>& entries) {
     return fmt::format("{}", fmt::join(list, ", "));
 }
 
-/// The one among `candidates`, if there is just one.
+/// Single element of `candidates`; null if there are none or several.
 const VdbEntry* the_only(const std::vector<const VdbEntry*>& candidates) {
     return candidates.size() == 1 ? candidates.front() : nullptr;
 }
 
 const VdbEntry& entry_named(const VdbFile& file, const std::string& name) {
-    std::vector<const VdbEntry*> shown, plain;
+    std::vector<const VdbEntry*> exact, plain;
     for (const VdbEntry& entry : file.entries()) {
-        if (entry.name == name) shown.push_back(&entry);
+        if (entry.name == name) exact.push_back(&entry);
         if (entry.plain_name == name) plain.push_back(&entry);
     }
-    if (const VdbEntry* entry = the_only(shown)) return *entry;
+    if (const VdbEntry* entry = the_only(exact)) return *entry;
     if (const VdbEntry* entry = the_only(plain)) return *entry;
     throw Error(fmt::format("{}: {} named '{}' (it has: {})", file.name(),
                             plain.empty() ? "no grid" : "several grids", name,
@@ -50,7 +50,7 @@ const VdbEntry& default_entry(const VdbFile& file) {
     if (const VdbEntry* entry = the_only(scalar)) return *entry;
     if (const VdbEntry* entry = the_only(density)) return *entry;
     if (scalar.empty())
-        throw Error(fmt::format("{}: no scalar grid (it has: {}); vectors are read when named",
+        throw Error(fmt::format("{}: no scalar grid (it has: {}); vector grids are read when named",
                                 file.name(), names(file.entries())));
     throw Error(
         fmt::format("{}: {} scalar grids, expected one, or one named 'density', or a name "
@@ -77,18 +77,18 @@ struct VdbReader::State {
     VdbFile file;
     const VdbEntry& entry;
     std::string where;
-    std::optional<VdbLeaves> leaves;  ///< else: all of it is read
+    std::optional<VdbLeaves> leaves;  ///< for partial reading; none: the whole grid is in `fog`
     Volume fog;
     VdbNotes notes;
 
-    State(const std::filesystem::path& path, const VdbOptions& asked);
+    State(const std::filesystem::path& path, const VdbOptions& requested);
     void read_level_set();
     template <class Choose, class Part>
-    Volume read(const Choose& of_file, const Part& of_fog, VdbNotes* told);
+    Volume read(const Choose& of_file, const Part& of_fog, VdbNotes* returned_notes);
 };
 
-VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& asked)
-    : options(asked),
+VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& requested)
+    : options(requested),
       file(path),
       entry(chosen_entry(file, options.grid)),
       where(file.where(entry)) {
@@ -99,7 +99,7 @@ VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& ask
     leaves.emplace(file, entry, options.mask);
     if (leaves->grid_class() == openvdb::GRID_LEVEL_SET)
         throw Error(fmt::format(
-            "{}: a level set, expected density (--level-set-to-fog makes fog of it)", where));
+            "{}: a level set, expected density (--level-set-to-fog converts it)", where));
     if (leaves->empty()) throw Error(fmt::format("{}: no active voxels", where));
 }
 
@@ -138,15 +138,15 @@ const Affine& VdbReader::world_from_index() const {
     return state_->leaves ? state_->leaves->world_from_index() : state_->fog.world_from_index;
 }
 
-/// of_file(leaves, notes) and of_fog() are two ways to the same volume.
+/// Reads by of_file(leaves, notes), or by of_fog() if the whole grid is in memory.
 template <class Choose, class Part>
-Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog, VdbNotes* told) {
+Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog, VdbNotes* returned_notes) {
     return with_vdb_errors(where, [&] {
         VdbNotes found = notes;
         Volume volume = leaves ? of_file(*leaves, found) : of_fog();
         volume.name = entry.plain_name;
         volume.source = file.name();
-        if (told) *told = found;
+        if (returned_notes) *returned_notes = found;
         return volume;
     });
 }
@@ -160,10 +160,10 @@ Volume VdbReader::read(const VolumePart& part, VdbNotes* notes) {
     return volume;
 }
 
-Volume VdbReader::read_where(const NodeChoice& wanted, VdbNotes* notes) {
+Volume VdbReader::read_where(const NodeChoice& selected, VdbNotes* notes) {
     return state_->read(
-        [&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read_where(wanted, found); },
-        [&] { return nodes_where(state_->fog, wanted); }, notes);
+        [&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read_where(selected, found); },
+        [&] { return nodes_where(state_->fog, selected); }, notes);
 }
 
 Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {

@@ -1,4 +1,4 @@
-// vdb_reader.h: one grid of a .vdb file, its values read part by part.
+// vdb_reader.h: partial reading of one grid of a .vdb file.
 #pragma once
 
 #include <cstddef>
@@ -11,25 +11,27 @@
 
 namespace vog::vdb {
 
-/// A grid of a file whose values are still there: what it holds is known, and parts of it are read
-/// as asked. Holds about 100 bytes for each leaf (a level set that is to be fog: all of it).
+/// Open grid of a file, whose values are read part by part. Holds about 100 bytes per leaf; a level
+/// set that is converted to fog is held completely.
 class VdbReader {
   public:
-    /// throws vog::Error as read_vdb does, but for what values alone can show
+    /// throws vog::Error as read_vdb does, except for invalid values, which read() reports
     explicit VdbReader(const std::filesystem::path& file, const VdbOptions& options = {});
     ~VdbReader();
     VdbReader(VdbReader&&) noexcept;
     VdbReader& operator=(VdbReader&&) noexcept;
 
-    std::uint64_t active_voxels() const;  ///< of the whole, as stored
-    std::size_t leaf_count() const;       ///< of the whole: those with active voxels
-    Box world_box() const;                ///< of the whole, as world_box(Volume) has it
+    std::uint64_t active_voxels() const;  ///< of the whole grid, as stored
+    std::size_t leaf_count() const;       ///< of the whole grid; those with active voxels
+    Box world_box() const;                ///< of the whole grid, as world_box(Volume)
     const Affine& world_from_index() const;
-    /// throws vog::Error for values that are not finite, for bytes that are not sound, for a mask
-    ///        without a value above 0 (of the whole)
+    /// Reads one part.
+    /// throws vog::Error for values that are not finite, for corrupt bytes, for a whole mask without
+    ///        a value above 0
     Volume read(const VolumePart& part = {}, VdbNotes* notes = nullptr);
-    /// Those leaves and tiles alone. throws as read does
-    Volume read_where(const NodeChoice& wanted, VdbNotes* notes = nullptr);
+    /// Reads the selected leaves and tiles.
+    /// throws vog::Error as read does
+    Volume read_where(const NodeChoice& selected, VdbNotes* notes = nullptr);
 
   private:
     struct State;

@@ -1,4 +1,4 @@
-// vdb_transform.cpp: the seven map types of OpenVDB's openvdb/math/Maps.h, as bytes.
+// vdb_transform.cpp: bytes of the seven map types of openvdb/math/Maps.h.
 #include "io/vdb/vdb_transform.h"
 
 #include <fmt/core.h>
@@ -9,9 +9,9 @@ namespace vog::vdb {
 
 namespace {
 
-using Matrix4 = std::array<double, 16>;  // by rows, for row vectors: world = index * matrix
+using Matrix4 = std::array<double, 16>;  // row by row, for row vectors: world = index * matrix
 
-// What follows the numbers that matter in a scale map: voxel size, 1/s, 1/s^2, 1/(2s).
+// Derived numbers behind the scale s of a scale map: |s|, 1/s, 1/s^2, 1/(2s).
 constexpr std::uint64_t kDerivedBytes = 4 * sizeof(Vec3d);
 
 Vec3d read_vector(ByteSource& in) {

@@ -1,6 +1,6 @@
-// vdb_transform.h: index-to-world transforms as a .vdb file stores them.
-// Read and written here rather than through OpenVDB's map classes, which refuse voxels whose volume
-// is below 3e-15 and round a scale by its translation when they simplify a matrix.
+// vdb_transform.h: reading and writing of index-to-world transforms in .vdb files.
+// Not through OpenVDB's map classes: they refuse voxels of a volume below 3e-15, and round a scale
+// by its translation when they simplify a matrix.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,11 @@
 
 namespace vog::vdb {
 
-/// The transform at the front of `in`; nothing for one that is not affine (a frustum).
-/// throws vog::Error for a kind that OpenVDB does not have
+/// Reads a transform; none for one that is not affine (a frustum).
+/// throws vog::Error for a type that OpenVDB does not have
 std::optional<Affine> read_transform(ByteSource& in);
 
-/// The bytes of `world_from_index`, as the simplest kind that holds it exactly.
+/// Bytes of a transform, as the simplest of OpenVDB's types that holds it exactly.
 std::string transform_bytes(const Affine& world_from_index);
 
 }  // namespace vog::vdb

@@ -1,5 +1,4 @@
-// vdb_volume.cpp: OpenVDB grids to volumes and back: vog/openvdb.h, and what read_vdb shares with
-// it.
+// vdb_volume.cpp: conversion between OpenVDB grids and volumes, for files and for vog/openvdb.h.
 #include "io/vdb/vdb_volume.h"
 
 #include <openvdb/tools/LevelSetUtil.h>
@@ -24,14 +23,14 @@ namespace {
 
 constexpr std::size_t kLeavesPerTask = 64;
 
-/// Edge of a tile by the level of the node that holds it: 1 lower, 2 upper, 3 root.
+/// Edge of a tile in voxels, by the level of its node: 1 lower, 2 upper, 3 root.
 constexpr std::array<std::int32_t, 4> kTileEdge{0, 8, 128, 4096};
 
 constexpr auto kByOrigin = [](const auto& node) {
     return std::tuple(node.origin.x, node.origin.y, node.origin.z);
 };
 
-/// Fills volume.leaves with the leaves that have active voxels, sorted by origin.
+/// Converts leaves with active voxels to volume.leaves, sorted by origin.
 template <class GridT>
 Census convert_leaves(const GridT& grid, Volume& volume) {
     using LeafT = typename GridT::TreeType::LeafNodeType;
@@ -45,13 +44,13 @@ Census convert_leaves(const GridT& grid, Volume& volume) {
         tbb::blocked_range<std::size_t>(0, leaves.size(), kLeavesPerTask), Census{},
         [&](const auto& range, Census census) {
             for (std::size_t i = range.begin(); i < range.end(); ++i)
-                take_leaf(*leaves[i], i, volume.leaves[i], census);
+                convert_leaf(*leaves[i], i, volume.leaves[i], census);
             return census;
         },
         Census::sum);
 }
 
-/// Fills volume.tiles, sorted by origin.
+/// Converts active tiles to volume.tiles, sorted by origin.
 template <class GridT>
 Census convert_tiles(const GridT& grid, Volume& volume) {
     Census census;
@@ -75,7 +74,7 @@ void convert(const GridT& grid, const std::string& where, Volume& volume, VdbNot
 
 template <class GridT>
 void sdf_to_fog(GridT& grid, const std::string& where) {
-    // Values that are not finite would vanish in the conversion.
+    // Checked first: the conversion would drop values that are not finite.
     Volume values;
     VdbNotes notes;
     convert(grid, where, values, notes);
@@ -107,11 +106,12 @@ void vdb::check_census(const Census& leaves, const Census& tiles,
 
 void vdb::check_transform(const std::optional<Affine>& world_from_index, const std::string& where) {
     if (!world_from_index)
-        throw Error(fmt::format("{}: its transform is a frustum, expected an affine one", where));
+        throw Error(fmt::format("{}: transform is a frustum, expected an affine one", where));
     const double det = determinant(world_from_index->linear);
     const Vec3d shift = world_from_index->translation;
     if (!std::isfinite(det) || det == 0 || !std::isfinite(shift.x + shift.y + shift.z))
-        throw Error(fmt::format("{}: its transform is singular or not finite", where));
+        throw Error(fmt::format(
+            "{}: transform is singular or not finite, expected an invertible one", where));
 }
 
 void vdb::keep_positive(Volume& volume) {
@@ -155,7 +155,7 @@ void vdb::level_set_to_fog(openvdb::GridBase& grid, const std::string& where) {
     using openvdb::GridBase;
     const openvdb::GridClass kind = grid.getGridClass();
     if (kind != openvdb::GRID_LEVEL_SET && kind != openvdb::GRID_UNKNOWN)
-        throw Error(fmt::format("{}: of class {}, expected a level set to make fog of", where,
+        throw Error(fmt::format("{}: class {}, expected a level set to convert to fog", where,
                                 GridBase::gridClassToString(kind)));
     const bool known =
         grid.apply<openvdb::RealGridTypes>([&](auto& typed) { sdf_to_fog(typed, where); });
@@ -169,7 +169,7 @@ Volume volume_from_grid(const openvdb::FloatGrid& grid) {
     if (grid.getGridClass() == openvdb::GRID_LEVEL_SET)
         throw Error(
             fmt::format("{}: a level set, expected a fog volume "
-                        "(openvdb::tools::sdfToFogVolume makes one)",
+                        "(openvdb::tools::sdfToFogVolume converts it)",
                         where));
     std::ostringstream transform;
     grid.transform().write(transform);
@@ -222,7 +222,7 @@ openvdb::FloatGrid::Ptr grid_from_volume(const Volume& volume) {
                               leaves[i]->setValueMask(mask);
                           }
                       });
-    for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // which takes them over
+    for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // the tree owns it
     return grid;
 }
 

@@ -1,7 +1,6 @@
-// vdb_write.cpp: a volume as a .vdb file.
-// The frame of the file is written here, the tree by OpenVDB. Its own openvdb::io::File does not
-// notice a full disk, compresses every leaf twice, puts a random number into the header, so that
-// equal grids make different files, and refuses voxels below 1.4e-5.
+// vdb_write.cpp: writing of volumes as .vdb files: the container here, the trees by OpenVDB.
+// Not by openvdb::io::File: it ignores a full disk, compresses every leaf twice, stores a random
+// identifier, so that equal grids give different files, and refuses voxels below 1.4e-5.
 #include <openvdb/io/Archive.h>
 
 #include <cerrno>
@@ -36,7 +35,7 @@ void require_half_range(const Volume& volume, const std::string& where) {
                                 largest, kLargestHalf));
 }
 
-/// Names tell the grids of one file apart.
+/// throws vog::Error unless there is a grid and several grids have distinct names
 void require_names(std::span<const Volume> volumes, const std::string& where) {
     if (volumes.empty()) throw Error(fmt::format("{}: cannot write: no grid", where));
     for (std::size_t a = 0; volumes.size() > 1 && a < volumes.size(); ++a)
@@ -51,21 +50,21 @@ void write_header(std::ostream& out, std::size_t grids) {
     put(out, openvdb::OPENVDB_FILE_VERSION);
     put(out, openvdb::OPENVDB_LIBRARY_MAJOR_VERSION);
     put(out, openvdb::OPENVDB_LIBRARY_MINOR_VERSION);
-    put(out, char{1});                              // with the positions of the grids
-    out << "00000000-0000-0000-0000-000000000000";  // no identifier
-    put(out, std::uint32_t{0});                     // metadata
+    put(out, char{1});                              // grids have their positions
+    out << "00000000-0000-0000-0000-000000000000";  // identifier
+    put(out, std::uint32_t{0});                     // number of metadata entries
     put(out, static_cast<std::int32_t>(grids));
 }
 
 void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
-    // Points are written in passes, which the stream's metadata counts.
+    // The stream's metadata counts the passes in which points are written.
     openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata), none;
     openvdb::io::setStreamMetadataPtr(out, metadata, false);
     openvdb::io::setDataCompression(out, compression);
     openvdb::writeString(out, grid.getName());
     openvdb::writeString(out, grid.type() + (grid.saveFloatAsHalf() ? "_HalfFloat" : ""));
-    openvdb::writeString(out, "");  // its tree is its own
+    openvdb::writeString(out, "");  // no grid to share a tree with
     const auto positions = out.tellp();
     for (int i = 0; i < 3; ++i) put(out, std::int64_t{0});
 

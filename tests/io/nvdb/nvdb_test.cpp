@@ -275,14 +275,14 @@ TEST(nvdb, checksums_find_changed_bytes) {
         return refusal(file);
     };
     constexpr std::size_t kLastValue = 4;  // the lowest byte of the last leaf's last value
-    expect_says(with_flipped(nanovdb::ChecksumMode::Full, kLastValue), "checksum of its nodes");
+    expect_says(with_flipped(nanovdb::ChecksumMode::Full, kLastValue), "node checksum");
     EXPECT_EQ(with_flipped(nanovdb::ChecksumMode::Partial, kLastValue), "");
     write(file, nano(grid, nanovdb::ChecksumMode::Full));
     EXPECT_EQ(refusal(file), "");
     const std::size_t grid_bytes = nano(grid).size();
     const std::size_t transform = offsetof(nanovdb::GridData, mMap) + offsetof(nanovdb::Map, mMatD);
     expect_says(with_flipped(nanovdb::ChecksumMode::Partial, grid_bytes - transform),
-                "checksum of its head");
+                "header checksum");
 }
 
 TEST(nvdb, random_damage_never_does_more_than_throw) {
@@ -321,7 +321,7 @@ TEST(nvdb, shared_children_do_not_multiply) {
     upper.data()->mChildMask.setOn();
     for (std::uint32_t n = 0; n < 32768; ++n) upper.data()->setChild(n, &lower);
     write(folder / "a.nvdb", handle);
-    expect_says(refusal(folder / "a.nvdb"), "nodes that overlap");
+    expect_says(refusal(folder / "a.nvdb"), "overlapping nodes");
 }
 
 class nvdb_larger_than_memory : public test::LargerThanMemory {};

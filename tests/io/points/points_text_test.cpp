@@ -96,8 +96,8 @@ TEST_F(points_text, columns_are_chosen_by_name_or_number) {
     EXPECT_EQ(refused(text, "p.csv", {{"ra", "dec", "z"}, {}}),
               "p.csv: no column 'z', expected 1 to 4 or one of id, ra, dec, r");
     EXPECT_EQ(refused(text, "p.csv", {{"ra", "dec"}, {}}),
-              "p.csv: 2 columns asked for, expected 3 (position) or 6 (position and velocity)");
-    EXPECT_EQ(refused(text, "p.csv", {{"ra", "dec", "2"}, {}}), "p.csv: column 2 asked for twice");
+              "p.csv: 2 columns requested, expected 3 (position) or 6 (position and velocity)");
+    EXPECT_EQ(refused(text, "p.csv", {{"ra", "dec", "2"}, {}}), "p.csv: column 2 requested twice");
     EXPECT_EQ(refused("1 2 3\n", "p.xyz", {{"1", "2", "4"}, {}}),
               "p.xyz: no column '4', expected 1 to 3");
 }
@@ -133,9 +133,9 @@ TEST_F(points_text, every_malformed_line_is_named) {
     EXPECT_EQ(refused("1,2,3\n1,,3\n", "p.csv"), "p.csv:2: got '' in column 2, expected a number");
     EXPECT_EQ(refused("1,2,3\n1,2,3,\n", "p.csv"), "p.csv:2: got 4 columns, expected 3");
     EXPECT_EQ(refused(good + "a\n" + good + "b\n"),
-              "p.xyz:2: got 1 columns, expected 6; malformed as well: line 4");
+              "p.xyz:2: got 1 columns, expected 6; also malformed: line 4");
     EXPECT_EQ(refused(good + "a\nb\nc\n"),
-              "p.xyz:2: got 1 columns, expected 6; malformed as well: 2 lines: 3, 4");
+              "p.xyz:2: got 1 columns, expected 6; also malformed: 2 lines: 3, 4");
     EXPECT_EQ(refused("1 2 x 4 5 6\n"), "p.xyz:1: got 'x' in column 3, expected a number");
     EXPECT_EQ(refused("1 2\n"), "p.xyz:1: got 2 columns, expected x y z at least");
 }

@@ -59,7 +59,7 @@ TEST(vdb_choice, without_a_choice_the_names_are_listed) {
     expect_message({grid_with("temperature"), grid_with("flame")},
                    ": no grid named 'density' (it has: temperature, flame)", {.grid = "density"});
     expect_message({grid_with<openvdb::Vec3SGrid>("v")},
-                   ": no scalar grid (it has: v); vectors are read when named");
+                   ": no scalar grid (it has: v); vector grids are read when named");
     expect_message({}, ": no grids");
 }
 
@@ -134,7 +134,7 @@ TEST(vdb_choice, a_frustum_is_refused) {
     const auto grid = grid_with("density");
     grid->setTransform(openvdb::math::Transform::createFrustumTransform(
         openvdb::BBoxd({0, 0, 0}, {10, 10, 10}), 0.5, 10, 1));
-    expect_message({grid}, ": grid 'density': its transform is a frustum, expected an affine one");
+    expect_message({grid}, ": grid 'density': transform is a frustum, expected an affine one");
 }
 
 TEST(vdb_choice, what_is_no_vdb_file_is_refused) {

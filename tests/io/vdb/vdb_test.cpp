@@ -168,7 +168,7 @@ void expect_fog() {
     double radius, band;
     const auto grid = sphere<GridT>(radius, band);
     const std::string message = test::error_of([&] { through_file({grid}); });
-    EXPECT_NE(message.find("a level set, expected density (--level-set-to-fog makes fog of it)"),
+    EXPECT_NE(message.find("a level set, expected density (--level-set-to-fog converts it)"),
               std::string::npos)
         << message;
 

@@ -1,4 +1,4 @@
-// vdb_file.cpp: header, grid descriptors, metadata.
+// vdb_file.cpp: header, grid descriptors and metadata of .vdb files.
 #include "io/vdb/bytes/vdb_file.h"
 
 #include <fmt/core.h>
@@ -17,24 +17,15 @@ constexpr std::uint32_t kFirstVersion = 222, kLastVersion = 225;
 constexpr int kUuidBytes = 36;
 constexpr char kNumberSeparator = '\x1e';  // between a name and the number that makes it unique
 constexpr std::string_view kHalfSuffix = "_HalfFloat";
-// Name, type and parent with their lengths, and three positions: the least a grid takes.
-constexpr std::uint64_t kLeastEntryBytes = 3 * 4 + 3 * 8;
-
-/// A name fit for one line of text, whatever a corrupt file holds.
-std::string printable(std::string text) {
-    constexpr std::size_t kLongest = 100;
-    if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text;
-}
+// Smallest grid descriptor: lengths of name, type and parent, and three positions.
+constexpr std::uint64_t kMinEntryBytes = 3 * 4 + 3 * 8;
 
 }  // namespace
 
 VdbFile::VdbFile(const std::filesystem::path& file) : name_(file.string()), file_(file) {
     read_header();
     const auto count = file_.number<std::int32_t>();
-    if (count < 0 || static_cast<std::uint64_t>(count) > file_.size() / kLeastEntryBytes)
+    if (count < 0 || static_cast<std::uint64_t>(count) > file_.size() / kMinEntryBytes)
         file_.fail(fmt::format("corrupt: {} grids", count));
     for (int i = 0; i < count; ++i) {
         read_entry();
@@ -74,13 +65,12 @@ void VdbFile::read_entry() {
     entry.parent = file_.string();
 
     const auto begin = file_.number<std::int64_t>();
-    file_.take(sizeof(std::int64_t));  // of the voxel values: found again while walking the tree
+    file_.take(sizeof(std::int64_t));  // position of the voxel values: check_tree finds it
     auto end = file_.number<std::int64_t>();
-    // Some writers leave the end of a lone grid at zero.
+    // Some writers store 0 as the end of a single grid.
     if (end == 0 && entries_.empty()) end = static_cast<std::int64_t>(file_.size());
     if (begin < static_cast<std::int64_t>(file_.position()) || end < begin)
-        file_.fail(
-            fmt::format("corrupt: grid '{}' lies at bytes {} to {}", entry.name, begin, end));
+        file_.fail(fmt::format("corrupt: grid '{}' at bytes {} to {}", entry.name, begin, end));
     entry.begin = static_cast<std::uint64_t>(begin);
     entry.end = static_cast<std::uint64_t>(end);
     if (entry.end > file_.size())

@@ -1,7 +1,7 @@
-// vdb_file.h: the frame of a .vdb file: its header, its list of grids, and where their bytes lie.
+// vdb_file.h: container of a .vdb file: header, list of grids, positions of their bytes.
 // Source: OpenVDB's io/Archive.cc and io/GridDescriptor.cc, file versions 222 (2013) to 225.
-// OpenVDB 10.0.1 itself is not asked: it allocates what a corrupt length says and ignores short
-// reads.
+// OpenVDB 10.0.1 itself is not used: it allocates whatever a corrupt length declares, and ignores
+// short reads.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,25 @@
 
 namespace vog::vdb {
 
-/// Where one grid lies in its file.
+/// Entry of one grid in a file.
 struct VdbEntry {
-    std::string name;         ///< as shown: "density", or "density[1]" where two have one name
-    std::string plain_name;   ///< without the number
+    std::string name;  ///< for display: "density", or "density[1]" if several grids share a name
+    std::string plain_name;   ///< without that number
     std::string unique_name;  ///< as stored
     std::string tree_type;    ///< "Tree_float_5_4_3"
     bool half_stored = false;
-    std::string parent;  ///< unique name of the grid whose tree it shares; empty: its own
-    std::uint64_t begin = 0, end = 0;
+    std::string parent;  ///< unique name of the grid whose tree it shares; empty: none
+    std::uint64_t begin = 0, end = 0;  ///< range of bytes in the file
 };
 
-/// What stands before a grid's tree.
+/// Data before a grid's tree.
 struct VdbHead {
-    std::uint32_t compression = 0;  ///< openvdb::io::COMPRESS_* flags
-    std::string grid_class;         ///< "fog volume", "level set", "unknown", ...
-    std::optional<Affine> world_from_index;
+    std::uint32_t compression = 0;           ///< openvdb::io::COMPRESS_* flags
+    std::string grid_class;                  ///< "fog volume", "level set", "unknown", ...
+    std::optional<Affine> world_from_index;  ///< none: not affine
 };
 
+/// Open .vdb file.
 class VdbFile {
   public:
     /// throws vog::Error for a missing, foreign, too old or truncated file
@@ -40,16 +41,16 @@ class VdbFile {
     const std::string& name() const { return name_; }
     std::uint32_t version() const { return version_; }
     const std::vector<VdbEntry>& entries() const { return entries_; }
-    /// The bytes of a grid: head, tree topology, voxel values.
+    /// Bytes of a grid: head, tree topology, voxel values.
     BigVector<char> bytes(const VdbEntry& entry) { return bytes(entry.begin, entry.end); }
     BigVector<char> bytes(std::uint64_t begin, std::uint64_t end) {
         return file_.range(begin, end);
     }
-    /// The same, read as needed. One at a time, and no bytes() meanwhile.
+    /// The same bytes, read on demand. One range at a time, and no call of bytes() meanwhile.
     FileRange range(const VdbEntry& entry) {
         return FileRange(file_, entry.begin, entry.end, where(entry));
     }
-    /// What messages about a grid start with: "smoke.vdb: grid 'density'".
+    /// Start of messages about a grid: "smoke.vdb: grid 'density'".
     std::string where(const VdbEntry& entry) const;
 
   private:
@@ -61,10 +62,10 @@ class VdbFile {
     std::vector<VdbEntry> entries_;
 };
 
-/// Reads the head of a grid; `in` then stands at its tree (or at its end, if it shares another's).
+/// Reads the head of a grid up to its tree, or to its end if it shares another grid's tree.
 VdbHead read_vdb_head(ByteSource& in);
 
-/// Skips a list of named metadata; returns the value of "class", if it is there.
+/// Skips a list of named metadata; returns the value of "class", or empty text.
 std::string read_vdb_metadata(ByteSource& in);
 
 }  // namespace vog::vdb

@@ -1,5 +1,5 @@
-// vdb_tree_check.cpp: tree topology and voxel blocks, checked byte by byte. The order of things is that
-// of RootNode.h, InternalNode.h, LeafNode.h, PointDataGrid.h and io/Compression.h of OpenVDB.
+// vdb_tree_check.cpp: checks of tree topology and voxel blocks. Source of the byte order: RootNode.h,
+// InternalNode.h, LeafNode.h, PointDataGrid.h and io/Compression.h of OpenVDB.
 #include "io/vdb/bytes/vdb_tree_check.h"
 
 #include <fmt/core.h>
@@ -18,10 +18,10 @@ namespace {
 // Flags of a grid's compression.
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;
 
-constexpr std::uint64_t kLeafMaskBytes = sizeof(WalkedTree::LeafSpot::mask);
+constexpr std::uint64_t kLeafMaskBytes = sizeof(CheckedTree::LeafRange::mask);
 constexpr std::int32_t kRootChildEdge = 4096;
 
-/// The inner nodes: 32^3 children of 128 voxels, 16^3 of 8.
+/// Internal node: 32^3 children of 128^3 voxels, or 16^3 children of 8^3.
 struct NodeKind {
     int log2_edge;
     std::int32_t child_edge;
@@ -43,21 +43,21 @@ std::uint32_t count_on(const Mask& mask) {
     return count;
 }
 
-class TreeWalk {
+class TreeCheck {
   public:
-    TreeWalk(ByteSource& in, const TreeStorage& storage) : in_(in), storage_(storage) {}
+    TreeCheck(ByteSource& in, const TreeStorage& storage) : in_(in), storage_(storage) {}
 
-    WalkedTree walk() {
+    CheckedTree check() {
         root();
         tree_.topology_end = in_.position();
         if (storage_.layout.leaf == LeafData::points) {
             point_leaves();
         } else {
-            for (WalkedTree::LeafSpot& leaf : tree_.leaves) {
+            for (CheckedTree::LeafRange& leaf : tree_.leaves) {
                 check_interrupt();
                 leaf_buffer(leaf);
             }
-            if (!in_.at_end()) in_.fail("corrupt: the tree ends before its grid does");
+            if (!in_.at_end()) in_.fail("corrupt: bytes behind the tree of the grid");
         }
         return std::move(tree_);
     }
@@ -65,7 +65,7 @@ class TreeWalk {
   private:
     void root();
     void node(Vec3i origin, const NodeKind& kind);
-    void leaf_buffer(WalkedTree::LeafSpot& leaf);
+    void leaf_buffer(CheckedTree::LeafRange& leaf);
     void point_leaves();
     std::vector<PointColumn> point_descriptor();
     void values(std::uint32_t count, std::uint32_t active);
@@ -74,50 +74,50 @@ class TreeWalk {
 
     ByteSource& in_;
     TreeStorage storage_;
-    WalkedTree tree_;
+    CheckedTree tree_;
 };
 
-Vec3i TreeWalk::origin() {
+Vec3i TreeCheck::origin() {
     Vec3i origin;
     for (int axis = 0; axis < 3; ++axis) origin[axis] = in_.number<std::int32_t>();
     return origin;
 }
 
-void TreeWalk::root() {
-    if (in_.number<std::int32_t>() != 1) in_.fail("corrupt: expected one buffer a leaf");
+void TreeCheck::root() {
+    if (in_.number<std::int32_t>() != 1) in_.fail("corrupt: buffers per leaf, expected 1");
     in_.take(storage_.layout.value_bytes);  // background
     const auto tiles = in_.number<std::uint32_t>();
     const auto children = in_.number<std::uint32_t>();
 
     std::vector<Vec3i> origins;
-    const auto note_origin = [&] {
+    const auto add_origin = [&] {
         origins.push_back(origin());
         for (int axis = 0; axis < 3; ++axis)
             if (origins.back()[axis] & (kRootChildEdge - 1))
-                in_.fail("corrupt: the origin of a root node is no multiple of 4096");
+                in_.fail("corrupt: origin of a root node, expected multiples of 4096");
     };
     for (std::uint32_t i = 0; i < tiles; ++i) {
-        note_origin();
+        add_origin();
         in_.take(storage_.layout.value_bytes);
         if (static_cast<unsigned char>(*in_.take(1)) > 1)
-            in_.fail("corrupt: a tile neither active nor inactive");
+            in_.fail("corrupt: tile state, expected 0 or 1");
     }
     for (std::uint32_t i = 0; i < children; ++i) {
-        note_origin();
+        add_origin();
         node(origins.back(), kUpper);
     }
     const auto key = [](Vec3i a) { return std::tuple(a.x, a.y, a.z); };
     std::ranges::sort(origins, {}, key);
     if (std::ranges::adjacent_find(origins) != origins.end())
-        in_.fail("corrupt: two root nodes at one place");
+        in_.fail("corrupt: two root nodes with one origin");
 }
 
-void TreeWalk::node(Vec3i origin, const NodeKind& kind) {
+void TreeCheck::node(Vec3i origin, const NodeKind& kind) {
     const Mask child_mask = read_mask(in_, kind.children());
     const Mask value_mask = read_mask(in_, kind.children());
     for (std::size_t word = 0; word < child_mask.size(); ++word)
         if (child_mask[word] & value_mask[word])
-            in_.fail("corrupt: a node is both a child and a tile");
+            in_.fail("corrupt: a node that is both a child and a tile");
     values(kind.children(), count_on(value_mask));
 
     const int log2 = kind.log2_edge;
@@ -131,14 +131,14 @@ void TreeWalk::node(Vec3i origin, const NodeKind& kind) {
         if (kind.child_edge == kUpper.child_edge) {
             node(child, kLower);
         } else {
-            WalkedTree::LeafSpot& leaf = tree_.leaves.emplace_back();
+            CheckedTree::LeafRange& leaf = tree_.leaves.emplace_back();
             leaf.origin = child;
             std::memcpy(leaf.mask.data(), in_.take(kLeafMaskBytes), kLeafMaskBytes);
         }
     }
 }
 
-void TreeWalk::leaf_buffer(WalkedTree::LeafSpot& leaf) {
+void TreeCheck::leaf_buffer(CheckedTree::LeafRange& leaf) {
     leaf.buffer = in_.position();
     if (std::memcmp(in_.take(kLeafMaskBytes), leaf.mask.data(), kLeafMaskBytes) != 0)
         in_.fail("corrupt: the two masks of a leaf differ");
@@ -154,9 +154,10 @@ void TreeWalk::leaf_buffer(WalkedTree::LeafSpot& leaf) {
     leaf.bytes = in_.position() - leaf.buffer;
 }
 
-/// `count` values of which `active` are on: io/Compression.h, readCompressedValues.
-void TreeWalk::values(std::uint32_t count, std::uint32_t active) {
-    // What stands for the inactive values: nothing, one or two of them, a mask that selects.
+/// Values of a node as in io/Compression.h, readCompressedValues.
+/// count   values; `active` of them are active
+void TreeCheck::values(std::uint32_t count, std::uint32_t active) {
+    // Storage of inactive values: none, one or two of them, a mask that selects between two.
     enum { kOneInactive = 2, kMask = 3, kMaskAndOne = 4, kMaskAndTwo = 5, kAllValues = 6 };
     const int inactive = *in_.take(1);
     if (inactive < 0 || inactive > kAllValues)
@@ -169,17 +170,17 @@ void TreeWalk::values(std::uint32_t count, std::uint32_t active) {
     const bool active_only = (storage_.compression & kActiveMask) && inactive != kAllValues;
     const std::uint64_t stored = active_only ? active : count;
     const bool half = storage_.half_stored && layout.half_bytes > 0;
-    if (half && stored == 0) return;  // not even an empty block
+    if (half && stored == 0) return;  // no block is stored
     block(stored * (half ? layout.half_bytes : layout.value_bytes));
 }
 
-/// A block that decodes to `bytes` bytes: io/Compression.cc, bloscFromStream and unzipFromStream.
-void TreeWalk::block(std::uint64_t bytes) {
+/// Block of `bytes` decoded bytes, as in io/Compression.cc, bloscFromStream and unzipFromStream.
+void TreeCheck::block(std::uint64_t bytes) {
     if (!(storage_.compression & (kZip | kBlosc))) {
         in_.skip(bytes);
         return;
     }
-    const auto size = in_.number<std::int64_t>();  // negative: stored as it is
+    const auto size = in_.number<std::int64_t>();  // negative: uncompressed
     if (size <= 0) {
         if (size != -static_cast<std::int64_t>(bytes))
             in_.fail(fmt::format("corrupt: a block of {} bytes, expected {}", size, bytes));
@@ -206,8 +207,8 @@ void TreeWalk::block(std::uint64_t bytes) {
                              encoded, decoded, stored, bytes));
 }
 
-/// The passes over the leaves of a PointDataGrid, as far as the sizes of the attributes.
-void TreeWalk::point_leaves() {
+/// First two passes over the leaves of a PointDataGrid: voxel block sizes, attribute descriptions.
+void TreeCheck::point_leaves() {
     enum { kStrided = 1, kUniform = 2, kPaged = 8 };
     const auto passes = in_.number<std::uint16_t>();
     if (tree_.leaves.empty()) return;
@@ -238,7 +239,7 @@ void TreeWalk::point_leaves() {
             if (flags & kStrided) array.stride = in_.number<std::uint32_t>();
             array.uniform = flags & kUniform;
             array.paged = flags & kPaged;
-            if (i == 0) tree_.points += array.size;  // every attribute has as many
+            if (i == 0) tree_.points += array.size;  // all attributes have the same number
             tree_.arrays.push_back(array);
         }
     }
@@ -247,8 +248,8 @@ void TreeWalk::point_leaves() {
             fmt::format("corrupt: {} passes over {} attributes", passes, tree_.columns.size()));
 }
 
-/// Names and types of the attributes.
-std::vector<PointColumn> TreeWalk::point_descriptor() {
+/// Reads the names, types and codecs of the attributes.
+std::vector<PointColumn> TreeCheck::point_descriptor() {
     const auto attributes = in_.number<std::uint64_t>();
     if (attributes > 1u << 14) in_.fail(fmt::format("corrupt: {} attributes", attributes));
     std::vector<PointColumn> columns;
@@ -275,8 +276,8 @@ std::vector<PointColumn> TreeWalk::point_descriptor() {
 
 }  // namespace
 
-WalkedTree walk_tree(ByteSource& in, const TreeStorage& storage) {
-    return TreeWalk(in, storage).walk();
+CheckedTree check_tree(ByteSource& in, const TreeStorage& storage) {
+    return TreeCheck(in, storage).check();
 }
 
 }  // namespace vog::vdb

@@ -1,8 +1,8 @@
 // vdb_tree_check.h: checks the bytes of one grid's tree before OpenVDB reads them.
-// OpenVDB 10.0.1 writes past its buffers when the size of a compressed block is wrong, hands blosc
-// blocks without their size, ignores short reads, and destroys half-read nodes by stray pointers.
-// The walk follows the tree as openvdb/tree/*::readTopology and readBuffers do, without decoding a
-// value; what passes it can be read by OpenVDB safely, and leaf by leaf in parallel.
+// OpenVDB 10.0.1 writes past its buffers if the size of a compressed block is wrong, calls blosc
+// without the size of its input, ignores short reads, and frees stray pointers of half-read nodes.
+// The check follows openvdb/tree/*::readTopology and readBuffers without decoding values. A tree that
+// passes is safe to read by OpenVDB, also leaf by leaf in parallel.
 #pragma once
 
 #include <array>
@@ -15,57 +15,60 @@
 
 namespace vog::vdb {
 
-/// How a leaf's voxels follow its mask.
+/// Data of a leaf behind its mask.
 enum class LeafData {
-    values,  ///< one number or vector each
-    bits,    ///< origin and one bit each (bool)
-    none,    ///< origin alone: the mask says it all
+    values,  ///< one number or vector per voxel
+    bits,    ///< origin and one bit per voxel (bool)
+    none,    ///< origin only (mask)
     points,  ///< attributes, in several passes
 };
 
+/// Storage of a tree type.
 struct TreeLayout {
     std::uint64_t value_bytes = 4;
-    std::uint64_t half_bytes = 0;  ///< of a value stored as half floats; 0: never is
+    std::uint64_t half_bytes = 0;  ///< bytes of a value stored as half floats; 0: never stored so
     LeafData leaf = LeafData::values;
 };
 
-/// How a file stores its trees.
+/// Storage of a tree in one file.
 struct TreeStorage {
     TreeLayout layout;
-    std::uint32_t compression = 0;
+    std::uint32_t compression = 0;  ///< openvdb::io::COMPRESS_* flags
     bool half_stored = false;
 };
 
-/// An attribute of points: "P", "vec3s", "fxpt16".
+/// Attribute of points, as in "P", "vec3s", "fxpt16".
 struct PointColumn {
     std::string name, type, codec;
     friend bool operator==(const PointColumn&, const PointColumn&) = default;
 };
-/// How one leaf stores one attribute.
+/// Storage of one attribute in one leaf.
 struct PointArray {
-    std::uint64_t bytes = 0;  ///< decoded, where paged
-    std::uint32_t size = 0;   ///< points
+    std::uint64_t bytes = 0;  ///< decoded size if paged
+    std::uint32_t size = 0;   ///< number of points
     std::uint32_t stride = 1;
     bool uniform = false, paged = false;
 };
 
-struct WalkedTree {
-    struct LeafSpot {
+/// Contents of a checked tree.
+struct CheckedTree {
+    /// Leaf, and the range of its voxels in the file.
+    struct LeafRange {
         Vec3i origin;
-        std::uint64_t bytes = 0;   ///< of its voxels, in the file
-        std::uint64_t buffer = 0;  ///< position of its voxels in the file
+        std::uint64_t bytes = 0;   ///< size of its voxels
+        std::uint64_t buffer = 0;  ///< position of its voxels
         std::array<std::uint64_t, 8> mask{};
     };
-    std::vector<LeafSpot> leaves;
-    std::uint64_t topology_end = 0;                 ///< position where the voxels begin
-    std::uint64_t points = 0, attribute_bytes = 0;  ///< of a tree of points
-    std::vector<PointColumn> columns;               ///< of points
+    std::vector<LeafRange> leaves;
+    std::uint64_t topology_end = 0;                 ///< position of the first leaf's voxels
+    std::uint64_t points = 0, attribute_bytes = 0;  ///< for trees of points
+    std::vector<PointColumn> columns;               ///< attributes of points
     std::vector<PointArray> arrays;                 ///< [leaf][column]
 };
 
-/// Walks the tree that `in` stands at, to the end of `in`, passing over voxels without reading
-/// them; of points to the end of what describes their attributes, whose bytes io/vdb_points.cpp
-/// reads. throws vog::Error naming the first byte that cannot be
-WalkedTree walk_tree(ByteSource& in, const TreeStorage& storage);
+/// Checks a tree from where `in` is to its end, skipping voxel values. For points, up to the end of the
+/// attribute descriptions; io/vdb/points/vdb_points.cpp reads the attributes.
+/// throws vog::Error with the position of the first invalid byte
+CheckedTree check_tree(ByteSource& in, const TreeStorage& storage);
 
 }  // namespace vog::vdb

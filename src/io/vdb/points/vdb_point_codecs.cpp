@@ -1,5 +1,4 @@
-// vdb_point_codecs.cpp: values of points from their bytes. The codecs are those of
-// openvdb/points/AttributeArray.h.
+// vdb_point_codecs.cpp: decoding of point attributes. Source: openvdb/points/AttributeArray.h.
 #include "io/vdb/points/vdb_point_codecs.h"
 
 #include <openvdb/math/Half.h>
@@ -44,7 +43,7 @@ double element_value(PointCodec::Element element, const char* bytes) {
         case Element::uint16:
             return number<std::uint16_t>(bytes);
         case Element::unit:
-            break;  // three components in one: decoded whole
+            break;  // PointCodec::decode handles all three components at once
     }
     return 0;
 }
@@ -115,7 +114,7 @@ std::optional<PointCodec> find_codec(const std::string& type, const std::string&
         found.element = Element::unit;
         return found;
     }
-    // Fixed point: of positions in [-1/2, 1/2], or of numbers in [0, 1].
+    // Fixed point: fxpt* for positions in [-1/2, 1/2], ufxpt* for numbers in [0, 1].
     if (codec == "fxpt8" || codec == "ufxpt8") {
         found.element = Element::uint8;
         found.scale = 1.0 / 255;

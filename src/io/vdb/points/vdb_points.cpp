@@ -1,5 +1,5 @@
-// vdb_points.cpp: the points of a PointDataGrid, decoded here byte by byte: OpenVDB 10.0.1 believes
-// the sizes in a file. The passes are those of openvdb/points/PointDataGrid.h, the pages those of
+// vdb_points.cpp: reading of particles from a PointDataGrid. Decoded here, because OpenVDB 10.0.1 does
+// not check the sizes in a file. Source: passes in openvdb/points/PointDataGrid.h, pages in
 // StreamCompression.h.
 #include <blosc.h>
 #include <fmt/ranges.h>
@@ -24,17 +24,17 @@ namespace {
 
 constexpr std::string_view kPointTree = "Tree_ptdataidx32_5_4_3";
 
-/// Packed bytes in the file, and where they go.
+/// Stored bytes in the file, and the range of decoded bytes they fill.
 struct Packed {
     std::span<const char> from;
-    std::size_t to = 0, bytes = 0;
-    bool blosc = false;
+    std::size_t to = 0, bytes = 0;  ///< decoded: offset, size
+    bool blosc = false;             ///< compressed
 };
 
-/// The values of one attribute as stored, leaf after leaf.
+/// Encoded values of one attribute, leaf after leaf.
 struct StoredColumn {
-    std::vector<std::size_t> first;  ///< [leaf]: offset of its values in `bytes`
-    BigVector<char> bytes;           ///< empty until it is unpacked
+    std::vector<std::size_t> first;  ///< [leaf], offset of its values in `bytes`
+    BigVector<char> bytes;           ///< empty until unpacked
 };
 
 void unpack(std::span<const Packed> packed, std::span<char> bytes, const MemoryBytes& in) {
@@ -44,20 +44,20 @@ void unpack(std::span<const Packed> packed, std::span<char> bytes, const MemoryB
             std::copy(p.from.begin(), p.from.end(), bytes.begin() + std::ptrdiff_t(p.to));
             return;
         }
-        std::size_t promised = 0;
-        if (blosc_cbuffer_validate(p.from.data(), p.from.size(), &promised) != 0 ||
-            promised != p.bytes ||
+        std::size_t declared = 0;
+        if (blosc_cbuffer_validate(p.from.data(), p.from.size(), &declared) != 0 ||
+            declared != p.bytes ||
             blosc_decompress_ctx(p.from.data(), bytes.data() + p.to, p.bytes, 1) !=
                 static_cast<int>(p.bytes))
-            in.fail(
-                fmt::format("corrupt: a page of points gave {} of {} bytes", promised, p.bytes));
+            in.fail(fmt::format("corrupt: a page of points of {} bytes decompressed, expected {}",
+                                declared, p.bytes));
     });
 }
 
-/// Reads the passes that hold the points' bytes.
+/// Reads the passes with the bytes of the attributes.
 class PointPasses {
   public:
-    PointPasses(MemoryBytes& in, const WalkedTree& tree) : in_(in), tree_(tree) {
+    PointPasses(MemoryBytes& in, const CheckedTree& tree) : in_(in), tree_(tree) {
         for (std::size_t column = 0; column < columns(); ++column) page_sizes(column);
         voxel_ends();
         for (std::size_t column = 0; column < columns(); ++column) column_bytes(column);
@@ -72,11 +72,11 @@ class PointPasses {
         unpack(packed_[column], stored.bytes, in_);
         return stored;
     }
-    /// Where the points of each of a leaf's voxels end: [leaf][512].
+    /// [leaf][512], end of each voxel's points.
     const BigVector<std::array<std::uint32_t, 512>>& ends() const { return ends_; }
 
   private:
-    /// Page headers of a column, and the place of each leaf's values.
+    /// Reads the page headers of a column and computes the offset of each leaf's values.
     void page_sizes(std::size_t column) {
         StoredColumn& stored = columns_.emplace_back();
         std::vector<Packed>& pages = packed_.emplace_back();
@@ -88,8 +88,8 @@ class PointPasses {
                 const auto packed_bytes = in_.number<std::int32_t>();
                 const auto bytes = packed_bytes > 0 ? in_.number<std::int32_t>() : -packed_bytes;
                 if (bytes < 0 || packed_bytes == std::numeric_limits<std::int32_t>::min())
-                    in_.fail("corrupt: a page of points of negative size");
-                // The bytes themselves are found in a later pass.
+                    in_.fail("corrupt: negative size of a page of points");
+                // column_bytes finds the bytes in a later pass.
                 pages.push_back({{static_cast<const char*>(nullptr), 0},
                                  total,
                                  static_cast<std::size_t>(bytes),
@@ -98,8 +98,8 @@ class PointPasses {
                 page_end = total + static_cast<std::size_t>(bytes);
             }
             total += a.bytes;
-            if (a.bytes > kMostBytes || (a.paged && total > page_end))
-                in_.fail("corrupt: points that lie in no page");
+            if (a.bytes > kMaxLeafBytes || (a.paged && total > page_end))
+                in_.fail("corrupt: points outside of all pages");
             if (!a.paged) page_end = total;
         }
         if (total != page_end && !tree_.leaves.empty())
@@ -120,11 +120,11 @@ class PointPasses {
             keep_memory();
         }
     }
-    /// Finds the bytes of a column's pages, or of its leaves where they are not paged.
+    /// Locates the bytes of a column's pages, or of its leaves if they are not paged.
     void column_bytes(std::size_t column) {
         std::vector<Packed>& packed = packed_[column];
         std::size_t page = 0;
-        std::vector<Packed> alone;
+        std::vector<Packed> unpaged;
         for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
             const PointArray& a = array(leaf, column);
             const std::size_t to = columns_[column].first[leaf];
@@ -137,20 +137,20 @@ class PointPasses {
             }
             const bool blosc = !a.uniform && in_.number<std::uint8_t>() == 1;
             if (blosc) in_.fail("has attributes compressed one by one, expected pages");
-            alone.push_back({{in_.take(a.bytes), a.bytes}, to, a.bytes, false});
+            unpaged.push_back({{in_.take(a.bytes), a.bytes}, to, a.bytes, false});
         }
-        packed.insert(packed.end(), alone.begin(), alone.end());
-        // What is to be decoded is at most what blosc can make of what is there.
+        packed.insert(packed.end(), unpaged.begin(), unpaged.end());
+        // Decoded sizes beyond blosc's largest ratio are refused before memory is allocated.
         std::uint64_t stored = 0;
         for (const Packed& p : packed) stored += p.from.size();
-        constexpr std::uint64_t kMostPacked = 4096;
-        if (total_[column] / kMostPacked > stored)
+        constexpr std::uint64_t kMaxRatio = 4096;
+        if (total_[column] / kMaxRatio > stored)
             in_.fail("corrupt: more points than its bytes can hold");
     }
-    static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 40;  // of a leaf
+    static constexpr std::uint64_t kMaxLeafBytes = std::uint64_t{1} << 40;
 
     MemoryBytes& in_;
-    const WalkedTree& tree_;
+    const CheckedTree& tree_;
     std::vector<StoredColumn> columns_;
     std::vector<std::vector<Packed>> packed_;
     std::vector<std::size_t> sizes_, total_;
@@ -158,7 +158,7 @@ class PointPasses {
     BigVector<std::array<std::uint32_t, 512>> ends_;
 };
 
-/// A column that can be particles' numbers.
+/// Column with numbers of particles.
 struct Numbers {
     std::size_t column = 0;
     PointCodec codec;
@@ -167,22 +167,23 @@ struct Numbers {
 
 class PointGridReader {
   public:
-    PointGridReader(MemoryBytes& in, const WalkedTree& tree, const Affine& world_from_index)
+    PointGridReader(MemoryBytes& in, const CheckedTree& tree, const Affine& world_from_index)
         : in_(in), tree_(tree), world_from_index_(world_from_index), passes_(in, tree) {}
 
     Points read() {
-        // The voxels and the attributes must agree on how many points there are.
+        // Voxels and attributes must have the same number of points.
         first_.assign(1, 0);
         for (std::size_t leaf = 0; leaf < tree_.leaves.size(); ++leaf) {
             if (passes_.ends()[leaf].back() != passes_.array(leaf, 0).size)
-                in_.fail("corrupt: points in no voxel");
+                in_.fail("corrupt: points outside of all voxels");
             first_.push_back(first_.back() + passes_.array(leaf, 0).size);
         }
-        const Numbers places = numbers(column_named("P"));
-        if (places.codec.components != 3) in_.fail("has positions 'P' that are no vectors");
+        const Numbers positions = numbers(column_named("P"));
+        if (positions.codec.components != 3)
+            in_.fail("positions 'P' are numbers, expected vectors");
         Points points;
         resize_kept(points.position, first_.back());
-        for_each_leaf([&](std::size_t leaf) { read_places(places, leaf, points.position); });
+        for_each_leaf([&](std::size_t leaf) { read_positions(positions, leaf, points.position); });
 
         for (std::size_t column = 0; column < passes_.columns(); ++column) {
             const PointColumn& at = tree_.columns[column];
@@ -203,7 +204,7 @@ class PointGridReader {
         if (found == tree_.columns.end()) in_.fail(fmt::format("has no attribute '{}'", name));
         return static_cast<std::size_t>(found - tree_.columns.begin());
     }
-    /// Text, matrices, groups and several values a point are no numbers.
+    /// Whether a column holds one number or vector per point: no text, matrices, groups or arrays.
     bool is_number(std::size_t column) const {
         const PointColumn& at = tree_.columns[column];
         if (!find_codec(at.type, at.codec)) return false;
@@ -235,13 +236,13 @@ class PointGridReader {
         return from.codec.decode(from.stored.bytes.data() + from.stored.first[leaf] +
                                  at * from.codec.bytes());
     }
-    /// Positions are kept from the centre of their voxel.
-    void read_places(const Numbers& from, std::size_t leaf, BigVector<Vec3d>& to) const {
+    /// Converts positions, which are stored relative to the centre of their voxel.
+    void read_positions(const Numbers& from, std::size_t leaf, BigVector<Vec3d>& to) const {
         const std::size_t count = first_[leaf + 1] - first_[leaf];
         std::size_t n = 0;
         for (std::size_t voxel = 0; voxel < 512; ++voxel) {
             const std::size_t end = passes_.ends()[leaf][voxel];
-            if (end < n || end > count) in_.fail("corrupt: voxels whose points are not in order");
+            if (end < n || end > count) in_.fail("corrupt: points of voxels not in order");
             const auto v = static_cast<std::int32_t>(voxel);
             const Vec3i index = tree_.leaves[leaf].origin + Vec3i{v >> 6, (v >> 3) & 7, v & 7};
             for (; n < end; ++n)
@@ -256,7 +257,7 @@ class PointGridReader {
                 to[n] = vec_cast<float>(value(from, leaf, n - first_[leaf]));
         });
     }
-    /// Other vectors count by their length.
+    /// Reads an attribute; vectors are replaced by their length.
     void read_attribute(const Numbers& from, PointAttribute& to) const {
         resize_kept(to.value, first_.back());
         for_each_leaf([&](std::size_t leaf) {
@@ -268,20 +269,21 @@ class PointGridReader {
     }
 
     MemoryBytes& in_;
-    const WalkedTree& tree_;
+    const CheckedTree& tree_;
     const Affine world_from_index_;
     PointPasses passes_;
-    std::vector<std::size_t> first_;  // [leaf]: its first point
+    std::vector<std::size_t> first_;  ///< [leaf], index of its first point
 };
 
-/// The grid asked for, or the only one of points.
+/// Grid of points with this name; without a name, the only one.
+/// throws vog::Error if there is none or more than one
 const VdbEntry& point_entry(const VdbFile& file, const std::string& name) {
     std::vector<const VdbEntry*> found;
     std::vector<std::string> names;
     for (const VdbEntry& entry : file.entries()) {
         names.push_back(entry.name);
-        const bool wanted = name.empty() || entry.name == name || entry.plain_name == name;
-        if (wanted && entry.tree_type == kPointTree) found.push_back(&entry);
+        const bool matches = name.empty() || entry.name == name || entry.plain_name == name;
+        if (matches && entry.tree_type == kPointTree) found.push_back(&entry);
     }
     if (found.size() == 1) return *found.front();
     throw Error(fmt::format("{}: {} grids of points{}, expected one (it has: {})", file.name(),
@@ -314,10 +316,9 @@ Points point_files::read_points_vdb(const std::filesystem::path& path,
         MemoryBytes in(bytes, where, entry.begin);
         const VdbHead head = read_vdb_head(in);
         if (!head.world_from_index)
-            throw Error(
-                fmt::format("{}: its transform is a frustum, expected an affine one", where));
+            throw Error(fmt::format("{}: transform is a frustum, expected an affine one", where));
         TreeStorage storage{{4, 0, LeafData::points}, head.compression, entry.half_stored};
-        const WalkedTree tree = walk_tree(in, storage);
+        const CheckedTree tree = check_tree(in, storage);
         if (tree.points == 0) throw Error(fmt::format("{}: no particles", where));
         Points points = PointGridReader(in, tree, *head.world_from_index).read();
         points.source = file.name();

@@ -1,6 +1,5 @@
-// vdb_points_write.cpp: particles as an OpenVDB PointDataGrid, as the paper builds it: voxels of
-// about one particle, the position in its voxel as P, then the attributes leaf by leaf. The only
-// source with OpenVDB's point headers.
+// vdb_points_write.cpp: writing of particles as an OpenVDB PointDataGrid, as in the paper: voxels of
+// about one particle, attribute P with the position in its voxel, then the other attributes.
 #include <openvdb/points/PointDataGrid.h>
 
 #include "core/parallel.h"
@@ -19,8 +18,8 @@ namespace vp = openvdb::points;
 using LeafT = vp::PointDataTree::LeafNodeType;
 using Descriptor = vp::AttributeSet::Descriptor;
 
-/// P, velocity if there is one, the attributes: one more from each to the next. A leaf is made with
-/// its positions and takes the others one by one.
+/// Descriptors with P, then with velocity (if present) and each attribute appended: one more from each
+/// to the next, because OpenVDB appends attributes to a leaf one by one.
 std::vector<Descriptor::Ptr> describe(const Points& points) {
     const auto vector = vp::TypedAttributeArray<openvdb::Vec3f>::attributeType();
     const auto number = vp::TypedAttributeArray<float>::attributeType();
@@ -53,7 +52,7 @@ LeafT* make_leaf(const Points& points, const LeafOrder& order, double voxel_size
         leaf->appendAttribute(*descriptors[n - 1], with_next, n);
     }
 
-    // Where each voxel's points end.
+    // End of each voxel's points.
     std::vector<LeafT::ValueType> ends(LeafT::SIZE, 0);
     for (std::size_t n = first; n < last; ++n)
         ends[order.key[n] & (LeafT::SIZE - 1)] =
@@ -84,11 +83,13 @@ void point_files::write_points_vdb(const std::filesystem::path& file, const Poin
     for (const PointAttribute& attribute : points.attributes)
         if (attribute.name == "P" || attribute.name == "velocity" ||
             !Descriptor::validName(attribute.name))
-            throw Error(fmt::format("{}: cannot write: an attribute named '{}'", file.string(),
-                                    attribute.name));
+            throw Error(
+                fmt::format("{}: cannot write: attribute name '{}', expected letters, digits or _, "
+                            "and neither P nor velocity",
+                            file.string(), attribute.name));
     const double voxel_size = point_voxel_size(points);
     const LeafOrder order = leaf_order(points, voxel_size);
-    std::vector<std::size_t> first;  // point of each leaf
+    std::vector<std::size_t> first;  // first point of each leaf
     for (std::size_t n = 0; n < order.key.size(); ++n)
         if (n == 0 ||
             order.key[n] >> LeafOrder::kLeafBits != order.key[n - 1] >> LeafOrder::kLeafBits)
@@ -105,7 +106,7 @@ void point_files::write_points_vdb(const std::filesystem::path& file, const Poin
     vog::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
         leaves[n] = make_leaf(points, order, h, first[n], first[n + 1], descriptors);
     });
-    for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // which takes them over
+    for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // the tree owns it
     write_vdb_grids(file, 1, [&](std::size_t) { return grid; });
 }
 
