@@ -1,6 +1,6 @@
-// amr.cpp: a small universe on three nested levels: halos, filaments between them, thin gas around.
-// A level is refined where it is dense, in blocks of 4^3 cells, as Enzo and its kin do it; the
-// cells below a refined block stay in their level, for the finer one to hide.
+// amr.cpp: synthetic universe on three nested AMR levels: halos, filaments, thin gas. Dense blocks of
+// 4^3 cells are refined, as in Enzo; the coarse cells below a refined block stay in their level, and
+// the finer level hides them.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -23,8 +23,7 @@ constexpr int kHalos = 18;
 constexpr int kLinks = 2;  // filaments from each halo to its nearest neighbours
 constexpr float kFilamentWidth = 0.016f, kFilamentDensity = 1.6f;
 constexpr float kThinGas = 0.05f;
-/// A block is refined where one of its cells is denser than this; so far about a tenth of the
-/// volume is, and a tenth of that again.
+/// Density of a cell above which its block is refined; about a tenth of the volume at each level.
 constexpr std::array<float, kLevels - 1> kRefineAbove = {0.35f, 2.0f};
 
 // Lumps in the thin gas and along the filaments.
@@ -41,7 +40,7 @@ struct Filament {
     float inverse_length2 = 0;
 };
 
-/// Plain float arithmetic only: the same bits on every machine.
+/// Density of halos, filaments and gas. Float arithmetic and sqrt only: the same bits everywhere.
 class Universe {
   public:
     explicit Universe(std::uint32_t seed) : seed_(seed) {
@@ -91,7 +90,7 @@ class Universe {
         return sum;
     }
     float filaments(Vec3f at) const {
-        float largest = 0;  // not their sum: where many meet there is a halo already
+        float largest = 0;  // not the sum: filaments meet in halos
         for (const Filament& filament : filaments_) {
             const Vec3f to = at - filament.from;
             const float share =
@@ -108,7 +107,7 @@ class Universe {
     std::vector<Filament> filaments_;
 };
 
-/// World [-1/2, 1/2]^3 in cells: 0 is the first of each row, centred half a cell in.
+/// World from index for `across`^3 cells in [-1/2, 1/2]^3.
 Affine cells_of(int across) {
     const double edge = 1.0 / across, first = 0.5 * edge - 0.5;
     return {{{Vec3d{edge, 0, 0}, Vec3d{0, edge, 0}, Vec3d{0, 0, edge}}}, {first, first, first}};
@@ -134,12 +133,12 @@ Leaf evaluated(const Universe& universe, const Affine& world_from_index, int acr
     return leaf;
 }
 
-/// Origins of the finer leaves over those eighths of the leaves that are dense somewhere.
+/// Origins of finer leaves over the octants of leaves with a density above `above`.
 std::vector<Vec3i> refined(std::span<const Leaf> leaves, float above) {
     std::vector<Vec3i> fine;
     for (const Leaf& leaf : leaves)
-        for (int eighth = 0; eighth < 8; ++eighth) {
-            const Vec3i corner{eighth & 4, eighth << 1 & 4, eighth << 2 & 4};
+        for (int octant = 0; octant < 8; ++octant) {
+            const Vec3i corner{octant & 4, octant << 1 & 4, octant << 2 & 4};
             float largest = 0;
             for (int n = 0; n < 64; ++n)
                 largest = std::max(

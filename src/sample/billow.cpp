@@ -1,4 +1,4 @@
-// billow.cpp: where a billow is, leaf by leaf.
+// billow.cpp: depth below a billow's boundary at the voxels of a leaf.
 #include "sample/billow.h"
 
 #include <algorithm>
@@ -9,8 +9,8 @@ namespace vog::sampling {
 
 namespace {
 
-/// Farthest that a warp moves a point, with what it moves it along each axis.
-float warp_reach(float along_axis) { return std::sqrt(3.0f) * along_axis; }
+/// Largest displacement by a warp with at most `along_axis` along each axis.
+float warp_distance(float along_axis) { return std::sqrt(3.0f) * along_axis; }
 
 std::array<float, kLeafVoxels> moved(const std::array<float, kLeafVoxels>& from,
                                      const std::array<float, kLeafVoxels>& by, float limit) {
@@ -25,12 +25,12 @@ std::array<float, kLeafVoxels> moved(const std::array<float, kLeafVoxels>& from,
 bool may_hold(const Billow& billow, Vec3f center, float radius) {
     const float below_base = billow.base_y - center.y - radius;
     if (below_base > billow.base_roughness * billow.relief_limit) return false;
-    const float nearest = billow.lobes.distance(center) - radius - warp_reach(billow.warp_limit);
+    const float nearest = billow.lobes.distance(center) - radius - warp_distance(billow.warp_limit);
     return nearest <= billow.relief_limit;
 }
 
 bool find_depths(const Billow& billow, const LeafPoints& points, BillowPoints& result) {
-    // Warp. Most leaves end here: what is left of it and the relief cannot reach the lobes.
+    // Warp. Most leaves end here: they are farther from the lobes than the rest of warp and relief.
     LeafPoints warp{};
     for (std::size_t done = 0; done < billow.warp.size(); ++done) {
         add_warp(points, billow.warp[done], billow.detail, warp);
@@ -38,7 +38,7 @@ bool find_depths(const Billow& billow, const LeafPoints& points, BillowPoints& r
         result.bent.y = moved(points.y, warp.y, billow.warp_limit);
         result.bent.z = moved(points.z, warp.z, billow.warp_limit);
         const Sphere around = sphere_around(result.bent);
-        const float left = warp_reach(reach_of(billow.warp.subspan(done + 1)));
+        const float left = warp_distance(upper_bound_of(billow.warp.subspan(done + 1)));
         if (billow.lobes.distance(around.center) - around.radius - left > billow.relief_limit)
             return false;
     }

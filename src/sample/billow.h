@@ -1,5 +1,5 @@
-// billow.h: the shape that clouds and explosions share: a union of spheres, bent by a warp, its
-// boundary displaced by relief, cut by a flat base.
+// billow.h: shape of clouds and explosions: a union of spheres, warped, its boundary displaced by
+// relief noise, cut by a flat base.
 #pragma once
 
 #include <array>
@@ -9,36 +9,37 @@
 
 namespace vog::sampling {
 
+/// Parameters of the shape.
 struct Billow {
     SphereUnion lobes;
-    std::span<const Octave> warp;    ///< moves the points at which the lobes are looked up
+    std::span<const Octave> warp;    ///< displaces the points at which the lobes are evaluated
     float warp_limit = 0;            ///< along each axis, world units
-    std::span<const Octave> relief;  ///< moves the boundary out and in
+    std::span<const Octave> relief;  ///< displaces the boundary
     float relief_limit = 0;          ///< outwards, world units
-    float base_y = -0.5f;            ///< nothing lies below, but for the roughness
-    float base_roughness = 0.5f;     ///< share of the relief that moves the base
+    float base_y = -0.5f;            ///< height of the base, world units
+    float base_roughness = 0.5f;     ///< share of the relief that displaces the base
     Detail detail;
 };
-// The limits are for speed: octaves do not peak together, and bounds from the sum of their
-// amplitudes would send twice the leaves into evaluation. With limits near half that sum, less than
-// one point in 10^4 is affected (of 2 million, at the values cloud.cpp and explosion.cpp take).
+// Limits are near half the sum of the octaves' amplitudes: octaves rarely peak together, and the full
+// sum would double the leaves to evaluate. They clamp less than one point in 10^4 (of 2 million, with
+// the values of cloud.cpp and explosion.cpp).
 
-/// A billow seen from a leaf.
+/// Billow at the voxel centres of a leaf.
 struct BillowPoints {
     using Values = std::array<float, kLeafVoxels>;
-    LeafPoints bent;            ///< the points, warped
-    alignas(64) Values depth;   ///< below the boundary, world units; negative outside
-    alignas(64) Values relief;  ///< how far out the boundary is moved there, world units
+    LeafPoints bent;            ///< warped positions
+    alignas(64) Values depth;   ///< depth below the boundary, world units; negative outside
+    alignas(64) Values relief;  ///< outward displacement of the boundary, world units
 };
 
-/// False only if no point within `radius` of `center` is inside.
+/// Conservative test: false only if no point within `radius` of `center` is inside.
 bool may_hold(const Billow& billow, Vec3f center, float radius);
 
-/// False, and nothing useful in `result`, if no point is inside. Depths end at the faces of
-/// [-1/2, 1/2]^3, so nothing is outside that cube.
+/// Computes depths at `points`; the shape is clipped to [-1/2, 1/2]^3.
+/// returns  false if no point is inside; `result` is then undefined
 bool find_depths(const Billow& billow, const LeafPoints& points, BillowPoints& result);
 
-/// 0 to 1 as t goes from 0 to 1, flat at both ends.
+/// 3 t^2 - 2 t^3 with t clamped to [0, 1].
 inline float smooth_step(float t) {
     t = t < 0 ? 0 : t > 1 ? 1 : t;
     return t * t * (3 - 2 * t);

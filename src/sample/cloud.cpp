@@ -1,5 +1,5 @@
-// cloud.cpp: a cumulus. Spheres budding on spheres give the lobes, humps the cauliflower, warped
-// gradient noise the wisps and the uneven density inside.
+// cloud.cpp: synthetic cumulus cloud: lobes from spheres budding on spheres, cauliflower relief from
+// cellular humps, wisps and uneven density from warped gradient noise.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -15,12 +15,12 @@ namespace {
 
 constexpr float kBase = -0.21f;  // y of the flat base, world units
 
-// Bends the spheres out of shape.
+// Distortion of the spheres.
 constexpr std::array<Octave, 2> kWarp = {
     {{Noise::gradient, 0.19f, 0.04f, 11}, {Noise::gradient, 0.071f, 0.015f, 12}}};
 
-// Cauliflower, then wisps whose amplitudes fall more slowly than their cells, so that the boundary
-// is no surface but frays.
+// Cauliflower humps, then wisps. Amplitudes of the wisps fall more slowly than their cells, so that
+// the boundary frays.
 constexpr std::array<Octave, 8> kRelief = {{{Noise::humps, 0.093f, 0.05f, 21},
                                             {Noise::humps, 0.047f, 0.028f, 22},
                                             {Noise::humps, 0.0235f, 0.014f, 23},
@@ -29,19 +29,19 @@ constexpr std::array<Octave, 8> kRelief = {{{Noise::humps, 0.093f, 0.05f, 21},
                                             {Noise::gradient, 0.0205f, 0.022f, 33},
                                             {Noise::gradient, 0.0104f, 0.017f, 34},
                                             {Noise::gradient, 0.0052f, 0.012f, 35}}};
-constexpr float kReliefLimit = 0.07f;  // outwards, world units
+constexpr float kReliefLimit = 0.07f;  // largest outward displacement, world units
 constexpr float kSoftness = 0.032f;    // depth at which the density has its full value, world units
 
-// Thin and dense pockets inside.
+// Variation of the density inside.
 constexpr std::array<Octave, 2> kPockets = {
     {{Noise::gradient, 0.15f, 0.7f, 41}, {Noise::gradient, 0.07f, 0.35f, 42}}};
 
-// The core, of density 1, holds the corner cell [0, 1/8]^3 and so the leaf at index 0 of every size
-// from 64 on, and the 128^3 tile there at 1024: its radius exceeds sqrt(3)/16 = 0.108.
+// Core of density 1 around [0, 1/8]^3, so that the leaf at index 0 is constant from size 64 on, and
+// the 128^3 tile there at size 1024: the radius exceeds sqrt(3)/16 = 0.108.
 constexpr Sphere kCore = {{0.0625f, 0.0625f, 0.0625f}, 0.109f};
-constexpr float kCoreFringe = 0.05f;  // over which the core fades into the rest, world units
+constexpr float kCoreFringe = 0.05f;  // width of the transition to the rest, world units
 
-/// Lobes along z, large in the middle and flat at the base, towers on top, buds on all.
+/// Lobes along z, largest in the middle and flat at the base; towers on top; buds on all.
 std::vector<Sphere> grow_lobes(std::uint32_t seed) {
     Uniform uniform(seed);
     std::vector<Sphere> lobes = {{{0.05f, 0.03f, 0.05f}, 0.21f}};
@@ -67,12 +67,13 @@ std::vector<Sphere> grow_lobes(std::uint32_t seed) {
     return lobes;
 }
 
+/// Density of the cloud.
 class Cloud final : public DensityField {
   public:
     Cloud(std::uint32_t seed, float voxel)
         : billow_{SphereUnion(grow_lobes(seed)),
                   kWarp,
-                  0.6f * reach_of(kWarp),
+                  0.6f * upper_bound_of(kWarp),
                   kRelief,
                   kReliefLimit,
                   kBase,
@@ -97,16 +98,16 @@ class Cloud final : public DensityField {
             inner.fill(0.48f);
             add_noise(at.bent, kPockets, billow_.detail, inner);
             for (std::size_t n = 0; n < kLeafVoxels; ++n) {
-                // Humps are dense and creases thin also inside, as far as the pockets allow.
+                // Density follows the relief also inside: dense humps, thin creases.
                 const float texture = std::clamp(inner[n] + 14 * at.relief[n], 0.0f, 1.0f);
                 const float fog = 0.03f + 0.97f * texture * texture;
-                // The relief makes the core's fringe ragged: it should not show as a ball.
+                // The relief makes the fringe of the core ragged, so that it does not look like a ball.
                 const float fringe = std::max(kCoreFringe + 1.2f * at.relief[n], 0.01f);
                 const float core = std::clamp(1 - to_core(n) / fringe, 0.0f, 1.0f);
                 density[n] = smooth_step(at.depth[n] / kSoftness) * (fog + (1 - fog) * core * core);
             }
         }
-        // As range() promises, even should the relief ever cut so deep.
+        // range() guarantees density 1 in the core, even where the relief cuts deeper.
         for (std::size_t n = 0; n < kLeafVoxels; ++n)
             if (to_core(n) <= 0) density[n] = 1;
     }

@@ -1,5 +1,5 @@
-// density_field.cpp: from a density field to leaves and tiles: find the leaves that may hold
-// something by bounds on the field, then evaluate those, in parallel, and keep their order.
+// density_field.cpp: sampling of a density field: bounds select the leaves that may be occupied, which
+// are evaluated in parallel and kept in order.
 #include "sample/density_field.h"
 
 #include <fmt/core.h>
@@ -16,23 +16,23 @@ namespace vog::sampling {
 
 namespace {
 
-constexpr int kBlockEdge = 128;  // voxels: the largest tile that fits into any of our sizes
+constexpr int kBlockEdge = 128;  // voxels; largest tile that fits every size
 
 bool before(Vec3i a, Vec3i b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-/// What the bounds leave to do: leaves to evaluate, tiles that are known.
+/// Leaves to evaluate, and tiles whose constant density is known from bounds.
 struct Plan {
     std::vector<Vec3i> leaves;
     std::vector<Tile> tiles;
 };
 
+/// Recursive subdivision by bounds.
 class Planner {
   public:
     Planner(const DensityField& field, const Affine& world_from_index)
         : field_(field), world_from_index_(world_from_index) {}
 
-    /// Plans the cube of edge^3 voxels at `origin`: drops it, takes it as a tile, evaluates it as a
-    /// leaf, or halves it.
+    /// Drops the cube of edge^3 voxels at `origin`, makes it a tile or a leaf, or divides it in eight.
     void plan(Vec3i origin, int edge, Plan& result) const {
         const Interval range = range_of(origin, edge);
         if (range.upper <= kFaintestDensity) return;
@@ -66,14 +66,14 @@ class Planner {
 
 /// Plans the cube [-1/2, 1/2]^3, block by block.
 Plan plan_blocks(const DensityField& field, const Affine& world_from_index, int size) {
-    const int reach = (size / 2 + kBlockEdge - 1) / kBlockEdge;  // blocks on either side of zero
-    const int across = 2 * reach;
+    const int half = (size / 2 + kBlockEdge - 1) / kBlockEdge;  // blocks on either side of zero
+    const int across = 2 * half;
     std::vector<Plan> blocks(static_cast<std::size_t>(across * across * across));
     const Planner planner(field, world_from_index);
     vog::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         const int n = static_cast<int>(i);
-        const Vec3i block{n / (across * across) - reach, n / across % across - reach,
-                          n % across - reach};
+        const Vec3i block{n / (across * across) - half, n / across % across - half,
+                          n % across - half};
         planner.plan(kBlockEdge * block, kBlockEdge, blocks[i]);
     });
 
@@ -87,7 +87,7 @@ Plan plan_blocks(const DensityField& field, const Affine& world_from_index, int 
 }
 
 LeafPoints points_of(Vec3i origin, const Affine& world_from_index) {
-    // The map has no rotation, so each coordinate of a voxel centre depends on its own index alone.
+    // Without rotation, each coordinate of a voxel centre depends on its own index only.
     std::array<Vec3f, kLeafEdge> center;
     for (int i = 0; i < kLeafEdge; ++i)
         center[static_cast<std::size_t>(i)] =
@@ -135,8 +135,8 @@ Volume sample_field(const DensityField& field, const std::string& source,
     Plan plan = plan_blocks(field, volume.world_from_index, options.size);
     volume.tiles = std::move(plan.tiles);
 
-    // Reserved for the most there can be: pages that stay empty are never touched, where growing
-    // would hold the leaves twice. Batches bound what is evaluated and not yet kept (4 MB).
+    // Reserved for all planned leaves: growing would hold them twice, and unused pages are never
+    // touched. Batches bound the evaluated leaves that are not stored yet (4 MB).
     volume.leaves.reserve(plan.leaves.size());
     constexpr std::size_t kBatch = 2048;
     std::vector<Leaf> batch;
@@ -155,7 +155,7 @@ Volume sample_field(const DensityField& field, const std::string& source,
             options.progress(static_cast<double>(begin + batch.size()) /
                              static_cast<double>(plan.leaves.size()));
     }
-    // The leaves are in order already, and too large for a sort to be cheap.
+    // Leaves are already sorted.
     std::sort(volume.tiles.begin(), volume.tiles.end(),
               [](const Tile& a, const Tile& b) { return before(a.origin, b.origin); });
     return volume;

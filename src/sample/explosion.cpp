@@ -1,5 +1,5 @@
-// explosion.cpp: a fireball on its stem: a shell of fierce relief around thin constant gas, the rim
-// that rolls up below it, the column that feeds it and the dust around its foot.
+// explosion.cpp: synthetic explosion: a fireball with a thick shell around thin constant gas, its rim,
+// a stem, and dust on the ground.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -16,11 +16,11 @@ namespace {
 constexpr float kGround = -0.475f;  // y of the flat ground, world units
 constexpr Sphere kFireball = {{0.03f, 0.12f, 0.03f}, 0.27f};
 
-// Bends the spheres out of shape.
+// Distortion of the spheres.
 constexpr std::array<Octave, 2> kWarp = {
     {{Noise::gradient, 0.14f, 0.03f, 11}, {Noise::gradient, 0.06f, 0.018f, 12}}};
 
-// Humps fiercer and wisps weaker than a cloud's.
+// Larger humps and weaker wisps than in a cloud.
 constexpr std::array<Octave, 8> kRelief = {{{Noise::humps, 0.11f, 0.075f, 21},
                                             {Noise::humps, 0.053f, 0.038f, 22},
                                             {Noise::humps, 0.0265f, 0.019f, 23},
@@ -29,24 +29,24 @@ constexpr std::array<Octave, 8> kRelief = {{{Noise::humps, 0.11f, 0.075f, 21},
                                             {Noise::gradient, 0.0205f, 0.014f, 33},
                                             {Noise::gradient, 0.0104f, 0.011f, 34},
                                             {Noise::gradient, 0.0052f, 0.008f, 35}}};
-constexpr float kReliefLimit = 0.07f;  // outwards, world units
+constexpr float kReliefLimit = 0.07f;  // largest outward displacement, world units
 constexpr float kSoftness = 0.022f;    // depth at which the density has its full value, world units
 
-// Thin and dense pockets of the shell.
+// Variation of the shell's density.
 constexpr std::array<Octave, 2> kPockets = {
     {{Noise::gradient, 0.12f, 0.6f, 41}, {Noise::gradient, 0.055f, 0.4f, 42}}};
 
-// The hollow, of constant thin gas, holds the corner cell [0, 1/8]^3 and so the leaf at index 0 of
-// every size from 64 on: its farthest corner (1/8, 0, 1/8) is 0.180 from the centre.
+// Hollow of constant thin gas around [0, 1/8]^3, so that the leaf at index 0 is constant from size 64
+// on: the farthest corner (1/8, 0, 1/8) is 0.180 from the centre.
 constexpr Sphere kHollow = {kFireball.center, 0.195f};
-constexpr float kHollowFringe = 0.09f;  // over which the shell thins out, world units
+constexpr float kHollowFringe = 0.09f;  // width of the transition to the shell, world units
 constexpr float kGas = 0.04f;           // density in the hollow
 
-/// Spheres around the axis of the fireball, at distances, heights and radii within the intervals.
+/// Adds spheres around the axis of the fireball, with random distance, height and radius.
 void add_ring(std::vector<Sphere>& spheres, int count, Interval distance, Interval y,
               Interval radius, Uniform& uniform) {
-    // Evenly spread directions: each the last one turned by the golden angle, 137.5 degrees, whose
-    // cosine and sine are written out (the library's may differ between machines).
+    // Directions turn by the golden angle, 137.5 degrees, which spreads them evenly. Its cosine and
+    // sine are literals: library results may differ between machines.
     Vec3f direction{1, 0, 0};
     for (int i = 0; i < count; ++i) {
         const float away = uniform(distance.lower, distance.upper);
@@ -59,7 +59,7 @@ void add_ring(std::vector<Sphere>& spheres, int count, Interval distance, Interv
     }
 }
 
-/// The fireball and its rim, the stem and the dust on the ground, buds on all.
+/// Spheres of fireball, rim, stem and dust, with buds on all.
 std::vector<Sphere> grow_lobes(std::uint32_t seed) {
     Uniform uniform(seed);
     std::vector<Sphere> cap = {kFireball};
@@ -81,12 +81,13 @@ std::vector<Sphere> grow_lobes(std::uint32_t seed) {
     return lobes;
 }
 
+/// Density of the explosion.
 class Explosion final : public DensityField {
   public:
     Explosion(std::uint32_t seed, float voxel)
         : billow_{SphereUnion(grow_lobes(seed)),
                   kWarp,
-                  0.6f * reach_of(kWarp),
+                  0.6f * upper_bound_of(kWarp),
                   kRelief,
                   kReliefLimit,
                   kGround,
@@ -112,7 +113,7 @@ class Explosion final : public DensityField {
                 const float texture = std::clamp(inner[n] + 14 * at.relief[n], 0.0f, 1.0f);
                 const float shell =
                     smooth_step(at.depth[n] / kSoftness) * (0.05f + 0.95f * texture * texture);
-                // The relief of the outside, enlarged, makes the inside of the shell ragged.
+                // The enlarged relief of the boundary makes the inner side of the shell ragged.
                 const float fringe = std::max(kHollowFringe + 1.2f * at.relief[n], 0.01f);
                 density[n] = shell * (1 - hollowness(points, n, fringe));
             }
@@ -122,7 +123,7 @@ class Explosion final : public DensityField {
     }
 
   private:
-    /// 1 in the hollow, 0 from `fringe` outside it on.
+    /// 1 in the hollow, falling to 0 at a distance of `fringe` from it.
     static float hollowness(const LeafPoints& points, std::size_t n, float fringe) {
         return smooth_step(1 - distance(kHollow, {points.x[n], points.y[n], points.z[n]}) / fringe);
     }

@@ -10,10 +10,10 @@ namespace vog::sampling {
 
 namespace {
 
-// Odd constants that spread the lattice coordinates over all bits before they are mixed.
+// Odd factors that distribute lattice coordinates over all bits before mixing.
 constexpr std::uint32_t kSpreadX = 0x8da6b343u, kSpreadY = 0xd8163841u, kSpreadZ = 0xcb1ab31fu;
 
-/// floor without the library call, for |value| < 2^31; branch-free, so loops over it vectorise.
+/// floor for |value| < 2^31, branch-free, so that loops vectorise.
 inline std::int32_t floor_int(float value) {
     const auto truncated = static_cast<std::int32_t>(value);
     return truncated - (value < static_cast<float>(truncated) ? 1 : 0);
@@ -22,13 +22,13 @@ inline std::int32_t floor_int(float value) {
 /// Perlin's interpolant 6t^5 - 15t^4 + 10t^3.
 inline float fade(float t) { return t * t * t * (t * (t * 6 - 15) + 10); }
 
-/// value with its sign flipped where `bits` has its highest bit set.
+/// Value with its sign flipped if the highest bit of `bits` is set.
 inline float flipped(float value, std::uint32_t bits) {
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) ^ (bits & 0x80000000u));
 }
 
-/// Dot product of (x, y, z) with one of the gradients (+-1, +-1, +-1). Perlin's twelve need
-/// selects, which make the loop over points four times slower without AVX2.
+/// Dot product of (x, y, z) with a gradient (+-1, +-1, +-1). Perlin's twelve gradients need selects, and
+/// a loop four times slower without AVX2.
 inline float gradient_dot(std::uint32_t hash, float x, float y, float z) {
     hash = (hash ^ (hash >> 15)) * 0x2c1b3c6du;
     return flipped(x, hash) + flipped(y, hash << 1) + flipped(z, hash << 2);
@@ -36,8 +36,8 @@ inline float gradient_dot(std::uint32_t hash, float x, float y, float z) {
 
 inline float lerp(float a, float b, float t) { return a + t * (b - a); }
 
-/// In [-1.5, 1.5]: at most 1/2 from each axis, f + u - 2 u f with u = fade(f), at the cell's
-/// centre.
+/// Gradient noise in [-1.5, 1.5]: each axis adds at most f + u - 2 u f = 1/2, with u = fade(f), at the
+/// centre of a cell.
 inline float gradient_noise(float x, float y, float z, std::uint32_t seed) {
     const std::int32_t ix = floor_int(x), iy = floor_int(y), iz = floor_int(z);
     const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy),
@@ -57,6 +57,7 @@ inline float gradient_noise(float x, float y, float z, std::uint32_t seed) {
     return lerp(lerp(a, b, v), lerp(c, d, v), w);
 }
 
+/// Feature point of a lattice cell, in units of cells, and the height of its hump.
 struct Feature {
     float x, y, z, height;
 };
@@ -69,7 +70,7 @@ float unit(std::uint32_t hash) { return static_cast<float>(hash >> 8) * 0x1p-24f
 
 using Intervals = std::array<Interval, 3>;
 
-/// Whether the feature's hump reaches any point of the box. All in units of cells.
+/// Whether the feature's hump, of radius 1, overlaps the box; units of cells.
 bool reaches(const Feature& feature, const Intervals& box) {
     const float dx = distance_outside(feature.x, box[0]);
     const float dy = distance_outside(feature.y, box[1]);
@@ -77,7 +78,7 @@ bool reaches(const Feature& feature, const Intervals& box) {
     return dx * dx + dy * dy + dz * dz < 1;
 }
 
-/// Features whose humps reach the box. They lie within one cell of it, so none is missed.
+/// Features whose humps overlap the box: all are in cells within distance 1 of it.
 void find_features(const Intervals& box, std::uint32_t seed, std::vector<Feature>& features) {
     features.clear();
     std::array<std::int32_t, 3> first{}, last{};
@@ -120,7 +121,7 @@ void add_humps(const LeafPoints& points, const Octave& octave, LeafValues out) {
     find_features({interval_of(scaled.x), interval_of(scaled.y), interval_of(scaled.z)},
                   octave.seed, features);
 
-    // Slice by slice: fewer features reach a slice than a leaf.
+    // Slice by slice: fewer humps overlap a slice than the leaf.
     constexpr std::size_t kSlice = kLeafEdge * kLeafEdge;
     for (std::size_t first = 0; first < kLeafVoxels; first += kSlice) {
         const float* x = &scaled.x[first];
@@ -142,8 +143,8 @@ void add_humps(const LeafPoints& points, const Octave& octave, LeafValues out) {
     }
 }
 
-/// The octave as the voxels can carry it: whole from 6 voxels a cell on, none at 3.
-Octave carried(Octave octave, const Detail& detail) {
+/// Octave with its amplitude reduced for the voxel size: unchanged from 6 voxels per cell on, 0 at 3.
+Octave band_limited(Octave octave, const Detail& detail) {
     octave.amplitude *= std::clamp(octave.cell / (3 * detail.voxel) - 1, 0.0f, 1.0f);
     octave.seed = mixed(octave.seed ^ detail.seed);
     return octave;
@@ -161,31 +162,31 @@ void add(const LeafPoints& points, const Octave& octave, LeafValues out) {
 
 void add_noise(const LeafPoints& points, std::span<const Octave> octaves, const Detail& detail,
                LeafValues out) {
-    for (const Octave& octave : octaves) add(points, carried(octave, detail), out);
+    for (const Octave& octave : octaves) add(points, band_limited(octave, detail), out);
 }
 
 bool add_noise_above_zero(const LeafPoints& points, std::span<const Octave> octaves,
                           const Detail& detail, LeafValues out) {
-    float remaining = 1e-5f;  // covers rounding
-    for (const Octave& octave : octaves) remaining += reach_of(carried(octave, detail));
+    float remaining = 1e-5f;  // margin for rounding
+    for (const Octave& octave : octaves) remaining += upper_bound_of(band_limited(octave, detail));
     for (const Octave& octave : octaves) {
         if (interval_of(out).upper + remaining <= 0) return false;
-        const Octave next = carried(octave, detail);
+        const Octave next = band_limited(octave, detail);
         add(points, next, out);
-        remaining -= reach_of(next);
+        remaining -= upper_bound_of(next);
     }
     return interval_of(out).upper > 0;
 }
 
 void add_warp(const LeafPoints& points, const Octave& octave, const Detail& detail,
               LeafPoints& moved) {
-    add(points, carried(octave, {mixed(detail.seed + 1), detail.voxel}), moved.x);
-    add(points, carried(octave, {mixed(detail.seed + 2), detail.voxel}), moved.y);
-    add(points, carried(octave, {mixed(detail.seed + 3), detail.voxel}), moved.z);
+    add(points, band_limited(octave, {mixed(detail.seed + 1), detail.voxel}), moved.x);
+    add(points, band_limited(octave, {mixed(detail.seed + 2), detail.voxel}), moved.y);
+    add(points, band_limited(octave, {mixed(detail.seed + 3), detail.voxel}), moved.z);
 }
 
 Interval interval_of(std::span<const float> values) {
-    // Eight at a time, which compilers turn into vector minima; the order does not matter.
+    // Eight lanes, which compilers vectorise; minima do not depend on the order.
     constexpr std::size_t kLanes = 8;
     assert(!values.empty() && values.size() % kLanes == 0);
     std::array<float, kLanes> lower, upper;

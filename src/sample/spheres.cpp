@@ -1,4 +1,4 @@
-// spheres.cpp: distance to a union of spheres, and its growth.
+// spheres.cpp: signed distance to a union of spheres, and growth by budding.
 #include "sample/spheres.h"
 
 #include <algorithm>
@@ -9,9 +9,9 @@ namespace vog::sampling {
 
 namespace {
 
-/// A direction, uniform on the unit sphere.
+/// Random direction, uniform on the unit sphere.
 Vec3f random_direction(Uniform& uniform) {
-    // Uniform in the cube; kept where inside the ball and not so near its centre as to be rounded.
+    // Rejection sampling in the unit ball, without its centre, where rounding dominates.
     while (true) {
         const float x = uniform(-1, 1), y = uniform(-1, 1), z = uniform(-1, 1);
         const float squared = x * x + y * y + z * z;
@@ -51,12 +51,12 @@ float SphereUnion::distance(Vec3f point) const {
 }
 
 void SphereUnion::distance(const LeafPoints& points, LeafValues out) const {
-    // Between the centre and any point a distance changes by no more than the radius.
+    // Distances at a point differ from those at the centre by at most the radius.
     const Sphere around = sphere_around(points);
     thread_local std::vector<float> each;
     const float least = distances(around.center, each);
 
-    // Starting from the nearest, a sphere counts only where it can still be nearer to some point.
+    // From the nearest sphere on, a sphere is evaluated only if it can be nearer to some point.
     const auto lower = [&](std::size_t i) {
         const float x = x_[i], y = y_[i], z = z_[i], radius = radius_[i];
         for (std::size_t n = 0; n < kLeafVoxels; ++n) {

@@ -1,4 +1,4 @@
-// spheres.h: the union of many spheres, and how clouds grow one: spheres upon spheres.
+// spheres.h: signed distance to a union of spheres, and growth of spheres on spheres.
 #pragma once
 
 #include <vector>
@@ -13,39 +13,39 @@ struct Sphere {
     float radius = 0;
 };
 
-/// A sphere that holds every point: about their box, or a little more.
+/// Sphere around the bounding box of the points, slightly enlarged for rounding.
 Sphere sphere_around(const LeafPoints& points);
 
+/// Signed distance, negative inside.
 inline float distance(const Sphere& sphere, Vec3f point) {
     return length(point - sphere.center) - sphere.radius;
 }
 
-/// Distance to the nearest of some spheres, negative inside. It changes by no more than the point
-/// moves.
+/// Union of spheres by the signed distance to the nearest: negative inside, Lipschitz constant 1.
 class SphereUnion {
   public:
     explicit SphereUnion(const std::vector<Sphere>& spheres);
     float distance(Vec3f point) const;
-    /// The same for each point of a leaf, in less time: few spheres are the nearest of any.
+    /// Distances at all points of a leaf; spheres that are nearest to none are skipped.
     void distance(const LeafPoints& points, LeafValues out) const;
 
   private:
-    /// Distance of `point` from each sphere, and the smallest.
+    /// Fills `each` with the distance to each sphere; returns the smallest.
     float distances(Vec3f point, std::vector<float>& each) const;
 
     std::vector<float> x_, y_, z_, radius_;
 };
 
-/// How one generation of spheres grows on another.
+/// Parameters of one generation of spheres that grow on another.
 struct Budding {
-    int buds = 10;            ///< on each sphere
+    int buds = 10;            ///< per sphere
     float reach = 0.85f;      ///< distance of the centres, in parent radii
     float min_radius = 0.3f;  ///< in parent radii
     float max_radius = 0.5f;  ///< in parent radii
-    float lowest_y = -0.25f;  ///< of the unit direction in which a bud grows
+    float lowest_y = -0.25f;  ///< lower bound on y of the unit direction of growth
 };
 
-/// Buds on every sphere of `parents`, in random directions.
+/// Spheres in random directions on every sphere of `parents`.
 std::vector<Sphere> buds(const std::vector<Sphere>& parents, const Budding& budding,
                          Uniform& uniform);
 

@@ -1,8 +1,8 @@
-// universe.cpp: a box of a universe: particles that flowed from a lattice along the gradient of a
-// random field, with halos where most met.
+// universe.cpp: synthetic cosmological particles: a lattice displaced along the gradient of a random
+// field, with halos at its densest points.
 // Source: Zel'dovich, "Gravitational instability" (1970): x = q + psi(q), v along psi; Hernquist,
-// "An analytical model for spherical galaxies and bulges" (1990): M(r) = r^2 / (r + a)^2. Plain
-// arithmetic and sqrt only: the same bits on every machine.
+// "An analytical model for spherical galaxies and bulges" (1990): M(r) = r^2 / (r + a)^2. Arithmetic
+// and sqrt only: the same bits on every machine.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -24,11 +24,12 @@ using namespace sampling;
 
 namespace {
 
-constexpr double kBoxEdge = 100;         ///< world units, as Mpc/h
-constexpr double kSpeed = 300;           ///< root mean square of the flow, as km/s
-constexpr int kModes = 240;              ///< plane waves
-constexpr int kShortestWave = 9;         ///< waves across the box
-constexpr double kLinearContrast = 1.4;  ///< rms of the linear density: past the first crossings
+constexpr double kBoxEdge = 100;  ///< world units, as Mpc/h
+constexpr double kSpeed = 300;    ///< root mean square of the flow, as km/s
+constexpr int kModes = 240;       ///< plane waves
+constexpr int kShortestWave = 9;  ///< waves across the box
+constexpr double kLinearContrast =
+    1.4;  ///< rms of the linear density; some particle paths have crossed
 constexpr std::size_t kHalos = 120;
 
 struct Complex {
@@ -38,7 +39,7 @@ Complex operator*(Complex a, Complex b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
-/// exp(2 pi i m / count) for all m: the first by its series, the others by multiplication.
+/// exp(2 pi i m / count) for m = 0 ... count - 1: m = 1 by its series, the others by multiplication.
 std::vector<Complex> roots_of_unity(int count) {
     const double angle = 2 * std::numbers::pi / count;
     Complex step{0, 0};
@@ -52,7 +53,7 @@ std::vector<Complex> roots_of_unity(int count) {
     return roots;
 }
 
-/// A point inside the unit ball, or disk.
+/// Random point in the unit ball, or disk if flat.
 Vec3d in_ball(Uniform& uniform, bool flat = false) {
     for (;;) {
         const double x = uniform(-1, 1), y = uniform(-1, 1);
@@ -61,8 +62,9 @@ Vec3d in_ball(Uniform& uniform, bool flat = false) {
     }
 }
 
+/// Plane wave of the random field.
 struct Mode {
-    std::array<int, 3> wave{};  ///< along each axis of the box
+    std::array<int, 3> wave{};  ///< number of waves along each axis of the box
     Complex phase;
     double contrast = 0;  ///< amplitude of the density
     Vec3d flow;           ///< amplitude of psi, lattice edges of 1
@@ -73,7 +75,7 @@ std::vector<Mode> random_modes(std::uint32_t seed) {
     std::vector<Mode> modes;
     double variance = 0;
     while (modes.size() < kModes) {
-        // Lengths of all kinds; contrast grows slowly with the number of waves.
+        // Uniform numbers of waves; contrast grows with the fourth root of the wave number.
         const Vec3d direction = normalized(in_ball(uniform));
         const double u = uniform(), count = 1 + (kShortestWave - 1) * u;
         Mode mode;
@@ -98,11 +100,12 @@ std::vector<Mode> random_modes(std::uint32_t seed) {
     return modes;
 }
 
-/// The field at a lattice point.
+/// Random field at a lattice point.
 struct Flow {
     Vec3d psi;            ///< displacement, box edges of 1
     double contrast = 0;  ///< linear density
 };
+/// Random field: sum of the modes.
 class FlowField {
   public:
     FlowField(int size, std::uint32_t seed)
@@ -125,16 +128,16 @@ class FlowField {
     std::vector<Mode> modes_;
 };
 
-/// A ball of the lattice that has collapsed.
+/// Ball of lattice points that has collapsed to a halo.
 struct Halo {
     Vec3d from, to, velocity;  ///< centre before and after, box edges of 1
     double contrast = 0;
-    double reach = 0;  ///< radius on the lattice
+    double radius = 0;  ///< on the lattice, box edges of 1
 };
 
 double nearest_image(double d) { return d - std::floor(d + 0.5); }
 
-/// The densest point of each block of the lattice, the densest of those first.
+/// Densest lattice point of each of 12^3 blocks, in order of falling density; at most kHalos.
 std::vector<Halo> find_halos(const FlowField& field, int size) {
     const int blocks = std::min(size, 12);
     std::vector<Halo> halos(static_cast<std::size_t>(blocks * blocks * blocks));
@@ -142,7 +145,7 @@ std::vector<Halo> find_halos(const FlowField& field, int size) {
         const auto block = static_cast<int>(n);
         const std::array<int, 3> place{block / blocks / blocks, block / blocks % blocks,
                                        block % blocks};
-        // A few points to a block are enough, however fine the lattice.
+        // 5^3 points per block suffice for any lattice.
         constexpr int kTries = 5;
         Halo& halo = halos[n];
         halo.contrast = -1e9;
@@ -162,22 +165,23 @@ std::vector<Halo> find_halos(const FlowField& field, int size) {
     std::ranges::stable_sort(halos, std::ranges::greater(), &Halo::contrast);
     halos.resize(std::min(halos.size(), kHalos));
     for (std::size_t n = 0; n < halos.size(); ++n)
-        halos[n].reach = 0.075 / std::sqrt(std::sqrt(1.0 + static_cast<double>(n)));
+        halos[n].radius = 0.075 / std::sqrt(std::sqrt(1.0 + static_cast<double>(n)));
     return halos;
 }
 
+/// Particle before scaling to world units.
 struct Placed {
     Vec3d position, velocity;  ///< box edges of 1; velocity as psi
 };
 
-/// Somewhere in the halo, by its profile.
+/// Random particle of a halo by Hernquist's profile.
 Placed in_halo(const Halo& halo, Uniform& uniform) {
-    constexpr double kScaleShare = 0.06;  // of the halo's reach on the lattice
-    constexpr double kLargest = 0.8;      // share of the mass that is drawn: 8.5 scale lengths
-    const double a = kScaleShare * halo.reach, root = std::sqrt(kLargest * uniform());
+    constexpr double kScaleShare = 0.06;  // scale length / radius on the lattice
+    constexpr double kLargest = 0.8;      // sampled share of the mass: up to 8.5 scale lengths
+    const double a = kScaleShare * halo.radius, root = std::sqrt(kLargest * uniform());
     const double r = a * root / (1 - root);
-    // Isotropic, of the speed of a circular orbit.
-    const double speed = 0.5 * halo.reach * std::sqrt(r * halo.reach) / (r + a);
+    // Isotropic velocity, bounded by that of a circular orbit.
+    const double speed = 0.5 * halo.radius * std::sqrt(r * halo.radius) / (r + a);
     return {halo.to + r * normalized(in_ball(uniform)), halo.velocity + speed * in_ball(uniform)};
 }
 
@@ -201,7 +205,7 @@ Points sample_particles(const ParticleSampleOptions& options) {
             const auto around = [&](const Halo& halo) {
                 const Vec3d d{nearest_image(q.x - halo.from.x), nearest_image(q.y - halo.from.y),
                               nearest_image(q.z - halo.from.z)};
-                return dot(d, d) < halo.reach * halo.reach;
+                return dot(d, d) < halo.radius * halo.radius;
             };
             const auto halo = std::ranges::find_if(halos, around);
             if (halo != halos.end()) {
@@ -224,7 +228,7 @@ Points sample_particles(const ParticleSampleOptions& options) {
     Points points;
     for (const Placed& p : placed) {
         check_interrupt();
-        // Floats: what the text files of simulations hold.
+        // Rounded to float, the precision of simulations' text files.
         Vec3f position;
         for (int axis = 0; axis < 3; ++axis)
             position[axis] =

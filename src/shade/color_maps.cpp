@@ -1,8 +1,8 @@
-// color_maps.cpp: the transfer functions known by name.
+// color_maps.cpp: named transfer functions.
 // viridis, inferno, magma, plasma: S. van der Walt, N. Smith, E. Firing (CC0); cividis: J. Nunez,
 // C. Anderton, R. Renslow; turbo: A. Mikhailov, Google (Apache 2.0); cubehelix: D. A. Green, BASI
-// 39 (2011); coolwarm: K. Moreland, ISVC 2009; jet and hot: MATLAB's. Of a published 256-entry
-// table the fewest entries are kept whose straight lines stay within 1/255 of all others.
+// 39 (2011); coolwarm: K. Moreland, ISVC 2009; jet and hot: MATLAB's. Published tables of 256
+// entries are reduced to the fewest entries whose linear interpolation stays within 1/255 of all.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace vog {
 using namespace shading;
 namespace {
 
-/// Entries of a 256-entry table, each 0xIIRRGGBB: index, then the colour in 8 bits.
+/// Entries of a 256-entry table as 0xIIRRGGBB: index, red, green, blue.
 // clang-format off
 constexpr std::uint32_t kViridis[] = {
     0x00440154, 0x0446075a, 0x17482173, 0x27453581, 0x3e3c508b, 0x632b758e, 0x8120928c, 0x921fa187,
@@ -80,7 +80,7 @@ struct NamedMap {
     std::vector<ColorPoint> (*make)();
 };
 
-// The last two are the paper's: particles from white to red on black, Enzo from blue to white.
+// Last two: the paper's maps for particles (white to red on black) and Enzo (blue to white).
 const NamedMap kMaps[] = {
     {"gray",
      [] {
@@ -114,7 +114,7 @@ const NamedMap kMaps[] = {
      }},
 };
 
-/// Whatever the case, '_' is as good as '-', and "grey" as "gray". Null if there is none such.
+/// Map by name, independent of case, '_' or '-', and "grey" or "gray"; null if there is none.
 const NamedMap* find_map(std::string name) {
     for (char& c : name)
         c = c == '_' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));

@@ -1,4 +1,4 @@
-// color_spaces.cpp: CIE Lab, HSV, and Moreland's polar Lab ("Msh") for diverging maps.
+// color_spaces.cpp: interpolation in CIE Lab, HSV, and Moreland's polar Lab ("Msh").
 // Sources: IEC 61966-2-1 (sRGB), CIE 15 (Lab); K. Moreland, "Diverging Color Maps for Scientific
 // Visualization", ISVC 2009, for Msh and its rules. The rounded constants (0.008856, 7.787, the
 // white point 0.9505 1 1.089) are VTK's, so that colours agree with ParaView's.
@@ -48,41 +48,41 @@ Color rgb_from_lab(const Color& lab) {
     Color rgb{display_from_linear(3.2406 * x - 1.5372 * y - 0.4986 * z),
               display_from_linear(-0.9689 * x + 1.8758 * y + 0.0415 * z),
               display_from_linear(0.0557 * x - 0.2040 * y + 1.0570 * z)};
-    // Out of the display's gamut: scale what is too bright, drop what is negative.
+    // Outside the display's gamut: bright colours are scaled, negative components set to 0.
     const double brightest = std::max({rgb[0], rgb[1], rgb[2], 1.0});
     for (double& c : rgb) c = std::max(c / brightest, 0.0);
     return rgb;
 }
 
-/// (M, s, h): the length of Lab, its angle from the grey axis, its hue.
+/// (M, s, h): length of the Lab vector, its angle from the grey axis, its hue; radians.
 Color msh_from_lab(const Color& lab) {
-    constexpr double kNone = 0.001;
+    constexpr double kZero = 0.001;
     const double m = std::hypot(lab[0], lab[1], lab[2]);
-    const double s = m > kNone ? std::acos(lab[0] / m) : 0;
-    return {m, s, s > kNone ? std::atan2(lab[2], lab[1]) : 0};
+    const double s = m > kZero ? std::acos(lab[0] / m) : 0;
+    return {m, s, s > kZero ? std::atan2(lab[2], lab[1]) : 0};
 }
 Color lab_from_msh(const Color& msh) {
     const double chroma = msh[0] * std::sin(msh[1]);
     return {msh[0] * std::cos(msh[1]), chroma * std::cos(msh[2]), chroma * std::sin(msh[2])};
 }
 
-/// The hue to give an unsaturated colour of length `m`, for an even change towards `saturated`.
+/// Hue of an unsaturated colour of length `m` that gives an even change of hue towards `saturated`.
 double hue_towards(const Color& saturated, double m) {
     if (saturated[0] >= m - 0.1) return saturated[2];
     const double spin = saturated[1] * std::sqrt(m * m - saturated[0] * saturated[0]) /
                         (saturated[0] * std::sin(saturated[1]));
-    return saturated[2] > -0.3 * pi ? saturated[2] + spin : saturated[2] - spin;  // not via purple
+    return saturated[2] > -0.3 * pi ? saturated[2] + spin : saturated[2] - spin;  // avoids purple
 }
 
 Color interpolate_diverging(const Color& from, const Color& to, double s) {
-    constexpr double kSaturated = 0.05, kDistinct = 0.33 * pi, kLeastWhite = 88;
+    constexpr double kSaturated = 0.05, kDistinct = 0.33 * pi, kMinWhite = 88;
     Color a = msh_from_lab(lab_from_rgb(from)), b = msh_from_lab(lab_from_rgb(to));
     double apart = std::abs(a[2] - b[2]);
     if (apart > pi) apart = 2 * pi - apart;
 
-    // Two saturated ends of distinct hue: white lies between them.
+    // Between two saturated colours of distinct hue, the map passes through white.
     if (a[1] > kSaturated && b[1] > kSaturated && apart > kDistinct) {
-        const Color white{std::max({a[0], b[0], kLeastWhite}), 0, 0};
+        const Color white{std::max({a[0], b[0], kMinWhite}), 0, 0};
         if (s < 0.5) {
             b = white, s = 2 * s;
         } else {
@@ -111,7 +111,7 @@ Color hsv_from_rgb(const Color& rgb) {
 }
 
 Color rgb_from_hsv(const Color& hsv) {
-    // Each primary is full within a sixth of its own hue, and gone beyond two sixths.
+    // A primary is 1 within a sixth of its own hue, falls to 0 at two sixths.
     const auto primary = [&](double hue) {
         double away = std::abs(hsv[0] - hue);
         away = std::min(away, 1 - away) * 6;
@@ -130,7 +130,7 @@ Color interpolate_hsv(const Color& from, const Color& to, double s, bool wrapped
 
 using Sample = std::pair<double, Color>;
 
-/// Appends the points of (from, to] that keep straight lines close to the curve.
+/// Appends samples in (from, to] whose linear interpolation is close to the curve.
 void bisect(const std::function<Color(double)>& curve, const Sample& from, const Sample& to,
             int depth, std::vector<Sample>& samples) {
     constexpr double kTolerance = 0.25 / 255;
@@ -166,7 +166,7 @@ Color interpolate(ColorSpace space, const Color& from, const Color& to, double s
 }
 
 std::vector<std::pair<double, Color>> sample_curve(const std::function<Color(double)>& curve) {
-    // Eight pieces first: a feature narrower than a 32nd could slip through the three probes.
+    // Eight pieces first: the three test points of bisect could miss a feature narrower than 1/32.
     constexpr int kPieces = 8, kDepth = 10;
     std::vector<Sample> samples;
     Sample from{0, curve(0)};
@@ -192,7 +192,7 @@ std::vector<ColorPoint> sample_colors(ColorSpace space, const std::vector<ColorP
                 points.push_back({static_cast<float>(a.v + s * (double{b.v} - a.v)),
                                   static_cast<float>(color[0]), static_cast<float>(color[1]),
                                   static_cast<float>(color[2])});
-            points.pop_back();  // the last sample is the control point, less a rounding
+            points.pop_back();  // the last sample is the control point, up to rounding
         }
         points.push_back(b);
     }

@@ -1,4 +1,4 @@
-// color_spaces.h: colours between two control points, in the spaces ParaView interpolates in.
+// color_spaces.h: interpolation between control colours in ParaView's colour spaces.
 #pragma once
 
 #include <array>
@@ -9,19 +9,21 @@
 
 namespace vog::shading {
 
+/// Red, green, blue of the display, or coordinates of another space.
 using Color = std::array<double, 3>;
 
-/// kHsv turns the hue through the numbers between; kHsvWrapped takes the shorter way round.
+/// kHsv interpolates the hue as a number; kHsvWrapped along the shorter arc.
 enum class ColorSpace { kRgb, kHsv, kHsvWrapped, kLab, kDiverging };
 
-/// The display colour at s in [0, 1] between two display colours, as VTK has it.
+/// Display colour at s in [0, 1] between two display colours, as VTK interpolates.
 Color interpolate(ColorSpace space, const Color& from, const Color& to, double s);
 
-/// A curve over s in [0, 1] as the fewest points, by bisection, whose straight lines keep within a
-/// quarter of an 8-bit step of it. Returns (s, value) for s in (0, 1].
+/// Samples of a curve over s in [0, 1], by bisection, whose linear interpolation is within 0.25 / 255.
+/// returns  (s, value) for s in (0, 1], ascending
 std::vector<std::pair<double, Color>> sample_curve(const std::function<Color(double)>& curve);
 
-/// The transfer function through `control` (sorted by v) in `space`, made piecewise linear in RGB.
+/// Piecewise linear RGB approximation of the interpolation of `control` in `space`.
+/// control  sorted by v
 std::vector<ColorPoint> sample_colors(ColorSpace space, const std::vector<ColorPoint>& control);
 
 }  // namespace vog::shading

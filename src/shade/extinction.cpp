@@ -1,5 +1,5 @@
-// extinction.cpp: the factor on density, chosen for a view and changed after rendering: T is linear
-// in it.
+// extinction.cpp: automatic choice of the extinction, and its change after rendering, in which T is
+// linear.
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
 
@@ -16,18 +16,18 @@ namespace vog {
 
 double auto_extinction(const DepthImage& image) {
     require_valid("auto extinction", image);
-    std::vector<float> found;
-    found.reserve(image.depth.size());
+    std::vector<float> positive;
+    positive.reserve(image.depth.size());
     for (const float t : image.depth)
-        if (t > 0) found.push_back(t);
-    if (found.empty()) return 1;
+        if (t > 0) positive.push_back(t);
+    if (positive.empty()) return 1;
 
-    // Nearest rank: the least T that 99 % of the non-zero pixels do not exceed, index
-    // ceil(0.99 n) - 1, in integers. At T = 4 the eye still tells V = 0.98 from 1.
+    // Nearest rank of the 99th percentile, index ceil(0.99 n) - 1 in integers. T = 4 is V = 0.98,
+    // still distinguishable from 1.
     constexpr double kTargetDepth = 4;
-    const std::size_t rank = (99 * found.size() + 99) / 100 - 1;
-    const auto percentile = found.begin() + static_cast<std::ptrdiff_t>(rank);
-    std::nth_element(found.begin(), percentile, found.end());
+    const std::size_t rank = (99 * positive.size() + 99) / 100 - 1;
+    const auto percentile = positive.begin() + static_cast<std::ptrdiff_t>(rank);
+    std::nth_element(positive.begin(), percentile, positive.end());
     return image.extinction * kTargetDepth / static_cast<double>(*percentile);
 }
 

@@ -1,4 +1,4 @@
-// ramp.h: the points of a transfer function as a function of V.
+// ramp.h: piecewise linear functions of V, evaluated in constant time.
 #pragma once
 
 #include <algorithm>
@@ -18,19 +18,19 @@ inline std::array<float, 3> components(const ColorPoint& point) {
 }
 inline std::array<float, 1> components(const OpacityPoint& point) { return {point.opacity}; }
 
-/// A piecewise linear function of v, evaluated in constant time: v in [0, 1] falls into one of 1024
-/// equal buckets, which knows the first piece it meets. Exact: buckets only start the search.
+/// Piecewise linear function of v in [0, 1] with N components. Each of 1024 equal buckets of v stores
+/// its first piece, where the search starts: constant time, exact values.
 template <std::size_t N>
 class Ramp {
   public:
     template <class Point>
     explicit Ramp(const std::vector<Point>& points) {
-        // A constant before the first point, a line between two, a constant after the last.
+        // Constant before the first point and after the last, linear between.
         constexpr float kInfinity = std::numeric_limits<float>::infinity();
         pieces_.push_back({points.front().v, 0, components(points.front()), {}});
         for (std::size_t i = 1; i < points.size(); ++i) {
             const float v0 = points[i - 1].v, width = points[i].v - v0;
-            if (width < std::numeric_limits<float>::min()) continue;  // a step
+            if (width < std::numeric_limits<float>::min()) continue;  // a step: no piece
             const std::array<float, N> from = components(points[i - 1]), to = components(points[i]);
             std::array<float, N> slope;
             for (std::size_t c = 0; c < N; ++c) slope[c] = (to[c] - from[c]) / width;
@@ -45,7 +45,7 @@ class Ramp {
         }
     }
 
-    /// v in [0, 1]
+    /// Value at v in [0, 1].
     std::array<float, N> operator()(float v) const {
         const auto bucket = static_cast<std::uint32_t>(v * kBuckets);
         const Piece* piece = &pieces_[first_[std::min(bucket, kBuckets - 1)]];
@@ -58,13 +58,14 @@ class Ramp {
   private:
     static constexpr std::uint32_t kBuckets = 1024;  // a power of two: bucket edges are exact
     struct Piece {
-        float end, start;
-        std::array<float, N> value, slope;  ///< value at `start`, and its change per v
+        float end, start;                   ///< v
+        std::array<float, N> value, slope;  ///< value at `start`; change per unit of v
     };
     std::vector<Piece> pieces_;
     std::array<std::uint32_t, kBuckets> first_{};
 };
 
+/// Opacity 1 for every V.
 inline const std::vector<OpacityPoint> kOpaque{{0, 1}};
 
 }  // namespace vog::shading

@@ -1,4 +1,4 @@
-// shade.cpp: a picture of T to colours.
+// shade.cpp: colours of a depth image: V = 1 - exp(-T), transfer function, background.
 #include "vog/shade.h"
 
 #include <fmt/core.h>
@@ -18,8 +18,8 @@ namespace vog {
 using namespace shading;
 namespace {
 
-/// `front`, whose alpha is its opacity, over `back`; straight alpha. An opaque back gives
-/// mix(back, front, opacity), a clear one gives front as it is.
+/// Porter-Duff `front` over `back` with straight alpha: mix(back, front, front.a) for an opaque back,
+/// `front` unchanged for a transparent one.
 Rgba over(const Rgba& front, const Rgba& back) {
     if (front.a == 1) return front;
     const float behind = back.a * (1 - front.a);

@@ -1,4 +1,4 @@
-// transfer_function.cpp: a transfer function at one V, and what makes one valid.
+// transfer_function.cpp: evaluation of a transfer function at one V, and its validation.
 #include <fmt/core.h>
 
 #include "shade/ramp.h"

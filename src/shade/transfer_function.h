@@ -1,4 +1,4 @@
-// transfer_function.h: what shading and its files share about transfer functions.
+// transfer_function.h: validation and names of transfer functions.
 #pragma once
 
 #include <string>
@@ -7,11 +7,10 @@
 
 namespace vog::shading {
 
-/// throws vog::Error unless there is a colour, points are sorted by v, and every number is in [0,
-/// 1]
+/// throws vog::Error unless there is a colour, points are sorted by v, and all numbers are in [0, 1]
 void require_valid(const std::string& where, const TransferFunction& tf);
 
-/// Whether named_transfer_function takes it.
+/// Whether named_transfer_function accepts the name.
 bool is_transfer_function_name(const std::string& name);
 
 /// "gray, viridis, ...", for messages.

@@ -1,5 +1,5 @@
-// transfer_function_json.cpp: transfer functions from JSON: ParaView's colour maps and our own
-// (docs/transfer_functions.md), and ours written.
+// transfer_function_json.cpp: reading of ParaView's JSON colour maps and vog's own format
+// (docs/transfer_functions.md), writing of the latter.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ double number(const json& value, const std::string& where) {
     return value.get<double>();
 }
 
-/// A flag as JSON has it or as ParaView writes it, 0 or 1; absent: false.
+/// Boolean, or number as ParaView writes it (0 is false); false if absent.
 bool flag(const json& object, const char* key, const std::string& where) {
     const auto found = object.find(key);
     if (found == object.end()) return false;
@@ -33,7 +33,7 @@ bool flag(const json& object, const char* key, const std::string& where) {
     return number(*found, where + key) != 0;
 }
 
-/// Rows of `columns` numbers, the first of which does not decrease.
+/// Rows of numbers, the first of which is sorted.
 using Rows = std::vector<std::vector<double>>;
 
 void require_sorted(const Rows& rows, const std::string& where) {
@@ -44,7 +44,7 @@ void require_sorted(const Rows& rows, const std::string& where) {
                                     rows[i][0], rows[i - 1][0]));
 }
 
-/// ParaView's flat lists: [x, r, g, b, x, r, g, b, ...].
+/// Rows of ParaView's flat lists: [x, r, g, b, x, r, g, b, ...].
 Rows flat_rows(const json& list, std::size_t columns, const std::string& where) {
     if (!list.is_array())
         throw Error(fmt::format("{}: {}, expected an array", where, list.type_name()));
@@ -58,7 +58,7 @@ Rows flat_rows(const json& list, std::size_t columns, const std::string& where) 
     return rows;
 }
 
-/// Our lists: [[v, r, g, b], [v, r, g, b], ...].
+/// Rows of vog's nested lists: [[v, r, g, b], [v, r, g, b], ...].
 Rows nested_rows(const json& list, std::size_t columns, const std::string& where) {
     if (!list.is_array())
         throw Error(fmt::format("{}: {}, expected an array", where, list.type_name()));
@@ -81,7 +81,7 @@ ColorPoint color_point(double v, const std::vector<double>& row) {
 
 struct ColorMapSpace {
     ColorSpace space = ColorSpace::kRgb;
-    bool step = false;  ///< each interval has the colour of its right end
+    bool step = false;  ///< constant intervals with the colour of their right end
 };
 
 ColorMapSpace color_map_space(const json& preset, const std::string& where) {
@@ -109,13 +109,13 @@ std::vector<ColorPoint> with_steps(const std::vector<ColorPoint>& control) {
     return points;
 }
 
-/// VTK's piecewise function: from y0 to y1 over s in [0, 1], through their mean at `midpoint`,
-/// straight at sharpness 0, the steeper there the larger it is.
+/// VTK's vtkPiecewiseFunction: from y0 to y1 over s in [0, 1], through their mean at `midpoint`;
+/// linear at sharpness 0, a step at 1.
 double sharpened(double y0, double y1, double midpoint, double sharpness, double s) {
     midpoint = std::clamp(midpoint, 1e-5, 1 - 1e-5);
     s = s < midpoint ? 0.5 * s / midpoint : 0.5 + 0.5 * (s - midpoint) / (1 - midpoint);
     if (sharpness < 0.01) return (1 - s) * y0 + s * y1;
-    // Pull s to the ends, then a Hermite curve with one slope for both.
+    // Moves s towards the ends, then a Hermite curve with equal slopes at both.
     const double power = 1 + 10 * sharpness;
     s = s < 0.5 ? 0.5 * std::pow(2 * s, power) : 1 - 0.5 * std::pow(2 * (1 - s), power);
     const double rise = s * s * (3 - 2 * s), lean = s * (1 - s) * (1 - 2 * s);
@@ -123,7 +123,7 @@ double sharpened(double y0, double y1, double midpoint, double sharpness, double
     return std::clamp(y0 + rise * (y1 - y0) + lean * slope, std::min(y0, y1), std::max(y0, y1));
 }
 
-/// Cuts points that lie outside V in [0, 1], with a point where the line crosses an end.
+/// Clips points to V in [0, 1], with interpolated points where lines cross the ends.
 std::vector<OpacityPoint> clipped(const std::vector<OpacityPoint>& points) {
     std::vector<OpacityPoint> inside;
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -136,14 +136,15 @@ std::vector<OpacityPoint> clipped(const std::vector<OpacityPoint>& points) {
         }
         if (points[i].v >= 0 && points[i].v <= 1) inside.push_back(points[i]);
     }
-    if (inside.empty()) {  // all on one side of the range: a constant
+    if (inside.empty()) {  // all points on one side: constant
         const OpacityPoint nearest = points.front().v > 1 ? points.front() : points.back();
         inside.push_back({0, nearest.opacity});
     }
     return inside;
 }
 
-/// ParaView's opacity: [x, opacity, midpoint, sharpness, ...], on the scalars of the colours.
+/// Opacity from ParaView's list [x, opacity, midpoint, sharpness, ...].
+/// lowest, range  scalars of the colour map, which become V 0 to 1
 std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, double range,
                                            const std::string& where) {
     const Rows rows = flat_rows(list, 4, where);
@@ -154,7 +155,7 @@ std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, doub
                     fmt::format("{}: point at {} has {}, expected opacity, midpoint and "
                                 "sharpness in [0, 1]",
                                 where, row[0], row[c]));
-    constexpr double kFar = 1e30;  // so that differences are finite floats
+    constexpr double kFar = 1e30;  // keeps differences of floats finite
     std::vector<OpacityPoint> points;
     const auto add = [&](double x, double opacity) {
         const double v = std::clamp((x - lowest) / range, -kFar, kFar);
@@ -165,7 +166,7 @@ std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, doub
         const std::vector<double>&a = rows[i - 1], &b = rows[i];
         const double width = b[0] - a[0];
         const auto x_at = [&](double s) { return std::min(a[0] + s * width, b[0]); };
-        if (a[3] > 0.99) {  // VTK's step at the midpoint, exactly where it is
+        if (a[3] > 0.99) {  // VTK's step at the midpoint
             add(x_at(a[2]), a[1]);
             add(x_at(a[2]), b[1]);
         } else if (width > 0) {
@@ -191,7 +192,7 @@ TransferFunction from_paraview(const json& preset, const std::string& where) {
     if (flag(preset, "UseLogScale", where))
         throw Error(fmt::format("{}UseLogScale: expected a linear map", where));
 
-    // The scalar range becomes V in [0, 1].
+    // Scalars are mapped linearly to V in [0, 1].
     const Rows rows = flat_rows(*list, 4, where + "RGBPoints");
     const double lowest = rows.front()[0], range = rows.back()[0] - lowest;
     if (!(range > 0 && std::isfinite(range)))
@@ -209,7 +210,7 @@ TransferFunction from_paraview(const json& preset, const std::string& where) {
     return tf;
 }
 
-TransferFunction from_own(const json& object, const std::string& where) {
+TransferFunction from_vog(const json& object, const std::string& where) {
     for (const auto& [key, value] : object.items())
         if (key != "name" && key != "colors" && key != "opacity")
             throw Error(
@@ -244,7 +245,7 @@ TransferFunction from_json(const json& root, const std::string& where) {
         return from_paraview(root.front(), where);
     }
     if (root.is_object() && root.contains("RGBPoints")) return from_paraview(root, where);
-    if (root.is_object() && root.contains("colors")) return from_own(root, where);
+    if (root.is_object() && root.contains("colors")) return from_vog(root, where);
     throw Error(
         fmt::format("{}no transfer function, expected an array of ParaView presets "
                     "(RGBPoints) or an object with colors",
@@ -272,7 +273,7 @@ TransferFunction read_transfer_function(const std::filesystem::path& file) {
 
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf) {
     require_valid("transfer function " + tf.name, tf);
-    // By hand rather than dumped: one point a line, and floats in their shortest form.
+    // Formatted here, not by the JSON library: one point per line, floats with shortest digits.
     std::string text =
         fmt::format("{{\n  \"name\": {},\n  \"colors\": [",
                     json(tf.name).dump(-1, ' ', true, json::error_handler_t::replace));
@@ -301,7 +302,7 @@ TransferFunction load_transfer_function(const std::string& name_or_file) {
     if (is_transfer_function_name(name_or_file)) return named_transfer_function(name_or_file);
     std::error_code code;
     if (std::filesystem::exists(name_or_file, code)) return read_transfer_function(name_or_file);
-    throw Error(fmt::format("{}: neither a file nor a transfer function's name (those are: {})",
+    throw Error(fmt::format("{}: neither a file nor the name of a transfer function (names: {})",
                             name_or_file, transfer_function_name_list()));
 }
 
