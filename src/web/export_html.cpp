@@ -1,5 +1,4 @@
-// export_html.cpp: the page: the files of page/ with the models, the colours and the words in their
-// places.
+// export_html.cpp: assembly of the page from the files of page/, models, transfer functions and texts.
 #include "vog/export_html.h"
 
 #include <fmt/core.h>
@@ -26,21 +25,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// In the order in which each finds what it needs above it.
+/// Modules in the order of their dependencies.
 constexpr const char* kModules[] = {"vectors.js", "camera.js",   "gaussians.js",
                                     "colors.js",  "renderer.js", "link.js",
                                     "input.js",   "controls.js", "main.js"};
 constexpr const char* kShaders[] = {"splat.vert", "splat.frag", "screen.vert", "shade.frag"};
 
-/// The name that a line declares: of "const x = 1;", "async function x() {", ...
+/// Name declared by a line such as "const x = 1;" or "async function x() {".
 std::string declared_name(std::string_view line) {
     for (const std::string_view word : {"async ", "function ", "class ", "const "})
         if (line.starts_with(word)) line.remove_prefix(word.size());
     return std::string(line.substr(0, line.find_first_of(" (={;")));
 }
 
-/// Modules as one script: each a function of its own that returns what it exports, by which those
-/// below it see it. Imports and exported declarations begin a line; no name is changed on the way.
+/// All modules as one script: each becomes a function that returns its exports to the later ones.
+/// Imports and exported declarations must start a line.
 std::string bundle() {
     std::string script;
     for (const char* name : kModules) {
@@ -66,7 +65,7 @@ std::string bundle() {
     return script;
 }
 
-/// JSON within a script element: no '<', so that nothing ends the element or begins a comment.
+/// JSON for a script element, with '<' escaped so that no text ends the element or starts a comment.
 std::string script_json(const Json& json) {
     const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     std::string safe;
@@ -80,7 +79,7 @@ std::string script_json(const Json& json) {
     return safe;
 }
 
-/// Every {{name}} of a page replaced, in one pass: what is put in is not looked at again.
+/// Replaces every {{name}} of a page in one pass: inserted text is not searched again.
 std::string filled(const std::string& page, const std::map<std::string, std::string>& parts) {
     std::string out;
     std::size_t at = 0;
@@ -97,7 +96,7 @@ Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
 
 Json json_of(const TransferFunction& tf) {
     Json colors = Json::array(), opacity = Json::array();
-    // Four digits are finer than 8 bits; more would only make the page larger.
+    // Four digits are finer than the 8 bits of the display.
     const auto rounded = [](float v) { return std::round(double{v} * 1e4) / 1e4; };
     for (const ColorPoint& c : tf.color)
         colors.push_back({double{c.v}, rounded(c.r), rounded(c.g), rounded(c.b)});
@@ -105,7 +104,8 @@ Json json_of(const TransferFunction& tf) {
     return {{"name", tf.name}, {"colors", colors}, {"opacity", opacity}};
 }
 
-/// The chosen one first if it is none of those known by name, or differs from its namesake.
+/// All named maps; before them the chosen one if it is not among them or differs from its namesake.
+/// chosen_name  receives its name in the list
 Json maps_json(const TransferFunction& chosen, std::string& chosen_name) {
     Json maps = Json::array();
     const Json own = json_of(chosen);
@@ -122,15 +122,17 @@ Json maps_json(const TransferFunction& chosen, std::string& chosen_name) {
     return maps;
 }
 
-Box seen_box(const Gaussians& model) {
+/// Box of a model's view; a unit cube if the model is empty.
+Box framed_box(const Gaussians& model) {
     const Box box = view_box(model);
     return box.empty() ? Box{{-1, -1, -1}, {1, 1, 1}} : box;
 }
 
+/// Extinction of the options, or the automatic one of the first view.
 double first_extinction(const Gaussians& model, const HtmlOptions& options) {
     if (options.extinction) return *options.extinction;
     constexpr int kSize = 256;
-    const Camera camera = options.camera ? *options.camera : paper_view(seen_box(model));
+    const Camera camera = options.camera ? *options.camera : paper_view(framed_box(model));
     return auto_extinction(render_splat(model, camera, kSize, kSize));
 }
 
@@ -139,16 +141,16 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
                 std::string& data) {
     const Gaussians& finest = model.levels.front();
     const WebFrame frame = web_frame(finest);
-    const Box box = seen_box(finest);
+    const Box box = framed_box(finest);
     Json levels = Json::array();
     for (std::size_t n = 0; n < model.levels.size(); ++n) {
         const WebLevel level = web_level(model.levels[n], frame);
-        // V8 holds strings of up to 2^29 - 24 letters, the least of all engines.
-        constexpr std::size_t kMostText = (std::size_t{1} << 29) - 24;
+        // Longest string of V8, the shortest limit of all engines: 2^29 - 24 characters.
+        constexpr std::size_t kMaxText = (std::size_t{1} << 29) - 24;
         const std::string text = base64(level.compressed());
-        if (text.size() > kMostText)
-            throw Error(fmt::format("{}: {} Gaussians take {} bytes in a page, expected at most {}",
-                                    model.name, level.count, text.size(), kMostText));
+        if (text.size() > kMaxText)
+            throw Error(fmt::format("{}: {} Gaussians are {} bytes in a page, expected at most {}",
+                                    model.name, level.count, text.size(), kMaxText));
         levels.push_back({{"count", level.count},
                           {"rotated", level.rotated},
                           {"chunks", level.chunks.size()},
@@ -185,7 +187,7 @@ void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
     if (options.camera) frame_of(*options.camera, 1, 1);
 }
 
-/// What stands on the picture is to be legible.
+/// Style of the text over a background: "light", "dark", or "clear" for a transparent one.
 std::string ground_of(const Rgba& background) {
     if (background.a < 0.5f) return "clear";
     const float luma = 0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b;
@@ -206,7 +208,7 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
     }
     report.extinction = entries.front().at("extinction");
     const Camera camera =
-        options.camera ? *options.camera : paper_view(seen_box(models.front().levels.front()));
+        options.camera ? *options.camera : paper_view(framed_box(models.front().levels.front()));
     const Rgba& ground = options.shading.background;
     Json page = {{"title", options.title},
                  {"camera",

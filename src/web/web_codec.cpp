@@ -1,4 +1,4 @@
-// web_codec.cpp: from floats to words, with bounds on what each may lose.
+// web_codec.cpp: quantisation of Gaussians to 16-bit words with bounded errors.
 #include "web/web_codec.h"
 
 #include <zlib.h>
@@ -19,13 +19,13 @@ namespace vog::web {
 namespace {
 
 constexpr double kMaxWord = 65535;
-/// Steps of a mean in a Gaussian's smallest standard deviation; so it is off by half of 1/256.
+/// Quantisation steps of a mean per smallest standard deviation: errors are at most half of 1/256.
 constexpr double kStepsPerDeviation = 256;
-/// Chunks longer than this have larger words, shorter ones more corners: 64 to 1024 make the same
-/// size of smoke to 1 %.
-constexpr std::uint32_t kChunkMost = 256;
+/// Largest chunk. Longer chunks have larger words, shorter ones more corners: the size of smoke varies
+/// by 1 % between 64 and 1024.
+constexpr std::uint32_t kMaxChunk = 256;
 
-/// Indices in the order of a Morton curve, of those that are kept.
+/// Indices of Gaussians with density > 0, in Morton order of their means.
 std::vector<std::uint32_t> morton_order(const Gaussians& model) {
     Points means;
     std::vector<std::uint32_t> kept;
@@ -42,7 +42,7 @@ std::vector<std::uint32_t> morton_order(const Gaussians& model) {
     return order;
 }
 
-/// The 24 rotations of a cube onto itself.
+/// The 24 rotations that map a cube to itself.
 std::vector<Quat> cube_rotations() {
     std::vector<Quat> all;
     const float r = 1 / std::numbers::sqrt2_v<float>;
@@ -71,17 +71,18 @@ Quat product(Quat a, Quat b) {
             a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
-/// A shape and the same with its axes swapped, so that its rotation is the smallest.
+/// Standard deviations and rotation of a Gaussian.
 struct Shape {
     Vec3d scale;
     Quat rotation;
 };
+/// The same ellipsoid with its axes permuted so that its rotation is the smallest.
 Shape smallest_rotation(Vec3d scale, Quat q) {
     static const std::vector<Quat> kTurns = cube_rotations();
     const auto length =
         static_cast<float>(std::hypot(std::hypot(double{q.w}, q.x), std::hypot(double{q.y}, q.z)));
     q = {q.w / length, q.x / length, q.y / length, q.z / length};
-    // The w of q times turn alone decides.
+    // The smallest rotation has the largest |w| of q * turn.
     const auto w_of = [&](Quat t) {
         return std::abs(q.w * t.w - q.x * t.x - q.y * t.y - q.z * t.z);
     };
@@ -93,7 +94,7 @@ Shape smallest_rotation(Vec3d scale, Quat q) {
     if (shape.rotation.w < 0)
         shape.rotation = {-shape.rotation.w, -shape.rotation.x, -shape.rotation.y,
                           -shape.rotation.z};
-    // Column j of the turn is the old axis that the new axis j lies along.
+    // Column j of the turn is the old axis parallel to the new axis j.
     const Mat3 turn = matrix_from_quat(best);
     for (int j = 0; j < 3; ++j)
         for (int k = 0; k < 3; ++k)
@@ -101,16 +102,16 @@ Shape smallest_rotation(Vec3d scale, Quat q) {
     return shape;
 }
 
-WebLogarithm logarithm_for(double least, double most) {
-    // 2^step = (1 + 1/1024): half a step is 1/2048, as of a half float.
+WebLogarithm logarithm_for(double smallest, double largest) {
+    // 2^step >= 1 + 1/1024: relative errors of 1/2048, as for half floats.
     const double finest = std::log2(1 + 1.0 / 1024);
-    return {least, std::max(finest, (most - least) / kMaxWord)};
+    return {smallest, std::max(finest, (largest - smallest) / kMaxWord)};
 }
 std::uint16_t word_of(double value, double low, double step) {
     return static_cast<std::uint16_t>(std::clamp(std::round((value - low) / step), 0.0, kMaxWord));
 }
 
-/// Least and largest of log2.
+/// Range of logarithms.
 struct LogRange {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     void include(double value) {
@@ -122,12 +123,12 @@ struct LogRange {
     }
 };
 
-/// What becomes words, in order.
+/// Gaussians in Morton order, in a page's frame; logarithms of base 2.
 struct Sorted {
     std::vector<Vec3d> mean;
     std::vector<Vec3d> log_scale;
     std::vector<Quat> rotation;
-    std::vector<double> log_mass;  ///< of density times the three scales
+    std::vector<double> log_mass;  ///< log2(density * s0 * s1 * s2)
 };
 
 Sorted sorted_shapes(const Gaussians& model, const WebFrame& frame) {
@@ -154,7 +155,8 @@ Sorted sorted_shapes(const Gaussians& model, const WebFrame& frame) {
     return sorted;
 }
 
-/// Gathers means into runs whose box a word spans in steps fine enough for the narrowest of them.
+/// Divides the means into chunks, each with a step fine enough for its narrowest Gaussian and a box
+/// that 16 bits of that step span.
 void write_means(const Sorted& sorted, WebLevel& level) {
     const auto step_for = [&](std::size_t n) {
         const Vec3d s = sorted.log_scale[n];
@@ -165,12 +167,12 @@ void write_means(const Sorted& sorted, WebLevel& level) {
         Box box{sorted.mean[begin], sorted.mean[begin]};
         double step = step_for(begin);
         std::size_t end = begin + 1;
-        for (; end < level.count && end - begin < kChunkMost; ++end) {
+        for (; end < level.count && end - begin < kMaxChunk; ++end) {
             Box wider = box;
             wider.include(sorted.mean[end]);
             const double finer = std::min(step, step_for(end));
             const Vec3d size = wider.upper - wider.lower;
-            // One less: the corner is rounded to a float.
+            // One step less, because the corner is rounded to float.
             if (std::max({size.x, size.y, size.z}) > (kMaxWord - 1) * finer) break;
             box = wider;
             step = finer;
@@ -214,7 +216,7 @@ WebLevel web_level(const Gaussians& model, const WebFrame& frame) {
     std::uint16_t* column = level.words.data() + 3 * level.count;
     std::vector<double> log_density(level.count);
     for (std::size_t n = 0; n < level.count; ++n) {
-        // Density follows from the rounded scales, so that rounding them costs no mass.
+        // Density from mass and rounded scales: their rounding does not change the mass.
         log_density[n] = sorted.log_mass[n];
         for (int axis = 0; axis < 3; ++axis) {
             const std::uint16_t word =

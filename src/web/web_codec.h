@@ -1,4 +1,4 @@
-// web_codec.h: a model as few bytes for a page. page/gaussians.js reads them.
+// web_codec.h: quantised, compressed encoding of models for the page; page/gaussians.js decodes it.
 #pragma once
 
 #include <cstdint>
@@ -9,27 +9,27 @@
 
 namespace vog::web {
 
-/// Where numbers of the page count from: places from the centre, lengths in units. Both are those
-/// of the finest level, shared by all levels.
+/// Origin and unit of length of a page's numbers, from the finest level and shared by all.
 struct WebFrame {
     Vec3d center;
     double unit = 1;
 };
+/// Centre of the means, and the radius of their box or the largest scale if larger.
 WebFrame web_frame(const Gaussians& model);
 
-/// log2 of a value is low + step * word.
+/// Quantisation of positive values: log2(value) = low + step * word.
 struct WebLogarithm {
     double low = 0, step = 1;
 };
 
-/// One level. Words of 16 bits, one column after another: x y z, three scales, three components of
-/// the rotation if there is one, density. Of each column all low bytes, then all high bytes: the
-/// latter are few different ones, which is what deflate needs.
+/// One level as 16-bit words in columns: x y z, three scales, x y z of the rotation (if rotated),
+/// density. The bytes of a column are split into all low bytes, then all high bytes: the latter have
+/// few distinct values, which deflate compresses well.
 struct WebLevel {
     std::size_t count = 0;
     bool rotated = false;
     WebLogarithm scale, density;
-    /// Runs of Gaussians that share a corner and a step for their means.
+    /// Run of Gaussians with a common origin and step of their means: mean = corner + step * word.
     struct Chunk {
         float corner[3], step;
         std::uint32_t count;
@@ -38,19 +38,19 @@ struct WebLevel {
     std::vector<std::uint16_t> words;  ///< [columns][count]
 
     std::size_t columns() const { return rotated ? 10 : 7; }
-    /// Chunks, then the bytes of the words, as zlib has them.
+    /// zlib stream of the chunks and the bytes of the words.
     std::string compressed() const;
 };
 
-/// Rotation words: -kWebRotationLimit at 0 to +kWebRotationLimit at kWebRotationWords. An ellipsoid
-/// stays the same when its axes are swapped: of the 24 ways the one that turns least has w >= 0.853
-/// (62.8 degrees, the most between two orientations of a cube) and no other component above
-/// sin(22.5 degrees) = 0.3827, half the angle between two of them about an axis. Half a step in
-/// each of three is 0.00044 rad.
+/// Quantisation of x, y, z of rotations: -kWebRotationLimit at word 0 to +kWebRotationLimit at word
+/// kWebRotationWords. An ellipsoid is unchanged if its axes are permuted; of the 24 equivalent
+/// rotations the smallest has w >= 0.853 (62.8 degrees, the largest angle between two orientations of
+/// a cube), and no other component above sin(22.5 degrees) = 0.3827, half the angle between two of
+/// them about one axis. An error of half a step in all three components is 0.00044 rad.
 inline constexpr double kWebRotationLimit = 0.383;
 inline constexpr int kWebRotationWords = 3000;
 
-/// Gaussians in the order of a Morton curve, those without density left out.
+/// Encodes the Gaussians with density > 0, in Morton order of their means.
 WebLevel web_level(const Gaussians& model, const WebFrame& frame);
 
 }  // namespace vog::web

@@ -1,11 +1,11 @@
-// web_files.h: the files of the page, and the shaders shared with the window, embedded when building.
+// web_files.h: files of the page and shaders, embedded in the library at build time.
 #pragma once
 
 #include <string>
 
 namespace vog::web {
 
-/// Text of a file by its name, without folder.
+/// Text of a file by name without folder.
 const char* web_file(const std::string& name);
 
 }  // namespace vog::web

@@ -1,7 +1,7 @@
-// camera.js: a pinhole camera {eye, at, up, fov} and how a hand moves it: apps/viewer/ui/trackball.cpp
-// in JavaScript. Every motion is a function of a camera. Points of the screen are [right, up] of its
-// middle, in halves of its shorter side, to which the angle fov (degrees) belongs: on a wide screen
-// that is the height, as everywhere in vog; on a phone held upright it is the width.
+// camera.js: pinhole camera {eye, at, up, fov} and its motions by pointer and keys, as in
+// apps/viewer/ui/trackball.cpp. Every motion returns a new camera. Screen points are [right, up] from
+// the centre in units of half the shorter side, which also spans the angle fov (degrees): the height
+// of a wide screen, as everywhere in vog, but the width of a tall one.
 import { add, sub, mul, dot, cross, length, normalized, turned } from './vectors.js';
 
 export function axesOf(camera) {
@@ -12,7 +12,7 @@ export function axesOf(camera) {
 
 export const halfTangent = (camera) => Math.tan((camera.fov * Math.PI) / 360);
 
-/** Whether a picture can be taken: finite, looking somewhere, up not along the view. */
+/** Whether the camera is valid: finite, eye and centre distinct, up not parallel to the view. */
 export function isUsable(camera) {
   const { right, up, forward } = axesOf(camera);
   return [...right, ...up, ...forward, ...camera.eye].every(Number.isFinite) &&
@@ -27,31 +27,31 @@ function turnedAround(camera, axis, angle) {
   };
 }
 
-/** Bell's trackball: a sphere that runs out into a hyperbola, so that no place is off the ball. */
+/** Point on Bell's trackball: a sphere that continues as a hyperbola, defined on the whole plane. */
 function onBall([x, y]) {
   const radius = 0.8, r2 = x * x + y * y, inner = 0.5 * radius * radius;
   const z = r2 < inner ? Math.sqrt(radius * radius - r2) : inner / Math.sqrt(r2);
   return normalized([x, y, z]);
 }
 
-/** Turns around the centre as if a ball there were dragged. */
+/** Rotates around the centre like a dragged ball. */
 export function rotated(camera, from, to) {
   const a = onBall(from), b = onBall(to), across = cross(a, b), sine = length(across);
   if (sine < 1e-12) return camera;
   const { right, up, forward } = axesOf(camera);
   const axis = normalized(
     add(add(mul(across[0], right), mul(across[1], up)), mul(-across[2], forward)));
-  // Twice the angle, as on a quaternion ball: half a turn from rim to rim.
+  // Twice the angle, as for quaternion balls: half a turn from rim to rim.
   return turnedAround(camera, axis, -2 * Math.atan2(sine, dot(a, b)));
 }
 
-/** Turns around the centre, radians: rightwards about the camera's up, then upwards. */
+/** Rotates around the centre, radians: about the camera's up, then about its right axis. */
 export function orbited(camera, rightwards, upwards) {
   const aside = turnedAround(camera, axesOf(camera).up, rightwards);
   return turnedAround(aside, axesOf(aside).right, -upwards);
 }
 
-/** Turns the eye's view in place. */
+/** Rotates the view about the eye, radians. */
 export function lookedAround(camera, rightwards, upwards) {
   const { right, up } = axesOf(camera);
   const aside = turned(right, up, -rightwards);
@@ -63,7 +63,7 @@ export function lookedAround(camera, rightwards, upwards) {
   };
 }
 
-/** Turns about the line of sight, clockwise as the picture is seen. */
+/** Rotates about the line of sight, radians clockwise on the screen. */
 export function rolled(camera, angle) {
   const { up, forward } = axesOf(camera);
   return { ...camera, up: normalized(turned(up, forward, -angle)) };
@@ -76,13 +76,13 @@ export function flown(camera, rightwards, upwards, ahead) {
   return { ...camera, eye: add(camera.eye, step), at: add(camera.at, step) };
 }
 
-/** Moves so that what lies at the centre's depth follows the pointer. */
+/** Translates so that points at the centre's depth follow the pointer. */
 export function panned(camera, from, to) {
   const scale = length(sub(camera.at, camera.eye)) * halfTangent(camera);
   return flown(camera, (from[0] - to[0]) * scale, (from[1] - to[1]) * scale, 0);
 }
 
-/** Moves towards what is under the pointer, which stays there; never stops before the volume. */
+/** Moves towards the point below the pointer, which stays there; may pass through the volume. */
 export function zoomed(camera, point, factor, leastDistance) {
   const { right, up, forward } = axesOf(camera);
   const distance = Math.max(length(sub(camera.at, camera.eye)), leastDistance);
@@ -93,7 +93,7 @@ export function zoomed(camera, point, factor, leastDistance) {
   return { ...camera, up, eye, at: add(eye, mul(Math.max(distance * factor, leastDistance), forward)) };
 }
 
-/** The same direction, from where the whole box is seen. */
+/** Same direction, at the distance where the whole box is visible. */
 export function fitted(camera, box) {
   const distance = box.radius / Math.sin(Math.atan(halfTangent(camera)));
   const { up, forward } = axesOf(camera);
@@ -101,8 +101,7 @@ export function fitted(camera, box) {
 }
 
 /**
- * A first view, drawn nearer where a screen taller than wide would show the box small: until one of
- * its corners meets an edge.
+ * Initial view for a screen taller than wide: moved nearer until a corner of the box meets an edge.
  */
 export function filling(camera, box, width, height) {
   if (width >= height) return camera;
@@ -121,14 +120,14 @@ export function filling(camera, box, width, height) {
   return { ...camera, eye: sub(camera.at, mul(least, forward)) };
 }
 
-/** From +x, -x, +y, ...: axis 0, 1, 2 and a sign. */
+/** View from an axis, 0 to 2, and a sign: +x, -x, +y, ... */
 export function seenFrom(camera, box, axis, sign) {
   const eye = [0, 0, 0];
   eye[axis] = sign;
   return fitted({ ...camera, eye, at: [0, 0, 0], up: axis === 1 ? [1, 0, 0] : [0, 1, 0] }, box);
 }
 
-/** The view that has the same place in another box. */
+/** Camera at the same place relative to another box. */
 export function carriedOver(camera, from, to) {
   const carry = (p) => add(to.center, mul(to.radius / from.radius, sub(p, from.center)));
   return { ...camera, eye: carry(camera.eye), at: carry(camera.at) };

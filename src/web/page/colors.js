@@ -1,7 +1,7 @@
-// colors.js: transfer functions {name, colors: [[v, r, g, b], ...], opacity: [[v, a], ...]}, as
-// vog::evaluate has them: piecewise linear, constant beyond the ends.
+// colors.js: transfer functions {name, colors: [[v, r, g, b], ...], opacity: [[v, a], ...]}, piecewise
+// linear and constant beyond the ends, as vog::color_at evaluates them.
 
-/** A function of v that must not fall from call to call. */
+/** Evaluator of a piecewise linear function; v must not decrease from call to call. */
 function walker(points) {
   let n = 0;
   return (v) => {
@@ -17,7 +17,7 @@ export function reversed(map) {
   return { ...map, colors };
 }
 
-/** RGBA at V = (i / (count - 1))^power: finer near 0 with a power of 2, as shade.frag takes it. */
+/** RGBA at V = (i / (count - 1))^power; power 2, for shade.frag, is finer near 0. */
 export function sampled(map, count, power) {
   const colors = walker(map.colors);
   const opacity = walker(map.opacity && map.opacity.length ? map.opacity : [[0, 1]]);
@@ -29,7 +29,7 @@ export function sampled(map, count, power) {
   return values;
 }
 
-/** The colours of V from 0 to 1, left to right, over the background, as the picture has them. */
+/** Draws the colours of V from 0 (left) to 1 over the background. */
 export function drawColorBar(canvas, map, { fade, background }) {
   const width = canvas.width, values = sampled(map, width, 1);
   const context = canvas.getContext('2d');

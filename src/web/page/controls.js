@@ -1,9 +1,9 @@
-// controls.js: the panel, the colour bar and what they show. No state of its own: show() is told it.
+// controls.js: panel, colour bar and notices. Stateless: show() receives the state.
 import { drawColorBar, reversed } from './colors.js';
 import { keyHelp } from './input.js';
 
 const find = (id) => document.getElementById(id);
-const grouped = (n) => n.toLocaleString('en');
+const countText = (n) => n.toLocaleString('en');
 
 function element(name, text, attributes = {}) {
   const made = document.createElement(name);
@@ -12,11 +12,14 @@ function element(name, text, attributes = {}) {
   return made;
 }
 
-/** 0.25, 1, 4: two digits, without zeros at the end. */
+/** Factor with two significant digits: × 0.25, × 1, × 4. */
 const factorText = (x) => `× ${Number(x.toPrecision(2))}`;
 
 export class Controls {
-  /** change(part) takes what the reader sets; commands  {home, save, link, help, panel} */
+  /**
+   * change    called with the part of the state that the reader changed
+   * commands  {home, save, link, help, panel}
+   */
   constructor(page, change, commands) {
     this.page = page;
     page.models.forEach((model, n) => {
@@ -55,7 +58,7 @@ export class Controls {
     level.max = model.levels.length - 1;
     level.value = model.levels.length - 1 - state.level;  // to the right: finer
     level.disabled = model.levels.length < 2;
-    const counted = `${grouped(count)} ${count === 1 ? 'Gaussian' : 'Gaussians'}`;
+    const counted = `${countText(count)} ${count === 1 ? 'Gaussian' : 'Gaussians'}`;
     find('count').textContent = counted;
     level.setAttribute('aria-valuetext', counted);
     find('map').value = state.map;
@@ -82,7 +85,7 @@ export class Controls {
 }
 
 let hiding = 0;
-/** A line at the foot of the picture, for some seconds or, with 0, until the next. */
+/** Shows a notice below the picture for some seconds; 0: until the next. */
 export function say(text, seconds = 4) {
   const line = find('notice');
   line.textContent = text;
@@ -91,7 +94,7 @@ export function say(text, seconds = 4) {
   if (seconds > 0) hiding = setTimeout(() => { line.hidden = true; }, 1000 * seconds);
 }
 
-/** In place of the picture, where there can be none. */
+/** Shows a message instead of the picture. */
 export function giveUp(text) {
   document.body.classList.add('failed');
   find('failure-text').textContent = text;

@@ -1,10 +1,9 @@
-// gaussians.js: the models in the page, from text to what the GPU takes. Written by
-// src/web/web_codec.cpp.
+// gaussians.js: decoding of the page's models to GPU instances. Encoder: src/web/web_codec.cpp.
 
 const chunkBytes = 20;             // corner x y z, step: float32; count: uint32
 const rotationLimit = 0.383;       // kWebRotationLimit
 const rotationStep = (2 * rotationLimit) / 3000;
-/** Floats of an instance: mean and density, scales, rotation w x y z, as splat.vert has them. */
+/** Floats per instance: mean x y z, density, three scales, rotation w x y z (splat.vert). */
 export const instanceFloats = 11;
 
 async function inflated(base64) {
@@ -17,9 +16,9 @@ async function inflated(base64) {
 }
 
 /**
- * Instances of one level, in units of the model, from its centre.
+ * Instances of one level, relative to the model's centre in its unit.
  * level   {count, rotated, chunks, scale: [low, step], density: [low, step]}
- * factor  on density: the extinction
+ * factor  of density: the extinction
  */
 export async function decodeLevel(base64, level, factor) {
   const bytes = await inflated(base64);

@@ -1,13 +1,13 @@
-// input.js: mouse, touch, wheel and keys, to cameras and commands.
+// input.js: conversion of mouse, touch, wheel and key events to camera motions and commands.
 import { rotated, lookedAround, rolled, panned, zoomed } from './camera.js';
 
-/** A place of the page as a point of the screen (camera.js). */
+/** Screen point (camera.js) of page coordinates. */
 function pointOf(canvas, x, y) {
   const box = canvas.getBoundingClientRect(), half = 0.5 * Math.min(box.width, box.height);
   return [(x - box.left - 0.5 * box.width) / half, (box.top + 0.5 * box.height - y) / half];
 }
 
-/** What a mouse button does to the camera between two points, as in the desktop's window. */
+/** Camera after a drag between two screen points, by button and modifier as in the window. */
 function dragged(event, camera, from, to, leastDistance) {
   if (event.buttons & 2) return zoomed(camera, [0, 0], Math.exp(-2 * (to[1] - from[1])), leastDistance);
   if (event.buttons & 4 || event.shiftKey) return panned(camera, from, to);
@@ -16,7 +16,7 @@ function dragged(event, camera, from, to, leastDistance) {
   return rotated(camera, from, to);
 }
 
-/** Two fingers: they hold their places in the picture while they move, part and turn. */
+/** Camera after a motion of two fingers, which keep their points of the picture. */
 function pinched(camera, before, after, leastDistance) {
   const middle = ([a, b]) => [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
   const apart = ([a, b]) => [b[0] - a[0], b[1] - a[1]];
@@ -29,6 +29,7 @@ function pinched(camera, before, after, leastDistance) {
 }
 
 /**
+ * Attaches pointer and wheel events.
  * view  {camera(), move(camera), leastDistance(), still(), embedded()}
  */
 export function attachPointers(canvas, view) {
@@ -55,8 +56,8 @@ export function attachPointers(canvas, view) {
   canvas.addEventListener('contextmenu', (event) => event.preventDefault());
 
   canvas.addEventListener('wheel', (event) => {
-    // Within another page the wheel scrolls that page, until the picture has been clicked.
-    const pinch = event.ctrlKey;  // what a trackpad's pinch arrives as
+    // In an embedded page the wheel scrolls the outer page until the picture is clicked.
+    const pinch = event.ctrlKey;  // browsers report a trackpad's pinch as Ctrl + wheel
     if (view.still() || (view.embedded() && !pinch && document.activeElement !== canvas)) return;
     event.preventDefault();
     const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
@@ -66,7 +67,7 @@ export function attachPointers(canvas, view) {
   }, { passive: false });
 }
 
-/** The keys, in the order the help lists them: [keys, what they do]. */
+/** Lines of the help: [keys, effect]. */
 export const keyHelp = [
   ['drag', 'turn'],
   ['Shift + drag, two fingers', 'move'],
@@ -88,8 +89,8 @@ export const keyHelp = [
 ];
 
 /**
- * Keys are taken wherever the focus is, but from controls that need them.
- * commands  by name of the key (KeyboardEvent.key, or code for digits): called with the event
+ * Attaches keys for any focus, except where a focused control uses the key itself.
+ * commands  {key: function of the event}, by KeyboardEvent.key, or code for digits
  */
 export function attachKeys(commands) {
   window.addEventListener('keydown', (event) => {

@@ -1,5 +1,5 @@
-// link.js: what the part of the address after # says: #embed&map=viridis&eye=1,2,3&at=0,0,0. It is
-// only read; a page never changes its own address.
+// link.js: settings in the address behind #, as in #embed&map=viridis&eye=1,2,3&at=0,0,0. The page
+// never changes its own address.
 import { isUsable } from './camera.js';
 
 const vector = (text) => {
@@ -11,7 +11,10 @@ const number = (text, low, high) => {
   return v >= low && v <= high ? v : null;
 };
 
-/** Whatever is absent or makes no sense is null. camera  takes the place of what is not given */
+/**
+ * Settings of an address; null for absent or invalid ones.
+ * camera  default of each component of the view
+ */
 export function readLink(hash, camera) {
   const words = new URLSearchParams(hash.replace(/^#/, ''));
   const given = {
@@ -37,7 +40,7 @@ export function readLink(hash, camera) {
   };
 }
 
-/** The words for a view: what readLink reads. */
+/** Address suffix of a view, for readLink. */
 export function writeLink(state) {
   const digits = (v) => v.map((x) => Number(x.toPrecision(8))).join(',');
   const words = [`model=${state.model + 1}`, `level=${state.level + 1}`];

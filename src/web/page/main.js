@@ -1,4 +1,4 @@
-// main.js: the page's state, and when to draw what.
+// main.js: state of the page, scheduling of frames, loading of levels, commands.
 import { mul } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { decodeLevel } from './gaussians.js';
@@ -20,29 +20,29 @@ const state = {
   camera: page.camera, embed: false, still: false, subframes: 8, panel: !narrow(), bar: true,
 };
 
-// --- Drawing. T is drawn anew when camera, model, level or size change; all else shades anew. ---
+// --- Drawing. Changes of camera, model, level or size render T again; all others only shade. ---
 
-const restMs = 200;       // after the last motion the camera rests
-const slowMs = 50;        // a frame that takes longer is drawn coarser while the camera moves
-const fastMs = 12;
-const patienceMs = 100;   // sub-frames that take longer are not worth the wait
+const restMs = 200;       // time without motion after which the camera counts as at rest
+const slowMs = 50;        // slower frames: coarser levels while the camera moves
+const fastMs = 12;        // faster frames: finer levels again
+const patienceMs = 100;   // no further sub-frames after one that took longer
 
 let renderer = null, half = false, lost = false;
-let decoded = [];              // instances of the model's levels, where they are there
-let uploaded = [];             // those in the GPU's memory
-let loading = 0;               // counts models, so that a late level of another is not taken
-let complete = false;          // all levels are there
-let drawn = null;              // what T is of
-let moving = 0, coarser = 0;   // timer of the motion; levels below the chosen one meanwhile
+let decoded = [];              // instances of the model's levels, once decoded
+let uploaded = [];             // levels in the GPU's memory
+let loading = 0;               // number of the current load; levels of earlier ones are dropped
+let complete = false;          // all levels are decoded
+let drawn = null;              // camera, model, level and size of the current T
+let moving = 0, coarser = 0;   // timer of the motion; levels coarser than the chosen one meanwhile
 let frame = 0, inFlight = false, frameMs = 0;
 let stale = false;             // something changed while a frame was in flight
-let waiting = [];              // those who asked for a settled picture
+let waiting = [];              // callbacks that wait for a settled picture
 
 function request() {
   if (!frame && !inFlight && renderer && !lost) frame = requestAnimationFrame(draw);
 }
 
-/** The level to draw: as chosen, coarser while moving, or the next coarser one that is there. */
+/** Level to draw: the chosen one, a coarser one while moving, or the next coarser one decoded. */
 function levelNow() {
   const last = page.models[state.model].levels.length - 1;
   let level = Math.min(state.level + (moving ? coarser : 0), last);
@@ -67,19 +67,19 @@ function draw() {
   else time();
 }
 
-/** The first frame is no measure of time: the driver may have compiled shaders in it. */
+/** Whether to add a sub-frame. The first frame's time is ignored: it may include shader compilation. */
 const wantsMore = () => !moving && renderer.subframes < state.subframes &&
     (renderer.subframes < 2 || frameMs < patienceMs);
 
-/** Waits until the GPU has done the frame before the next is asked for, and takes its time. */
+/** Waits until the GPU has finished the frame, measures its time, then allows the next. */
 function time() {
   const { gl } = renderer, start = performance.now();
   const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
   gl.flush();
   inFlight = true;
-  const look = () => {
+  const poll = () => {
     if (!lost && fence && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED)
-      return setTimeout(look, 2);
+      return setTimeout(poll, 2);
     gl.deleteSync(fence);
     inFlight = false;
     frameMs = performance.now() - start;
@@ -88,7 +88,7 @@ function time() {
     coarser = Math.min(coarser, page.models[state.model].levels.length - 1 - state.level);
     afterFrame();
   };
-  setTimeout(look, 0);
+  setTimeout(poll, 0);
 }
 
 function afterFrame() {
@@ -98,7 +98,7 @@ function afterFrame() {
   }
   if (moving || !complete) return;
   document.documentElement.dataset.drawn = page.models[state.model].levels[levelNow()].count;
-  for (const told of waiting.splice(0)) told();
+  for (const resolve of waiting.splice(0)) resolve();
 }
 
 function redraw() {
@@ -128,7 +128,7 @@ function setMap() {
   renderer?.setMap(state.reverse ? reversed(map) : map);
 }
 
-/** Decodes the model's levels, coarsest first, and shows each as it comes. */
+/** Decodes the model's levels, coarsest first, and draws each when decoded. */
 async function load() {
   const turn = ++loading, index = state.model, model = page.models[index];
   if (turn > 1) say('');
@@ -149,7 +149,7 @@ async function load() {
 
 // --- Changes. ---
 
-/** Takes a part of the state; everything that changes comes this way. */
+/** Changes part of the state; the only place that does. */
 function change(part) {
   const before = { ...state };
   Object.assign(state, part);
@@ -180,11 +180,11 @@ function move(camera) {
 const box = (model = state.model) => page.models[model].box;
 const still = () => state.still;
 
-/** The page's own view; unless its author chose it, as large as a tall screen allows. */
+/** Initial view: the author's, or the default enlarged to fill a tall screen. */
 const firstView = () => (page.chosenView
   ? page.camera : filling(page.camera, box(0), canvas.clientWidth, canvas.clientHeight));
 
-/** What the address asks for, without what it does not mention. */
+/** Applies the settings in the address; others stay. */
 function follow() {
   const link = readLink(location.hash, firstView());
   const part = { embed: link.embed, still: link.still };
@@ -277,13 +277,13 @@ canvas.addEventListener('webglcontextrestored', () => {
 });
 window.addEventListener('hashchange', follow);
 
-/** As many pixels as the screen has, but no more than two to a CSS pixel each way. */
+/** Sets the canvas to the screen's resolution, at most two pixels per CSS pixel. */
 function fitCanvas() {
   const scale = Math.min(window.devicePixelRatio || 1, 2);
   const width = Math.max(1, Math.round(canvas.clientWidth * scale));
   const height = Math.max(1, Math.round(canvas.clientHeight * scale));
   if (width === canvas.width && height === canvas.height) return;
-  // Setting the size clears the canvas: it is drawn in the same breath.
+  // Setting the size clears the canvas, so it is drawn again at once.
   canvas.width = width;
   canvas.height = height;
   if (!renderer || lost || !drawn) return redraw();
@@ -292,18 +292,18 @@ function fitCanvas() {
 }
 
 /**
- * For pages that hold this one in a frame of the same origin, and for tests: the state, changes to
- * it, and the picture as a data: URL once it is complete.
+ * Interface for tests and for pages that frame this one from the same origin: the state, changes to
+ * it, and the complete picture as a data: URL.
  */
 window.vog = {
   state, change, page,
-  settled: () => new Promise((told) => { waiting.push(told); redraw(); }),
+  settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
   picture: async () => { await window.vog.settled(); return picture(); },
   bits: () => renderer?.format.bits,
 };
 
 const lightSystem = window.matchMedia('(prefers-color-scheme: light)');
-/** Where the page leaves the background to the reader's system. */
+/** Follows the system's light or dark scheme if the page does not set its background. */
 function followSystem() {
   if (!page.systemBackground) return;
   page.background = lightSystem.matches ? [1, 1, 1, 1] : [0, 0, 0, 1];

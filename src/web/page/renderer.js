@@ -1,11 +1,11 @@
-// renderer.js: the two passes of the desktop's window in WebGL2, with its shaders: every Gaussian a
-// quad whose fragments add their line integral into T, then T to colour.
+// renderer.js: WebGL2 renderer with the desktop window's shaders, in two passes: a quad per Gaussian,
+// whose fragments add their line integral to T; then the colour of T.
 import { sub, mul, dot } from './vectors.js';
 import { axesOf, halfTangent } from './camera.js';
 import { instanceFloats } from './gaussians.js';
 import { sampled } from './colors.js';
 
-// What differs from OpenGL 3.3, whose header is "#version 330 core".
+// Replaces OpenGL 3.3's header, "#version 330 core".
 const header = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
 const transferSize = 4096;
 
@@ -18,7 +18,7 @@ function compiled(gl, kind, name, source) {
   return shader;
 }
 
-/** A pair of shaders, and set(name, ...values) for its uniforms. */
+/** Linked shaders, with use() and setters of uniforms by name. */
 function program(gl, sources, vertex, fragment) {
   const object = gl.createProgram();
   gl.attachShader(object, compiled(gl, gl.VERTEX_SHADER, vertex, sources[vertex]));
@@ -38,7 +38,7 @@ function program(gl, sources, vertex, fragment) {
   };
 }
 
-/** How T can be summed here: in 32-bit floats, or in 16-bit ones where blending those is missing. */
+/** Format of T: 32-bit floats, or 16-bit ones on devices without blending of the former. */
 function depthFormat(gl, wantHalf) {
   const floats = gl.getExtension('EXT_color_buffer_float');
   const halves = floats || gl.getExtension('EXT_color_buffer_half_float');
@@ -49,7 +49,7 @@ function depthFormat(gl, wantHalf) {
       'picture is summed up in');
 }
 
-/** Where in its pixel a ray of sub-frame n passes: jitter_of in apps/viewer/gl/splat_gl.cpp. */
+/** Offset of the rays of sub-frame n from pixel centres: jitter_of in apps/viewer/gl/splat_gl.cpp. */
 function jitterOf(n) {
   const centred = (v) => v - Math.floor(v + 0.5);
   return [centred(n * 0.7548776662466927), centred(n * 0.5698402909980532)];
@@ -58,8 +58,8 @@ function jitterOf(n) {
 export class Renderer {
   /**
    * sources   shaders by file name
-   * wantHalf  16-bit floats whatever the device can
-   * throws    Error with a sentence for the reader where the device cannot do it
+   * wantHalf  use 16-bit floats on every device
+   * throws    Error with a message for the reader if the device is not supported
    */
   constructor(canvas, sources, wantHalf) {
     const gl = canvas.getContext('webgl2', {
@@ -89,7 +89,7 @@ export class Renderer {
     return texture;
   }
 
-  /** Instances of one level into the GPU's memory. */
+  /** Copies the instances of one level to the GPU. */
   upload(instances) {
     const gl = this.gl, array = gl.createVertexArray(), buffer = gl.createBuffer();
     gl.bindVertexArray(array);
@@ -124,10 +124,10 @@ export class Renderer {
       throw new Error(`this graphics driver cannot draw into ${this.format.bits}-bit floats`);
   }
 
-  /** Forgets the sum of sub-frames. */
+  /** Discards the sum of sub-frames. */
   restart() { this.subframes = 0; }
 
-  /** Adds one sub-frame of T, at the extinction that is in the instances. */
+  /** Adds one sub-frame of T; the instances include the extinction. */
   addDepth(level, model, camera) {
     const gl = this.gl, { width, height } = this;
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
@@ -138,7 +138,7 @@ export class Renderer {
     }
     if (level && level.count > 0) {
       const { right, up, forward } = axesOf(camera);
-      // In double precision, along the camera's axes: distance does not cost the pixels their digits.
+      // In double precision, along the camera's axes, so that distance does not reduce accuracy.
       const eye = mul(1 / model.unit, sub(camera.eye, model.center));
       this.splat.use();
       this.splat.set('eye', dot(eye, right), dot(eye, up), dot(eye, forward));
@@ -168,7 +168,10 @@ export class Renderer {
                   sampled(map, transferSize, 2));
   }
 
-  /** T to colour on the canvas. look  {exposure, fade, background} */
+  /**
+   * Colours T on the canvas.
+   * look  {exposure, fade, background}
+   */
   shade(look) {
     const gl = this.gl, { width, height, screen } = this;
     gl.viewport(0, 0, width, height);

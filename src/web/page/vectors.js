@@ -1,4 +1,4 @@
-// vectors.js: arithmetic of [x, y, z].
+// vectors.js: arithmetic of vectors [x, y, z].
 export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 export const mul = (s, a) => [s * a[0], s * a[1], s * a[2]];
@@ -11,7 +11,7 @@ export const cross = (a, b) => [
 export const length = (a) => Math.hypot(...a);
 export const normalized = (a) => mul(1 / length(a), a);
 
-/** Turned about an axis of unit length: Rodrigues' formula. */
+/** Rotation about an axis of unit length by Rodrigues' formula; radians. */
 export function turned(v, axis, angle) {
   const c = Math.cos(angle), s = Math.sin(angle);
   return add(add(mul(c, v), mul(s, cross(axis, v))), mul((1 - c) * dot(axis, v), axis));

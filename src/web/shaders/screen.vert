@@ -1,4 +1,4 @@
-// screen.vert: one triangle over the whole viewport.
+// screen.vert: one triangle that covers the viewport.
 out vec2 position;  // [0, 1], (0, 0) the top left
 
 void main() {

@@ -1,23 +1,23 @@
-// shade.frag: T to colour, as vog::shade does: V = 1 - exp(-T), the transfer function where T > 0, the
-// background elsewhere. Left of the split line image A, right of it image B; or their difference.
+// shade.frag: colour of T as in vog::shade: V = 1 - exp(-T), transfer function for T > 0, background
+// elsewhere. Image A left of the split line and B right of it, or their difference.
 in vec2 position;
 
 uniform highp sampler2D depth_a, depth_b;  // T, one channel
 uniform vec2 size_a, size_b;               // pixels
-uniform float factor_a, factor_b;          // extinction over the number of sub-frames
+uniform float factor_a, factor_b;          // extinction / number of sub-frames
 uniform highp sampler2D transfer;          // one row: colour and opacity at sqrt(V) = 0 ... 1
 uniform float transfer_size;
 uniform vec4 background;
 uniform bool blend;
-uniform bool checker;       // draw a clear background as a chequered one
-uniform float split;        // [0, 1] of the width; 1 and more: A alone
+uniform bool checker;       // chequered pattern behind transparent pixels
+uniform float split;        // share of the width, [0, 1]; from 1 on: A only
 uniform bool difference;
 uniform float difference_limit;  // |V - V'| at the ends of the scale
 uniform vec2 viewport_px, viewport_origin_px;
 
 layout(location = 0) out vec4 color;
 
-// The image at this place: the pixel itself where image and viewport have one size, else linear between pixels.
+// T at this fragment: the pixel itself if image and viewport have the same size, else bilinear.
 float depth_at(highp sampler2D image, vec2 size) {
     ivec2 last = ivec2(size) - 1;
     vec2 at = position * size - 0.5;
@@ -37,17 +37,17 @@ vec4 transfer_at(float v) {
     float at = sqrt(v) * (transfer_size - 1.0), base = floor(at);
     vec4 low = texelFetch(transfer, ivec2(int(base), 0), 0);
     vec4 high = texelFetch(transfer, ivec2(int(min(base + 1.0, transfer_size - 1.0)), 0), 0);
-    return mix(low, high, at - base);  // even in sqrt(V), as good as even in V between neighbours
+    return mix(low, high, at - base);  // linear in sqrt(V), close to linear in V between neighbours
 }
 
-// Straight alpha, as vog::shade.
+// Front over back with straight alpha, as in vog::shade.
 vec4 over(vec4 front, vec4 back) {
     float behind = back.a * (1.0 - front.a), alpha = front.a + behind;
     if (alpha <= 0.0) return vec4(back.rgb, 0.0);
     return vec4((front.a * front.rgb + behind * back.rgb) / alpha, alpha);
 }
 
-// Blue: A shows too little against B, red: too much, grey: equal (as vog compare --diff).
+// Blue: V of A below that of B, red: above, grey: equal, as in vog compare --diff.
 vec4 difference_color(float signed_share) {
     float s = clamp(signed_share, -1.0, 1.0);
     vec3 grey = vec3(0.8667), end = s < 0.0 ? vec3(0.231, 0.298, 0.753) : vec3(0.706, 0.016, 0.149);

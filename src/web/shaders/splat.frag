@@ -1,10 +1,10 @@
-// splat.frag: the exact line integral of one truncated Gaussian along one pixel's ray; additive
-// blending sums it into T. With (x, y) the pixel from the projected mean and d = toward + x step_x +
+// splat.frag: exact line integral of one truncated Gaussian along one pixel's ray, summed to T by
+// additive blending. With (x, y) the pixel from the projected mean and d = toward + x step_x +
 // y step_y the whitened direction, |d| = 1 at the mean:
 //   m^2 C = (ax x + ay y)^2 + (by y)^2      the squared cross product of mean and direction
 //   C     = |d|^2
-// two sums of squares, so no cancellation (docs/method.md). The pixel comes from gl_FragCoord: what a
-// rasteriser interpolates is off by up to 1/256 of a pixel.
+// sums of squares, so nothing cancels (docs/method.md). The pixel is taken from gl_FragCoord:
+// interpolated positions are off by up to 1/256 of a pixel.
 flat in vec4 center_ax_ay;
 flat in vec4 toward_by;
 flat in vec4 step_x_weight;
@@ -46,7 +46,7 @@ void main() {
                   erf_positive(sqrt(0.5 * (k2 - m2)));
         return;
     }
-    // Around or beside the eye: the segment ends at the eye.
+    // Support around or beside the eye: the segment starts at the eye.
     vec3 e = center_ax_ay.xyz;
     vec2 at = pixel + jitter_px;
     vec3 d = toward_by.xyz + at.x * step_x + at.y * step_y;
@@ -55,7 +55,7 @@ void main() {
     float m2 = dot(offset, offset) / c;
     if (m2 >= k2) discard;
     float end = sqrt(0.5 * (k2 - m2));                  // half the segment, in erf's units
-    float begin = max(-end, -dot(e, d) / sqrt(2.0 * c));  // where it enters, or the eye
+    float begin = max(-end, -dot(e, d) / sqrt(2.0 * c));  // entry point, or the eye
     if (begin >= end) discard;
     depth.r = step_x_weight.w * slant * sqrt(0.25 * kTwoPi / c) * exp(-0.5 * m2) *
               (erf_any(end) - erf_any(begin));

@@ -1,23 +1,23 @@
-// splat.vert: one Gaussian to the screen quad of its projected support, and the numbers its fragments
-// need. Everything is relative to the eye, in units of the model's radius: floats suffice.
-// Source for WebGL2 and OpenGL 3.3 alike; the #version line is put in front.
-layout(location = 0) in vec4 mean_density;  // mean from the model's centre; peak
+// splat.vert: screen quad of a Gaussian's projected support, and the inputs of splat.frag. All lengths
+// are relative to the eye in units of the model's radius, so that floats suffice.
+// Shared by WebGL2 and OpenGL 3.3; the #version line is prepended at run time.
+layout(location = 0) in vec4 mean_density;  // mean relative to the model's centre; peak density
 layout(location = 1) in vec3 scale;         // standard deviations
 layout(location = 2) in vec4 rotation;      // unit quaternion w x y z
 
-uniform vec3 eye;                    // from the model's centre, along right, up and forward: exact there
+uniform vec3 eye;                    // relative to the model's centre, along right, up and forward
 uniform vec3 right, up, forward;     // camera axes
-uniform vec2 size_px;                // of the image
-uniform vec2 jitter_px;              // where in its pixel each ray passes, from the centre
-uniform float pixels_per_unit;       // of slope, right / forward
+uniform vec2 size_px;                // image size
+uniform vec2 jitter_px;              // offset of each ray from its pixel's centre
+uniform float pixels_per_unit;       // pixels per unit of slope, right / forward
 uniform float cutoff;                // standard deviations
 
-flat out vec4 center_ax_ay;  // projected mean from the image's middle, pixels; see splat.frag
+flat out vec4 center_ax_ay;  // projected mean, pixels from the image's centre; ax, ay of splat.frag
 flat out vec4 toward_by;     // unit whitened direction through the mean; by
 flat out vec4 step_x_weight;
 flat out vec4 step_y_near;   // near = 1: the exact segment form
 
-const float kInFront = 1.01;  // supports clear of the eye plane by this factor are far
+const float kInFront = 1.01;  // supports at this multiple of their extent before the eye plane are far
 const vec4 kNowhere = vec4(2.0, 2.0, 2.0, 1.0);
 
 mat3 rotation_matrix(vec4 q) {
@@ -27,15 +27,15 @@ mat3 rotation_matrix(vec4 q) {
                 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y));
 }
 
-// Whether the support lies beyond a side of the view: the plane slope * forward = across.
+// Whether the support is outside a side of the view frustum, the plane slope * forward = across.
 bool beyond(float slope, float across, float depth, vec3 s_across, vec3 s_forward) {
     vec3 normal = slope * s_forward - s_across;
     float gap = slope * depth - across;
     return gap < 0.0 && gap * gap > dot(normal, normal);
 }
 
-// Slopes of the two planes through the eye that touch the support: middle and half the difference.
-// The discriminant as a difference of squares of vectors: nothing cancels far from the eye.
+// Slopes of the two planes through the eye tangent to the support: mean and half difference. The
+// discriminant is a difference of squared vectors, so nothing cancels far from the eye.
 vec2 tangents(float across, float depth, vec3 s_across, vec3 s_forward) {
     float leading = depth * depth - dot(s_forward, s_forward);
     vec3 a = depth * s_across - across * s_forward, b = cross(s_across, s_forward);
@@ -49,12 +49,12 @@ void main() {
     float x = dot(mean, right) - eye.x, y = dot(mean, up) - eye.y, z = dot(mean, forward) - eye.z;
     vec3 axis_r = own_from_world * right, axis_u = own_from_world * up, axis_f = own_from_world * forward;
     vec3 s_r = cutoff * scale * axis_r, s_u = cutoff * scale * axis_u, s_f = cutoff * scale * axis_f;
-    float reach = length(s_f);
-    vec2 side = 0.5 * (size_px + 1.0) / pixels_per_unit;  // half a pixel wider: rays are jittered
+    float extent = length(s_f);
+    vec2 side = 0.5 * (size_px + 1.0) / pixels_per_unit;  // half a pixel wider, for jittered rays
 
     gl_Position = kNowhere;
     center_ax_ay = toward_by = step_x_weight = step_y_near = vec4(0.0);
-    if (z + reach <= 0.0 || beyond(side.x, x, z, s_r, s_f) || beyond(side.x, -x, z, -s_r, s_f) ||
+    if (z + extent <= 0.0 || beyond(side.x, x, z, s_r, s_f) || beyond(side.x, -x, z, -s_r, s_f) ||
         beyond(side.y, y, z, s_u, s_f) || beyond(side.y, -y, z, -s_u, s_f))
         return;
 
@@ -64,11 +64,11 @@ void main() {
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
     vec2 half_px = 0.5 * size_px;
 
-    bool far = z >= kInFront * reach;
+    bool far = z >= kInFront * extent;
     vec2 low, high;
     if (far) {
         vec2 tx = tangents(x, z, s_r, s_f) * pixels_per_unit, ty = tangents(y, z, s_u, s_f) * pixels_per_unit;
-        const float kPad = 0.02;  // pixels: more than float rounding; fragments outside add nothing
+        const float kPad = 0.02;  // pixels; covers float rounding, and fragments outside add nothing
         low = vec2(tx.x - tx.y, -ty.x - ty.y) - jitter_px - kPad;
         high = vec2(tx.x + tx.y, -ty.x + ty.y) - jitter_px + kPad;
         low = max(low, -half_px), high = min(high, half_px);
@@ -77,7 +77,7 @@ void main() {
         low = -half_px, high = half_px;
     }
     vec2 at = mix(low, high, 0.5 * corner + 0.5) / half_px;
-    gl_Position = vec4(at, 0.0, 1.0);  // row 0 of the target is the image's top
+    gl_Position = vec4(at, 0.0, 1.0);  // row 0 of the target is the top of the image
 
     if (!far) {
         center_ax_ay = vec4(e, 0.0);
@@ -86,7 +86,7 @@ void main() {
         step_y_near = vec4(dy, 1.0);
         return;
     }
-    // Directions scaled so that the one through the mean has length 1.
+    // Directions scaled so that the direction through the mean has length 1.
     float e_length = length(e), to_unit = z / e_length;
     dx *= to_unit, dy *= to_unit;
     vec3 px = cross(e, dx), py = cross(e, dy);
