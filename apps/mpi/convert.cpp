@@ -66,9 +66,9 @@ struct InputPart {
 };
 
 /// What is left of this rank's part of each level.
-InputPart composed(const std::vector<Levels>& levels) {
+InputPart composed(const std::vector<VolumeSet>& sets) {
     InputPart part;
-    for (const Levels& one : levels) {
+    for (const VolumeSet& one : sets) {
         Composite all = composite(one);
         // The levels over it only hide: what is seen of them is others'.
         Levels over = one;
@@ -83,11 +83,11 @@ InputPart composed(const std::vector<Levels>& levels) {
 }
 
 std::vector<InputPart> input_parts(VolumesPart& from) {
-    if (from.mesh) return {composed(from.levels)};
+    if (from.is_mesh()) return {composed(from.sets)};
     std::vector<InputPart> parts(from.volumes);
     for (std::size_t n = 0; n < from.sources.size(); ++n) {
         InputPart& part = parts[from.sources[n]];
-        part.volumes.push_back(std::move(from.levels.front().volumes[n]));
+        part.volumes.push_back(std::move(from.sets.front().volumes[n]));
         part.voxels = active_voxels(part.volumes.front());
     }
     return parts;
@@ -149,7 +149,7 @@ class PartConversion {
     }
     Gaussians by_moments(const InputPart& part, const MomentOptions& options,
                          MomentReport* report) const {
-        if (!from_.mesh) return convert_moments(part.volumes.front(), options, report);
+        if (!from_.is_mesh()) return convert_moments(part.volumes.front(), options, report);
         Composite data{part.volumes, from_.box, part.voxels};
         if (data.parts.empty()) data.parts.emplace_back();  // has a part in sums all the same
         return convert_moments(data, options, report);

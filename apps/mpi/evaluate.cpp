@@ -41,7 +41,7 @@ std::vector<Conversion> conversions(const Ranks& ranks) {
 
 std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ranks& ranks) {
     VolumesPart part = read_volumes_part(arguments.inputs, arguments.volume, ranks, kAlign_voxels);
-    if (part.mesh)
+    if (part.is_mesh())
         throw Error(
             "levels hide each other, which evaluations in parts do not know; expected one process "
             "(vog evaluate), or --no-mask");
@@ -50,7 +50,7 @@ std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ran
             fmt::format("{} files for {} ranks: an evaluation shares out files alone; "
                         "expected fewer than four a rank",
                         part.volumes, ranks.count()));
-    return std::move(part.levels.front().volumes);
+    return std::move(part.sets.front().volumes);
 }
 
 }  // namespace

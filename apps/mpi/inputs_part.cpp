@@ -29,7 +29,8 @@ void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options
         result.box.include(volumes.back().world_box());
         result.active_voxels += volumes.back().active_voxels();
     }
-    result.levels = read_level_parts(volumes, masks, part, &negative);
+    for (Levels& levels : read_level_parts(volumes, masks, part, &negative))
+        result.sets.push_back({std::move(levels), Overlap::hide});
     // What every rank has counted.
     if (part.index > 0) result.active_voxels = 0;
 }
@@ -39,17 +40,17 @@ void read_sums(std::span<const LevelSource> sources, const LevelOptions& options
     std::vector<std::string> files;
     for (const LevelSource& source : sources) files.push_back(source.file.string());
     const auto shares = shares_of(files, ranks);
-    result.levels.emplace_back();
+    result.sets.emplace_back();
     for (std::size_t n = 0; n < sources.size(); ++n) {
         if (!shares[n]) continue;
         VolumeReader reader(sources[n].file, {sources[n].grid, options.level_set_to_fog, false});
         VolumePart part = *shares[n];
         part.align_voxels = align_voxels;
-        result.levels.front().volumes.push_back(reader.read(part, &negative));
+        result.sets.front().volumes.push_back(reader.read(part, &negative));
         result.sources.push_back(n);
         result.by_files |= part.whole() && ranks.count() > 1;
         result.box.include(reader.world_box());
-        result.active_voxels += active_voxels(result.levels.front().volumes.back());
+        result.active_voxels += active_voxels(result.sets.front().volumes.back());
     }
 }
 
@@ -76,9 +77,9 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     const std::vector<LevelSource> sources = level_sources(paths, level_options);
     VolumesPart part;
     part.volumes = sources.size();
-    part.mesh = !options.no_mask && (sources.size() > 1 || !options.mask.empty());
+    part.overlap = cli::overlap_of(sources.size(), options);
     std::uint64_t negative = 0;
-    if (part.mesh)
+    if (part.is_mesh())
         read_mesh(sources, level_options, part_of_this(ranks, align_voxels), negative, part);
     else
         read_sums(sources, level_options, ranks, align_voxels, negative, part);

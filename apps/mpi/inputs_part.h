@@ -11,16 +11,18 @@ namespace vog::mpi {
 
 /// Volumes that add up, or levels of a mesh.
 struct VolumesPart {
-    bool mesh = false;
-    /// No mesh: one Levels, of one part of each volume this rank has a share in. A mesh: for each
+    Overlap overlap = Overlap::add;
+    /// No mesh: one set, of one part of each volume this rank has a share in. A mesh: for each
     /// level, finest first, this rank's part of it as read_level_parts has it.
-    std::vector<Levels> levels;
+    std::vector<VolumeSet> sets;
     std::vector<std::size_t> sources;  ///< no mesh: of each volume here, which of them all it is
     bool by_files = false;             ///< no mesh: volumes go to ranks whole
     // Of the whole, the same on every rank.
     std::size_t volumes = 0;  ///< how many
     Box box;
     std::uint64_t active_voxels = 0;  ///< as stored
+
+    bool is_mesh() const { return overlap == Overlap::hide; }
 };
 /// Reads this rank's part, in parts aligned to cubes of `align_voxels`; the first rank says on
 /// standard error what reading changed.

@@ -39,20 +39,20 @@ void load_volumes(const DrawingArguments& arguments, const Ranks& ranks, Drawing
         throw CLI::ValidationError(
             "--interpolation linear: samples begin where a ray enters the volume, of which a rank "
             "has a part; expected --step 0 (exact, cell by cell), or one process (vog render)");
-    if (part.mesh && linear)
+    if (part.is_mesh() && linear)
         throw Error(
             "linear interpolation takes values of other levels beyond a part's edge, which other "
             "ranks have: expected constant, or one process (vog render)");
     std::vector<Drawing> drawings;
-    for (const Levels& levels : part.levels) {
-        if (levels.volumes.empty()) continue;
+    for (const VolumeSet& set : part.sets) {
+        if (set.volumes.empty()) continue;
         drawings.push_back(drawing);
-        cli::draw_volumes(arguments, levels, part.mesh, drawings.back());
+        cli::draw_volumes(arguments, set, drawings.back());
     }
     drawing.draw = draw_sum(std::move(drawings));
     drawing.box = part.box;
     drawing.active_voxels = part.active_voxels;
-    cli::set_primitives_text(drawing, part.mesh ? part.volumes : 0);
+    cli::set_primitives_text(drawing, part.is_mesh() ? part.volumes : 0);
 }
 
 void load_gaussians(const DrawingArguments& arguments, std::optional<double> extinction,

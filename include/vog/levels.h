@@ -21,6 +21,19 @@ struct Levels {
     std::vector<Volume> masks;
 };
 
+/// How volumes combine where they overlap.
+enum class Overlap {
+    add,   ///< densities, and so optical depths, add up
+    hide,  ///< levels of an adaptive mesh: at every point the finest active one counts alone
+};
+
+/// Volumes that are drawn or converted together, and how they combine.
+struct VolumeSet : Levels {
+    Overlap overlap = Overlap::add;  ///< masks count only where volumes hide each other
+
+    bool is_mesh() const { return overlap == Overlap::hide; }
+};
+
 /// throws vog::Error for no volume, a number of masks that is neither 0 nor that of volumes, a
 ///        volume that validate() refuses
 void validate(const Levels& levels);

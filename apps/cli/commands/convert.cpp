@@ -128,12 +128,11 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     moments.progress = paper.progress = stages.progress();
     if (others.volumes) return others.volumes(arguments, {by_moments, moments, paper}, stages);
 
-    Levels levels =
-        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
-    const bool meshed = are_levels(levels, arguments.volume);
+    const VolumeSet set =
+        stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
     const Composite mesh =
-        meshed ? stages.run("compose", [&] { return compose(levels); }) : Composite{};
-    const std::vector<Volume>& volumes = meshed ? mesh.parts : levels.volumes;
+        set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
+    const std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
     Gaussians model;
     double volume_mass = 0;
     for (const Volume& volume : volumes) volume_mass += mass(volume);
@@ -149,9 +148,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     };
     stages.run("convert", [&] {
         MomentReport one;
-        if (by_moments && meshed)
+        if (by_moments && set.is_mesh())
             return add(convert_moments(mesh, moments, &one), one, volume_mass);
-        if (meshed) return add(convert_paper(mesh, paper), one, volume_mass);
+        if (set.is_mesh()) return add(convert_paper(mesh, paper), one, volume_mass);
         for (const Volume& volume : volumes)
             add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
                 one, mass(volume));

@@ -35,12 +35,11 @@ Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateTogether&
         return stages.run("evaluate",
                           [&] { return evaluate(volumes, arguments.folder, arguments.options); });
     }
-    const Levels levels =
-        stages.run("load", [&] { return load_levels(arguments.inputs, arguments.volume); });
+    const VolumeSet set =
+        stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
     return stages.run("evaluate", [&] {
-        return are_levels(levels, arguments.volume)
-                   ? evaluate(levels, arguments.folder, arguments.options)
-                   : evaluate(levels.volumes, arguments.folder, arguments.options);
+        return set.is_mesh() ? evaluate(set, arguments.folder, arguments.options)
+                             : evaluate(set.volumes, arguments.folder, arguments.options);
     });
 }
 

@@ -45,25 +45,24 @@ std::string stem_of(const std::string& file) { return std::filesystem::path(file
 /// 4 dB better than what could be made of the finest (docs/web.md).
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
                                        const Progress& progress) {
-    const Levels levels = load_levels(arguments.inputs, arguments.volume);
-    const bool meshed = are_levels(levels, arguments.volume);
-    if (!meshed && levels.volumes.size() > 1 && arguments.budget)
+    const VolumeSet set = load_volumes(arguments.inputs, arguments.volume);
+    if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
         throw CLI::ValidationError(
             "--budget takes one input or levels: it is the size of one model");
-    const Composite mesh = meshed ? composite(levels) : Composite{};
-    if (meshed && mesh.parts.empty()) throw Error("every voxel lies outside the masks");
+    const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
+    if (set.is_mesh() && mesh.parts.empty()) throw Error("every voxel lies outside the masks");
     const auto convert = [&](std::size_t budget) {
         MomentOptions options;
         options.budget = budget;
         options.progress = progress;
-        if (!meshed) return convert_moments(levels.volumes.front(), options);
+        if (!set.is_mesh()) return convert_moments(set.volumes.front(), options);
         Gaussians model = convert_moments(mesh, options);
         model.box = mesh.box;
         return model;
     };
-    if (!meshed && levels.volumes.size() > 1) {
+    if (!set.is_mesh() && set.volumes.size() > 1) {
         Gaussians sum;
-        for (const Volume& volume : levels.volumes) append(sum, convert_moments(volume));
+        for (const Volume& volume : set.volumes) append(sum, convert_moments(volume));
         return detail_levels(std::move(sum), most);
     }
     std::vector<Gaussians> models{convert(arguments.budget)};

@@ -44,8 +44,7 @@ viewer::Content read_content(const std::vector<std::string>& files,
             content.point_options = point_options(arguments.points);
             break;
         default:
-            content.volumes = load_levels(files, arguments.volume);
-            content.is_mesh = are_levels(content.volumes, arguments.volume);
+            content.volumes = load_volumes(files, arguments.volume);
     }
     return content;
 }

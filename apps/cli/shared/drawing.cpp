@@ -51,14 +51,13 @@ TraceOptions trace_options(const DrawingArguments& arguments, std::optional<doub
 
 // ---- volumes
 
-std::vector<VoxelGrid> voxel_grids(const Levels& levels, const VoxelGridOptions& options) {
+std::vector<VoxelGrid> voxel_grids(const VolumeSet& set, const VoxelGridOptions& options) {
     std::vector<VoxelGrid> grids;
-    for (const Volume& volume : levels.volumes) grids.push_back(voxel_grid(volume, options));
+    for (const Volume& volume : set.volumes) grids.push_back(voxel_grid(volume, options));
     return grids;
 }
 
-void draw_by_reference(const DrawingArguments& arguments, const Levels& levels, bool is_mesh,
-                       Drawing& drawing) {
+void draw_by_reference(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing) {
     const VoxelGridOptions options{
         arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant,
         arguments.step_voxels};
@@ -68,19 +67,19 @@ void draw_by_reference(const DrawingArguments& arguments, const Levels& levels, 
             depth = render_reference(grids, camera, size.width, size.height, {progress});
         };
     };
-    if (is_mesh)
-        draw_with(level_grids(levels, options));
+    if (set.is_mesh())
+        draw_with(level_grids(set, options));
     else
-        draw_with(voxel_grids(levels, options));
+        draw_with(voxel_grids(set, options));
 }
 
-void draw_by_optix(const Levels& levels, bool is_mesh, Drawing& drawing) {
-    if (is_mesh)
+void draw_by_optix(const VolumeSet& set, Drawing& drawing) {
+    if (set.is_mesh())
         throw Error(
             "optix: levels of a mesh hide each other, which only the reference renderer knows; "
             "give --no-mask to add them up");
     auto volumes = std::make_shared<std::vector<OptixVolume>>();
-    for (const VoxelGrid& grid : voxel_grids(levels, {})) volumes->emplace_back(grid.bytes());
+    for (const VoxelGrid& grid : voxel_grids(set, {})) volumes->emplace_back(grid.bytes());
     drawing.draw = [volumes](const Camera& camera, Size size, const Progress&, DepthImage& depth) {
         depth = DepthImage(size.width, size.height);
         for (OptixVolume& volume : *volumes) {
@@ -229,17 +228,16 @@ void set_primitives_text(Drawing& drawing, std::size_t levels) {
     if (levels) drawing.primitives_text += fmt::format(" in {} levels", levels);
 }
 
-void draw_volumes(const DrawingArguments& arguments, const Levels& levels, bool is_mesh,
-                  Drawing& drawing) {
-    for (const Volume& volume : levels.volumes) {
+void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing) {
+    for (const Volume& volume : set.volumes) {
         if (!volume.empty()) drawing.box.include(world_box(volume));
         drawing.active_voxels += active_voxels(volume);
     }
-    set_primitives_text(drawing, is_mesh ? levels.volumes.size() : 0);
+    set_primitives_text(drawing, set.is_mesh() ? set.volumes.size() : 0);
     if (drawing.renderer == "reference")
-        draw_by_reference(arguments, levels, is_mesh, drawing);
+        draw_by_reference(arguments, set, drawing);
     else
-        draw_by_optix(levels, is_mesh, drawing);
+        draw_by_optix(set, drawing);
 }
 
 void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
@@ -278,8 +276,7 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
                      const CLI::App& command) {
     Drawing drawing = begin_drawing(arguments, command);
     if (drawing.kind == FileKind::volume) {
-        const Levels levels = load_levels(arguments.inputs, arguments.volume);
-        draw_volumes(arguments, levels, are_levels(levels, arguments.volume), drawing);
+        draw_volumes(arguments, load_volumes(arguments.inputs, arguments.volume), drawing);
         return drawing;
     }
     // Particles need no file between: one Gaussian each.

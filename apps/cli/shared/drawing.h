@@ -57,8 +57,7 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
 /// them
 Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command);
 /// Gives volumes to the renderer; box and counts are theirs.
-void draw_volumes(const DrawingArguments& arguments, const Levels& levels, bool is_mesh,
-                  Drawing& drawing);
+void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing);
 /// Gives a model to the renderer, with its hierarchy or an empty one; box and counts are its.
 void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
                 std::shared_ptr<Gaussians> model, std::shared_ptr<Hierarchy> hierarchy,

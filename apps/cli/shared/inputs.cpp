@@ -95,16 +95,18 @@ LevelOptions level_options(const VolumeInputOptions& options) {
     return {options.grid, options.mask, options.level_set_to_fog};
 }
 
-Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options) {
+VolumeSet load_volumes(const std::vector<std::string>& files, const VolumeInputOptions& options) {
     const std::vector<fs::path> paths(files.begin(), files.end());
     std::vector<std::string> notes;
-    Levels levels = read_levels(paths, level_options(options), &notes);
+    VolumeSet set{read_levels(paths, level_options(options), &notes)};
+    set.overlap = overlap_of(set.volumes.size(), options);
     for (const std::string& text : notes) note(text);
-    return levels;
+    return set;
 }
 
-bool are_levels(const Levels& levels, const VolumeInputOptions& options) {
-    return !options.no_mask && (levels.volumes.size() > 1 || !levels.masks.empty());
+Overlap overlap_of(std::size_t volumes, const VolumeInputOptions& options) {
+    const bool mesh = !options.no_mask && (volumes > 1 || !options.mask.empty());
+    return mesh ? Overlap::hide : Overlap::add;
 }
 
 void add_point_options(CLI::App& command, PointInputOptions& options) {
@@ -194,7 +196,7 @@ Box box_of(const std::string& input, const VolumeInputOptions& volume,
     if (extension_of(input) == ".vdb" && one_grid)
         return VolumeReader(input, {volume.grid, volume.level_set_to_fog}).world_box();
     Box box;
-    for (const Volume& level : load_levels({input}, volume).volumes)
+    for (const Volume& level : load_volumes({input}, volume).volumes)
         if (!level.empty()) box.include(world_box(level));
     return box;
 }

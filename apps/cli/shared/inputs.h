@@ -36,9 +36,9 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options);
 LevelOptions level_options(const VolumeInputOptions& options);
 /// Reads volumes: of each file one, or all whose names match --grid; says on standard error what
 /// reading changed. Masks come with them where --mask is given.
-Levels load_levels(const std::vector<std::string>& files, const VolumeInputOptions& options);
-/// Whether these hide each other: several, or masked, and not --no-mask.
-bool are_levels(const Levels& levels, const VolumeInputOptions& options);
+VolumeSet load_volumes(const std::vector<std::string>& files, const VolumeInputOptions& options);
+/// Several volumes, or masked ones, hide each other, unless --no-mask is given.
+Overlap overlap_of(std::size_t volumes, const VolumeInputOptions& options);
 
 inline constexpr const char* kPointGroup = "Particles";
 struct PointInputOptions {

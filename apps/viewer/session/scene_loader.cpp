@@ -131,7 +131,7 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     Scene scene;
     scene.title = title_of(files);
     if (!content.volumes.volumes.empty()) {
-        show_volumes(std::move(content.volumes), content.is_mesh, std::move(scene));
+        show_volumes(std::move(content.volumes), std::move(scene));
     } else if (content.points.size() > 0) {
         show_points(content.points, content.point_options, std::move(scene));
     } else {
@@ -141,20 +141,20 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     }
 }
 
-void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
+void SceneLoader::show_volumes(VolumeSet set, Scene scene) {
     begin("preparing the voxels");
     auto voxels = std::make_shared<Voxels>();
     Composite data;
-    const std::size_t count = volumes.volumes.size();
-    if (is_mesh) {
-        voxels->draw = [grids = level_grids(volumes)](const Camera& camera, int width, int height,
-                                                      const Progress& report) {
+    const std::size_t count = set.volumes.size();
+    if (set.is_mesh()) {
+        voxels->draw = [grids = level_grids(set)](const Camera& camera, int width, int height,
+                                                  const Progress& report) {
             return render_reference(grids, camera, width, height, {report});
         };
-        data = composite(volumes);
+        data = composite(set);
     } else {
         std::vector<VoxelGrid> grids;
-        for (const Volume& volume : volumes.volumes) {
+        for (const Volume& volume : set.volumes) {
             grids.push_back(voxel_grid(volume));
             data.box.include(world_box(volume));
             data.voxels += active_voxels(volume);
@@ -163,14 +163,15 @@ void SceneLoader::show_volumes(Levels volumes, bool is_mesh, Scene scene) {
                                const Progress& report) {
             return render_reference(grids, camera, width, height, {report});
         };
-        data.parts = std::move(volumes.volumes);
+        data.parts = std::move(set.volumes);
     }
     scene.voxels = std::move(voxels);
     scene.box = data.box;
     scene.facts = count_text(data.voxels) + " active voxels";
-    if (count > 1) scene.facts += fmt::format(" in {} {}", count, is_mesh ? "levels" : "volumes");
+    if (count > 1)
+        scene.facts += fmt::format(" in {} {}", count, set.is_mesh() ? "levels" : "volumes");
     show(std::move(scene));
-    convert_levels(data, is_mesh);
+    convert_levels(data, set.overlap);
     data.parts.clear();
     measure_levels();
 }
@@ -216,7 +217,8 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
     measure_levels();
 }
 
-void SceneLoader::convert_levels(const Composite& data, bool is_mesh) {
+void SceneLoader::convert_levels(const Composite& data, Overlap overlap) {
+    const bool is_mesh = overlap == Overlap::hide;
     const auto voxels = static_cast<double>(data.voxels);
     std::map<int, double> share_of;  // Gaussians a voxel, of even cuts by their blocks
     for (const Cut& cut : kCuts) {

@@ -22,8 +22,7 @@ namespace vog::viewer {
 
 /// What a set of files holds, as the command line reads it: volumes, particles or a model.
 struct Content {
-    Levels volumes;
-    bool is_mesh = false;  ///< finer volumes hide coarser ones; else their T adds up
+    VolumeSet volumes;
     Points points;
     PointOptions point_options;  ///< of one Gaussian a particle
     Gaussians model;
@@ -78,10 +77,10 @@ class SceneLoader {
     struct Cancelled {};
     void work(const std::vector<std::string>& files);
     void show(Scene scene);
-    void show_volumes(Levels volumes, bool is_mesh, Scene scene);
+    void show_volumes(VolumeSet set, Scene scene);
     void show_points(const Points& points, PointOptions options, Scene scene);
     void show_model(Gaussians model, Hierarchy hierarchy, Scene scene);
-    void convert_levels(const Composite& data, bool is_mesh);
+    void convert_levels(const Composite& data, Overlap overlap);
     void measure_levels();
     void add_level(Level level);
     void begin(const std::string& doing);
