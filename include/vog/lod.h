@@ -90,7 +90,9 @@ struct CutReport {
 class ViewCut {
   public:
     /// model, hierarchy  must outlive it and stay as they are
-    ViewCut(const Gaussians& model, const Hierarchy& hierarchy);
+    /// cutoff            of the kernels as they are drawn, standard deviations; 0: the model's
+    /// throws            vog::Error for a hierarchy that validate() refuses for this model
+    ViewCut(const Gaussians& model, const Hierarchy& hierarchy, double cutoff = 0);
     ~ViewCut();
     ViewCut(ViewCut&&) noexcept;
     ViewCut& operator=(ViewCut&&) noexcept;

@@ -28,6 +28,9 @@ struct SplatOptions {
     /// times the paper's radii (scale sqrt(2)) around its mean, within the model's box. 0: no
     /// boxes.
     double aabb_sigma = 0;
+    /// Cuts each kernel where it has fallen to this share of its peak, k = sqrt(-2 ln kappa), in
+    /// place of the model's own cutoff. [1.3e-14, 1), or 0: the model's.
+    double kappa = 0;
     /// Of the model, which it must outlive as the model does: each picture draws a cut through it.
     /// Null: all Gaussians. Does not go with aabb_sigma.
     const Hierarchy* hierarchy = nullptr;
@@ -44,8 +47,8 @@ std::vector<std::string> splat_targets();
 class SplatRenderer {
   public:
     /// gaussians  must outlive the renderer and stay as they are
-    /// throws     vog::Error for an unknown SIMD target, a negative aabb_sigma, or one beside a
-    ///            hierarchy
+    /// throws     vog::Error for a model or a hierarchy that validate() refuses, an unknown SIMD
+    ///            target, a negative aabb_sigma, one beside a hierarchy, or a kappa out of range
     explicit SplatRenderer(const Gaussians& gaussians, const SplatOptions& options = {});
     ~SplatRenderer();
     SplatRenderer(SplatRenderer&&) noexcept;

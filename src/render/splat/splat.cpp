@@ -139,7 +139,7 @@ void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, 
     }
     add_far(wide, wide_count);
     add_far(bins.of_tile(t).data(), bins.of_tile(t).size());
-    for (const NearSplat& splat : near) add_near(splat, model.gaussians->cutoff, tile);
+    for (const NearSplat& splat : near) add_near(splat, model.cutoff, tile);
     if (touched) {
         kernels->finish_tile(tile, frame, model.unit, add, image.depth.data());
     } else if (!add) {
@@ -150,18 +150,20 @@ void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, 
 
 SplatRenderer::SplatRenderer(const Gaussians& gaussians, const SplatOptions& options)
     : state_(std::make_unique<State>()) {
-    state_->all = &gaussians;
-    state_->model = {&gaussians, unit_of(gaussians)};
-    state_->options = options;
-    state_->kernels =
-        options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
     if (!(options.aabb_sigma >= 0 && std::isfinite(options.aabb_sigma)))
         throw Error(fmt::format("bounding boxes of {} sigma, expected a number above 0, or 0: none",
                                 options.aabb_sigma));
     if (options.hierarchy && options.aabb_sigma > 0)
         throw Error("the paper's bounding boxes are the model's own Gaussians': no hierarchy");
-    if (options.hierarchy) state_->cut.emplace(gaussians, *options.hierarchy);
-    state_->kernel = fit_kernel(gaussians.cutoff);
+    validate(gaussians);
+    const double cutoff = cutoff_of_kappa(options.kappa, gaussians.cutoff);
+    state_->all = &gaussians;
+    state_->model = {&gaussians, unit_of(gaussians), static_cast<float>(cutoff)};
+    state_->options = options;
+    state_->kernels =
+        options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
+    if (options.hierarchy) state_->cut.emplace(gaussians, *options.hierarchy, cutoff);
+    state_->kernel = fit_kernel(state_->model.cutoff);
 }
 SplatRenderer::~SplatRenderer() = default;
 SplatRenderer::SplatRenderer(SplatRenderer&&) noexcept = default;
@@ -178,8 +180,10 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
     image.height = height;
     image.extinction = 1;
     image.depth.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    const Progress& report = progress ? progress : s.options.progress;
     if (s.options.aabb_sigma > 0)
-        return render_boxes(*s.kernels, s.model, s.kernel, frame, s.options.aabb_sigma, image);
+        return render_boxes(*s.kernels, s.model, s.kernel, frame, s.options.aabb_sigma, report,
+                            image);
 
     if (s.cut) s.model.gaussians = &s.cut->choose(frame, s.options.cut);
     // Batches bound the memory of the splats, whatever the size of the model.
@@ -202,7 +206,6 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
                     s.draw_tile(t, frame, first > 0, tile, image);
             },
             tbb::simple_partitioner());
-        const Progress& report = progress ? progress : s.options.progress;
         if (report) report(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
         first = last;
     } while (first < size);

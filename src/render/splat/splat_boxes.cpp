@@ -222,13 +222,14 @@ TileBins bin(const Boxed<Splat>& splats, const CameraFrame& frame) {
 
 void render_boxes(const SplatKernels& kernels, const SplatModel& model,
                   const KernelPolynomial& kernel, const CameraFrame& frame, double aabb_sigma,
-                  DepthImage& image) {
+                  const Progress& progress, DepthImage& image) {
     const std::size_t size = model.gaussians->size();
     const std::size_t batch = TileBins::most_splats(frame.width, frame.height);
     std::fill(image.depth.begin(), image.depth.end(), 0.0f);
-    for (std::size_t first = 0; first < size; first += batch) {
-        const BoxedSplats splats =
-            project_boxed(kernels, model, frame, aabb_sigma, first, std::min(first + batch, size));
+    std::size_t first = 0;
+    do {
+        const std::size_t last = std::min(first + batch, size);
+        const BoxedSplats splats = project_boxed(kernels, model, frame, aabb_sigma, first, last);
         const TileBins far = bin(splats.far, frame), near = bin(splats.near, frame);
         vog::parallel_for(0, far.tiles(), [&](int t) {
             const int column = t % far.columns() * kTileWidth;
@@ -247,11 +248,14 @@ void render_boxes(const SplatKernels& kernels, const SplatModel& model,
                      });
             add_tile(splats.near, near_index, rays, tile,
                      [&](const NearSplat& splat, TilePixels& alone) {
-                         add_near(splat, model.gaussians->cutoff, alone);
+                         add_near(splat, model.cutoff, alone);
                      });
             kernels.finish_tile(tile, frame, model.unit, true, image.depth.data());
         });
-    }
+        if (progress)
+            progress(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
+        first = last;
+    } while (first < size);
 }
 
 }  // namespace vog::splat

@@ -4,6 +4,7 @@
 
 #include "render/splat/splat_kernels.h"
 #include "vog/image.h"
+#include "vog/progress.h"
 
 namespace vog::splat {
 
@@ -12,9 +13,10 @@ namespace vog::splat {
 /// aabb_sigma  of the paper's radii r = scale sqrt(2): boxes reach from mean - sigma r to mean +
 ///             sigma r, within the box of the scene; of a rotated Gaussian, the box around the
 ///             ellipsoid of those radii
-/// image  of the frame's size, overwritten
+/// progress  called with the fraction of the Gaussians drawn, after each batch
+/// image       of the frame's size, overwritten
 void render_boxes(const SplatKernels& kernels, const SplatModel& model,
                   const KernelPolynomial& kernel, const CameraFrame& frame, double aabb_sigma,
-                  DepthImage& image);
+                  const Progress& progress, DepthImage& image);
 
 }  // namespace vog::splat

@@ -47,10 +47,12 @@ struct NearSplat {
     double density = 0;            ///< in units of SplatModel::unit
 };
 
-/// What is drawn, and the unit of T that keeps the squares of FarSplat inside float's range.
+/// Gaussians to draw, the radius of their kernels, and the unit of T that keeps the squares of
+/// FarSplat inside float's range.
 struct SplatModel {
     const Gaussians* gaussians = nullptr;
-    double unit = 1;  ///< near the largest T of one Gaussian; a power of two
+    double unit = 1;   ///< near the largest T of one Gaussian; a power of two
+    float cutoff = 0;  ///< k, standard deviations, in place of Gaussians::cutoff
 };
 
 /// Splats of a run of Gaussians in their order. Gaussians behind the eye, outside the image or

@@ -296,7 +296,7 @@ inline void add_near_splat(const SplatModel& model, std::size_t i, const CameraF
     s.step_x = w * frame.step_x;
     s.step_y = w * frame.step_y;
     s.density = gaussians.density[i] / model.unit;
-    if (!beside_the_view(w, frame, p, gaussians.cutoff)) near.push_back(s);
+    if (!beside_the_view(w, frame, p, model.cutoff)) near.push_back(s);
 }
 
 template <class Tags>
@@ -325,7 +325,7 @@ void project(const SplatModel& model, const CameraFrame& frame, std::size_t firs
             }
             in = {mean, scale, rotated ? rotation : nullptr, density};
         }
-        project_lanes(d, in, gaussians.cutoff, model.unit, frame, out);
+        project_lanes(d, in, model.cutoff, model.unit, frame, out);
         const std::size_t whole = (std::size_t{1} << count) - 1;
         for (std::size_t left = out.far & whole; left != 0; left &= left - 1) {
             const auto n = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(left));

@@ -243,8 +243,11 @@ void ViewCut::State::gather() {
     });
 }
 
-ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy)
+ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy, double cutoff)
     : state_(std::make_unique<State>()) {
+    validate(hierarchy, model.size(), model.cutoff, model.source.empty() ? "model" : model.source);
+    // Supports of a larger cutoff are wider; those of a smaller one still lie in the same balls.
+    const double wider = std::max(1.0, cutoff / double{model.cutoff});
     state_->model = &model;
     state_->hierarchy = &hierarchy;
     state_->chosen.cutoff = model.cutoff;
@@ -252,10 +255,11 @@ ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy)
     state_->loose = not_taken(model.size(), hierarchy.first_leaf, hierarchy.leaf_count);
     state_->bounds.resize(hierarchy.size());
     for (std::size_t n = 0; n < hierarchy.size(); ++n)
-        state_->bounds[n] = {hierarchy.nodes.mean[n], hierarchy.radius[n],
-                             hierarchy.error[n],      hierarchy.first_node[n],
-                             hierarchy.first_leaf[n], hierarchy.node_count[n],
-                             hierarchy.leaf_count[n]};
+        state_->bounds[n] = {
+            hierarchy.nodes.mean[n], static_cast<float>(hierarchy.radius[n] * wider),
+            hierarchy.error[n],      hierarchy.first_node[n],
+            hierarchy.first_leaf[n], hierarchy.node_count[n],
+            hierarchy.leaf_count[n]};
 }
 ViewCut::~ViewCut() = default;
 ViewCut::ViewCut(ViewCut&&) noexcept = default;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 
 #include "support/allocations.h"
@@ -156,6 +157,85 @@ TEST(splat_renderer, progress_reaches_the_end) {
     renderer.render(kView, 32, 32, image, [&](double done) { of_call = done; });
     EXPECT_EQ(of_options, -1);
     EXPECT_EQ(of_call, 1);
+}
+
+TEST(splat_renderer, progress_reaches_the_end_with_bounding_boxes) {
+    const Gaussians model = random_gaussians(100, 0.01, 0.1, 47);
+    double of_options = -1, of_call = -1;
+    SplatOptions options;
+    options.aabb_sigma = 1;
+    options.progress = [&](double done) { of_options = done; };
+    DepthImage image;
+    SplatRenderer(model, options).render(kView, 32, 32, image);
+    EXPECT_EQ(of_options, 1);
+    SplatRenderer(model, options).render(kView, 32, 32, image, [&](double done) {
+        of_call = done;
+    });
+    EXPECT_EQ(of_call, 1);
+    of_options = -1;
+    SplatRenderer(Gaussians{}, options).render(kView, 32, 32, image);
+    EXPECT_EQ(of_options, 1);
+}
+
+/// Straight through the mean, tau = density scale sqrt(2 pi) erf(k / sqrt 2), and the peak at the
+/// cut is kappa = exp(-k^2 / 2).
+TEST(splat_renderer, kappa_cuts_the_kernels) {
+    Gaussians model;
+    add(model, {0, 0, 0}, {0.5f, 0.5f, 0.5f}, 3);
+    Camera camera;
+    camera.eye = {0, 0, 10};
+    for (const double k : {0.5, 1.5, 2.25, 3.0, 5.0}) {
+        SCOPED_TRACE(k);
+        SplatOptions options;
+        options.kappa = std::exp(-0.5 * k * k);
+        const double exact =
+            3 * 0.5 * std::sqrt(2 * std::acos(-1.0)) * std::erf(k / std::sqrt(2.0));
+        EXPECT_NEAR(render_splat(model, camera, 1, 1, options).depth[0], exact, 1e-5 * exact);
+        // The same Gaussian around the eye, half of it in front.
+        Camera inside = camera;
+        inside.eye = {0, 0, 0};
+        inside.look_at = {0, 0, -1};
+        EXPECT_NEAR(render_splat(model, inside, 1, 1, options).depth[0], 0.5 * exact, 1e-5 * exact);
+    }
+    // Everywhere, rotated Gaussians and those beside the view too, with and without boxes.
+    Gaussians many = random_gaussians(2000, 0.01, 0.2, 49);
+    many.box = {{-1, -1, -1}, {1, 1, 1}};
+    for (const double aabb_sigma : {0.0, 1.0})
+        for (const double kappa : {0.6, 0.001}) {
+            SplatOptions options;
+            options.aabb_sigma = aabb_sigma;
+            options.kappa = kappa;
+            SplatOptions of_model;
+            of_model.aabb_sigma = aabb_sigma;
+            Gaussians recut = many;
+            recut.cutoff = static_cast<float>(cutoff_of_kappa(kappa, 0));
+            EXPECT_EQ(render_splat(many, kView, 90, 70, options).depth,
+                      render_splat(recut, kView, 90, 70, of_model).depth);
+        }
+}
+
+TEST(splat_renderer, models_that_are_no_models_throw) {
+    const Gaussians good = random_gaussians(10, 0.01, 0.1, 48);
+    const auto refuses = [&](const auto& spoil) {
+        Gaussians model = good;
+        spoil(model);
+        EXPECT_THROW(SplatRenderer{model}, Error);
+        EXPECT_THROW((void)render_splat(model, kView, 8, 8), Error);
+    };
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    refuses([](Gaussians& model) { model.scale.pop_back(); });
+    refuses([](Gaussians& model) { model.density.clear(); });
+    refuses([](Gaussians& model) { model.rotation.pop_back(); });
+    refuses([](Gaussians& model) { model.mean[3].y = kNaN; });
+    refuses([](Gaussians& model) { model.scale[9].z = 0; });
+    refuses([](Gaussians& model) { model.density[0] = -1; });
+    refuses([](Gaussians& model) { model.rotation[5] = {0, 0, 0, 0}; });
+    refuses([](Gaussians& model) { model.cutoff = 9; });
+    for (const double kappa : {-0.1, 1.0, 1e-20, double{kNaN}}) {
+        SplatOptions options;
+        options.kappa = kappa;
+        EXPECT_THROW(SplatRenderer(good, options), Error);
+    }
 }
 
 TEST(splat_renderer, unusable_sizes_and_targets_throw) {

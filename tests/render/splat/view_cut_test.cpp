@@ -268,6 +268,35 @@ TEST(view_cut, a_frame_like_the_one_before_allocates_nothing) {
     EXPECT_EQ(allocations() - before, 0);
 }
 
+TEST(view_cut, hierarchies_of_other_models_are_refused) {
+    const Tree large = tree_of(random_gaussians(500, 0.1, 0.2, 67));
+    const Tree small = tree_of(random_gaussians(20, 0.1, 0.2, 68));
+    EXPECT_THROW(ViewCut(small.model, large.hierarchy), Error);
+    SplatOptions options;
+    options.hierarchy = &large.hierarchy;
+    EXPECT_THROW(SplatRenderer(small.model, options), Error);
+    Hierarchy cut_short = large.hierarchy;
+    cut_short.leaf_count.pop_back();
+    EXPECT_THROW(ViewCut(large.model, cut_short), Error);
+    cut_short = large.hierarchy;
+    cut_short.nodes.mean.pop_back();
+    EXPECT_THROW(ViewCut(large.model, cut_short), Error);
+}
+
+TEST(view_cut, kernels_cut_further_out_are_not_left_out) {
+    // At kappa 1e-9, k = 6.4: supports are three times as wide as the hierarchy's balls hold.
+    Gaussians model = random_gaussians(5000, 0.002, 0.03, 69);
+    const Tree tree = tree_of(std::move(model));
+    for (const Camera& camera : cameras()) {
+        SplatOptions cut, whole;
+        cut.kappa = whole.kappa = 1e-9;
+        cut.hierarchy = &tree.hierarchy;
+        cut.cut = {0, true};
+        EXPECT_EQ(render_splat(tree.model, camera, 60, 90, cut).depth,
+                  render_splat(tree.model, camera, 60, 90, whole).depth);
+    }
+}
+
 TEST(view_cut, what_cannot_be_is_refused) {
     const Tree tree = tree_of(random_gaussians(20, 0.1, 0.2, 63));
     const Camera camera = paper_view({{-1, -1, -1}, {1, 1, 1}});
