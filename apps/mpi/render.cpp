@@ -64,14 +64,12 @@ void load_gaussians(const DrawingArguments& arguments, std::optional<double> ext
     const std::uint64_t count = ranks.sum(model->size());
     const Box box = model->box;
     if (model->size() > 0)
-        cli::draw_model(arguments, extinction, std::move(model), std::make_shared<Hierarchy>(),
-                        drawing);
+        cli::draw_model(arguments, extinction, model, std::make_shared<Hierarchy>(), drawing);
     else
         drawing.draw = draw_sum({});
     drawing.box = box;
     drawing.gaussians = count;
-    drawing.traced.reset();  // both of a part only
-    drawing.cut.reset();
+    drawing.reports.reset();
     cli::set_primitives_text(drawing, 0);
 }
 

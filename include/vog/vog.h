@@ -55,6 +55,7 @@
 #include "vog/points.h"
 #include "vog/progress.h"
 #include "vog/reference.h"
+#include "vog/renderer.h"
 #include "vog/sample.h"
 #include "vog/shade.h"
 #include "vog/splat.h"

@@ -1,4 +1,4 @@
-// drawing.h: inputs and a renderer, made ready to draw from any camera.
+// drawing.h: Inputs of vog render, prepared for a renderer to be drawn from any camera.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,8 +13,7 @@
 #include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
-#include "vog/reference.h"
-#include "vog/trace.h"
+#include "vog/renderer.h"
 
 namespace vog::cli {
 
@@ -29,39 +28,42 @@ struct DrawingArguments {
     double step_voxels = VoxelGridOptions{}.step_voxels;
 };
 
-/// Adds the inputs and the options of the renderers and of what they read.
+/// Adds the inputs, the options of the renderers and those of the readers.
 void add_drawing_options(CLI::App& command, DrawingArguments& arguments);
 
-/// What is drawn: models by splatting or rays, volumes by the reference, either on a GPU.
+/// Data prepared for one renderer, with the facts that reports give of them.
 struct Drawing {
     FileKind kind = FileKind::model;
-    std::string renderer;
+    Renderer renderer = Renderer::splat;
     std::string primitives_text;  ///< "20,000 Gaussians"
     std::uint64_t gaussians = 0, active_voxels = 0;
-    Box box;  ///< what views look at
+    Box box;  ///< world box that views are taken of
     std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
-    std::shared_ptr<TraceReport> traced;  ///< of the last draw, where rays were traced
-    std::shared_ptr<CutReport> cut;       ///< of the last draw, where it was through a hierarchy
+    std::shared_ptr<const DepthRenderer> reports;  ///< null where its reports are of a part only
+
+    std::optional<CutReport> cut() const;       ///< DepthRenderer::cut
+    std::optional<TraceReport> traced() const;  ///< DepthRenderer::traced
 };
 
-/// Reads the inputs and gives them to the renderer asked for, or to the one of their kind.
-/// extinction  a number, where one was asked for: what --stop-transmittance counts with
-/// throws      vog::Error for what cannot be read or drawn; CLI::ValidationError for options of
-///             `command` that are another renderer's
+/// Reads the inputs and prepares them for --renderer, or for the default one of their kind.
+/// extinction  --extinction where it is a number: factor on density under --stop-transmittance
+/// throws      vog::Error for inputs that cannot be read or drawn; CLI::ValidationError for options
+///             of `command` that are another renderer's
 Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> extinction,
                      const CLI::App& command);
 
-// The steps of load_drawing, for those who read the inputs in another way.
+// The steps of load_drawing, for callers that read the inputs in another way.
 
-/// Kind and renderer of the inputs. throws as load_drawing does for options that do not go with
-/// them
+/// A drawing with kind and renderer of the inputs, without data.
+/// throws  as load_drawing does for options that do not go with them
 Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command);
-/// Gives volumes to the renderer; box and counts are theirs.
+/// Prepares volumes, and sets box and counts from them.
 void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing);
-/// Gives a model to the renderer, with its hierarchy or an empty one; box and counts are its.
+/// Prepares a model with its hierarchy, and sets box and counts from it. An empty hierarchy is built
+/// if --pixel-error is given, which sorts the model.
 void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
-                std::shared_ptr<Gaussians> model, std::shared_ptr<Hierarchy> hierarchy,
-                Drawing& drawing);
+                const std::shared_ptr<Gaussians>& model,
+                const std::shared_ptr<Hierarchy>& hierarchy, Drawing& drawing);
 /// "20,000 Gaussians", "1,000 voxels in 3 levels"
 void set_primitives_text(Drawing& drawing, std::size_t levels);
 

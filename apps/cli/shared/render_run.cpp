@@ -47,15 +47,16 @@ nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& d
     }
     const auto pixels = static_cast<double>(depth.depth.size());
     const Times times = summary(render_ms);
+    const std::optional<CutReport> cut = drawing.cut();
+    const std::optional<TraceReport> traced = drawing.traced();
     if (!arguments.json) {
         if (!arguments.output.empty())
             fmt::print("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered\n",
                        arguments.output, depth.width, depth.height, drawing.primitives_text,
                        times.median, depth.extinction, 100 * static_cast<double>(covered) / pixels);
-        if (drawing.cut)
+        if (cut)
             fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
-                       count_text(drawing.cut->leaves), count_text(drawing.cut->nodes),
-                       count_text(drawing.cut->visited));
+                       count_text(cut->leaves), count_text(cut->nodes), count_text(cut->visited));
         if (!arguments.depth_output.empty())
             fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", arguments.depth_output, sum / pixels,
                        largest);
@@ -66,7 +67,7 @@ nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& d
     }
     nlohmann::ordered_json json = {{"output", arguments.output},
                                    {"depth_output", arguments.depth_output},
-                                   {"renderer", drawing.renderer},
+                                   {"renderer", info_of(drawing.renderer).name},
                                    {"width", depth.width},
                                    {"height", depth.height},
                                    {"gaussians", drawing.gaussians},
@@ -81,15 +82,15 @@ nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& d
                                      {"median", times.median},
                                      {"max", times.max},
                                      {"repeats", render_ms.size()}}}};
-    if (drawing.cut)
-        json["cut"] = {{"drawn", drawing.cut->drawn()},
-                       {"gaussians", drawing.cut->leaves},
-                       {"nodes", drawing.cut->nodes},
-                       {"nodes_visited", drawing.cut->visited}};
-    if (drawing.traced) {
-        json["hits"] = drawing.traced->hits;
-        json["slabs"] = drawing.traced->slabs;
-        json["most_slabs"] = drawing.traced->most_slabs;
+    if (cut)
+        json["cut"] = {{"drawn", cut->drawn()},
+                       {"gaussians", cut->leaves},
+                       {"nodes", cut->nodes},
+                       {"nodes_visited", cut->visited}};
+    if (traced) {
+        json["hits"] = traced->hits;
+        json["slabs"] = traced->slabs;
+        json["most_slabs"] = traced->most_slabs;
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     json["peak_memory"] = peak_memory();

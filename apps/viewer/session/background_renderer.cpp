@@ -1,12 +1,9 @@
-// background_renderer.cpp: one thread, one request at a time, the latest wins.
+// background_renderer.cpp: One thread that draws one request at a time, the latest first.
 #include "session/background_renderer.h"
 
 #include <chrono>
+#include <map>
 #include <utility>
-
-#include "vog/gpu.h"
-#include "vog/splat.h"
-#include "vog/trace.h"
 
 namespace vog::viewer {
 
@@ -16,24 +13,20 @@ struct Cancelled {};
 
 }  // namespace
 
-/// Buffers and hierarchies outlive a picture, not a model.
+/// Renderers prepared for the latest model: they outlive a picture, not the model.
 struct BackgroundRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
-    std::shared_ptr<const Hierarchy> hierarchy;
-    std::optional<SplatRenderer> splat;
-    std::optional<TraceScene> trace;
-    std::optional<CudaSplat> cuda;
-    std::optional<OptixModel> optix;
+    std::map<Renderer, DepthRenderer> by;
 };
 
 DepthImage shrunk(const DepthImage& image, int factor) {
     if (factor == 1) return image;
     DepthImage mean(image.width / factor, image.height / factor);
     mean.extinction = image.extinction;
-    const float share = 1 / static_cast<float>(factor * factor);
+    const float weight = 1 / static_cast<float>(factor * factor);
     for (int row = 0; row < mean.height * factor; ++row)
         for (int column = 0; column < mean.width * factor; ++column)
-            mean.at(column / factor, row / factor) += share * image.at(column, row);
+            mean.at(column / factor, row / factor) += weight * image.at(column, row);
     return mean;
 }
 
@@ -49,7 +42,7 @@ BackgroundRenderer::~BackgroundRenderer() {
     thread_.join();
 }
 
-void BackgroundRenderer::ask(RenderRequest request) {
+void BackgroundRenderer::request(RenderRequest request) {
     {
         const std::lock_guard lock(mutex_);
         if (running_ && running_key_ != request.key) cancel_ = true;
@@ -100,42 +93,17 @@ void BackgroundRenderer::work() {
 
 void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
                                     const Progress& progress, RenderedPicture& picture) {
-    Prepared& with = *prepared_;
-    if (request.model != with.model) {
-        with = Prepared{};
-        with.model = request.model;
-        with.hierarchy = request.hierarchy;
-    }
-    const Gaussians& model = *request.model;
-    DepthImage& image = picture.depth;
-    picture.drawn = model.size();
-    const Camera& camera = request.camera;
-    switch (request.renderer) {
-        case Renderer::trace: {
-            if (!with.trace) with.trace = trace_scene(model);
-            TraceOptions options;
-            options.progress = progress;
-            image = render_trace(*with.trace, camera, width, height, options);
-            break;
-        }
-        case Renderer::cuda:
-            if (!with.cuda) with.cuda.emplace(model);
-            image = with.cuda->render(camera, width, height);
-            break;
-        case Renderer::optix:
-            if (!with.optix) with.optix.emplace(model);
-            image = with.optix->render(camera, width, height);
-            break;
-        default:
-            if (!with.splat) {
-                SplatOptions options;
-                options.hierarchy = with.hierarchy.get();
-                with.splat.emplace(model, options);
-            }
-            with.splat->set_cut({request.pixel_error, true});
-            with.splat->render(camera, width, height, image, progress);
-            picture.drawn = with.splat->cut_report().drawn();
-    }
+    if (request.model != prepared_->model) *prepared_ = {request.model, {}};
+    auto found = prepared_->by.find(request.renderer);
+    if (found == prepared_->by.end())
+        found = prepared_->by
+                    .emplace(request.renderer, DepthRenderer(library_renderer(request.renderer),
+                                                             request.model, {}, request.hierarchy))
+                    .first;
+    DepthRenderer& renderer = found->second;
+    renderer.set_pixel_error(request.pixel_error);
+    renderer.render(request.camera, width, height, picture.depth, progress);
+    picture.drawn = renderer.cut() ? renderer.cut()->drawn() : request.model->size();
 }
 
 RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
@@ -148,7 +116,7 @@ RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
     const int width = request.width * request.rays, height = request.height * request.rays;
     RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}};
     if (request.voxels)
-        picture.depth = request.voxels->draw(request.camera, width, height, progress);
+        request.voxels->render(request.camera, width, height, picture.depth, progress);
     else
         draw_model(request, width, height, progress, picture);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;

@@ -1,5 +1,5 @@
-// background_renderer.h: pictures that take longer than a frame: splat, rays, their GPU twins and the
-// voxels, in a thread of their own, so that the window stays alive.
+// background_renderer.h: Draws pictures that take longer than a frame (all renderers but OpenGL) in a
+// thread of their own, so that the window stays responsive.
 #pragma once
 
 #include <condition_variable>
@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "session/renderer_names.h"
-#include "session/voxels.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
@@ -20,17 +19,17 @@
 
 namespace vog::viewer {
 
-/// Either a model or voxels.
+/// One picture to draw, of a model or of voxels.
 struct RenderRequest {
-    std::uint64_t key = 0;  ///< the asker's name for it
+    std::uint64_t key = 0;  ///< identifies the picture: RenderedPicture::key
     Renderer renderer = Renderer::splat;
     std::shared_ptr<const Gaussians> model;
-    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; what splat draws a cut through
-    double pixel_error = 0;                      ///< of the cut
-    std::shared_ptr<const Voxels> voxels;
+    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model, for splat
+    double pixel_error = 0;                      ///< CutOptions::pixel_error
+    std::shared_ptr<DepthRenderer> voxels;       ///< null: the model is drawn
     Camera camera;
     int width = 0, height = 0;
-    int rays = 1;  ///< of a pixel, along each side: their mean is what is asked for
+    int rays = 1;  ///< rays^2 rays a pixel, on a square lattice; the picture is their mean
 };
 
 struct RenderedPicture {
@@ -38,8 +37,8 @@ struct RenderedPicture {
     int rays = 1;
     DepthImage depth;
     double ms = 0;
-    std::size_t drawn = 0;  ///< Gaussians; 0: not known
-    std::string error;      ///< why there is none
+    std::size_t drawn = 0;  ///< Gaussians; 0: unknown, of voxels
+    std::string error;      ///< message, where the picture could not be drawn
 };
 
 class BackgroundRenderer {
@@ -49,12 +48,12 @@ class BackgroundRenderer {
     BackgroundRenderer(const BackgroundRenderer&) = delete;
     BackgroundRenderer& operator=(const BackgroundRenderer&) = delete;
 
-    /// Takes the place of any request before it; one with another key is ended.
-    void ask(RenderRequest request);
-    /// The latest picture that is ready, once.
+    /// Replaces a waiting request, and ends the one in progress if its key is another.
+    void request(RenderRequest request);
+    /// The latest finished picture, returned once.
     std::optional<RenderedPicture> take();
     bool busy();
-    /// Finished share of what is under way.
+    /// Finished fraction of the picture in progress, [0, 1].
     double fraction();
 
   private:
@@ -63,9 +62,9 @@ class BackgroundRenderer {
     void draw_model(const RenderRequest& request, int width, int height, const Progress& progress,
                     RenderedPicture& picture);
     struct Prepared;
-    std::unique_ptr<Prepared> prepared_;  ///< the thread's own: what the latest model needs
+    std::unique_ptr<Prepared> prepared_;  ///< used by the thread alone
 
-    std::mutex mutex_;  ///< guards what follows
+    std::mutex mutex_;  ///< guards the members below
     std::condition_variable wake_;
     std::optional<RenderRequest> waiting_;
     std::optional<RenderedPicture> ready_;
@@ -75,7 +74,7 @@ class BackgroundRenderer {
     std::thread thread_;
 };
 
-/// Means of squares of factor x factor pixels.
+/// Image of the means over squares of factor x factor pixels.
 DepthImage shrunk(const DepthImage& image, int factor);
 
 }  // namespace vog::viewer

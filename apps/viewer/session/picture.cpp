@@ -82,9 +82,10 @@ void Picture::ask(int rays) {
     if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
     rays_asked_ = rays;
     const bool voxels = key_.renderer == Renderer::voxels;
-    cpu_->ask({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
-               voxels ? nullptr : key_.hierarchy, key_.pixel_error, voxels ? key_.voxels : nullptr,
-               key_.camera, key_.size.width, key_.size.height, rays});
+    cpu_->request({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
+                   voxels ? nullptr : key_.hierarchy, key_.pixel_error,
+                   voxels ? key_.voxels : nullptr, key_.camera, key_.size.width, key_.size.height,
+                   rays});
 }
 
 void Picture::update_cpu(int subframes) {

@@ -22,7 +22,7 @@ struct PictureKey {
     std::shared_ptr<const Gaussians> model;      ///< of all but voxels
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: it is drawn whole
     double pixel_error = 0;                      ///< of gl's and splat's cuts through it
-    std::shared_ptr<const Voxels> voxels;        ///< of voxels
+    std::shared_ptr<DepthRenderer> voxels;       ///< null but for Renderer::voxels
     Camera camera;
     PixelSize size;
     friend bool operator==(const PictureKey& a, const PictureKey& b);

@@ -1,20 +1,24 @@
-// renderer_names.h: what can draw a picture of T in the window.
+// renderer_names.h: Names of the renderers that the window offers.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "vog/renderer.h"
+
 namespace vog::viewer {
 
-/// All but gl work in a thread of their own; optix and cuda need a build and a machine that has
-/// them.
+/// OpenGL, and the library's renderers, which draw in a thread of their own; cuda and optix need a
+/// build and a machine with an NVIDIA GPU.
 enum class Renderer { gl, splat, trace, cuda, optix, voxels };
-/// Of this build, in the order they are offered.
+/// Renderers of this build, in the order to offer them in.
 std::vector<Renderer> renderers();
+/// The library's renderer of that name, reference for voxels. Not for gl
+vog::Renderer library_renderer(Renderer renderer);
 /// "OpenGL", "CPU splat", "CPU rays", "CUDA", "OptiX", "voxels".
 const char* name_of(Renderer renderer);
-/// "gl", "splat", "trace", "cuda", "optix" or "reference", as scripts have it. throws vog::Error
-/// for any other, and for one that this build does not have
+/// The renderer that scripts call "gl", "splat", "trace", "cuda", "optix" or "reference".
+/// throws vog::Error for any other name, and for a renderer that this build lacks
 Renderer renderer_from(const std::string& name);
 
 }  // namespace vog::viewer

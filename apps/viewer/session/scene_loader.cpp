@@ -12,7 +12,6 @@
 #include "vog/compare.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
-#include "vog/reference.h"
 #include "vog/splat.h"
 #include "vog/text.h"
 
@@ -143,29 +142,18 @@ void SceneLoader::work(const std::vector<std::string>& files) {
 
 void SceneLoader::show_volumes(VolumeSet set, Scene scene) {
     begin("preparing the voxels");
-    auto voxels = std::make_shared<Voxels>();
+    scene.voxels = std::make_shared<DepthRenderer>(vog::Renderer::reference, set);
     Composite data;
     const std::size_t count = set.volumes.size();
     if (set.is_mesh()) {
-        voxels->draw = [grids = level_grids(set)](const Camera& camera, int width, int height,
-                                                  const Progress& report) {
-            return render_reference(grids, camera, width, height, {report});
-        };
         data = composite(set);
     } else {
-        std::vector<VoxelGrid> grids;
         for (const Volume& volume : set.volumes) {
-            grids.push_back(voxel_grid(volume));
             data.box.include(world_box(volume));
             data.voxels += active_voxels(volume);
         }
-        voxels->draw = [grids](const Camera& camera, int width, int height,
-                               const Progress& report) {
-            return render_reference(grids, camera, width, height, {report});
-        };
         data.parts = std::move(set.volumes);
     }
-    scene.voxels = std::move(voxels);
     scene.box = data.box;
     scene.facts = count_text(data.voxels) + " active voxels";
     if (count > 1)
@@ -264,9 +252,11 @@ void SceneLoader::measure_levels() {
         scene = scene_;
     }
     const Camera camera = paper_view(scene.box);
-    DepthImage truth = scene.voxels
-                           ? scene.voxels->draw(camera, kSize, kSize, progress())
-                           : render_splat(*scene.levels.back().model, camera, kSize, kSize);
+    DepthImage truth;
+    if (scene.voxels)
+        scene.voxels->render(camera, kSize, kSize, truth, progress());
+    else
+        truth = render_splat(*scene.levels.back().model, camera, kSize, kSize);
     set_extinction(truth, auto_extinction(truth));
     for (std::size_t n = 0; n < scene.levels.size(); ++n) {
         begin("measuring: " + scene.levels[n].name);

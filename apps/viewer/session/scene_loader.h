@@ -11,12 +11,12 @@
 #include <thread>
 #include <vector>
 
-#include "session/voxels.h"
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
+#include "vog/renderer.h"
 
 namespace vog::viewer {
 
@@ -47,9 +47,9 @@ struct Scene {
     std::string facts;            ///< "1,049,275 active voxels"
     std::string unit = "voxels";  ///< or "particles": what shares and errors are of
     Box box;
-    std::shared_ptr<const Voxels> voxels;  ///< null for models and particles
-    std::vector<Level> levels;             ///< fewest Gaussians first
-    int opened = 0;                        ///< rises with every set of files
+    std::shared_ptr<DepthRenderer> voxels;  ///< reference; null for models and particles
+    std::vector<Level> levels;              ///< fewest Gaussians first
+    int opened = 0;                         ///< rises with every set of files
 };
 
 /// Reads, converts and measures in a thread of its own; a new set of files ends the work on the

@@ -4,9 +4,9 @@
 #include <fmt/core.h>
 
 #include <cmath>
-#include <mutex>
 
 #include "core/parallel.h"
+#include "render/pixel_tiles.h"
 #include "render/reference/hierarchical_dda.h"
 #include "render/reference/reference_grid.h"
 #include "render/reference/reference_levels.h"
@@ -57,24 +57,9 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
                        const ReferenceOptions& options) {
     const CameraFrame frame = frame_of(camera, width, height);
     DepthImage image(width, height);
-    // Square tiles: neighbouring rays meet the same leaves.
-    constexpr int kTileEdge = 16;
-    const int columns = (width + kTileEdge - 1) / kTileEdge;
-    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
-    std::mutex report;
-    int done = 0;
-    vog::parallel_for(0, tiles, [&](int tile) {
-        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
-        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
-            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
-                check_interrupt();
-                image.at(column, row) =
-                    static_cast<float>(depth(frame.eye, frame.direction(column, row)));
-            }
-        if (options.progress) {
-            const std::lock_guard lock(report);
-            options.progress(static_cast<double>(++done) / tiles);
-        }
+    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        check_interrupt();
+        image.at(column, row) = static_cast<float>(depth(frame.eye, frame.direction(column, row)));
     });
     return image;
 }

@@ -2,9 +2,8 @@
 #include "vog/trace.h"
 
 #include <algorithm>
-#include <mutex>
 
-#include "core/parallel.h"
+#include "render/pixel_tiles.h"
 #include "render/trace/trace_bvh.h"
 #include "render/trace/trace_options.h"
 
@@ -66,35 +65,25 @@ DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width
         if (report) *report = total;
         return image;
     }
-    // Square tiles: neighbouring rays meet the same nodes.
-    constexpr int kTileEdge = 16;
-    const int columns = (width + kTileEdge - 1) / kTileEdge;
-    const int tiles = columns * ((height + kTileEdge - 1) / kTileEdge);
-    std::mutex gather;
-    int done = 0;
-    vog::parallel_for(0, tiles, [&](int tile) {
-        const int left = tile % columns * kTileEdge, top = tile / columns * kTileEdge;
-        TraceReport part;
-        for (int row = top; row < std::min(top + kTileEdge, height); ++row)
-            for (int column = left; column < std::min(left + kTileEdge, width); ++column) {
-                device::Ray ray;
-                if (!device::camera_ray(frame, data.model.bounds, column, row, ray)) continue;
-                double depth = 0;
-                if (options.anyhit == AnyHit::accumulate) {
-                    device::DepthSum sum{};
-                    part.hits += data.bvh.accumulate(ray, sum);
-                    depth = sum.depth();
-                } else {
-                    depth = collected_depth(data, ray, options, part);
-                }
-                image.at(column, row) = static_cast<float>(depth);
-            }
-        const std::lock_guard lock(gather);
+    const auto draw = [&](int column, int row, TraceReport& part) {
+        device::Ray ray;
+        if (!device::camera_ray(frame, data.model.bounds, column, row, ray)) return;
+        double depth = 0;
+        if (options.anyhit == AnyHit::accumulate) {
+            device::DepthSum sum{};
+            part.hits += data.bvh.accumulate(ray, sum);
+            depth = sum.depth();
+        } else {
+            depth = collected_depth(data, ray, options, part);
+        }
+        image.at(column, row) = static_cast<float>(depth);
+    };
+    const auto add = [&](const TraceReport& part) {
         total.hits += part.hits;
         total.slabs += part.slabs;
         total.most_slabs = std::max(total.most_slabs, part.most_slabs);
-        if (options.progress) options.progress(static_cast<double>(++done) / tiles);
-    });
+    };
+    for_each_pixel<TraceReport>(width, height, options.progress, draw, add);
     if (report) *report = total;
     return image;
 }

@@ -1,0 +1,135 @@
+// vog/renderer.h: All renderers behind one interface: names, what each draws, the options that go
+// with each, and data prepared once to be drawn from any number of cameras.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/image.h"
+#include "vog/levels.h"
+#include "vog/lod.h"
+#include "vog/progress.h"
+#include "vog/reference.h"
+#include "vog/trace.h"
+
+namespace vog {
+
+enum class Renderer {
+    splat,      ///< SplatRenderer
+    trace,      ///< render_trace
+    cuda,       ///< CudaSplat
+    optix,      ///< OptixModel, OptixVolume
+    reference,  ///< render_reference
+};
+
+/// Data of one kind. Particles are Gaussians, one each.
+enum class RenderInput {
+    gaussians,
+    volumes,  ///< one, or several that add up
+    levels,   ///< of an adaptive mesh
+};
+
+struct RendererInfo {
+    Renderer renderer;
+    const char* name;         ///< "splat"
+    const char* description;  ///< "models and particles, exact, object order"
+    bool built;               ///< false: this build lacks CUDA or OptiX
+    std::vector<RenderInput> draws;
+};
+/// All renderers, also those that this build lacks, in the order to offer them in.
+std::span<const RendererInfo> renderers();
+const RendererInfo& info_of(Renderer renderer);
+bool draws(Renderer renderer, RenderInput input);
+/// throws vog::Error naming all renderers
+Renderer renderer_named(std::string_view name);
+/// The renderer of this name for this input; empty: splat for Gaussians, else reference.
+/// throws vog::Error naming the renderers for this input
+Renderer renderer_for(std::string_view name, RenderInput input);
+
+struct RenderOptions {
+    double aabb_sigma = 0;  ///< SplatOptions::aabb_sigma, TraceSceneOptions::aabb_sigma
+    double kappa = 0;       ///< SplatOptions::kappa, TraceSceneOptions::kappa, CudaSplat
+    /// CutOptions::pixel_error; nothing: its default.
+    std::optional<double> pixel_error{};
+    /// Any-hit program, hits a slab and stop of rays; its progress is not used.
+    TraceOptions trace{};
+    VoxelGridOptions voxels{};  ///< interpolation and step of the reference
+};
+
+/// One member of RenderOptions that some renderers have and others lack.
+enum class RenderOption {
+    anyhit,
+    hits_per_slab,
+    stop_transmittance,
+    aabb_sigma,
+    pixel_error,
+    kappa,
+    interpolation,
+    step,
+};
+/// Options whose values are not the defaults.
+std::vector<RenderOption> changed_options(const RenderOptions& options);
+
+/// Spelling of options in messages.
+enum class OptionSpelling {
+    flags,      ///< "--kappa", "--renderer trace": the command line's
+    arguments,  ///< "kappa", "renderer 'trace'": a function's
+};
+/// "--kappa" or "kappa".
+std::string spelled(RenderOption option, OptionSpelling spelling);
+/// Checks that every option in `given` goes with the renderer, the input and the other options: an
+/// option without effect is an error.
+/// throws vog::Error: "--kappa is not for --renderer reference, expected splat or trace or ..."
+void require_options(Renderer renderer, RenderInput input, std::span<const RenderOption> given,
+                     OptionSpelling spelling);
+
+/// Data prepared for one renderer, which draws optical depth from any camera. Not for two threads
+/// at once, except with Renderer::reference; each picture uses all threads.
+class DepthRenderer {
+  public:
+    /// model      splat draws it in place: it must stay as it is. Others copy what they need
+    /// hierarchy  of the model, for splat without bounding boxes: each picture is a cut through it;
+    ///            null or empty: all Gaussians
+    /// throws     vog::Error for options that are not the renderer's, for a renderer that does not
+    ///            draw Gaussians or is not in this build, and as the renderer itself does
+    DepthRenderer(Renderer renderer, std::shared_ptr<const Gaussians> model,
+                  const RenderOptions& options = {},
+                  std::shared_ptr<const Hierarchy> hierarchy = nullptr);
+    /// T of volumes that add up; they are copied. throws vog::Error as above
+    DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
+                  const RenderOptions& options = {});
+    /// T of levels of a mesh, which are copied. throws vog::Error as above
+    DepthRenderer(Renderer renderer, const Levels& levels, const RenderOptions& options = {});
+    /// Volumes that add up or levels, as the set says.
+    DepthRenderer(Renderer renderer, const VolumeSet& volumes, const RenderOptions& options = {});
+    ~DepthRenderer();
+    DepthRenderer(DepthRenderer&&) noexcept;
+    DepthRenderer& operator=(DepthRenderer&&) noexcept;
+
+    /// depth     T per pixel at extinction 1
+    /// progress  not called by cuda and optix: a picture is one launch
+    /// throws    vog::Error for an unusable camera or size
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress& progress = {});
+    /// Level of detail of the next pictures: CutOptions::pixel_error. No effect without a hierarchy.
+    void set_pixel_error(double pixel_error);
+
+    Renderer renderer() const;
+    /// Cut of the last picture; nothing without a hierarchy.
+    const std::optional<CutReport>& cut() const;
+    /// Hits of the last picture's rays; nothing unless a model was traced.
+    const std::optional<TraceReport>& traced() const;
+
+    struct State;
+
+  private:
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace vog

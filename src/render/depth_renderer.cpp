@@ -1,0 +1,213 @@
+// depth_renderer.cpp: DepthRenderer: one class for each renderer and the data it holds.
+#include "vog/error.h"
+#include "vog/gpu.h"
+#include "vog/renderer.h"
+#include "vog/splat.h"
+
+namespace vog {
+
+struct DepthRenderer::State {
+    Renderer renderer{};
+    std::optional<CutReport> cut{};
+    std::optional<TraceReport> traced{};
+
+    virtual ~State() = default;
+    virtual void render(const Camera& camera, int width, int height, DepthImage& depth,
+                        const Progress& progress) = 0;
+    virtual void set_pixel_error(double) {}
+};
+
+namespace {
+
+using State = DepthRenderer::State;
+
+class SplatState : public State {
+  public:
+    SplatState(std::shared_ptr<const Gaussians> model, std::shared_ptr<const Hierarchy> hierarchy,
+               const RenderOptions& options)
+        : model_(std::move(model)),
+          hierarchy_(std::move(hierarchy)),
+          splat_(*model_, splat_options(options)) {}
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress& progress) override {
+        splat_.render(camera, width, height, depth, progress);
+        if (has_cut_) cut = splat_.cut_report();
+    }
+    void set_pixel_error(double pixel_error) override { splat_.set_cut({pixel_error, true}); }
+
+  private:
+    SplatOptions splat_options(const RenderOptions& options) {
+        SplatOptions splat;
+        splat.aabb_sigma = options.aabb_sigma;
+        splat.kappa = options.kappa;
+        has_cut_ = hierarchy_ && !hierarchy_->empty() && options.aabb_sigma == 0;
+        if (has_cut_) splat.hierarchy = hierarchy_.get();
+        splat.cut.pixel_error = options.pixel_error.value_or(splat.cut.pixel_error);
+        return splat;
+    }
+
+    std::shared_ptr<const Gaussians> model_;
+    std::shared_ptr<const Hierarchy> hierarchy_;
+    bool has_cut_ = false;
+    SplatRenderer splat_;
+};
+
+class TraceState : public State {
+  public:
+    TraceState(const Gaussians& model, const RenderOptions& options)
+        : scene_(trace_scene(model, {options.aabb_sigma, options.kappa})),
+          options_(options.trace) {}
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress& progress) override {
+        options_.progress = progress;
+        depth = render_trace(scene_, camera, width, height, options_, &traced.emplace());
+    }
+
+  private:
+    TraceScene scene_;
+    TraceOptions options_;
+};
+
+class CudaState : public State {
+  public:
+    CudaState(const Gaussians& model, const RenderOptions& options)
+        : splat_(model, options.kappa) {}
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress&) override {
+        depth = splat_.render(camera, width, height);
+    }
+
+  private:
+    CudaSplat splat_;
+};
+
+class OptixModelState : public State {
+  public:
+    OptixModelState(const Gaussians& model, const RenderOptions& options)
+        : model_(model, {options.aabb_sigma, options.kappa}), options_(options.trace) {}
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress&) override {
+        depth = model_.render(camera, width, height, options_, &traced.emplace());
+    }
+
+  private:
+    OptixModel model_;
+    TraceOptions options_;
+};
+
+std::vector<VoxelGrid> voxel_grids(std::span<const Volume> volumes,
+                                   const VoxelGridOptions& options) {
+    std::vector<VoxelGrid> grids;
+    for (const Volume& volume : volumes) grids.push_back(voxel_grid(volume, options));
+    return grids;
+}
+
+class OptixVolumesState : public State {
+  public:
+    explicit OptixVolumesState(std::span<const Volume> volumes) {
+        for (const VoxelGrid& grid : voxel_grids(volumes, {})) volumes_.emplace_back(grid.bytes());
+    }
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress&) override {
+        depth = DepthImage(width, height);
+        for (OptixVolume& volume : volumes_) {
+            const DepthImage part = volume.render(camera, width, height);
+            for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] += part.depth[n];
+        }
+    }
+
+  private:
+    std::vector<OptixVolume> volumes_;
+};
+
+/// Grids  LevelGrids or std::vector<VoxelGrid>
+template <class Grids>
+class ReferenceState : public State {
+  public:
+    explicit ReferenceState(Grids grids) : grids_(std::move(grids)) {}
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress& progress) override {
+        depth = render_reference(grids_, camera, width, height, {progress});
+    }
+
+  private:
+    Grids grids_;
+};
+
+/// throws vog::Error for a renderer that does not draw the input, or options that are not its
+void check(Renderer renderer, RenderInput input, const RenderOptions& options) {
+    if (renderer == Renderer::optix && input == RenderInput::levels)
+        throw Error(
+            "optix: levels of a mesh hide each other, which only the reference renderer knows; "
+            "give --no-mask to add them up");
+    (void)renderer_for(info_of(renderer).name, input);
+    require_options(renderer, input, changed_options(options), OptionSpelling::arguments);
+}
+
+}  // namespace
+
+DepthRenderer::DepthRenderer(Renderer renderer, std::shared_ptr<const Gaussians> model,
+                             const RenderOptions& options,
+                             std::shared_ptr<const Hierarchy> hierarchy) {
+    check(renderer, RenderInput::gaussians, options);
+    switch (renderer) {
+        case Renderer::trace:
+            state_ = std::make_unique<TraceState>(*model, options);
+            break;
+        case Renderer::cuda:
+            state_ = std::make_unique<CudaState>(*model, options);
+            break;
+        case Renderer::optix:
+            state_ = std::make_unique<OptixModelState>(*model, options);
+            break;
+        default:
+            state_ = std::make_unique<SplatState>(std::move(model), std::move(hierarchy), options);
+    }
+    state_->renderer = renderer;
+}
+
+DepthRenderer::DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
+                             const RenderOptions& options) {
+    check(renderer, RenderInput::volumes, options);
+    if (renderer == Renderer::optix)
+        state_ = std::make_unique<OptixVolumesState>(volumes);
+    else
+        state_ = std::make_unique<ReferenceState<std::vector<VoxelGrid>>>(
+            voxel_grids(volumes, options.voxels));
+    state_->renderer = renderer;
+}
+
+DepthRenderer::DepthRenderer(Renderer renderer, const Levels& levels,
+                             const RenderOptions& options) {
+    check(renderer, RenderInput::levels, options);
+    state_ = std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels));
+    state_->renderer = renderer;
+}
+
+DepthRenderer::DepthRenderer(Renderer renderer, const VolumeSet& volumes,
+                             const RenderOptions& options)
+    : DepthRenderer(volumes.is_mesh()
+                        ? DepthRenderer(renderer, static_cast<const Levels&>(volumes), options)
+                        : DepthRenderer(renderer, std::span(volumes.volumes), options)) {}
+
+DepthRenderer::~DepthRenderer() = default;
+DepthRenderer::DepthRenderer(DepthRenderer&&) noexcept = default;
+DepthRenderer& DepthRenderer::operator=(DepthRenderer&&) noexcept = default;
+
+void DepthRenderer::render(const Camera& camera, int width, int height, DepthImage& depth,
+                           const Progress& progress) {
+    state_->render(camera, width, height, depth, progress);
+}
+
+void DepthRenderer::set_pixel_error(double pixel_error) { state_->set_pixel_error(pixel_error); }
+Renderer DepthRenderer::renderer() const { return state_->renderer; }
+const std::optional<CutReport>& DepthRenderer::cut() const { return state_->cut; }
+const std::optional<TraceReport>& DepthRenderer::traced() const { return state_->traced; }
+
+}  // namespace vog
