@@ -1,7 +1,7 @@
-// vog/gpu.h: the same pictures on a GPU. CudaSplat is the tile renderer, for any CUDA device;
-// OptixModel and OptixVolume are the paper's two OptiX pipelines, for those with a driver that has
-// OptiX. Every build has these names: without -DVOG_CUDA=ON or -DVOG_OPTIX=ON, without a driver or
-// without a device, their constructors throw one line that says what is missing.
+// vog/gpu.h: Renderers on an NVIDIA GPU: splatting by CUDA, ray tracing of Gaussians and voxels by OptiX.
+// CudaSplat needs a CUDA device, OptixModel and OptixVolume (the paper's two pipelines) a driver
+// with OptiX. All builds have these classes: without -DVOG_CUDA=ON or -DVOG_OPTIX=ON, a driver or a
+// device, their constructors throw one line naming the missing part.
 #pragma once
 
 #include <cstddef>
@@ -16,37 +16,38 @@
 
 namespace vog {
 
-/// Object order on the GPU: projection, binning by radix sort, one block a tile, no sort by depth.
+/// Splatting on the GPU: projection, binning by radix sort, one thread block a tile, no sorting by
+/// depth.
 class CudaSplat {
   public:
     /// Copies the model to the GPU.
-    /// kappa   as in TraceSceneOptions
+    /// kappa   SplatOptions::kappa
     /// throws  vog::Error without a device, for a model validate() refuses, for too little memory
     explicit CudaSplat(const Gaussians& gaussians, double kappa = 0);
     ~CudaSplat();
     CudaSplat(CudaSplat&&) noexcept;
     CudaSplat& operator=(CudaSplat&&) noexcept;
 
-    /// T per pixel at extinction 1; the same bytes every time.
+    /// Optical depth T per pixel at extinction 1; the same bytes in every run.
     /// throws  vog::Error for an unusable camera or size, for too little GPU memory
     DepthImage render(const Camera& camera, int width, int height);
-    /// Device time of the last picture by CUDA events, without the copy to the host.
-    double gpu_ms() const;
+    /// Device time of the last picture, milliseconds by CUDA events, without the copy to the host.
+    double gpu_ms() const;  ///< as OptixModel::gpu_ms
 
   private:
     struct State;
     std::unique_ptr<State> state_;
 };
 
-/// What progressive pictures are shaded with: colours are summed over subframes, so it comes first.
+/// Shading of progressive pictures, whose colours are averaged over subframes.
 struct GpuShading {
     TransferFunction tf;
     ShadeOptions options{};
-    double extinction = 1;
+    double extinction = 1;  ///< factor on density, > 0
 };
 
-/// The paper's Gaussian renderer: custom primitives, a compacted GAS under an IAS, any-hit
-/// programs that accumulate or collect.
+/// The paper's Gaussian renderer: custom primitives in a compacted geometry acceleration structure
+/// under an instance acceleration structure, with any-hit programs that accumulate or collect.
 class OptixModel {
   public:
     /// throws vog::Error without OptiX, as trace_scene does, and for too little GPU memory
@@ -58,18 +59,18 @@ class OptixModel {
     /// As render_trace. options.progress is not called: a picture is one launch.
     DepthImage render(const Camera& camera, int width, int height, const TraceOptions& options = {},
                       TraceReport* report = nullptr);
-    /// The mean colour of `subframes` launches, each through other points of its pixels.
+    /// Mean colour over `subframes` launches, each with other sample points within the pixels.
     Image render_progressive(const Camera& camera, int width, int height, const GpuShading& shading,
                              int subframes, const TraceOptions& options = {});
-    double gpu_ms() const;  ///< of the last picture's launches, by CUDA events
+    double gpu_ms() const;  ///< device time of the last picture, milliseconds by CUDA events
 
   private:
     struct State;
     std::unique_ptr<State> state_;
 };
 
-/// The paper's SciVis renderer: a NanoVDB grid, walked by hierarchical DDA in the closest-hit
-/// program; exact for voxels of constant value.
+/// The paper's SciVis renderer: a NanoVDB grid, traversed by a hierarchical DDA in the closest-hit
+/// program. Exact for voxels of constant value.
 class OptixVolume {
   public:
     /// grid    a whole NanoVDB grid of floats (version 32) with its transform, uncompressed, in
@@ -80,12 +81,12 @@ class OptixVolume {
     OptixVolume(OptixVolume&&) noexcept;
     OptixVolume& operator=(OptixVolume&&) noexcept;
 
-    /// T per pixel at extinction 1.
+    /// Optical depth T per pixel at extinction 1.
     DepthImage render(const Camera& camera, int width, int height);
-    /// The mean colour of `subframes` launches, as of OptixModel.
+    /// Mean colour over `subframes` launches, as OptixModel::render_progressive.
     Image render_progressive(const Camera& camera, int width, int height, const GpuShading& shading,
                              int subframes);
-    double gpu_ms() const;
+    double gpu_ms() const;  ///< as OptixModel::gpu_ms
 
   private:
     struct State;

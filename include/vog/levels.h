@@ -1,7 +1,7 @@
-// vog/levels.h: adaptive meshes. Several volumes of different voxel size make one field: at every
-// point the finest one that is active there counts, and no other.
-// Everything happens in world space, so levels may lie at any offset, angle and ratio to each
-// other. docs/amr.md has the rules and their accuracy.
+// vog/levels.h: Levels of an adaptive mesh (AMR): volumes of different voxel size that form one field,
+// in which at every point the finest active volume counts alone.
+// Levels are compared in world space and may lie at any offset, angle and ratio to each other.
+// docs/amr.md has the rules and their accuracy.
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 namespace vog {
 
 struct Levels {
-    std::vector<Volume> volumes;  ///< in any order; equal voxels: the first given counts
-    /// None, or one for each volume: its active voxels say where that volume counts. Outside, its
-    /// own voxels (ghost cells) are not counted; inside, it hides coarser ones, even where none of
-    /// its voxels is active. Without masks a volume counts where it is active.
+    std::vector<Volume> volumes;  ///< in any order; of equal voxel size, the first one counts
+    /// None, or one for each volume, whose active voxels are the domain of that volume. Outside its
+    /// domain a volume's own voxels (ghost cells) do not count; inside, it hides coarser volumes,
+    /// also where it has no active voxel. Without masks the domain is the active voxels.
     std::vector<Volume> masks;
 };
 
@@ -38,28 +38,27 @@ struct VolumeSet : Levels {
 ///        volume that validate() refuses
 void validate(const Levels& levels);
 
-/// Indices of the volumes by voxel volume, finest first; equal ones (to 1e-4) as they are given.
+/// Indices of the volumes sorted by voxel volume, finest first; equal ones (to 1e-4) keep their order.
 std::vector<std::size_t> finest_first(std::span<const Volume> volumes);
 
-/// Levels as volumes that do not overlap: T, mass and models of the parts add.
+/// Levels as volumes that do not overlap, so that T, mass and models of the parts add.
 struct Composite {
-    /// For each level what is left of it, finest first, and after it, where a finer level cuts
-    /// through its voxels, those voxels in 2^3 to 8^3 smaller ones. Parts with nothing in them are
-    /// left out.
+    /// Visible voxels of each level, finest first; after each level those of its voxels that a finer
+    /// level hides in part, divided into 2^3 to 8^3 smaller ones. Empty parts are left out.
     std::vector<Volume> parts;
-    Box box;                          ///< of all levels: their paper view
-    std::uint64_t voxels = 0;         ///< of the levels, at least partly seen
-    std::uint64_t hidden = 0;         ///< wholly hidden by another level, or outside their mask
-    std::uint64_t partly_hidden = 0;  ///< of `voxels`
+    Box box;                          ///< world box of all levels, for the paper view
+    std::uint64_t voxels = 0;         ///< voxels of the levels that are visible at least in part
+    std::uint64_t hidden = 0;         ///< voxels hidden by another level, or outside their mask
+    std::uint64_t partly_hidden = 0;  ///< voxels counted in `voxels` that are hidden in part
 };
 
-/// Takes from every level what finer ones hide. A voxel that is partly hidden is divided so that
-/// the lattice of the finest level over it fits, where it does up to 8 to 1; the density of each
-/// piece is weighted with its uncovered share. That share is exact to 1e-4 of a fine voxel where
-/// the levels' axes are parallel, whatever their ratio and offset; else it is sampled at 16^3
-/// points of the voxel (0.2 % of it). Mass is the sum over uncovered space, to the same accuracy.
+/// Removes from every level the space that finer levels hide. A partly hidden voxel is divided
+/// along the lattice of the finest level over it, where that fits at up to 8 to 1; the density of
+/// each piece is multiplied by its uncovered fraction. The fraction is exact to 1e-4 of a fine voxel
+/// where the levels' axes are parallel, for any ratio and offset; else it is sampled at 16^3 points
+/// of the voxel (error 0.2 %). Mass is the integral over uncovered space, to the same accuracy.
 /// throws vog::Error as validate() does
-/// cost   O(voxels), and some microseconds for each voxel that another level meets
+/// cost   O(voxels), and some microseconds for each voxel that another level overlaps
 [[nodiscard]] Composite composite(const Levels& levels);
 
 }  // namespace vog

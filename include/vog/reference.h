@@ -1,5 +1,6 @@
-// vog/reference.h: the ground truth. Primary rays through the voxels themselves, in a NanoVDB tree.
-// Exact for voxels of constant value: every piece of a ray is given to exactly one voxel, and empty
+// vog/reference.h: Ground truth: optical depth of the voxels themselves, along primary rays through a
+// NanoVDB tree.
+// Exact for voxels of constant value: each piece of a ray belongs to exactly one voxel, and empty
 // nodes and constant tiles are crossed in one step. T adds, so several grids make one picture.
 #pragma once
 
@@ -16,7 +17,7 @@
 
 namespace vog {
 
-/// What the field is between voxel centres.
+/// Field between voxel centres.
 enum class Interpolation {
     constant,  ///< each active voxel fills its box [i-1/2, i+1/2]^3 with its value
     linear,    ///< trilinear between voxel centres, inactive voxels being 0
@@ -30,15 +31,14 @@ struct VoxelGridOptions {
     double step_voxels = 0.25;
 };
 
-/// A volume made ready for rays: a NanoVDB grid of floats, its transform and the field it means.
-/// Copies share the grid, which is never changed.
+/// A volume prepared for rays: a NanoVDB grid of floats, its transform and its interpolation.
+/// Immutable; copies share the grid.
 class VoxelGrid {
   public:
     struct Data;
     explicit VoxelGrid(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }
-    /// The NanoVDB grid of floats (version 32) in whole, its first byte at a multiple of 32; as
-    /// long as this lives.
+    /// The whole NanoVDB grid of floats (version 32), aligned to 32 bytes, valid while this lives.
     std::span<const std::byte> bytes() const;
     std::size_t memory_bytes() const { return bytes().size(); }
 
@@ -46,43 +46,45 @@ class VoxelGrid {
     std::shared_ptr<const Data> data_;
 };
 
-/// volume   as its readers deliver it; may be empty
+/// Prepares a volume for rays.
+/// volume   leaves sorted by origin, as readers return them; may be empty
 /// throws   vog::Error for a volume that validate() refuses, for overlapping nodes, indices beyond
 ///          2^30, a step that is neither 0 nor at least 0.001
 /// cost     O(leaves log leaves) time, 2.1 kB a leaf
 [[nodiscard]] VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options = {});
 
 /// Optical depth along origin + t direction, t >= 0, at extinction 1, in double precision.
-/// direction need not have unit length; T is per world unit of length all the same.
+/// direction  of any length > 0; T does not depend on its length
 /// throws   vog::Error for a direction that is zero, or anything not finite
 [[nodiscard]] double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction);
 
-/// Levels of an adaptive mesh made ready for rays: every piece of a ray counts in the finest level
-/// that is there, or nowhere, exactly, however the levels lie to each other. Copies share the
-/// grids.
+/// Levels of an adaptive mesh prepared for rays: each piece of a ray counts in the finest level that
+/// is active there and in no other, exactly, for any offset, angle and ratio between the levels.
+/// Immutable; copies share the grids.
 class LevelGrids {
   public:
     struct Data;
     explicit LevelGrids(std::shared_ptr<const Data> data) : data_(std::move(data)) {}
     const Data& data() const { return *data_; }
-    /// Bytes of the NanoVDB grids.
+    /// Bytes of all NanoVDB grids.
     std::size_t memory_bytes() const;
 
   private:
     std::shared_ptr<const Data> data_;
 };
 
-/// Linear interpolation within a level takes the values of other levels beyond its edge, and ends
-/// flat at the faces of the outermost voxels, where a single grid would fade over one voxel.
+/// Prepares levels for rays. Linear interpolation uses values of the neighbouring levels beyond a
+/// level's edge; at the mesh's own boundary the field is constant up to the faces of the outermost
+/// voxels, where a single grid would fade to 0 over one voxel.
 /// throws   vog::Error as validate(Levels) and voxel_grid do
 [[nodiscard]] LevelGrids level_grids(const Levels& levels, const VoxelGridOptions& options = {});
 [[nodiscard]] double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction);
 
 struct ReferenceOptions {
-    Progress progress{};
+    Progress progress{};  ///< called with the finished fraction of the picture
 };
 
-/// T per pixel at extinction 1, summed over the grids.
+/// Optical depth T per pixel at extinction 1, summed over the grids.
 /// returns  within 1e-6 relative of the exact sum; the same bytes for any number of threads
 /// throws   vog::Error for an unusable camera or size
 /// cost     O(pixels * nodes crossed)

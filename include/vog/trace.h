@@ -1,6 +1,7 @@
-// vog/trace.h: Gaussians by ray tracing, on the CPU. The twin of the paper's OptiX programs: the
-// same ray generation, intersection and any-hit code (src/render/device), compiled for the host,
-// under Embree's hierarchy instead of OptiX's. docs/ray_tracing.md maps it to the paper's figure.
+// vog/trace.h: Ray tracing of Gaussians on the CPU, by the paper's programs.
+// Ray generation, intersection and any-hit code (src/render/device) are those of the OptiX
+// programs, compiled for the host, over Embree's bounding volume hierarchy. docs/ray_tracing.md maps
+// them to the paper's figure.
 #pragma once
 
 #include <cstddef>
@@ -14,23 +15,23 @@
 
 namespace vog {
 
-/// What the any-hit program does with a hit.
+/// Any-hit program: the treatment of each intersection of a ray with a Gaussian.
 enum class AnyHit {
-    accumulate,  ///< adds its optical depth at once: T is a sum and needs no order
+    accumulate,  ///< adds its optical depth at once: T is a sum, independent of order
     collect,     ///< the paper's: gathers hits, sorts them by entry, integrates front to back
 };
 
 struct TraceSceneOptions {
-    /// The paper's bounding boxes: a ray finds a Gaussian only if it meets the box of this many
-    /// times the paper's radii (scale sqrt(2)) around its mean, within the model's box. 0: boxes
-    /// are those of the supports, and every Gaussian a ray meets is found.
+    /// Half edges of the paper's bounding boxes, in its radii (scale sqrt(2)): a ray counts a
+    /// Gaussian only if it meets the Gaussian's box, clipped to the model's box. >= 0; 0: boxes
+    /// around the supports, so that every Gaussian on the ray counts.
     double aabb_sigma = 0;
     /// Cuts each kernel where it has fallen to this share of its peak, k = sqrt(-2 ln kappa), in
-    /// place of the model's own cutoff. (0, 1), or 0: the model's.
+    /// place of the model's own cutoff. [1.3e-14, 1), or 0: the model's.
     double kappa = 0;
 };
 
-/// A model made ready for rays. Copies share it; it is never changed.
+/// A model prepared for rays, with its bounding volume hierarchy. Immutable; copies share the data.
 class TraceScene {
   public:
     struct Data;
@@ -42,7 +43,7 @@ class TraceScene {
     std::shared_ptr<const Data> data_;
 };
 
-/// Bounds and hierarchy of a model, for any number of views.
+/// Packs a model and builds its bounding volume hierarchy, for any number of views.
 /// throws vog::Error for a model validate() refuses, options out of range, 2^32 Gaussians or more
 /// cost   O(N log N) time, about 200 bytes a Gaussian, parallel
 [[nodiscard]] TraceScene trace_scene(const Gaussians& gaussians,
@@ -50,27 +51,27 @@ class TraceScene {
 
 struct TraceOptions {
     AnyHit anyhit = AnyHit::accumulate;
-    int hits_per_slab = 64;  ///< of collect: hits a ray holds at once, [1, 256]
-    /// Of collect: a ray ends once exp(-extinction T) is below this, [0, 1). 0: never. The paper's
-    /// `if T > 0.999 or T < 0.001, break`, read as transmittance, is 0.001.
+    int hits_per_slab = 64;  ///< capacity of the hit buffer of a collecting ray, [1, 256]
+    /// Transmittance exp(-extinction T) below which a collecting ray ends, [0, 1); 0: never. The
+    /// paper's `if T > 0.999 or T < 0.001, break`, read as transmittance, is 0.001.
     double stop_transmittance = 0;
-    double extinction = 1;  ///< the factor on density that stop_transmittance is judged with
-    Progress progress{};
+    double extinction = 1;  ///< factor on density in the transmittance, > 0
+    Progress progress{};    ///< called with the finished fraction of the picture
 };
 
-/// What the rays of a picture met.
+/// Counts over the rays of one picture.
 struct TraceReport {
-    std::uint64_t hits = 0;   ///< Gaussians added, over all rays
-    std::uint64_t slabs = 0;  ///< of collect: buffers filled and integrated, over all rays
-    int most_slabs = 0;       ///< of one ray
+    std::uint64_t hits = 0;   ///< Gaussians added, summed over all rays
+    std::uint64_t slabs = 0;  ///< hit buffers integrated by collecting rays, summed over all rays
+    int most_slabs = 0;       ///< largest number of slabs of one ray
 };
 
-/// Image order and exact: for every pixel centre, each Gaussian whose support its ray meets (and
-/// whose box, under aabb_sigma). No hit is ever dropped.
+/// Traces one ray through every pixel centre and adds each Gaussian whose support (and box, with
+/// aabb_sigma) the ray meets. Exact; no hit is dropped.
 /// returns  T per pixel at extinction 1; the same bytes for any number of threads
 /// throws   vog::Error for an unusable camera or size, options out of range, stop_transmittance
 ///          without collect
-/// cost     O(pixels (log N + hits)); collect more by the slabs
+/// cost     O(pixels (log N + hits a ray)); collect: once more for every further slab
 [[nodiscard]] DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width,
                                       int height, const TraceOptions& options = {},
                                       TraceReport* report = nullptr);
