@@ -1,4 +1,4 @@
-// vog/gpu.h: Renderers on an NVIDIA GPU: splatting by CUDA, ray tracing of Gaussians and voxels by OptiX.
+// vog/gpu.h: Renderers on an NVIDIA GPU: splatting by CUDA, ray tracing by OptiX.
 // CudaSplat needs a CUDA device, OptixModel and OptixVolume (the paper's two pipelines) a driver
 // with OptiX. All builds have these classes: without -DVOG_CUDA=ON or -DVOG_OPTIX=ON, a driver or a
 // device, their constructors throw one line naming the missing part.

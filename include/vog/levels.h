@@ -1,5 +1,5 @@
-// vog/levels.h: Levels of an adaptive mesh (AMR): volumes of different voxel size that form one field,
-// in which at every point the finest active volume counts alone.
+// vog/levels.h: Levels of an adaptive mesh (AMR): volumes of different voxel size form one field, in
+// which at every point the finest active volume counts alone.
 // Levels are compared in world space and may lie at any offset, angle and ratio to each other.
 // docs/amr.md has the rules and their accuracy.
 #pragma once
@@ -38,13 +38,13 @@ struct VolumeSet : Levels {
 ///        volume that validate() refuses
 void validate(const Levels& levels);
 
-/// Indices of the volumes sorted by voxel volume, finest first; equal ones (to 1e-4) keep their order.
+/// Indices of the volumes by voxel volume, finest first; equal ones (to 1e-4) keep their order.
 std::vector<std::size_t> finest_first(std::span<const Volume> volumes);
 
 /// Levels as volumes that do not overlap, so that T, mass and models of the parts add.
 struct Composite {
-    /// Visible voxels of each level, finest first; after each level those of its voxels that a finer
-    /// level hides in part, divided into 2^3 to 8^3 smaller ones. Empty parts are left out.
+    /// Visible voxels of each level, finest first; after each level those of its voxels that a
+    /// finer level hides in part, divided into 2^3 to 8^3 smaller ones. Empty parts are left out.
     std::vector<Volume> parts;
     Box box;                          ///< world box of all levels, for the paper view
     std::uint64_t voxels = 0;         ///< voxels of the levels that are visible at least in part
@@ -54,7 +54,7 @@ struct Composite {
 
 /// Removes from every level the space that finer levels hide. A partly hidden voxel is divided
 /// along the lattice of the finest level over it, where that fits at up to 8 to 1; the density of
-/// each piece is multiplied by its uncovered fraction. The fraction is exact to 1e-4 of a fine voxel
+/// each piece is multiplied by its uncovered fraction. That is exact to 1e-4 of a fine voxel
 /// where the levels' axes are parallel, for any ratio and offset; else it is sampled at 16^3 points
 /// of the voxel (error 0.2 %). Mass is the integral over uncovered space, to the same accuracy.
 /// throws vog::Error as validate() does

@@ -1,5 +1,5 @@
-// vog/reference.h: Ground truth: optical depth of the voxels themselves, along primary rays through a
-// NanoVDB tree.
+// vog/reference.h: Ground truth: optical depth of the voxels themselves, by rays through a NanoVDB
+// tree.
 // Exact for voxels of constant value: each piece of a ray belongs to exactly one voxel, and empty
 // nodes and constant tiles are crossed in one step. T adds, so several grids make one picture.
 #pragma once
@@ -58,8 +58,8 @@ class VoxelGrid {
 /// throws   vog::Error for a direction that is zero, or anything not finite
 [[nodiscard]] double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction);
 
-/// Levels of an adaptive mesh prepared for rays: each piece of a ray counts in the finest level that
-/// is active there and in no other, exactly, for any offset, angle and ratio between the levels.
+/// Levels of an adaptive mesh prepared for rays: each piece of a ray counts in the finest level
+/// that is active there and in no other, exactly, for any offset, angle and ratio between the levels.
 /// Immutable; copies share the grids.
 class LevelGrids {
   public:

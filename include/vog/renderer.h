@@ -117,7 +117,7 @@ class DepthRenderer {
     /// throws    vog::Error for an unusable camera or size
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress& progress = {});
-    /// Level of detail of the next pictures: CutOptions::pixel_error. No effect without a hierarchy.
+    /// Sets CutOptions::pixel_error of the next pictures. No effect without a hierarchy.
     void set_pixel_error(double pixel_error);
 
     Renderer renderer() const;

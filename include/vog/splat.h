@@ -41,8 +41,8 @@ struct SplatOptions {
 std::vector<std::string> splat_targets();
 
 /// Renderer of one model from any number of cameras. Exact: each Gaussian's line integral at every
-/// pixel centre that its projected support covers, in perspective; the camera may be near, inside or
-/// behind Gaussians. Buffers are kept, so that a picture like the one before allocates no memory
+/// pixel centre that its projected support covers, in perspective; the camera may be near, inside
+/// or behind Gaussians. Buffers are kept, so that a picture like the one before allocates no memory
 /// (except with aabb_sigma). Not for two threads at once; each picture uses all threads.
 class SplatRenderer {
   public:

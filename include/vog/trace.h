@@ -1,7 +1,7 @@
 // vog/trace.h: Ray tracing of Gaussians on the CPU, by the paper's programs.
 // Ray generation, intersection and any-hit code (src/render/device) are those of the OptiX
-// programs, compiled for the host, over Embree's bounding volume hierarchy. docs/ray_tracing.md maps
-// them to the paper's figure.
+// programs, compiled for the host, over Embree's bounding volume hierarchy. docs/ray_tracing.md
+// maps them to the paper's figure.
 #pragma once
 
 #include <cstddef>

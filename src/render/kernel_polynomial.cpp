@@ -1,4 +1,4 @@
-// kernel_polynomial.cpp: near-minimax interpolation of the kernel, written in powers.
+// kernel_polynomial.cpp: Near-minimax polynomial of the kernel, in powers of its variable.
 #include "render/kernel_polynomial.h"
 
 #include <algorithm>
@@ -24,7 +24,7 @@ double horner(const std::vector<double>& coefficient, double v) {
     return sum;
 }
 
-/// Coefficients in powers of v of the interpolant whose error, times sqrt(u), oscillates evenly:
+/// Coefficients, in powers of v, of the interpolant whose error times sqrt(u) is near-minimax:
 /// sqrt((1 + v)/2) V_n(v) = cos((n + 1/2) theta), v = cos theta, for the Chebyshev polynomials V_n
 /// of the third kind, so the zeros of V_{degree + 1} are near-minimax nodes for the weight sqrt(u).
 std::vector<double> weighted_interpolant(int degree, double cutoff) {

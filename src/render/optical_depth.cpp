@@ -1,5 +1,5 @@
-// optical_depth.cpp: one Gaussian along one ray, in double precision: the closed form every
-// renderer is tested against (design: docs/method.md, "One Gaussian along a ray").
+// optical_depth.cpp: Optical depth of one Gaussian along one ray in closed form, double precision
+// (docs/method.md, "One Gaussian along a ray"). Every renderer is tested against it.
 #include <numbers>
 
 #include "render/ray_gaussian.h"

@@ -1,6 +1,6 @@
-// ray_gaussian.h: the line integral of one truncated unit-peak Gaussian along a ray from the eye.
-// Source: Zhou et al. 2007 (the paper's appendix B), with the cross-product form of the distance:
-// the appendix A form A - B²/4C cancels in float (10 % at 800 voxels).
+// ray_gaussian.h: Line integral of one truncated Gaussian of unit peak along a ray from the eye.
+// Source: Zhou et al. 2007 (the paper's appendix B), with the distance from a cross product: the
+// form A - B²/4C of appendix A cancels in float (error 10 % at 800 voxels).
 #pragma once
 
 #include <algorithm>

@@ -1,20 +1,20 @@
-// device/any_hit.h: what becomes of a hit. `accumulate` adds its tau at once and forgets it.
-// `collect` is the paper's: keep hits, sort them by entry, integrate front to back; here in slabs,
-// so that a full buffer drops nothing.
+// any_hit.h: Any-hit programs: the treatment of each intersection of a ray with a Gaussian.
+// `accumulate` adds its tau at once. `collect`, the paper's, keeps hits, sorts them by entry and
+// integrates them front to back; here slab by slab, so that a full buffer drops no hit.
 #pragma once
 
 #include "render/device/gaussian_hit.h"
 
 namespace vog::device {
 
-/// A sum of taus that is the same in any order, so that the picture depends neither on how a
-/// hierarchy was built nor on how it is walked. Each tau is cut into a multiple of a coarse and one
-/// of a fine quantum, both powers of two, and double precision adds either kind exactly: the
-/// coarse is 2^-50 of a bound on T, the fine 2^-80 of it, and 2^20 remainders fit above that.
+/// Rounding that makes a sum of taus the same in any order, so that a picture does not depend on the
+/// bounding volume hierarchy or its traversal. Each tau is rounded to a multiple of a coarse quantum
+/// plus a multiple of a fine one, both powers of two, and double precision adds either kind exactly:
+/// the coarse quantum is 2^-50 of a bound on T, the fine one 2^-80, with room for 2^20 remainders.
 struct SumRounding {
     double coarse_shift;  ///< 1.5 * 2^52 quanta: adding and subtracting it rounds to a quantum
     double fine_shift;
-    double fine;  ///< the quantum
+    double fine;  ///< the fine quantum
 };
 struct DepthSum {
     double coarse, fine;
@@ -30,14 +30,14 @@ VOG_HD void add_depth(DepthSum& sum, float tau, const SumRounding& rounding) {
     const double rest = exact - coarse;
     const double fine = (rest + rounding.fine_shift) - rounding.fine_shift;
     sum.coarse += coarse;
-    // However faint, what was met shows: T > 0.
+    // T > 0 for every pixel with a hit, however faint.
     sum.fine += coarse + fine > 0 ? fine : rounding.fine;
 }
 
-/// Hits in the order of entry; equal entries (all those around the eye) in the order of Gaussians.
+/// One hit, ordered by entry; equal entries (Gaussians around the eye all have 0) by index.
 struct CollectedHit {
-    float entry;
-    uint32_t index;
+    float entry;     ///< t at which the ray enters the support
+    uint32_t index;  ///< of the Gaussian
 };
 VOG_HD bool before(const CollectedHit& a, const CollectedHit& b) {
     return a.entry < b.entry || (a.entry == b.entry && a.index < b.index);
@@ -45,12 +45,12 @@ VOG_HD bool before(const CollectedHit& a, const CollectedHit& b) {
 
 constexpr int kMaxHitsPerSlab = 256;
 
-/// The nearest `capacity` hits beyond `last`: a heap with the farthest on top.
+/// The `capacity` nearest hits beyond `last`: a binary heap with the farthest on top.
 struct HitList {
     CollectedHit hit[kMaxHitsPerSlab];
-    CollectedHit last;  ///< where the slab before ended
+    CollectedHit last;  ///< last hit of the previous slab
     int32_t capacity, count;
-    int32_t first_slab;  ///< there was none before: `last` does not count
+    int32_t first_slab;  ///< 1: no previous slab, `last` is unused
 };
 
 VOG_HD void sift_down(CollectedHit* heap, int32_t count, int32_t at) {
@@ -65,10 +65,10 @@ VOG_HD void sift_down(CollectedHit* heap, int32_t count, int32_t at) {
     heap[at] = moved;
 }
 
-/// returns  false if the list is full of nearer hits: no hit at this entry or beyond can be of this
-///          slab, and traversal need go no further
+/// Adds a hit, dropping the farthest if the list is full.
+/// returns  false if the list is full of nearer hits: traversal may end at this entry
 VOG_HD bool collect(HitList& list, const CollectedHit& hit) {
-    if (!list.first_slab && !before(list.last, hit)) return true;  // of an earlier slab
+    if (!list.first_slab && !before(list.last, hit)) return true;  // in an earlier slab
     if (list.count == list.capacity) {
         if (!before(hit, list.hit[0])) return false;
         list.hit[0] = hit;
@@ -90,17 +90,17 @@ VOG_HD void begin_slab(HitList& list, const CollectedHit* last) {
     if (last) list.last = *last;
 }
 
-/// Slack of the hierarchy's floats, in scene units: a ray is this much longer than it must be, and
-/// a slab's starts this much earlier.
+/// Margin for rounding in the hierarchy's floats, scene units: rays end this much later and slabs
+/// start this much earlier.
 constexpr float kRaySlack = 0x1p-18f;
 
-/// Where a traversal for this slab may start: its hits enter no earlier than the last of the slab
-/// before. The paper's boxes may lie before the entries of what they find: no gain there.
+/// Smallest t at which the traversal for this slab may start: its hits enter no earlier than the
+/// last hit of the previous slab. 0 with the paper's boxes, which may lie before the entries.
 VOG_HD float slab_start(const HitList& list, bool boxed) {
     return list.first_slab || boxed ? 0.0f : fmaxf(list.last.entry - kRaySlack, 0.0f);
 }
 
-/// Heap sort: nearest first.
+/// Sorts the hits by heap sort, nearest first.
 VOG_HD void sort_by_entry(HitList& list) {
     for (int32_t end = list.count - 1; end > 0; --end) {
         const CollectedHit farthest = list.hit[0];
@@ -111,8 +111,8 @@ VOG_HD void sort_by_entry(HitList& list) {
 }
 
 /// Integrates the sorted hits front to back.
-/// stop_depth  optical depth at which a ray is called opaque; infinite: never
-/// returns     whether to go on with another slab: there may be hits beyond, and light left
+/// stop_depth  optical depth at which a ray ends; infinite: never
+/// returns     true if another slab must follow: the list was full and the ray has not ended
 VOG_HD bool integrate(const HitList& list, const Gaussian* gaussians, const Ray& ray, float cutoff2,
                       double stop_depth, const SumRounding& rounding, DepthSum& sum) {
     for (int32_t n = 0; n < list.count; ++n) {

@@ -1,8 +1,8 @@
-// device/camera_ray.h: ray generation. The ray of a pixel, clipped to the model's bounds.
+// camera_ray.h: Ray generation: the ray of a pixel, clipped to the model's bounds.
 //
 // Scene units: the world divided by a power of two, so that the bounds have a radius in (1/2, 1]
-// and nothing of any world unit overflows a float. The camera stays in double precision, and so
-// does a ray: it is made once and met thousands of times.
+// and no float overflows, whatever the world unit. Camera and rays are in double precision: a ray
+// is made once and intersected thousands of times.
 #pragma once
 
 #include "render/device/vector.h"
@@ -20,9 +20,8 @@ struct Bounds {
     Double3 lower, upper;
 };
 
-/// origin + t direction for t in [0, length]: from where the ray enters the bounds, or from the eye
-/// if that is inside, to where it leaves them. Nothing of the model lies elsewhere, so clipping
-/// costs no accuracy; it keeps t small, however far away the eye.
+/// origin + t direction, t in [0, length]: the part of a camera ray inside the bounds. All supports
+/// lie inside, so clipping loses nothing; it keeps t small, however far away the eye.
 struct Ray {
     Double3 origin;
     Double3 direction;  ///< unit length
@@ -35,8 +34,8 @@ VOG_HD double slab_inverse(double component) {
     return 1 / (fabs(component) < tiny ? copysign(tiny, component) : component);
 }
 
-/// The part [enter, leave] of origin + t / inverse in a box, within what they held before; empty if
-/// enter > leave.
+/// Narrows [enter, leave] to the part of the ray t / inverse in a box; empty if enter > leave.
+/// to_lower, to_upper  corners of the box relative to the ray's origin
 VOG_HD void clip_to_box(Double3 to_lower, Double3 to_upper, Double3 inverse, double& enter,
                         double& leave) {
     const double ax = to_lower.x * inverse.x, bx = to_upper.x * inverse.x;
@@ -46,8 +45,8 @@ VOG_HD void clip_to_box(Double3 to_lower, Double3 to_upper, Double3 inverse, dou
     leave = fmin(leave, fmin(fmax(ax, bx), fmin(fmax(ay, by), fmax(az, bz))));
 }
 
-/// The ray through a point of the image; (column, row) is the centre of that pixel.
-/// returns  whether it meets the bounds in front of the eye
+/// The ray through a point of the image; whole numbers are centres of pixels.
+/// returns  true if the ray meets the bounds in front of the eye
 VOG_HD bool camera_ray(const Camera& camera, const Bounds& bounds, double column, double row,
                        Ray& ray) {
     const Double3 along = camera.corner + column * camera.step_x + row * camera.step_y;

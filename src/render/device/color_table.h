@@ -1,4 +1,4 @@
-// device/color_table.h: T to colour. The transfer function as a table over V in [0, 1].
+// color_table.h: Shading on the device: optical depth T to colour by a table over V in [0, 1].
 #pragma once
 
 #include "render/device/vector.h"
@@ -9,17 +9,18 @@ struct Float4 {
     float x, y, z, w;
 };
 
-/// `count` colours at V = 0, 1/(count - 1), ..., 1, straight alpha in w; linear between them.
+/// Transfer function: `count` colours at V = 0, 1/(count - 1), ..., 1, linear between them, with
+/// straight (not premultiplied) alpha in w.
 struct ColorTable {
     const Float4* color;
     int32_t count;
     float extinction;
     Float4 background;
-    int32_t blend;  ///< opacity is multiplied by V, the paper's blend
+    int32_t blend;  ///< 1: opacity is multiplied by V, the paper's blend
 };
 
-/// `front`, whose alpha is its opacity, over `back`; straight alpha. An opaque back gives
-/// mix(back, front, opacity), a clear one gives front as it is.
+/// Porter-Duff `front` over `back`, straight alpha. An opaque back gives mix(back, front, alpha of
+/// front), a transparent one gives front unchanged.
 VOG_HD Float4 over(Float4 front, Float4 back) {
     const float behind = back.w * (1 - front.w), alpha = front.w + behind;
     if (!(alpha > 0)) return {back.x, back.y, back.z, 0};

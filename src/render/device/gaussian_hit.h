@@ -1,10 +1,10 @@
-// device/gaussian_hit.h: one ray and one truncated Gaussian. Where the ray enters and leaves its
-// support, and the integral between (docs/method.md, "One Gaussian along a ray").
+// gaussian_hit.h: Intersection of a ray with a truncated Gaussian: entry, exit and optical depth
+// between them (docs/method.md, "One Gaussian along a ray").
 //
-// Single precision but for nine operations: the vector from the mean to the point of the ray
-// nearest it (in the Gaussian's own metric) is formed in double precision and only then whitened.
-// That is where a float ray loses its digits: at a distance of 1000 standard deviations 1e-4 of
-// one, and more than that of tau. Everything after is of the size of the Gaussian itself.
+// Single precision but for nine operations: the vector from the mean to the nearest point of the
+// ray (in the Gaussian's own metric) is formed in double precision and only then whitened. In
+// float this difference cancels: at a distance of 1000 standard deviations the error is 1e-4 of a
+// standard deviation, and larger in tau. All later values are of the size of the Gaussian itself.
 #pragma once
 
 #include "render/device/camera_ray.h"
@@ -12,20 +12,21 @@
 
 namespace vog::device {
 
-/// 64 bytes, in scene units. |W (x - mean)| is the distance in standard deviations.
+/// One Gaussian of the model, 64 bytes, in scene units. |W (x - mean)| is the distance from the
+/// mean in standard deviations.
 struct Gaussian {
     Float3 mean;
     float density;  ///< peak, per scene unit
     Float3 w[3];    ///< rows of the whitening W
-    Float3 half;    ///< of the edges of the paper's bounding box; unused without one
+    Float3 half;    ///< half edges of the paper's bounding box; unused without boxes
 };
 
-/// What the intersection knows of the segment in the support: what OptiX carries from
-/// __intersection__ to __anyhit__ as attributes.
+/// Segment of a ray inside a support: the attributes that OptiX passes from __intersection__ to
+/// __anyhit__.
 struct Hit {
     float nearest;  ///< t of the smallest whitened distance
-    float half;     ///< half the length of the chord
-    float m2;       ///< that distance squared
+    float half;     ///< half the length of the chord through the support
+    float m2;       ///< squared smallest whitened distance
     float width;    ///< length of sqrt(2) standard deviations along the ray
 
     VOG_HD float entry() const;
@@ -39,9 +40,10 @@ VOG_HD Float3 whiten(const Gaussian& g, Float3 v) {
     return {dot(g.w[0], v), dot(g.w[1], v), dot(g.w[2], v)};
 }
 
-/// The paper's quadratic, solved without its cancelling discriminant.
-/// cutoff2  k²: the support is where the squared whitened distance is below it
-/// returns  whether the ray meets the support at some t > 0
+/// Intersects a ray with the support |W (x - mean)|² < k²: the paper's quadratic, without its
+/// discriminant, which cancels.
+/// cutoff2  k²
+/// returns  true if the ray meets the support at some t > 0
 VOG_HD bool intersect(const Gaussian& g, const Ray& ray, float cutoff2, Hit& hit) {
     // d = W direction, scaled to a largest component of 1: no square of it over- or underflows.
     const Float3 d = whiten(g, to_float(ray.direction));
@@ -53,7 +55,7 @@ VOG_HD bool intersect(const Gaussian& g, const Ray& ray, float cutoff2, Hit& hit
     const Double3 to_mean = to_double(g.mean) - ray.origin;
     const double guess =
         static_cast<double>(dot(whiten(g, to_float(to_mean)), u) * per_c * per_unit);
-    // ... and what lies between it and the mean, to the precision of a float at its own size.
+    // ... and its offset from the mean, to the precision of a float at the Gaussian's own size.
     const Float3 e = whiten(g, to_float(to_mean - guess * ray.direction));
     const Float3 offset = cross(e, u);
     hit.m2 = dot(offset, offset) * per_c;
@@ -64,17 +66,17 @@ VOG_HD bool intersect(const Gaussian& g, const Ray& ray, float cutoff2, Hit& hit
     return hit.nearest + hit.half > 0;
 }
 
-/// tau of the hit: density times the integral over [entry, exit].
+/// Optical depth tau of the hit: density times the integral of the kernel over [entry, exit].
 VOG_HD float optical_depth(const Gaussian& g, const Hit& hit) {
     const float sqrt_pi_half = 0.886226925452758f;      // sqrt(pi) / 2
-    const float before = fminf(hit.half, hit.nearest);  // of the chord, before the nearest point
+    const float before = fminf(hit.half, hit.nearest);  // chord length before the nearest point
     return g.density * sqrt_pi_half * hit.width * expf(-0.5f * hit.m2) *
            (erff(hit.half / hit.width) + erff(before / hit.width));
 }
 
-/// Whether the ray meets the paper's bounding box of the Gaussian, mean - half to mean + half,
-/// clamped to the box of the scene. A hierarchy's own boxes are wider than asked for, and may be
-/// shared by several primitives: where the box decides what is seen, it is tested here.
+/// True if the ray meets the paper's bounding box of the Gaussian, mean - half to mean + half,
+/// clamped to the scene's box. A hierarchy's own boxes are wider and may be shared by several
+/// primitives, so where the box decides what is visible it is tested here.
 VOG_HD bool meets_box(const Gaussian& g, const Ray& ray, const Bounds& scene) {
     const Double3 mean = to_double(g.mean), half = to_double(g.half);
     Double3 lower = mean - half, upper = mean + half;

@@ -1,6 +1,6 @@
-// device/vector.h: vectors for code that is compiled for the host and for the device. The headers
-// of this folder use nothing but this and <math.h>: no standard library, no OpenVDB, plain structs
-// that are copied to a GPU as they are.
+// vector.h: 3D vectors for code that is compiled for the host and for the device.
+// Headers of this folder use only this one and <math.h> (voxel_walk.h also NanoVDB): no standard
+// library, and plain structs that are copied to a GPU byte for byte.
 #pragma once
 
 #include <math.h>

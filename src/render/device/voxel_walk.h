@@ -1,10 +1,10 @@
-// device/voxel_walk.h: the SciVis renderer's traversal. One ray through a NanoVDB grid by a
-// hierarchical DDA, exact for voxels of constant value.
+// voxel_walk.h: Hierarchical DDA of the SciVis renderer: one ray through a NanoVDB grid, exact for
+// voxels of constant value.
 //
-// NanoVDB's own HDDA steps in float and re-enters nodes an epsilon beyond their face; at index 10^4
-// that is a voxel in a thousand lost or doubled. Here the next cell follows from the integers of
-// the last one: along the axis that was crossed it is the neighbour, along the others it is clamped
-// to the face just left, so that no piece of a ray is skipped or counted twice.
+// NanoVDB's own HDDA steps in float and re-enters nodes an epsilon beyond their face, which at index
+// 10^4 skips or doubles one voxel in a thousand. Here the next cell follows from the integer
+// coordinates of the last one: the neighbour along the axis that was crossed, clamped to the last
+// cell along the others, so that no piece of a ray is skipped or counted twice.
 #pragma once
 
 #include <nanovdb/NanoVDB.h>
@@ -13,18 +13,18 @@
 
 namespace vog::device {
 
-/// Along one axis: the ray's index coordinates, and the cell it is in.
+/// One axis of the ray in index coordinates, and of its current voxel.
 struct WalkAxis {
     double origin, direction, inverse;
     int32_t voxel;
 
-    /// When the ray leaves the cell of `dim` voxels that holds `voxel`.
+    /// t at which the ray leaves the cell of edge `dim` voxels around `voxel`.
     VOG_HD double leave(int32_t dim) const {
         const int32_t lower = voxel & ~(dim - 1);
         if (direction == 0) return HUGE_VAL;
         return (static_cast<double>(direction > 0 ? lower + dim : lower) - origin) * inverse;
     }
-    /// The voxel at time t in the cells beyond: the neighbour where this axis was crossed.
+    /// Moves to the next cell at t: to the neighbour if this axis was crossed.
     VOG_HD void advance(double t, double left_at, int32_t dim) {
         const int32_t lower = voxel & ~(dim - 1), upper = lower + dim - 1;
         if (left_at <= t) {
@@ -39,7 +39,7 @@ struct WalkAxis {
 
 VOG_HD WalkAxis walk_axis(double origin, double direction, double start, int32_t lower,
                           int32_t upper) {
-    // An axis that moves by less than a billionth of a voxel across the largest grid stands still.
+    // Below this, the ray moves less than a billionth of a voxel across the largest grid: 0.
     WalkAxis axis;
     axis.origin = origin;
     axis.direction = fabs(direction) < 1e-300 ? 0 : direction;
@@ -50,8 +50,8 @@ VOG_HD WalkAxis walk_axis(double origin, double direction, double start, int32_t
     return axis;
 }
 
-/// Sum of value times length in t over the voxels that origin + t direction crosses, t >= 0.
-/// Coordinates are of the grid's index space plus a half: voxel i covers [i, i + 1).
+/// Integral of the voxel values over t >= 0 along origin + t direction.
+/// origin, direction  in index space plus 1/2: voxel i covers [i, i + 1)
 VOG_HD double walk_voxels(const nanovdb::NanoGrid<float>& grid, Double3 origin, Double3 direction) {
     const auto box = grid.indexBBox();
     if (box.empty()) return 0;

@@ -1,15 +1,15 @@
-// hierarchical_dda.h: the hierarchical DDA. One ray through root, internal nodes, tiles and leaves
-// of a NanoVDB grid; what holds nothing is crossed in one step at its own level.
+// hierarchical_dda.h: Hierarchical DDA: one ray through root, internal nodes, tiles and leaves of a
+// NanoVDB grid, with empty cells crossed in one step at their own level.
 //
-// A node gets the segment [t0, t1] of the ray and gives every point of it to exactly one of its
-// cells, whose own segment is then the child's. Pieces of a ray therefore never overlap and never
-// leave a gap, also along edges, through corners and in the planes between voxels: rounding can
-// only move a boundary by an ulp. NanoVDB's own HDDA.h steps in float and offsets the ray by an
-// epsilon at each node, which at index 10^6 is wider than a voxel.
+// A node divides its segment [t0, t1] of the ray among its cells, each point to exactly one of them,
+// and a cell's part is the segment of the child. Segments therefore neither overlap nor leave gaps,
+// also along edges, through corners and in the planes between voxels: rounding can only move a
+// boundary by an ulp. NanoVDB's own HDDA.h steps in float and offsets the ray by an epsilon at each
+// node, which at index 10^6 is wider than a voxel.
 //
-// Coordinates are local: index space less the grid's own corner, in double, so that far grids keep
-// all their digits. A cell at c covers [c, c + edge): the caller has moved the ray by half a voxel
-// where voxels are centred on their index.
+// Coordinates are local: index space minus the lower corner of the grid, in double, so that grids
+// far from index 0 lose no digits. A cell at c covers [c, c + edge); for voxels centred on their
+// index the caller shifts the ray by half a voxel.
 #pragma once
 
 #include <algorithm>
@@ -21,33 +21,33 @@
 
 namespace vog::reference {
 
-/// origin + t direction, t in the units the caller's direction has in world space.
+/// Ray origin + t direction in local coordinates, with the same t as the ray in world space.
 struct GridRay {
     Vec3d origin, direction;
-    Vec3d inverse;  ///< of the direction; unused where that is 0
+    Vec3d inverse;  ///< 1 / direction; unused where that is 0
 
     GridRay(Vec3d from, Vec3d along) : origin(from), direction(along) {
-        // Below this share of the longest component, an axis moves by less than 2^-32 voxel across
-        // the largest grid (2^32 voxels): call it 0, so that no product is infinity times 0.
+        // Below this fraction of the longest component the ray moves less than 2^-32 voxels across
+        // the largest grid (2^32 voxels): set to 0, so that no product is infinity times 0.
         const double longest = std::max({std::abs(along.x), std::abs(along.y), std::abs(along.z)});
         for (int axis = 0; axis < 3; ++axis) {
             if (std::abs(along[axis]) < 0x1p-66 * longest) direction[axis] = 0;
             inverse[axis] = 1 / direction[axis];
         }
     }
-    /// When the ray meets the plane at this coordinate. Monotonic in `plane`, rounding included,
-    /// so two cells that share a face agree on its time.
+    /// t at which the ray crosses the plane at this coordinate. Monotonic in `plane`, rounding
+    /// included, so two cells that share a face compute the same t.
     double time(int axis, double plane) const { return (plane - origin[axis]) * inverse[axis]; }
 };
 
-/// A stretch of the ray; empty if first >= last.
+/// Interval of t along the ray; empty if first >= last.
 struct Segment {
     double first = 0, last = std::numeric_limits<double>::infinity();
     bool empty() const { return !(first < last); }
 };
 
-/// The part of `segment` in the box [lower, upper). A ray that runs within a face belongs to the
-/// box whose lower face it is.
+/// The part of `segment` in the box [lower, upper). A ray inside a face belongs to the box with that
+/// lower face.
 inline Segment clip(const GridRay& ray, Vec3d lower, Vec3d upper, Segment segment = {}) {
     for (int axis = 0; axis < 3; ++axis) {
         if (ray.direction[axis] == 0) {
@@ -62,18 +62,18 @@ inline Segment clip(const GridRay& ray, Vec3d lower, Vec3d upper, Segment segmen
     return segment;
 }
 
-/// Walks the cells of a cube of (2^Log2Cells)^3 cells of this edge along a segment that lies inside
-/// it, and calls visit(offset, part) with the cell's offset in the cube's table (z fastest) and its
-/// part of the segment.
+/// Calls visit(offset, part) for each cell along a segment inside a cube of (2^Log2Cells)^3 cells:
+/// the cell's offset in the cube's table (z fastest) and its part of the segment.
+/// edge  of a cell
 template <int Log2Cells, class Visit>
 void for_each_cell(const GridRay& ray, Vec3d lower, double edge, Segment segment, Visit&& visit) {
     constexpr int kCells = 1 << Log2Cells;
-    double next[3], period[3];  // time of leaving the cell through an axis; time between two faces
-    int step[3], left[3];       // of the offset; cells left before the cube's face
+    double next[3], period[3];  // t of the next face along an axis; t between two faces
+    int step[3], left[3];       // change of the offset; cells left before the cube's face
     int offset = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const double at = ray.origin[axis] + segment.first * ray.direction[axis] - lower[axis];
-        // Rounding may put the entry an ulp outside the cube: it enters by the first cell.
+        // Rounding may put the entry an ulp outside the cube: clamp to the first cell.
         const int cell = static_cast<int>(std::clamp(at / edge, 0.0, kCells - 1.0));
         const int shift = (2 - axis) * Log2Cells;
         const bool up = ray.direction[axis] > 0;
@@ -84,10 +84,9 @@ void for_each_cell(const GridRay& ray, Vec3d lower, double edge, Segment segment
                                               : ray.time(axis, lower[axis] + edge * (cell + up));
         period[axis] = edge * std::abs(ray.inverse[axis]);
     }
-    // No branch in the choice of the axis: mispredicted, it would cost more than the step. A ray
-    // through an edge or a corner steps along two or three axes at once. Where rounding has the
-    // cube end before its segment does, the walk ends at the face: a ray that runs beside a voxel
-    // meets exactly nothing of it.
+    // No branch on the axis: mispredictions would cost more than the step. A ray through an edge or
+    // a corner steps along two or three axes at once. If by rounding the cube ends before its
+    // segment, the walk ends at the face, so that a ray beside a voxel adds exactly 0.
     double now = segment.first;
     while (true) {
         const double crossing = std::min({next[0], next[1], next[2]});
@@ -115,7 +114,7 @@ Vec3d cell_lower(Vec3d lower, double edge, std::uint32_t offset) {
                                 double(offset >> Log2Cells & kMask), double(offset & kMask)};
 }
 
-/// Meets an internal node's children and active tiles.
+/// Visits children and active tiles of an internal node along a segment.
 template <class Node, class Visitor>
 void march_node(const Node& node, const GridRay& ray, Vec3d lower, Segment segment,
                 Visitor& visitor) {
@@ -137,7 +136,7 @@ void march_node(const Node& node, const GridRay& ray, Vec3d lower, Segment segme
     });
 }
 
-/// Meets every leaf and active tile on the ray, within a segment of it:
+/// Visits every leaf and active tile on the ray, within a segment of it:
 ///   visitor.leaf(const NanoLeaf&, Vec3d lower, Segment)
 ///   visitor.tile(Vec3d lower, int edge, float value, Segment)
 /// corner  index of the local origin
@@ -147,8 +146,8 @@ void march(const NanoRoot& root, Vec3d corner, const GridRay& ray, Visitor&& vis
     const auto local = [&](const nanovdb::Coord& index) {
         return Vec3d{double(index[0]), double(index[1]), double(index[2])} - corner;
     };
-    // The root's cells are few and may lie anywhere in 2^32 voxels: test each rather than walk.
-    // Cells that share a face agree on its time, so here too nothing is missed or doubled.
+    // The root's cells are few and may lie anywhere in 2^32 voxels: each is tested. Cells that share
+    // a face compute the same t for it, so here too no part is missed or doubled.
     const auto& data = *root.data();
     for (std::uint32_t i = 0; i < data.mTableSize; ++i) {
         const auto& cell = *data.tile(i);

@@ -1,4 +1,4 @@
-// levels_field.cpp: the layer around a level.
+// levels_field.cpp: Extends a level by one layer of voxels, for interpolation across its edge.
 #include "render/reference/levels_field.h"
 
 #include <algorithm>
@@ -13,11 +13,11 @@ namespace vog::reference {
 
 namespace {
 
-constexpr int kAround = kLeafEdge + 2;  // a leaf and the voxels that touch it
+constexpr int kAround = kLeafEdge + 2;  // edge of a leaf with one layer of voxels around it
 
 bool node_order(Vec3i a, Vec3i b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 
-/// Blocks of 8^3 that hold a voxel of the layer, and those of the leaves.
+/// Origins of the 8^3 blocks that may contain active voxels or voxels of the layer, sorted.
 std::vector<Vec3i> blocks_around(const Volume& volume) {
     std::vector<Vec3i> blocks;
     const auto add_around = [&](Vec3i origin, int edge) {
@@ -36,7 +36,7 @@ std::vector<Vec3i> blocks_around(const Volume& volume) {
     return blocks;
 }
 
-/// What all levels together have at a point of the world.
+/// Value of the composite of all levels at a point in world space.
 class LevelSampler {
   public:
     explicit LevelSampler(const Levels& levels) {
@@ -48,7 +48,7 @@ class LevelSampler {
             domains_.emplace_back(domain);
         }
     }
-    /// returns whether any level counts there
+    /// returns  true if a level is active there
     bool sample(Vec3d world, float& value) const {
         for (std::size_t n = 0; n < places_.size(); ++n) {
             if (!domains_[n].active(nearest(places_[n].domain_from_world(world)))) continue;
@@ -74,7 +74,7 @@ class LevelSampler {
     std::deque<VoxelLookup> fields_, domains_;
 };
 
-/// One block of the extended level. returns whether it holds anything
+/// Fills one block of the extended level. returns true if any voxel is active
 bool extend_block(const VoxelLookup& level, const Affine& world_from_index,
                   const LevelSampler& sampler, Leaf& block) {
     std::array<float, kAround * kAround * kAround> value{};
@@ -128,7 +128,7 @@ Volume extended_field(const Levels& levels, std::size_t level) {
     extended.name = volume.name;
     extended.source = volume.source;
     extended.tiles = volume.tiles;
-    constexpr std::size_t kBatch = 4096;  // bounds what is held twice
+    constexpr std::size_t kBatch = 4096;  // leaves; bounds the memory held twice
     for (std::size_t first = 0; first < blocks.size(); first += kBatch) {
         std::vector<Leaf> batch(std::min(kBatch, blocks.size() - first));
         std::vector<char> holds(batch.size());

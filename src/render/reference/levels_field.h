@@ -1,13 +1,13 @@
-// levels_field.h: what trilinear interpolation sees beyond the edge of a level.
+// levels_field.h: Values of a level's neighbour voxels beyond its edge, for trilinear interpolation.
 #pragma once
 
 #include "vog/levels.h"
 
 namespace vog::reference {
 
-/// The level with a layer of voxels around its active ones, so that interpolation in its own voxels
-/// does not fall to 0 at a seam: each has the value that the levels have at its centre, or, where
-/// none is, the mean of the level's voxels that touch it.
+/// The level with one layer of voxels around its active ones, so that interpolation within it does
+/// not fall to 0 at a seam. A voxel of the layer has the value of the composite of all levels at its
+/// centre, or, where no level is active, the mean of the level's voxels that touch it.
 Volume extended_field(const Levels& levels, std::size_t level);
 
 }  // namespace vog::reference

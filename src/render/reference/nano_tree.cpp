@@ -1,5 +1,6 @@
-// nano_tree.cpp: leaves and tiles of a volume into the nodes of a NanoVDB grid, bottom up.
-// Written here rather than through an OpenVDB grid: half the memory, and a few times faster.
+// nano_tree.cpp: Converts leaves and tiles of a volume to nodes of a NanoVDB grid, bottom up.
+// Direct writing takes half the memory of a conversion from an OpenVDB grid and is a few times
+// faster.
 #include "render/reference/nano_tree.h"
 
 #include <fmt/core.h>
@@ -18,7 +19,7 @@ using NanoGrid = nanovdb::NanoGrid<float>;
 using nanovdb::Coord;
 using nanovdb::CoordBBox;
 
-constexpr int kLimit = 1 << 30;  // so that a difference of two indices fits 32 bits
+constexpr int kLimit = 1 << 30;  // |index|: differences of two indices fit 32 bits
 constexpr int kLowerEdge = 128, kUpperEdge = 4096;
 
 /// One cell of a node's table: a child of the level below, or a tile.
@@ -28,7 +29,7 @@ struct Cell {
     float value = 0;          ///< of the tile
 };
 
-/// Consecutive cells that share a node.
+/// Node with a run of consecutive cells.
 struct Group {
     Vec3i origin;
     std::size_t first = 0, last = 0;
@@ -38,7 +39,7 @@ Vec3i aligned(Vec3i v, int edge) { return {v.x & -edge, v.y & -edge, v.z & -edge
 Coord coord(Vec3i v) { return {v.x, v.y, v.z}; }
 
 /// Order of the cells of one level: by upper node, then lower node, then x, y, z, so that the cells
-/// of any node are consecutive and a ray meets memory in runs.
+/// of any node are consecutive in memory.
 bool node_order(Vec3i a, Vec3i b) {
     for (const int edge : {kUpperEdge, kLowerEdge, 1}) {
         const Vec3i u = aligned(a, edge), v = aligned(b, edge);
@@ -47,7 +48,7 @@ bool node_order(Vec3i a, Vec3i b) {
     return false;
 }
 
-/// throws vog::Error for two cells in one place
+/// Sorts cells by node_order. throws vog::Error for two cells of the same origin
 void sort_cells(std::vector<Cell>& cells, const Volume& volume) {
     std::sort(cells.begin(), cells.end(),
               [](const Cell& a, const Cell& b) { return node_order(a.origin, b.origin); });
@@ -60,7 +61,7 @@ void sort_cells(std::vector<Cell>& cells, const Volume& volume) {
                                 twice->origin.y, twice->origin.z));
 }
 
-/// The nodes of this edge that hold the cells, in the cells' order.
+/// Groups sorted cells by nodes of this edge.
 std::vector<Group> group_cells(const std::vector<Cell>& cells, int edge) {
     std::vector<Group> groups;
     for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -71,34 +72,33 @@ std::vector<Group> group_cells(const std::vector<Cell>& cells, int edge) {
     return groups;
 }
 
-/// The tables of all levels, before any byte is written.
+/// Nodes and cells of all levels, before any byte is written.
 struct Layout {
     std::vector<const Leaf*> leaves;
     std::vector<Cell> lower_cells, upper_cells, root_cells;
     std::vector<Group> lowers, uppers;
 };
 
-/// Cells of 8 voxels that hold nothing while one of the seven blocks above them (in x, y or z)
-/// does.
+/// Empty cells of 8^3 voxels with an occupied block among the seven above them in x, y and z.
 std::vector<Cell> border_cells(const Volume& volume, const std::vector<Cell>& cells) {
-    std::vector<Vec3i> wanted;
-    const auto want_below = [&](Vec3i origin, int edge) {
+    std::vector<Vec3i> candidates;
+    const auto add_below = [&](Vec3i origin, int edge) {
         // The shell of blocks just below the lower faces of a cube.
         for (int x = -kLeafEdge; x < edge; x += kLeafEdge)
             for (int y = -kLeafEdge; y < edge; y += kLeafEdge)
                 for (int z = -kLeafEdge; z < edge; z += kLeafEdge) {
                     if (x >= 0 && y >= 0 && z >= 0) break;
-                    wanted.push_back(origin + Vec3i{x, y, z});
+                    candidates.push_back(origin + Vec3i{x, y, z});
                 }
     };
-    for (const Cell& cell : cells) want_below(cell.origin, kLeafEdge);
+    for (const Cell& cell : cells) add_below(cell.origin, kLeafEdge);
     for (const Tile& tile : volume.tiles)
-        if (tile.edge > kLeafEdge) want_below(tile.origin, tile.edge);
-    std::sort(wanted.begin(), wanted.end(), node_order);
-    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+        if (tile.edge > kLeafEdge) add_below(tile.origin, tile.edge);
+    std::sort(candidates.begin(), candidates.end(), node_order);
+    candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
 
-    // Tiles that may cover a wanted block, each size apart: a tile of 128 may start where a node of
-    // 4096 does.
+    // Origins of tiles that may cover a candidate, by size: a tile of 128 voxels may have the origin
+    // of a node of 4096.
     const auto origins_of = [&](int edge) {
         std::vector<Vec3i> origins;
         for (const Tile& tile : volume.tiles)
@@ -111,14 +111,14 @@ std::vector<Cell> border_cells(const Volume& volume, const std::vector<Cell>& ce
         return std::binary_search(tiles.begin(), tiles.end(), origin, node_order);
     };
     std::vector<Cell> border;
-    for (const Vec3i block : wanted) {
+    for (const Vec3i block : candidates) {
         const auto found = std::lower_bound(
             cells.begin(), cells.end(), block,
             [](const Cell& cell, Vec3i origin) { return node_order(cell.origin, origin); });
-        const bool taken = (found != cells.end() && found->origin == block) ||
+        const bool occupied = (found != cells.end() && found->origin == block) ||
                            covers(lower, aligned(block, kLowerEdge)) ||
                            covers(upper, aligned(block, kUpperEdge));
-        if (!taken) border.push_back({block});
+        if (!occupied) border.push_back({block});
     }
     return border;
 }
@@ -185,13 +185,13 @@ void write_leaf(const Leaf& from, bool with_border, NanoLeaf& to) {
         data.mValues[n] = from.value[static_cast<std::size_t>(n)];
         box.expand({n >> 6, (n >> 3) & 7, n & 7});
     }
-    if (with_border)  // interpolation reaches a voxel from the cells below it too
+    if (with_border)  // cells just below a voxel interpolate its value too
         for (int axis = 0; axis < 3; ++axis) box.min()[axis] = std::max(box.min()[axis] - 1, 0);
     // NanoVDB's own updateBBox reads a 64-bit word through other types: undefined behaviour.
     data.mBBoxMin = coord(from.origin) + box.min();
     for (int axis = 0; axis < 3; ++axis)
         data.mBBoxDif[axis] = static_cast<std::uint8_t>(box.max()[axis] - box.min()[axis]);
-    data.mFlags = 2;  // NanoVDB's mark of a leaf that has its box
+    data.mFlags = 2;  // NanoVDB's flag of a leaf with a bounding box
 }
 
 void expand(CoordBBox& box, const CoordBBox& other) {
@@ -206,7 +206,7 @@ void write_node(const Group& group, const std::vector<Cell>& cells,
                 const typename Node::ChildNodeType* children, Node& to) {
     using Child = typename Node::ChildNodeType;
     auto& data = *to.data();
-    data.mFlags = 2;  // NanoVDB's mark of a node with active values
+    data.mFlags = 2;  // NanoVDB's flag of a node with active values
     data.mBBox = CoordBBox();
     for (std::size_t i = group.first; i < group.last; ++i) {
         const Cell& cell = cells[i];
@@ -261,7 +261,7 @@ std::uint32_t count_tiles(const std::vector<Cell>& cells) {
         std::count_if(cells.begin(), cells.end(), [](const Cell& cell) { return cell.child < 0; }));
 }
 
-/// Magic, version, name, transform, class: what NanoVDB's tools look at first.
+/// Fills NanoVDB's grid header: magic number, version, name, transform, class.
 void write_header(const Volume& volume, std::uint64_t bytes, const CoordBBox& box,
                   nanovdb::GridData& data) {
     data.mMagic = NANOVDB_MAGIC_NUMBER;
@@ -307,7 +307,7 @@ void write_header(const Volume& volume, std::uint64_t bytes, const CoordBBox& bo
 NanoTree nano_tree(const Volume& volume, bool with_border) {
     const Layout layout = lay_out(volume, with_border);
 
-    // Grid | tree | root and its table | upper nodes | lower nodes | leaves, as NanoVDB has them.
+    // NanoVDB's order: grid | tree | root and its table | upper nodes | lower nodes | leaves.
     const std::size_t tree_at = sizeof(nanovdb::GridData);
     const std::size_t root_at = tree_at + sizeof(nanovdb::TreeData<3>);
     const std::size_t uppers_at =
@@ -322,7 +322,7 @@ NanoTree nano_tree(const Volume& volume, bool with_border) {
     auto* lowers = reinterpret_cast<NanoLower*>(bytes + lowers_at);
     auto* leaves = reinterpret_cast<NanoLeaf*>(bytes + leaves_at);
 
-    // Bottom up, since every node's box is made of its children's.
+    // Bottom up, since a node's box is the union of its children's boxes.
     vog::parallel_for(std::size_t{0}, layout.leaves.size(), [&](std::size_t i) {
         write_leaf(*layout.leaves[i], with_border, leaves[i]);
     });

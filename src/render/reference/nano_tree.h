@@ -1,4 +1,4 @@
-// nano_tree.h: a volume as a NanoVDB grid of floats, written node by node into one buffer.
+// nano_tree.h: Writes a volume as a NanoVDB grid of floats, node by node into one buffer.
 #pragma once
 
 #include <nanovdb/NanoVDB.h>
@@ -13,7 +13,7 @@ using NanoUpper = nanovdb::NanoUpper<float>;  ///< 32^3 cells of 128 voxels
 using NanoLower = nanovdb::NanoLower<float>;  ///< 16^3 cells of 8 voxels
 using NanoLeaf = nanovdb::NanoLeaf<float>;    ///< 8^3 voxels
 
-/// A NanoVDB grid in memory of its own, valid by NanoVDB's own checks (tests hold it to that).
+/// A NanoVDB grid that owns its memory; valid by NanoVDB's own checks, as a test verifies.
 struct NanoTree {
     NanoBuffer buffer;
 
@@ -23,11 +23,11 @@ struct NanoTree {
     const NanoRoot& root() const { return grid().tree().root(); }
 };
 
-/// Leaves become leaves with zero in inactive voxels, tiles become tiles of their own level.
-/// with_border: also counts in the cells just below active voxels, from where trilinear
-/// interpolation reaches them: in the boxes of nodes, and as active tiles of value 0 where an 8^3
-/// block holds nothing but one above it (in x, y or z) does.
-/// throws vog::Error for overlapping nodes or indices beyond 2^30
+/// Converts a volume: leaves to leaves with 0 in inactive voxels, tiles to tiles of the same level.
+/// with_border  for trilinear interpolation, where cells just below active voxels are not 0: includes
+///              them in the boxes of nodes, and adds active tiles of value 0 for empty 8^3 blocks
+///              with an occupied block above them in x, y or z
+/// throws       vog::Error for overlapping nodes or indices beyond 2^30
 NanoTree nano_tree(const Volume& volume, bool with_border);
 
 }  // namespace vog::reference

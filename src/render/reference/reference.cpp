@@ -1,4 +1,4 @@
-// reference.cpp: optical depth of volumes by traversal of their voxels.
+// reference.cpp: Optical depth of volumes by traversal of their voxels along rays.
 #include "vog/reference.h"
 
 #include <fmt/core.h>
@@ -19,7 +19,7 @@ using namespace reference;
 
 namespace {
 
-/// Sums value times length over voxels of constant value.
+/// Visitor that integrates voxels of constant value.
 struct ConstantSum {
     const GridRay& ray;
     double sum = 0;
@@ -38,7 +38,7 @@ struct ConstantSum {
 bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
-    // Both spaces share t, so a length in world units is t times the length of `direction`.
+    // t is the same in both spaces: a length in world units is t times the length of `direction`.
     double sum = 0;
     if (grid.options.interpolation == Interpolation::constant) {
         const GridRay ray = grid.voxel_ray(origin, direction);
@@ -51,7 +51,7 @@ double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
     return sum * length(direction);
 }
 
-/// depth(origin, direction) for every pixel.
+/// Evaluates depth(origin, direction) for every pixel.
 template <class Depth>
 DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
                        const ReferenceOptions& options) {
@@ -66,7 +66,7 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
 
 void check_ray(Vec3d origin, Vec3d direction) {
     if (!finite(origin) || !finite(direction) || length(direction) == 0)
-        throw Error("ray: origin or direction is not finite, or the direction is zero");
+        throw Error("optical_depth: origin or direction is not finite or the direction is 0, expected a ray");
 }
 
 }  // namespace
@@ -76,12 +76,12 @@ std::span<const std::byte> VoxelGrid::bytes() const {
 }
 
 VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
-    // Shorter steps change no digit that a float keeps, and would take hours.
+    // Shorter steps change no digit of a float, and would take hours.
     constexpr double kLeastStep = 1e-3;
     const double step = options.step_voxels;
     if (!(step == 0 || (step >= kLeastStep && std::isfinite(step))))
         throw Error(
-            fmt::format("step of {} voxels, expected 0 (exact) or at least {}", step, kLeastStep));
+            fmt::format("step {} voxels, expected 0 (exact) or at least {}", step, kLeastStep));
     validate(volume);
     auto data = std::make_shared<VoxelGrid::Data>();
     data->options = options;

@@ -1,4 +1,4 @@
-// reference_grid.h: what a VoxelGrid holds.
+// reference_grid.h: Data of a VoxelGrid: NanoVDB tree, transform and interpolation.
 #pragma once
 
 #include "render/reference/hierarchical_dda.h"
@@ -11,11 +11,11 @@ struct VoxelGrid::Data {
     VoxelGridOptions options;
     reference::NanoTree tree;
     Vec3d corner;           ///< index of the local origin: the lower corner of the active box
-    Vec3d world_corner;     ///< the same point in the world
-    Mat3 local_from_world;  ///< of directions
+    Vec3d world_corner;     ///< the same point in world space
+    Mat3 local_from_world;  ///< linear part, for directions
 
-    /// The ray in local coordinates where voxel i covers [i, i + 1), and where its centre is at i.
-    /// Both share t with the world.
+    /// The ray in local coordinates in which voxel i covers [i, i + 1) (voxel_ray), or has its centre
+    /// at i (center_ray). Both have the same t as the ray in world space.
     reference::GridRay voxel_ray(Vec3d origin, Vec3d direction) const {
         return {local_from_world * (origin - world_corner) + Vec3d{0.5, 0.5, 0.5},
                 local_from_world * direction};

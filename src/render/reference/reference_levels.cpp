@@ -1,7 +1,7 @@
-// reference_levels.cpp: the exact integral through levels that hide each other.
-// Every level is marched on its own, in its own index space. What comes out are stretches of the
-// ray, and t is the same for all: the finest level keeps its stretches, each coarser one those that
-// none before it has. Nothing depends on how the lattices lie to each other.
+// reference_levels.cpp: Exact line integral through levels that hide each other.
+// Each level is traversed separately in its own index space, which gives intervals of t, the same
+// parameter for all levels. The finest level keeps its intervals, each coarser level the parts that
+// no finer level covers. The result does not depend on how the lattices lie to each other.
 #include "render/reference/reference_levels.h"
 
 #include <algorithm>
@@ -17,13 +17,13 @@ using namespace reference;
 
 namespace {
 
-/// A stretch of the ray inside active voxels of one value.
+/// Interval of the ray inside active voxels of one value.
 struct Span {
     double first, last;
     double value;
 };
 
-/// Finds the stretches inside active voxels, which may have the value 0.
+/// Visitor that collects the intervals inside active voxels, also those of value 0.
 struct SpanCollector {
     const GridRay& ray;
     std::vector<Span>& spans;
@@ -48,13 +48,13 @@ void collect_spans(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction,
     spans.clear();
     const GridRay ray = grid.voxel_ray(origin, direction);
     march(grid.tree.root(), grid.corner, ray, SpanCollector{ray, spans});
-    // In order already, but for the cells of the root.
+    // In order already, except across cells of the root.
     const auto before = [](const Span& a, const Span& b) { return a.first < b.first; };
     if (!std::is_sorted(spans.begin(), spans.end(), before))
         std::sort(spans.begin(), spans.end(), before);
 }
 
-/// Appends a stretch behind all others, or to the last where they touch.
+/// Appends a segment after all others, or extends the last one if they touch.
 void append(std::vector<Segment>& segments, Segment next) {
     if (!segments.empty() && next.first <= segments.back().last)
         segments.back().last = std::max(segments.back().last, next.last);
@@ -62,49 +62,49 @@ void append(std::vector<Segment>& segments, Segment next) {
         segments.push_back(next);
 }
 
-/// What one thread needs for a ray.
+/// Buffers of one thread for a ray.
 struct Scratch {
     std::vector<Span> spans, domain;
-    std::vector<Segment> covered, seen, both;
+    std::vector<Segment> covered, visible, both;
 };
 
-/// The parts of `domain` that nothing covers yet.
-void find_seen(Scratch& scratch) {
-    scratch.seen.clear();
+/// Sets `visible` to the parts of `domain` outside `covered`.
+void find_visible(Scratch& scratch) {
+    scratch.visible.clear();
     std::size_t at = 0;
     const std::vector<Segment>& covered = scratch.covered;
     for (const Span& span : scratch.domain) {
         double from = span.first;
         while (at < covered.size() && covered[at].last <= from) ++at;
         for (std::size_t n = at; n < covered.size() && covered[n].first < span.last; ++n) {
-            if (covered[n].first > from) append(scratch.seen, {from, covered[n].first});
+            if (covered[n].first > from) append(scratch.visible, {from, covered[n].first});
             from = std::max(from, covered[n].last);
         }
-        if (from < span.last) append(scratch.seen, {from, span.last});
+        if (from < span.last) append(scratch.visible, {from, span.last});
     }
 }
 
-/// Adds what is seen to what is covered: both are in order and disjoint.
-void cover_seen(Scratch& scratch) {
+/// Adds `visible` to `covered`: both are sorted and disjoint.
+void cover_visible(Scratch& scratch) {
     scratch.both.clear();
-    auto a = scratch.covered.begin(), b = scratch.seen.begin();
-    while (a != scratch.covered.end() || b != scratch.seen.end()) {
+    auto a = scratch.covered.begin(), b = scratch.visible.begin();
+    while (a != scratch.covered.end() || b != scratch.visible.end()) {
         const bool first =
-            b == scratch.seen.end() || (a != scratch.covered.end() && a->first < b->first);
+            b == scratch.visible.end() || (a != scratch.covered.end() && a->first < b->first);
         append(scratch.both, first ? *a++ : *b++);
     }
     scratch.covered.swap(scratch.both);
 }
 
-/// Value times length over the parts of the spans that are seen.
-double seen_sum(std::span<const Span> spans, std::span<const Segment> seen) {
+/// Integral of the spans' values over the visible segments.
+double visible_sum(std::span<const Span> spans, std::span<const Segment> visible) {
     double sum = 0;
     std::size_t at = 0;
     for (const Span& span : spans) {
-        while (at < seen.size() && seen[at].last <= span.first) ++at;
+        while (at < visible.size() && visible[at].last <= span.first) ++at;
         double length = 0;
-        for (std::size_t n = at; n < seen.size() && seen[n].first < span.last; ++n)
-            length += std::min(span.last, seen[n].last) - std::max(span.first, seen[n].first);
+        for (std::size_t n = at; n < visible.size() && visible[n].first < span.last; ++n)
+            length += std::min(span.last, visible[n].last) - std::max(span.first, visible[n].first);
         sum += span.value * length;
     }
     return sum;
@@ -122,15 +122,15 @@ double reference::depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d
         collect_spans(level.domain ? level.domain->data() : field, origin, direction,
                       scratch.domain);
         if (scratch.domain.empty()) continue;
-        find_seen(scratch);
+        find_visible(scratch);
         if (constant) {
             if (level.domain) collect_spans(field, origin, direction, scratch.spans);
-            sum += seen_sum(level.domain ? scratch.spans : scratch.domain, scratch.seen);
+            sum += visible_sum(level.domain ? scratch.spans : scratch.domain, scratch.visible);
         } else {
             const GridRay ray = field.center_ray(origin, direction);
-            for (const Segment segment : scratch.seen) sum += linear_sum(field, ray, segment);
+            for (const Segment segment : scratch.visible) sum += linear_sum(field, ray, segment);
         }
-        cover_seen(scratch);
+        cover_visible(scratch);
     }
     return sum * length(direction);
 }

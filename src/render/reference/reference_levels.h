@@ -1,4 +1,4 @@
-// reference_levels.h: one ray through all levels of an adaptive mesh.
+// reference_levels.h: Optical depth of one ray through all levels of an adaptive mesh.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@ namespace vog {
 struct LevelGrids::Data {
     struct Level {
         VoxelGrid field;
-        std::optional<VoxelGrid> domain;  ///< where the level counts, if not where it is active
+        std::optional<VoxelGrid> domain;  ///< domain of the level; nothing: its active voxels
     };
     std::vector<Level> levels;  ///< finest first
 };
@@ -20,6 +20,7 @@ struct LevelGrids::Data {
 
 namespace vog::reference {
 
+/// Optical depth along origin + t direction, t >= 0, at extinction 1.
 double depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction);
 
 }  // namespace vog::reference

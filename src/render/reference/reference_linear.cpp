@@ -1,7 +1,7 @@
-// reference_linear.cpp: samples of the trilinear field, block by block.
-// A block of 8^3 cells between voxel centres needs its own leaf and the seven above it; a cell is
-// the cube between eight centres, and one that touches an active voxel lies in a leaf, in a tile or
-// in a border tile. So the same march finds every block that can hold anything.
+// reference_linear.cpp: Integrates the trilinear field along a ray, block by block.
+// A cell is the cube between eight voxel centres, and a block of 8^3 cells needs the values of its
+// own leaf and of the seven above it in x, y and z. A cell that touches an active voxel lies in a
+// leaf, a tile or a border tile, so the same traversal finds every block where the field is not 0.
 #include "render/reference/reference_linear.h"
 
 #include <array>
@@ -10,37 +10,37 @@ namespace vog::reference {
 
 namespace {
 
-/// Where the values of one block of 8^3 voxels are: a leaf's table, or one value for all.
+/// Values of one block of 8^3 voxels: a leaf's table, or one value for all.
 struct Values {
     const float* at = nullptr;
-    std::uint32_t mask = 0;  ///< of offsets: 511 for a leaf, 0 for one value
+    std::uint32_t mask = 0;  ///< applied to offsets: 511 for a leaf, 0 for one value
 
     float operator[](std::uint32_t offset) const { return at[offset & mask]; }
 };
 
-constexpr float kNothing = 0;
+constexpr float kEmpty = 0;
 
-/// The values of the block that holds this index.
+/// The block that contains this index.
 Values find_block(const NanoRoot& root, const nanovdb::Coord& index) {
     const auto* cell = root.probeTile(index);
-    if (!cell) return {&kNothing, 0};
-    if (!cell->isChild()) return {cell->isActive() ? &cell->value : &kNothing, 0};
+    if (!cell) return {&kEmpty, 0};
+    if (!cell->isChild()) return {cell->isActive() ? &cell->value : &kEmpty, 0};
     const NanoUpper& upper = *root.data()->getChild(cell);
     const std::uint32_t in_upper = NanoUpper::CoordToOffset(index);
     if (!upper.childMask().isOn(in_upper))
         return {
-            upper.valueMask().isOn(in_upper) ? &upper.data()->mTable[in_upper].value : &kNothing,
+            upper.valueMask().isOn(in_upper) ? &upper.data()->mTable[in_upper].value : &kEmpty,
             0};
     const NanoLower& lower = *upper.data()->getChild(in_upper);
     const std::uint32_t in_lower = NanoLower::CoordToOffset(index);
     if (!lower.childMask().isOn(in_lower))
         return {
-            lower.valueMask().isOn(in_lower) ? &lower.data()->mTable[in_lower].value : &kNothing,
+            lower.valueMask().isOn(in_lower) ? &lower.data()->mTable[in_lower].value : &kEmpty,
             0};
     return {lower.data()->getChild(in_lower)->data()->mValues, kLeafVoxels - 1};
 }
 
-/// A block with the lower layers of the blocks above it: all that its cells interpolate.
+/// A block with the seven blocks above it, whose values its cells interpolate.
 class Block {
   public:
     Block(const NanoRoot& root, Vec3d index, Vec3d lower) : lower_(lower) {
@@ -51,10 +51,10 @@ class Block {
                                   static_cast<int>(index.z) + (n & 1 ? kLeafEdge : 0)});
     }
 
-    /// The field at a local point of the block (clamped into it, for rounding's sake).
+    /// The field at a local point, which is clamped to the block against rounding.
     double operator()(Vec3d point) const {
-        // Along each axis: the two planes of centres around the point, as the block they lie in,
-        // their share of the offset there, and how far the point is from the first.
+        // Along each axis: the blocks of the two planes of centres around the point, their parts of
+        // the offset in these blocks, and the weight of the second plane.
         std::uint32_t block[3][2], offset[3][2];
         double w[3];
         for (int axis = 0; axis < 3; ++axis) {
@@ -83,8 +83,8 @@ class Block {
     std::array<Values, 8> values_;
 };
 
-/// Midpoint samples at (k + 1/2) spacing from the start of the ray's way through the grid, so that
-/// their places do not depend on the tree. first(t) is monotonic: a sample falls in one segment.
+/// Midpoint rule with samples at start + (k + 1/2) spacing, so that their positions do not depend on
+/// the tree. first(t) is monotonic: each sample belongs to exactly one segment.
 struct Midpoints {
     double start = 0, spacing = 1;
 
@@ -101,7 +101,7 @@ struct Midpoints {
     double constant(float value, Segment segment) const { return value * count(segment) * spacing; }
 };
 
-/// Within a cell the field along a ray is a cubic, which two Gauss points integrate exactly.
+/// Two-point Gauss rule in each cell, exact: within a cell the field along a ray is a cubic.
 struct GaussPoints {
     double integrate(const GridRay& ray, Segment segment, const Block& block) const {
         constexpr double kOffset = 0.57735026918962576;  // 1/sqrt(3)
@@ -129,7 +129,7 @@ struct LinearSum {
     void leaf(const NanoLeaf&, Vec3d lower, Segment segment) { block(lower, segment); }
 
     void tile(Vec3d lower, int edge, float value, Segment segment) {
-        // Constant but for the last layer of cells, which mixes with what lies above the tile.
+        // Constant except in the last layer of cells, which also uses the blocks above the tile.
         const double inside = edge - 1;
         const Segment middle = clip(ray, lower, lower + Vec3d{inside, inside, inside}, segment);
         if (middle.empty()) return blocks(lower, edge, segment);
@@ -138,7 +138,7 @@ struct LinearSum {
         blocks(lower, edge, {middle.last, segment.last});
     }
 
-    /// Every block of a tile that the segment crosses.
+    /// Integrates every block of a tile along the segment.
     void blocks(Vec3d lower, int edge, Segment segment) {
         const auto walk = [&]<int Log2Cells>() {
             for_each_cell<Log2Cells>(
@@ -171,15 +171,14 @@ double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray, Segment withi
     const double step = grid.options.step_voxels;
     if (step == 0) return integrate(GaussPoints{});
 
-    // Whole steps from where the ray enters the box of the grid, or the segment, to where it
-    // leaves.
+    // A whole number of steps over the part of the ray within the box of the grid and the segment.
     const auto& box = grid.tree.root().bbox();
     const Vec3d size{double(box.dim()[0]), double(box.dim()[1]), double(box.dim()[2])};
     const Segment whole = clip(ray, {0, 0, 0}, size, within);
     if (whole.empty()) return 0;
-    const double way = whole.last - whole.first;
-    const double steps = std::ceil(way * length(ray.direction) / step);
-    return integrate(Midpoints{whole.first, way / steps});
+    const double interval = whole.last - whole.first;
+    const double steps = std::ceil(interval * length(ray.direction) / step);
+    return integrate(Midpoints{whole.first, interval / steps});
 }
 
 }  // namespace vog::reference

@@ -1,4 +1,4 @@
-// near_splats.h: adds the splats the eye may be inside of, by the exact segment form.
+// near_splats.h: Splats that may contain the eye, drawn by the exact integral over a segment.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,8 @@
 
 namespace vog::splat {
 
-/// Adds T over |D| of one near splat to the pixels of a tile; the segment is clipped at the eye.
+/// Adds T / |D| of one near splat to the pixels of a tile; the segment is clipped at the eye. |D| is
+/// the length of the pixel's direction whose forward component is 1.
 inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
     const int y0 = std::max(s.bounds.y0 - tile.row, 0), x0 = std::max(s.bounds.x0 - tile.column, 0);
     const int y1 = std::min(s.bounds.y1 - tile.row, kTileHeight - 1);

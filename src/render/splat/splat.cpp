@@ -1,5 +1,5 @@
-// splat.cpp: object order. Project every Gaussian, bin the splats to tiles, then tile by tile add
-// their line integrals row by row. No sorting by depth: T is a sum.
+// splat.cpp: Splatting: projects every Gaussian, bins the splats to tiles, then adds their line
+// integrals tile by tile, row by row. No sorting by depth: T is a sum.
 #include <fmt/core.h>
 #include <tbb/parallel_reduce.h>
 
@@ -23,14 +23,14 @@ using namespace splat;
 
 namespace {
 
-/// A run of Gaussians that one task projects, and what came of it.
+/// A run of Gaussians that one task projects, and its splats.
 struct Chunk {
     std::size_t first = 0, last = 0;  ///< Gaussians
-    std::size_t slot = 0, count = 0;  ///< far splats
+    std::size_t slot = 0, count = 0;  ///< its far splats: State::far[slot ... slot + count - 1]
     std::vector<NearSplat> near;
 };
 
-/// A power of two near the largest T of one Gaussian, peak times largest scale.
+/// A power of two near the largest T of one Gaussian: peak times largest scale.
 double unit_of(const Gaussians& gaussians) {
     const float largest = tbb::parallel_reduce(
         tbb::blocked_range<std::size_t>(0, gaussians.size(), 1 << 16), 0.0f,
@@ -47,11 +47,11 @@ double unit_of(const Gaussians& gaussians) {
 
 }  // namespace
 
-/// What lasts from frame to frame.
+/// Model, options and buffers, kept from picture to picture.
 struct SplatRenderer::State {
     const Gaussians* all = nullptr;
     std::optional<ViewCut> cut;
-    SplatModel model;  ///< what of it the picture draws
+    SplatModel model;  ///< Gaussians of the current picture: all, or a cut
     SplatOptions options;
     KernelPolynomial kernel;
     const SplatKernels* kernels = nullptr;
@@ -65,15 +65,15 @@ struct SplatRenderer::State {
     std::span<const PixelBounds> bounds_of(const Chunk& chunk) const {
         return std::span(bounds).subspan(chunk.slot, chunk.count);
     }
-    void share_out(std::size_t first, std::size_t last);
+    void split(std::size_t first, std::size_t last);
     void project(const CameraFrame& frame);
     void draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
                    DepthImage& image) const;
 };
 
-/// Shares out Gaussians first ... last - 1 to chunks. How many depends on the Gaussians alone: the
-/// order of splats within a tile is the same for any number of threads.
-void SplatRenderer::State::share_out(std::size_t first, std::size_t last) {
+/// Splits Gaussians first ... last - 1 into chunks. Their number depends on the Gaussians alone, so
+/// the order of splats within a tile is the same for any number of threads.
+void SplatRenderer::State::split(std::size_t first, std::size_t last) {
     constexpr std::size_t kLeast = 256, kMost = 32, kGrain = 16;
     const std::size_t count = last - first;
     chunk_count = std::clamp<std::size_t>(count / kLeast, 1, kMost);
@@ -109,14 +109,15 @@ void SplatRenderer::State::project(const CameraFrame& frame) {
         near.insert(near.end(), chunks[n].near.begin(), chunks[n].near.end());
 }
 
-/// Draws tile number t, over the image or added to it; where nothing is, it only clears.
-/// tile  room to draw in, pixels 0
+/// Draws tile number t. A tile without splats is set to 0 unless `add`.
+/// add   add to the image instead of replacing its pixels
+/// tile  buffer, all pixels 0 before and after
 void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, TilePixels& tile,
                                      DepthImage& image) const {
     const int column = t % bins.columns() * kTileWidth, row = t / bins.columns() * kTileHeight;
     const int right = std::min(column + kTileWidth, frame.width) - 1;
     const int bottom = std::min(row + kTileHeight, frame.height) - 1;
-    // Which of the splats that touch many tiles touch this one.
+    // Splats that touch many tiles are not binned: select those that touch this one.
     constexpr std::size_t kAtOnce = 64;
     std::uint32_t wide[kAtOnce];
     std::size_t wide_count = 0;
@@ -151,10 +152,12 @@ void SplatRenderer::State::draw_tile(int t, const CameraFrame& frame, bool add, 
 SplatRenderer::SplatRenderer(const Gaussians& gaussians, const SplatOptions& options)
     : state_(std::make_unique<State>()) {
     if (!(options.aabb_sigma >= 0 && std::isfinite(options.aabb_sigma)))
-        throw Error(fmt::format("bounding boxes of {} sigma, expected a number above 0, or 0: none",
+        throw Error(fmt::format("splat: aabb_sigma {}, expected a finite number >= 0, 0: no boxes",
                                 options.aabb_sigma));
     if (options.hierarchy && options.aabb_sigma > 0)
-        throw Error("the paper's bounding boxes are the model's own Gaussians': no hierarchy");
+        throw Error(
+            "splat: aabb_sigma and a hierarchy, expected one of them: bounding boxes are of the "
+            "model's own Gaussians");
     validate(gaussians);
     const double cutoff = cutoff_of_kappa(options.kappa, gaussians.cutoff);
     state_->all = &gaussians;
@@ -192,10 +195,10 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
     std::size_t first = 0;
     do {
         const std::size_t last = std::min(first + batch, size);
-        s.share_out(first, last);
+        s.split(first, last);
         s.project(frame);
-        // Some dozens of tasks: full tiles lie together, and eight shares a frame, TBB's own choice
-        // for two threads, left one of them idle for a third of a small model's time.
+        // 64 tasks: full tiles lie together, and with 8 tasks, TBB's own choice for two threads, one
+        // thread was idle for a third of a small model's time.
         constexpr int kTasks = 64;
         const int grain = std::max(1, s.bins.tiles() / kTasks);
         vog::parallel_for(

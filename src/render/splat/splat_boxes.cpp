@@ -1,4 +1,4 @@
-// splat_boxes.cpp: splats whose pixels are those of rays that meet a box.
+// splat_boxes.cpp: Splats restricted to the pixels whose rays meet the Gaussians' boxes.
 #include "render/splat/splat_boxes.h"
 
 #include <algorithm>
@@ -17,12 +17,12 @@ namespace vog::splat {
 
 namespace {
 
-/// Faces of a box relative to the eye.
+/// Corners of a box relative to the eye.
 struct EyeBox {
     std::array<float, 3> lower, upper;
 };
 
-/// Splats, their boxes, and the pixels where both may be.
+/// Splats, their boxes, and the bounds of the pixels that both may cover.
 template <class Splat>
 struct Boxed {
     std::vector<Splat> splat;
@@ -64,20 +64,21 @@ Box paper_box(const Gaussians& gaussians, std::size_t i, double aabb_sigma, cons
     return box;
 }
 
-/// Narrows `bounds` to the pixels whose rays can meet the box; leaves them as they are where the
-/// box reaches behind the eye plane. returns false where there are none
+/// Narrows `bounds` to the pixels whose rays can meet the box; leaves them unchanged for a box that
+/// reaches behind the eye plane.
+/// returns  false if there is no such pixel
 bool narrow(PixelBounds& bounds, const Box& box, const CameraFrame& frame) {
     std::array<double, 2> x{std::numeric_limits<double>::infinity(),
                             -std::numeric_limits<double>::infinity()};
     std::array<double, 2> y = x;
-    const double reach = length(box.upper - box.lower);
+    const double diagonal = length(box.upper - box.lower);
     for (int corner = 0; corner < 8; ++corner) {
         const Vec3d point{corner & 1 ? box.upper.x : box.lower.x,
                           corner & 2 ? box.upper.y : box.lower.y,
                           corner & 4 ? box.upper.z : box.lower.z};
         const Vec3d p = point - frame.eye;
         const double forward = dot(p, frame.forward);
-        if (!(forward > 0.01 * reach)) return true;  // clear of the eye plane: finite slopes
+        if (!(forward > 0.01 * diagonal)) return true;  // clear of the eye plane: finite slopes
         const double column =
             0.5 * (frame.width - 1) + frame.pixels_per_unit * dot(p, frame.right) / forward;
         const double row =
@@ -85,7 +86,7 @@ bool narrow(PixelBounds& bounds, const Box& box, const CameraFrame& frame) {
         x = {std::min(x[0], column), std::max(x[1], column)};
         y = {std::min(y[0], row), std::max(y[1], row)};
     }
-    constexpr double kSlack = 1e-3;  // pixels; the ray decides
+    constexpr double kSlack = 1e-3;  // pixels; the exact test follows for each ray
     const double x0 = std::max(static_cast<double>(bounds.x0), std::ceil(x[0] - kSlack));
     const double x1 = std::min(static_cast<double>(bounds.x1), std::floor(x[1] + kSlack));
     const double y0 = std::max(static_cast<double>(bounds.y0), std::ceil(y[0] - kSlack));
@@ -112,7 +113,7 @@ void add_boxed(const Splat& splat, const Box& box, const CameraFrame& frame, Box
     out.bounds.push_back(bounds);
 }
 
-/// Projects one Gaussian at a time, because its box must stay with it.
+/// Projects Gaussians first ... last - 1, one at a time to keep each with its box.
 BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
                           const CameraFrame& frame, double aabb_sigma, std::size_t first,
                           std::size_t last) {
@@ -141,8 +142,8 @@ BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
     return all;
 }
 
-/// 1 / direction of every ray of a tile, by axis. A zero component becomes tiny: it decides rightly
-/// for every face but one that holds the eye, and 0/0 cannot arise.
+/// 1 / direction of every ray of a tile, by axis. A zero component becomes tiny, so that 0/0 cannot
+/// arise; correct for every face except one that contains the eye.
 struct TileRays {
     float inverse[3][kTileHeight][kTileWidth];
 };
@@ -161,8 +162,8 @@ TileRays tile_rays(const CameraFrame& frame, const TilePixels& tile) {
     return rays;
 }
 
-/// Adds alone[x] to depth[x] where the ray of pixel x0 <= x <= x1 meets the box in front of the
-/// eye: the slabs between opposite faces have a point in common.
+/// Adds alone[x] to depth[x] where the ray of pixel x0 <= x <= x1 meets the box in front of the eye
+/// (the slabs between opposite faces have a point in common).
 void add_where_met(const EyeBox& box, const TileRays& rays, int y, int x0, int x1,
                    const float* alone, float* depth) {
     for (int x = x0; x <= x1; ++x) {
@@ -177,8 +178,7 @@ void add_where_met(const EyeBox& box, const TileRays& rays, int y, int x0, int x
     }
 }
 
-/// Draws one tile of `splats` into `tile`: each is made alone in a tile of its own, and added where
-/// its box is met.
+/// Draws splats into `tile`: each is drawn into a tile of its own, and added where rays meet its box.
 template <class Splat, class MakeAlone>
 void add_tile(const Boxed<Splat>& splats, std::span<const std::uint32_t> index,
               const TileRays& rays, TilePixels& tile, const MakeAlone& make_alone) {
@@ -194,7 +194,7 @@ void add_tile(const Boxed<Splat>& splats, std::span<const std::uint32_t> index,
     }
 }
 
-/// Splats of a tile: the binned ones, and those that touch many tiles where they touch this one.
+/// Splats of a tile: those binned to it, and those of many tiles that touch it.
 template <class Splat>
 std::vector<std::uint32_t> touching(const Boxed<Splat>& splats, const TileBins& bins, int t,
                                     int column, int row) {

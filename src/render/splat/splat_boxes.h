@@ -1,5 +1,5 @@
-// splat_boxes.h: the splat with the paper's bounding boxes: a ray counts a Gaussian only if it
-// meets the Gaussian's box.
+// splat_boxes.h: Splatting with the paper's bounding boxes: a ray counts a Gaussian only if it meets
+// the Gaussian's box.
 #pragma once
 
 #include "render/splat/splat_kernels.h"
@@ -8,11 +8,10 @@
 
 namespace vog::splat {
 
-/// T per pixel at extinction 1. In the paper's pipeline the boxes are what rays are tested against
-/// first; where they are smaller than the kernel's support they cut it to silhouettes of boxes.
-/// aabb_sigma  of the paper's radii r = scale sqrt(2): boxes reach from mean - sigma r to mean +
-///             sigma r, within the box of the scene; of a rotated Gaussian, the box around the
-///             ellipsoid of those radii
+/// Draws T per pixel at extinction 1. The paper's pipeline tests rays against the boxes first; boxes
+/// smaller than the kernel's support cut it to the silhouette of the box.
+/// aabb_sigma  half edges of the boxes in the paper's radii r = scale sqrt(2), clipped to the scene's
+///             box; for a rotated Gaussian, the box around the ellipsoid of those radii
 /// progress  called with the fraction of the Gaussians drawn, after each batch
 /// image       of the frame's size, overwritten
 void render_boxes(const SplatKernels& kernels, const SplatModel& model,

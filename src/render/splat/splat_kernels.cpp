@@ -1,6 +1,5 @@
-// splat_kernels.cpp: compiles the splat's loops for every SIMD target and chooses among them.
-// foreach_target.h includes this file once per target: what stands outside HWY_NAMESPACE is
-// guarded.
+// splat_kernels.cpp: Compiles the splat's loops for every SIMD target and chooses among them.
+// foreach_target.h includes this file once per target: code outside HWY_NAMESPACE is guarded.
 #include "render/splat/splat_kernels.h"
 
 #include <fmt/format.h>
@@ -26,7 +25,7 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Whether estimates and a Newton step beat the divider: on x86 they do (docs/performance.md).
+/// Reciprocals by estimates and a Newton step, faster than the divider on x86 (docs/performance.md).
 constexpr bool kEstimates = HWY_ARCH_X86;
 
 /// Tags of the loops: as wide as the target, or one lane.
@@ -73,7 +72,7 @@ std::vector<const SplatKernels*> runnable_kernels() {
     for (const auto entry : HWY_DISPATCH_TABLE(wide_kernels)) {
         if (entry == nullptr || entry == HWY_DISPATCH_TABLE(wide_kernels)[0]) continue;
         const SplatKernels* kernels = &entry();
-        if (kernels->target == HWY_SCALAR) continue;  // that is one lane
+        if (kernels->target == HWY_SCALAR) continue;  // the same as one lane
         if ((kernels->target & supported) &&
             std::find(all.begin(), all.end(), kernels) == all.end())
             all.push_back(kernels);

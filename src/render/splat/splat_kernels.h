@@ -1,5 +1,5 @@
-// splat_kernels.h: the inner loops of the splat renderer, projection, rows and the tile's last
-// step, compiled once for every SIMD target (Highway) and chosen at run time.
+// splat_kernels.h: Inner loops of the splat renderer (projection, rows of pixels, last step of a tile),
+// compiled once for every SIMD target by Highway and chosen at run time.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,11 @@
 
 namespace vog::splat {
 
-/// Images are at most this many pixels a side: bounds fit 16 bits.
+/// Largest width and height of an image, pixels: bounds fit 16 bits.
 inline constexpr int kMaxSide = 1 << 16;
 
-/// Pixels whose centres the projected support may cover, inclusive; inside the image, never empty.
+/// Bounds of the pixels whose centres a projected support may cover: inclusive, inside the image,
+/// never empty.
 struct PixelBounds {
     std::uint16_t x0 = 0, x1 = 0, y0 = 0, y1 = 0;
 };
@@ -32,19 +33,20 @@ struct PixelBounds {
 ///   tau = unit |D| sqrt(F) / C · KernelPolynomial(F / C)
 /// with |D| the length of the pixel's direction whose forward component is 1.
 struct FarSplat {
-    std::int32_t column = 0, row = 0;  ///< maybe off the image
+    std::int32_t column = 0, row = 0;  ///< may lie outside the image
     float ax = 0, ay = 0, a0 = 0, by = 0, b0 = 0, f0 = 0;
     float cx = 0, cy = 0, c0 = 0, dy = 0, d0 = 0, e02 = 0;
     PixelBounds bounds;
 };
 static_assert(sizeof(FarSplat) == 64);
 
-/// A Gaussian around, beside or partly behind the eye: the exact segment form, in double precision.
+/// A Gaussian around, beside or partly behind the eye, drawn by the exact integral over a segment in
+/// double precision.
 struct NearSplat {
     PixelBounds bounds;
     Vec3d e;                       ///< whitened eye -> mean
-    Vec3d corner, step_x, step_y;  ///< whitened directions of CameraFrame
-    double density = 0;            ///< in units of SplatModel::unit
+    Vec3d corner, step_x, step_y;  ///< CameraFrame's, whitened
+    double density = 0;            ///< peak, in units of SplatModel::unit
 };
 
 /// Gaussians to draw, the radius of their kernels, and the unit of T that keeps the squares of
@@ -55,27 +57,27 @@ struct SplatModel {
     float cutoff = 0;  ///< k, standard deviations, in place of Gaussians::cutoff
 };
 
-/// Splats of a run of Gaussians in their order. Gaussians behind the eye, outside the image or
-/// between pixel centres are left out, and those whose T is below 1e-15 units.
+/// Splats of a run of Gaussians, in the same order. Gaussians behind the eye, outside the image,
+/// between pixel centres, or with T below 1e-15 units are left out.
 struct SplatRun {
     FarSplat* far = nullptr;        ///< room for one per Gaussian
-    PixelBounds* bounds = nullptr;  ///< of each far splat again, alone, for binning
-    std::size_t count = 0;          ///< of far splats
+    PixelBounds* bounds = nullptr;  ///< copy of FarSplat::bounds, contiguous, for binning
+    std::size_t count = 0;          ///< number of far splats
     std::vector<NearSplat>* near = nullptr;
 };
 
-/// Pixels of a tile. 64 x 32 is the best of the sizes tried (docs/performance.md).
+/// Size of a tile, pixels: the fastest of the sizes tried (docs/performance.md).
 inline constexpr int kTileWidth = 64, kTileHeight = 32;
 
-/// T over |D| of one tile's pixels, so far. What lies in the padding is never read.
+/// Running sum of T / |D| over the pixels of one tile. Padding is never read.
 struct TilePixels {
     /// Rows and columns are padded so that a vector of any shape may start at any pixel.
     static constexpr int kMaxLanes = 16, kStride = kTileWidth + kMaxLanes, kMaxRows = 4;
-    std::int32_t column = 0, row = 0;  ///< of the first pixel
+    std::int32_t column = 0, row = 0;  ///< image position of the first pixel
     alignas(64) float depth[kTileHeight + kMaxRows - 1][kStride] = {};
 };
 
-/// Pixels of a tile that a splat touches, inclusive, from the tile's first.
+/// Pixels of a tile that a splat touches, inclusive, counted from the tile's first pixel.
 struct TileRange {
     int x0, x1, y0, y1;
 };
@@ -93,15 +95,15 @@ struct SplatKernels {
     /// Adds splats[index[0]] ... splats[index[count - 1]] to the pixels of `tile` they touch.
     void (*add_far)(const FarSplat* splats, const std::uint32_t* index, std::size_t count,
                     const KernelPolynomial& kernel, TilePixels& tile);
-    /// T of a tile's pixels: depth times |D| times unit, to the rows of an image; added to what is
-    /// there if `add`. Leaves the tile's pixels 0, for the next tile: they are in the cache now.
+    /// Writes T = depth |D| unit of a tile's pixels to the rows of an image, or adds it if `add`.
+    /// Sets the tile's pixels to 0 for the next tile, while they are in the cache.
     void (*finish_tile)(TilePixels& tile, const CameraFrame& frame, double unit, bool add,
                         float* image);
 };
 
-/// The best target this machine can run.
+/// The widest target that this machine can run.
 const SplatKernels& best_splat_kernels();
-/// One of splat_targets(). throws vog::Error listing the names if there is none such
+/// The target of this name, one of splat_targets(). throws vog::Error listing the names
 const SplatKernels& splat_kernels(const std::string& target_name);
 
 }  // namespace vog::splat

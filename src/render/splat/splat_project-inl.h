@@ -1,5 +1,5 @@
-// splat_project-inl.h: Gaussians to splats, a vector of Gaussians at a time, in double precision:
-// included once per SIMD target by splat_kernels.cpp, inside its namespace.
+// splat_project-inl.h: Projection of Gaussians to splats, one SIMD vector of Gaussians at a time, in
+// double precision. Included once per SIMD target by splat_kernels.cpp, inside its namespace.
 //
 // With the camera's axes r, u, f, p the mean seen from the eye and S the covariance, a plane
 // through the eye is tangent to the support when p pᵀ - k² S vanishes on its normal: the dual conic
@@ -10,11 +10,11 @@
 // in which the large terms of the textbook form have been cancelled by hand. The determinant of the
 // shape is k⁴ det(S) (|e|² - k²) / L³, and F at the centre is k² (|e|² - k²) / L.
 
-/// A hair wider than exact; what lies outside adds zero anyway.
+/// Margin of the pixel bounds, pixels; pixels outside the support add 0.
 constexpr double kSlackPixels = 1e-4;
-/// Far enough: clear of the eye plane, so that slopes stay finite, and a pixel position.
+/// Limits of a far splat: depth over extent, so that slopes stay finite, and pixel coordinate.
 constexpr double kInFront = 1.01, kMaxPixel = 1e8;
-/// Splats fainter than this, in units of the model, add nothing: float has no more range for C.
+/// Smallest T of a splat, in units of the model: below, C leaves the range of float.
 constexpr double kFaintest = 1e-15;
 
 /// One vector per component.
@@ -110,10 +110,10 @@ HWY_INLINE CameraAxes<V> camera_axes(D d, const ProjectionInput& in, const Camer
 template <std::size_t kLanes>
 struct ProjectionOutput {
     alignas(64) float group[4][4 * kLanes];
-    std::size_t far = 0, other = 0;  ///< bit n: Gaussian n shows; may show but is not far
+    std::size_t far = 0, other = 0;  ///< bit n: Gaussian n is a far splat; may be a near splat
 };
 
-/// Pixel bounds of intervals, as the two 16-bit halves of 32 bits, and whether they hold a pixel.
+/// Pixel bounds of intervals, as two 16-bit halves of 32 bits; `some` marks those with a pixel.
 template <class D, class V, class DI = hn::Rebind<std::int32_t, D>>
 HWY_INLINE hn::Vec<DI> pixel_interval(D d, V center, V half, int size, hn::Mask<D>& some) {
     const V slack = hn::Set(d, kSlackPixels), zero = hn::Zero(d);
@@ -121,7 +121,7 @@ HWY_INLINE hn::Vec<DI> pixel_interval(D d, V center, V half, int size, hn::Mask<
     const V high =
         hn::Floor(hn::Min(hn::Set(d, size - 1.0), hn::Add(hn::Add(center, half), slack)));
     some = hn::Le(low, high);
-    // Empty intervals are far outside 16 bits; nothing reads them.
+    // Empty intervals may exceed 16 bits; they are never read.
     const V last = hn::Set(d, size - 1.0);
     const DI di;
     const auto low16 = hn::DemoteTo(di, hn::Min(low, last));
@@ -264,8 +264,8 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
                           out.group[3]);
 }
 
-/// Whether a support lies beyond one of the four sides of the view: the plane slope · forward -
-/// sign · across = 0 through the eye, and the support's reach along its normal.
+/// True if a support lies beyond one of the four side planes of the view, slope · forward - sign ·
+/// across = 0 through the eye.
 inline bool beside_the_view(const Mat3& w, const CameraFrame& frame, Vec3d p, double cutoff) {
     const double side_x = 0.5 * frame.width / frame.pixels_per_unit;
     const double side_y = 0.5 * frame.height / frame.pixels_per_unit;
@@ -282,7 +282,7 @@ inline bool beside_the_view(const Mat3& w, const CameraFrame& frame, Vec3d p, do
     return false;
 }
 
-/// The exact segment form of Gaussian i; rare, so one at a time and over the whole image.
+/// Appends Gaussian i as a near splat over the whole image, unless it lies beside the view.
 inline void add_near_splat(const SplatModel& model, std::size_t i, const CameraFrame& frame,
                            std::vector<NearSplat>& near) {
     const Gaussians& gaussians = *model.gaussians;

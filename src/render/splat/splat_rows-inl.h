@@ -1,8 +1,8 @@
-// splat_rows-inl.h: splats to pixels, a vector of pixels at a time, in single precision: included
-// once per SIMD target by splat_kernels.cpp, inside its namespace.
+// splat_rows-inl.h: Splats to pixels, one SIMD vector of pixels at a time, in single precision.
+// Included once per SIMD target by splat_kernels.cpp, inside its namespace.
 
-/// 1 / v to 2e-7 relative or better. An estimate and a Newton step beat the divider where there are
-/// estimates of 11 bits, unless it is idle: the square root keeps it busy (docs/performance.md).
+/// 1 / v to a relative 2e-7 or better. With estimates of 11 bits, an estimate and a Newton step are
+/// faster than a division, since the divider is busy with the square root (docs/performance.md).
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V reciprocal(D d, V v) {
     if constexpr (kEstimates && hn::MaxLanes(D()) > 1) {
@@ -13,7 +13,7 @@ HWY_INLINE V reciprocal(D d, V v) {
     }
 }
 
-/// The forms of one splat, one value in every lane.
+/// Coefficients of one splat's forms, each repeated in every lane.
 template <class V>
 struct SplatLanes {
     V ax, ay, a0, by, b0, f0, cx, cy, c0, dy, d0, e02;
@@ -25,7 +25,7 @@ HWY_INLINE SplatLanes<V> splat_lanes(D d, const FarSplat& s) {
             hn::Set(d, s.c0), hn::Set(d, s.dy), hn::Set(d, s.d0), hn::Set(d, s.e02)};
 }
 
-/// What the forms are along a row: F = f - (ax x + a)², C = (cx x + c)² + n.
+/// The forms along a row: F = f - (ax x + a)², C = (cx x + c)² + n.
 template <class V>
 struct RowLanes {
     V a, f, c, n;
@@ -37,7 +37,7 @@ HWY_INLINE RowLanes<V> row_lanes(const SplatLanes<V>& s, V y) {
             hn::MulAdd(across, across, s.e02)};
 }
 
-/// The kernel's polynomial in every lane. kDegree < 0: any degree, read term by term.
+/// The kernel's polynomial, repeated in every lane. kDegree < 0: any degree, read term by term.
 template <int kDegree, class V>
 struct KernelLanes {
     V c[kDegree < 0 ? 1 : kDegree + 1];
@@ -65,8 +65,8 @@ HWY_INLINE V kernel_at(D d, const KernelLanes<kDegree, V>& lanes, V ratio) {
             sum = hn::MulAdd(sum, v, hn::Set(d, coefficient[power]));
         return hn::Max(sum, hn::Zero(d));  // the fit's error must not make T negative
     } else {
-        // Estrin's scheme: one multiplication more than Horner's and half the latency, which is
-        // what fills the processor's queues.
+        // Estrin's scheme: one multiplication more than Horner's but half the latency, which limits
+        // this loop.
         const V r2 = hn::Mul(ratio, ratio);
         V sum = kDegree % 2 == 0 ? lanes.c[kDegree]
                                  : hn::MulAdd(lanes.c[kDegree], ratio, lanes.c[kDegree - 1]);
@@ -108,7 +108,7 @@ requires(kRows > 1) struct Rows<kRows, D> {
 };
 #endif
 
-/// A splat so narrow that kRows of its rows fit one vector.
+/// Adds a splat so narrow that kRows of its rows fit one vector.
 template <int kDegree, int kRows, class D>
 HWY_INLINE void add_narrow(D d, const FarSplat& s, const TileRange& range,
                            const KernelLanes<kDegree, hn::Vec<D>>& kernel, TilePixels& tile) {
@@ -147,7 +147,7 @@ HWY_INLINE void add_narrow(D d, const FarSplat& s, const TileRange& range,
     }
 }
 
-/// What a tile needs of the rows of a wide splat, computed a vector of rows at a time.
+/// Rows of a wide splat within a tile, computed one vector of rows at a time.
 struct RowForms {
     static constexpr int kRoom = kTileHeight + TilePixels::kMaxLanes;
     alignas(64) float a[kRoom], f[kRoom], c[kRoom], n[kRoom];
@@ -161,7 +161,7 @@ HWY_INLINE void row_forms(D d, const FarSplat& s, const TileRange& range, int co
     const hn::RebindToSigned<D> di;
     const SplatLanes<V> lanes = splat_lanes(d, s);
     const V inverse_a = hn::Div(hn::Set(d, 1.0f), lanes.ax);
-    // Rounding moves the ends of rows by some 1e-7 of their distance from the centre.
+    // Rounding moves the ends of rows by about 1e-7 of their distance from the centre.
     const V slack = hn::Set(d, 0.02f), relative = hn::Set(d, 1e-6f);
     const V x0 = hn::Set(d, static_cast<float>(range.x0)),
             x1 = hn::Set(d, static_cast<float>(range.x1));
@@ -176,18 +176,18 @@ HWY_INLINE void row_forms(D d, const FarSplat& s, const TileRange& range, int co
         hn::Store(r.n, d, out.n + n);
         const V half = hn::Mul(hn::Sqrt(hn::Max(r.f, hn::Zero(d))), inverse_a);
         const V middle = hn::Mul(r.a, inverse_a);
-        const V reach = hn::Add(half, hn::MulAdd(relative, hn::Add(half, hn::Abs(middle)), slack));
+        const V extent = hn::Add(half, hn::MulAdd(relative, hn::Add(half, hn::Abs(middle)), slack));
         const V center = hn::Sub(origin, middle);
-        hn::Store(hn::ConvertTo(di, hn::Max(x0, hn::Ceil(hn::Sub(center, reach)))), di,
+        hn::Store(hn::ConvertTo(di, hn::Max(x0, hn::Ceil(hn::Sub(center, extent)))), di,
                   out.first + n);
-        hn::Store(hn::ConvertTo(di, hn::Min(x1, hn::Floor(hn::Add(center, reach)))), di,
+        hn::Store(hn::ConvertTo(di, hn::Min(x1, hn::Floor(hn::Add(center, extent)))), di,
                   out.last + n);
         y = hn::Add(y, hn::Set(d, static_cast<float>(step)));
     }
 }
 
-/// A splat wider than that: row by row, the pixels that F > 0 covers. Vectors may run past the last
-/// pixel: F is negative there.
+/// Adds a wider splat row by row, at the pixels where F > 0. Vectors may extend past the last pixel,
+/// where F is negative.
 template <int kDegree, class D>
 HWY_INLINE void add_wide(D d, const FarSplat& s, const TileRange& range,
                          const KernelLanes<kDegree, hn::Vec<D>>& kernel, TilePixels& tile) {
@@ -220,7 +220,7 @@ void add_far_degree(const FarSplat* splats, const std::uint32_t* index, std::siz
     const typename Tags::Floats d;
     const auto kernel = kernel_lanes<kDegree>(d, polynomial);
     constexpr auto kLanes = static_cast<int>(hn::MaxLanes(typename Tags::Floats()));
-    constexpr std::size_t kAhead = 8;  // splats of a tile lie apart in memory
+    constexpr std::size_t kAhead = 8;  // prefetch: splats of a tile are scattered in memory
     for (std::size_t n = 0; n < count; ++n) {
         if (n + kAhead < count) hwy::Prefetch(splats + index[n + kAhead]);
         const FarSplat& s = splats[index[n]];

@@ -1,4 +1,4 @@
-// tile_bins.cpp: count per chunk, prefix over tiles and chunks, scatter.
+// tile_bins.cpp: Counting sort: counts per chunk, prefix sum over tiles and chunks, scatter.
 #include "render/splat/tile_bins.h"
 
 #include <algorithm>
@@ -19,7 +19,7 @@ TileRect tiles_of(const PixelBounds& b) {
 
 template <class Visit>
 void for_each_tile(const TileRect& r, int columns, const Visit& visit) {
-    // Most splats touch one tile or its neighbour: without loops, whose ends are guessed wrong.
+    // Most splats touch one tile or two neighbours: no loops here, whose ends are mispredicted.
     const auto at = static_cast<std::size_t>(r.y0 * columns + r.x0);
     if (r.y0 == r.y1 && r.x1 - r.x0 <= 1) {
         visit(at);
@@ -35,8 +35,8 @@ void for_each_tile(const TileRect& r, int columns, const Visit& visit) {
 int tiles_across(int width) { return (width + kTileWidth - 1) / kTileWidth; }
 int tiles_down(int height) { return (height + kTileHeight - 1) / kTileHeight; }
 
-/// Looking through a splat costs a tile about a nanosecond, drawing it into one some hundred: from
-/// a 64th of the tiles on the look costs less than the drawing.
+/// Number of tiles above which a splat is wide. A test costs a tile about 1 ns, drawing a splat about
+/// 100 ns: from 1/64 of the tiles on, testing in every tile costs less than drawing.
 std::uint64_t wide_above(int width, int height) {
     constexpr std::uint64_t kLeast = 64;
     return std::max(kLeast, static_cast<std::uint64_t>(tiles_across(width)) *

@@ -1,5 +1,5 @@
-// view_cut.cpp: what of a hierarchy one view draws: a sweep over its levels, each the children of
-// what the one above divided, then a copy of what it chose. Both read memory in runs.
+// view_cut.cpp: Cut through a hierarchy for one view: a top-down sweep, level by level, that decides
+// which nodes to draw, skip or divide, then a copy of the result. Both read memory in runs.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace vog {
 
 namespace {
 
-/// What the sweep needs of a node, side by side.
+/// Members of a node that the sweep reads, contiguous in memory.
 struct Bound {
     Vec3f center;
     float radius = 0, error = 0;
@@ -51,7 +51,7 @@ class View {
             for (const Vec3d& side : side_)
                 if (dot(side, p) + radius < 0) return Fate::skip;
         }
-        // Around the eye there are no pixels to compare with.
+        // A ball around the eye has no size in pixels.
         const double nearest = forward - radius;
         if (!(nearest > 0)) return Fate::divide;
         // A length at depth z is pixels / z on the screen, and 1 / cos more than that towards the
@@ -72,7 +72,7 @@ struct Run {
     std::uint32_t first, last;
 };
 
-/// Adds a run, to the last one where it goes on.
+/// Appends a run, or extends the last one if it is adjacent.
 void add_run(std::vector<Run>& runs, std::uint32_t first, std::uint32_t last) {
     if (first == last) return;
     if (!runs.empty() && runs.back().last == first)
@@ -81,36 +81,36 @@ void add_run(std::vector<Run>& runs, std::uint32_t first, std::uint32_t last) {
         runs.push_back({first, last});
 }
 
-/// Runs of what of `all` is in none of the runs of `count[n]` from first[n].
-std::vector<Run> not_taken(std::size_t all, const std::vector<std::uint32_t>& first,
+/// Runs of the indices below `all` in none of the runs first[n] ... first[n] + count[n] - 1.
+std::vector<Run> not_in_runs(std::size_t all, const std::vector<std::uint32_t>& first,
                            const std::vector<std::uint8_t>& count) {
-    std::vector<bool> taken(all);
+    std::vector<bool> contained(all);
     for (std::size_t n = 0; n < first.size(); ++n)
-        std::fill_n(taken.begin() + first[n], count[n], true);
+        std::fill_n(contained.begin() + first[n], count[n], true);
     std::vector<Run> runs;
     for (std::size_t i = 0; i < all; ++i)
-        if (!taken[i])
+        if (!contained[i])
             add_run(runs, static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i + 1));
     return runs;
 }
 
-/// Some nodes of a level, which one task judges, and what comes of them.
+/// Nodes of one level that one task tests, and the result.
 struct Task {
     std::vector<Run> nodes;
     std::vector<Run> drawn, leaves;  ///< to draw
-    std::vector<Run> children;       ///< to judge next
+    std::vector<Run> children;       ///< nodes of the next level to test
 
     void clear() {
         for (std::vector<Run>* runs : {&nodes, &drawn, &leaves, &children}) runs->clear();
     }
 };
 
-/// Nodes of a task: large enough to be worth one, small enough to share out.
+/// Nodes a task: enough to pay for a task, few enough to balance the load.
 constexpr std::uint32_t kOfTask = 1 << 12;
 
-/// A run to draw, and where it goes.
+/// A run to draw, and its position in the result.
 struct Placed {
-    bool nodes;
+    bool nodes;  ///< of nodes; false: of Gaussians of the model
     Run run;
     std::size_t slot;
 };
@@ -139,8 +139,8 @@ struct ViewCut::State {
     const Gaussians* model = nullptr;
     const Hierarchy* hierarchy = nullptr;
     std::vector<Bound> bounds;
-    std::vector<Run> roots, loose;  ///< nodes and leaves that are no node's
-    std::vector<Task> tasks;        ///< of all levels, the coarsest first
+    std::vector<Run> roots, loose;  ///< nodes and leaves without a parent
+    std::vector<Task> tasks;        ///< of all levels, coarsest first
     std::size_t task_count = 0;
     std::vector<Run> level, leaves;
     std::vector<Placed> placed;
@@ -153,15 +153,15 @@ struct ViewCut::State {
         task.clear();
         return task;
     }
-    void share_out_level();
-    void judge(const View& view, Task& task) const;
+    void split_level();
+    void test_nodes(const View& view, Task& task) const;
     void sweep(const View& view);
     void place();
     void gather();
 };
 
-/// Cuts the level into tasks, which depend on its runs alone.
-void ViewCut::State::share_out_level() {
+/// Splits the level into tasks, which depend on its runs alone, not on the number of threads.
+void ViewCut::State::split_level() {
     std::uint32_t room = 0;
     for (Run run : level)
         while (run.first < run.last) {
@@ -176,7 +176,7 @@ void ViewCut::State::share_out_level() {
         }
 }
 
-void ViewCut::State::judge(const View& view, Task& task) const {
+void ViewCut::State::test_nodes(const View& view, Task& task) const {
     for (const Run& run : task.nodes)
         for (std::uint32_t n = run.first; n < run.last; ++n) {
             const Bound& node = bounds[n];
@@ -191,15 +191,15 @@ void ViewCut::State::judge(const View& view, Task& task) const {
         }
 }
 
-/// From the roots down, level by level; a level is the children of all that is divided above it.
+/// Tests nodes from the roots down; each level is the children of the nodes divided above it.
 void ViewCut::State::sweep(const View& view) {
     task_count = 0;
     report = {};
     level = roots;
     while (!level.empty()) {
         const std::size_t first = task_count;
-        share_out_level();
-        vog::parallel_for(first, task_count, [&](std::size_t n) { judge(view, tasks[n]); });
+        split_level();
+        vog::parallel_for(first, task_count, [&](std::size_t n) { test_nodes(view, tasks[n]); });
         level.clear();
         for (std::size_t n = first; n < task_count; ++n) {
             for (const Run& run : tasks[n].nodes) report.visited += run.last - run.first;
@@ -208,8 +208,8 @@ void ViewCut::State::sweep(const View& view) {
     }
 }
 
-/// Gives each run its place: nodes as they were judged, then leaves in the model's order, so that
-/// what is left out changes no order.
+/// Assigns positions: nodes in the order of the sweep, then leaves in the model's order, so that
+/// skipped Gaussians do not change the order of the others.
 void ViewCut::State::place() {
     placed.clear();
     leaves = loose;
@@ -220,7 +220,7 @@ void ViewCut::State::place() {
         }
         leaves.insert(leaves.end(), tasks[n].leaves.begin(), tasks[n].leaves.end());
     }
-    // Of one tree they are in order already.
+    // Leaves of a single tree are in order already.
     const auto before = [](const Run& a, const Run& b) { return a.first < b.first; };
     if (!std::is_sorted(leaves.begin(), leaves.end(), before))
         std::sort(leaves.begin(), leaves.end(), before);
@@ -230,7 +230,7 @@ void ViewCut::State::place() {
     }
 }
 
-/// Copies what is drawn.
+/// Copies the nodes and Gaussians of the cut.
 void ViewCut::State::gather() {
     chosen.mean.resize(report.drawn());
     chosen.scale.resize(report.drawn());
@@ -251,8 +251,8 @@ ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy, double cuto
     state_->model = &model;
     state_->hierarchy = &hierarchy;
     state_->chosen.cutoff = model.cutoff;
-    state_->roots = not_taken(hierarchy.size(), hierarchy.first_node, hierarchy.node_count);
-    state_->loose = not_taken(model.size(), hierarchy.first_leaf, hierarchy.leaf_count);
+    state_->roots = not_in_runs(hierarchy.size(), hierarchy.first_node, hierarchy.node_count);
+    state_->loose = not_in_runs(model.size(), hierarchy.first_leaf, hierarchy.leaf_count);
     state_->bounds.resize(hierarchy.size());
     for (std::size_t n = 0; n < hierarchy.size(); ++n)
         state_->bounds[n] = {
@@ -267,7 +267,7 @@ ViewCut& ViewCut::operator=(ViewCut&&) noexcept = default;
 
 const Gaussians& ViewCut::choose(const CameraFrame& frame, const CutOptions& options) {
     if (!(options.pixel_error >= 0))
-        throw Error(fmt::format("a pixel error of {}, expected 0 or more", options.pixel_error));
+        throw Error(fmt::format("pixel error {}, expected a number >= 0", options.pixel_error));
     State& s = *state_;
     const View view(frame, options);
     s.sweep(view);

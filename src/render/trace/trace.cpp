@@ -1,4 +1,4 @@
-// trace.cpp: image order. A ray a pixel, through the hierarchy, as the OptiX programs do.
+// trace.cpp: Ray tracing of a model, one ray a pixel, as the OptiX programs do.
 #include "vog/trace.h"
 
 #include <algorithm>
@@ -15,12 +15,12 @@ struct TraceScene::Data {
     TraceModel model;
     TraceBvh bvh;
 
-    explicit Data(TraceModel&& of) : model(std::move(of)), bvh(model) {}
+    explicit Data(TraceModel&& packed) : model(std::move(packed)), bvh(model) {}
 };
 
 namespace {
 
-/// __raygen__ of collect: slab after slab until one is not full.
+/// __raygen__ of collect: T of one ray, slab by slab, until a slab is not full.
 double collected_depth(const TraceScene::Data& scene, const device::Ray& ray,
                        const TraceOptions& options, TraceReport& report) {
     const double opaque = stop_depth(options);

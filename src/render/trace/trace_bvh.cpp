@@ -1,10 +1,10 @@
-// trace_bvh.cpp: Embree 3 as OptiX's twin. A Gaussian is a primitive of a user geometry; the
-// geometry's intersect function is __intersection__, its filter function __anyhit__, and a filter
-// that rejects its hit is optixIgnoreIntersection: the ray goes on with its interval unchanged.
+// trace_bvh.cpp: Traversal by Embree 3 in place of OptiX. A Gaussian is a primitive of a user
+// geometry; the geometry's intersect function is __intersection__, its filter function __anyhit__,
+// and a filter that rejects its hit is optixIgnoreIntersection: the ray's interval is unchanged.
 //
-// `accumulate` asks rtcOccluded, whose traversal need not order the nodes and which OptiX has as
-// the ray that only any-hit programs see. `collect` asks rtcIntersect: once its list is full, it
-// accepts a hit beyond the list to shorten the ray, as an any-hit program that returns does.
+// `accumulate` uses rtcOccluded, whose traversal need not order the nodes, as for an OptiX ray with
+// any-hit programs only. `collect` uses rtcIntersect: once its list is full, the filter accepts a
+// hit beyond the list to shorten the ray, as an any-hit program that returns does.
 #include "render/trace/trace_bvh.h"
 
 #include <embree3/rtcore.h>
@@ -28,16 +28,16 @@ struct Release {
 template <class Handle>
 using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
 
-/// The ray's payload, behind the context that Embree hands to its callbacks.
+/// Payload of a ray, appended to the context that Embree passes to its callbacks.
 struct Query : RTCIntersectContext {
     const TraceModel* model;
     const device::Ray* ray;
-    device::Hit hit;                  ///< of the primitive in hand: OptiX's attributes
-    device::DepthSum sum{};           ///< of accumulate
-    std::uint32_t hits = 0;           ///< of accumulate
-    device::HitList* list = nullptr;  ///< of collect
+    device::Hit hit;                  ///< with the current primitive: OptiX's attributes
+    device::DepthSum sum{};           ///< result of accumulate
+    std::uint32_t hits = 0;           ///< counted by accumulate
+    device::HitList* list = nullptr;  ///< filled by collect
 
-    Query(const TraceModel& of, const device::Ray& along) : model(&of), ray(&along) {
+    Query(const TraceModel& traced, const device::Ray& along) : model(&traced), ray(&along) {
         rtcInitIntersectContext(this);
         flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     }
@@ -51,14 +51,14 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
     out.upper_x = box.upper[0], out.upper_y = box.upper[1], out.upper_z = box.upper[2];
 }
 
-/// __intersection__: whether the ray meets the Gaussian, and its box where that decides.
+/// __intersection__: true if the ray meets the Gaussian, and its box if the model is boxed.
 bool intersect_primitive(Query& query, unsigned index) {
     const device::Gaussian& g = query.model->gaussians[index];
     if (!device::intersect(g, *query.ray, query.model->cutoff2, query.hit)) return false;
     return !query.model->boxed || device::meets_box(g, *query.ray, query.model->scene);
 }
 
-/// Hands the hit at `entry` to the filter as Embree wants it; returns whether that accepts it.
+/// Passes the hit at `entry` to the filter. returns true if the filter accepts it
 template <class Arguments>
 bool accepted(const Arguments* args, RTCRay& ray, unsigned index, float entry,
               void (*filter)(const Arguments*, const RTCFilterFunctionNArguments*)) {
@@ -113,7 +113,7 @@ void collect_and_ignore(const RTCFilterFunctionNArguments* args) {
     Query& query = *static_cast<Query*>(args->context);
     const unsigned index = RTCHitN_primID(args->hit, 1, 0);
     const bool room = device::collect(*query.list, {query.hit.entry(), index});
-    // The paper's boxes may lie behind or before the entries of what they find: no shortening.
+    // The paper's boxes may lie before or behind the entries of their Gaussians: no shortening.
     if (room || query.model->boxed) *args->valid = 0;
 }
 
@@ -129,14 +129,14 @@ RTCRay float_ray(const TraceModel& model, const device::Ray& ray, float from) {
     return out;
 }
 
-/// What ended Embree's work, which no exception may cross.
+/// State of a build that may be interrupted: exceptions must not pass through Embree.
 struct Building {
     std::atomic<bool> ended{false};
     std::exception_ptr ended_by{};
 };
 
-/// Called by Embree from its threads, this one among them: false ends the build.
-bool goes_on(void* data, double) {
+/// Progress callback of Embree, on any of its threads. returns false to end the build
+bool continue_build(void* data, double) {
     auto& building = *static_cast<Building*>(data);
     try {
         if (!building.ended) check_interrupt();
@@ -164,7 +164,7 @@ TraceBvh::TraceBvh(const TraceModel& model) : embree_(std::make_unique<Embree>()
     embree_->device.reset(rtcNewDevice(nullptr));
     embree_->check("cannot start");
     embree_->scene.reset(rtcNewScene(embree_->device.get()));
-    // Robust: no box is missed by the rounding of its own test.
+    // Robust: rounding in the box test never misses a box.
     rtcSetSceneFlags(embree_->scene.get(), RTC_SCENE_FLAG_ROBUST);
 
     const Owned<RTCGeometry> geometry(
@@ -179,7 +179,7 @@ TraceBvh::TraceBvh(const TraceModel& model) : embree_(std::make_unique<Embree>()
     rtcCommitGeometry(geometry.get());
     rtcAttachGeometry(embree_->scene.get(), geometry.get());
     Building building;
-    rtcSetSceneProgressMonitorFunction(embree_->scene.get(), goes_on, &building);
+    rtcSetSceneProgressMonitorFunction(embree_->scene.get(), continue_build, &building);
     rtcCommitScene(embree_->scene.get());
     if (building.ended_by) std::rethrow_exception(building.ended_by);
     embree_->check("cannot build the hierarchy");

@@ -1,4 +1,4 @@
-// trace_bvh.h: Embree's hierarchy over the boxes of a model, and one ray through it.
+// trace_bvh.h: Embree's bounding volume hierarchy over a model, and traversal of one ray.
 #pragma once
 
 #include <memory>
@@ -7,7 +7,7 @@
 
 namespace vog::trace {
 
-/// Traverses as OptiX would; keeps a pointer to the model.
+/// Host counterpart of an OptiX acceleration structure. Refers to the model, which must outlive it.
 class TraceBvh {
   public:
     explicit TraceBvh(const TraceModel& model);
@@ -15,10 +15,10 @@ class TraceBvh {
     TraceBvh(const TraceBvh&) = delete;
     TraceBvh& operator=(const TraceBvh&) = delete;
 
-    /// Adds every Gaussian's tau to `sum`.
-    /// returns  hits
+    /// Adds tau of every Gaussian on the ray to `sum`.
+    /// returns  number of hits
     std::uint32_t accumulate(const device::Ray& ray, device::DepthSum& sum) const;
-    /// Fills `list` with the nearest hits of its slab, unsorted.
+    /// Fills `list` with the nearest hits after list.last, unsorted.
     void collect(const device::Ray& ray, device::HitList& list) const;
 
   private:

@@ -1,4 +1,4 @@
-// trace_model.cpp: whitenings, boxes and rounding of a model in scene units.
+// trace_model.cpp: Packs a model for ray tracing: whitenings, boxes and rounding in scene units.
 #include "render/trace/trace_model.h"
 
 #include <algorithm>
@@ -20,10 +20,10 @@ device::Float3 plain_float(Vec3d v) { return device::to_float(plain(v)); }
 void check(const Gaussians& gaussians, double aabb_sigma) {
     validate(gaussians);
     if (!(aabb_sigma >= 0 && std::isfinite(aabb_sigma)))
-        throw Error(fmt::format("bounding boxes of {} sigma, expected a number above 0, or 0: none",
+        throw Error(fmt::format("trace: aabb_sigma {}, expected a finite number >= 0, 0: no boxes",
                                 aabb_sigma));
     if (gaussians.size() >= std::numeric_limits<std::uint32_t>::max())
-        throw Error(fmt::format("{} Gaussians, expected fewer than 2^32", gaussians.size()));
+        throw Error(fmt::format("trace: {} Gaussians, expected fewer than 2^32", gaussians.size()));
 }
 
 /// Half edges of the box around the ellipsoid of `radii` standard deviations.
@@ -48,8 +48,8 @@ Box clamped(Box box, const Box& to) {
 }
 
 device::Gaussian packed(const Gaussians& gaussians, std::size_t i, double unit, Vec3d half) {
-    // A Gaussian thinner than 1e-30 of the scene would leave the range of floats. It is made that
-    // thick, with its mass: rays cannot tell.
+    // A scale below 1e-30 of the scene would leave the range of floats: it is raised to 1e-30 at the
+    // same mass, which changes no pixel.
     constexpr double kThinnest = 1e-30;
     double density = double{gaussians.density[i]} * unit;
     Mat3 w = gaussians.axis_aligned() ? Mat3{} : transpose(matrix_from_quat(gaussians.rotation[i]));
@@ -80,7 +80,7 @@ FloatBox rounded_outwards(const Box& box, Vec3d center, double unit) {
     return out;
 }
 
-/// Coarse quanta of 2^-50 and fine ones of 2^-80 of a bound on any ray's T.
+/// Quanta of 2^-50 and 2^-80 of an upper bound on any ray's T.
 device::SumRounding rounding_for(double bound) {
     const int exponent = bound > 0 ? std::ilogb(bound) + 1 : 0;
     const double coarse = std::ldexp(1.0, exponent - 50), fine = std::ldexp(1.0, exponent - 80);
@@ -96,7 +96,7 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
     model.boxed = aabb_sigma > 0;
     model.cutoff2 = static_cast<float>(cutoff * cutoff);
 
-    // Boxes in the world, and what they span.
+    // Boxes in world units, and their common bounds.
     const double radii = model.boxed ? aabb_sigma * std::numbers::sqrt2 : cutoff;
     const Box scene = view_box(gaussians);
     std::vector<Box> boxes(gaussians.size());
@@ -107,7 +107,8 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
         boxes[i] = {mean - half, mean + half};
         if (model.boxed) boxes[i] = clamped(boxes[i], scene);
         bounds.include(boxes[i]);
-        // What a box finds counts in full, beyond the box too: rays start before all of it.
+        // A Gaussian whose box is met counts in full, also outside the box: rays must start before
+        // its whole support.
         if (model.boxed) {
             const Vec3d support = half_edges(gaussians, i, cutoff);
             bounds.include({mean - support, mean + support});
@@ -121,13 +122,13 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
         return device::Bounds{plain(per_unit * box.lower), plain(per_unit * box.upper)};
     };
     model.center = plain(per_unit * bounds.center());
-    // The slack keeps the rim of a support on the face of the bounds from being clipped away.
+    // Margin, so that the rim of a support on the face of the bounds is not clipped away.
     model.bounds = in_scene(bounds);
     const device::Double3 slack{kBoxSlack, kBoxSlack, kBoxSlack};
     model.bounds = {model.bounds.lower - slack, model.bounds.upper + slack};
     model.scene = in_scene(scene.empty() ? bounds : scene);
 
-    // No ray meets more of a Gaussian than its longest axis through the peak.
+    // The largest tau of a Gaussian is along its longest axis through the peak.
     double bound = 0;
     model.gaussians.resize(gaussians.size());
     model.boxes.resize(gaussians.size());

@@ -1,4 +1,4 @@
-// trace_model.h: a model as the ray-tracing programs take it: scene units, whitenings, boxes.
+// trace_model.h: A model packed for the ray-tracing programs: scene units, whitenings, boxes.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@
 
 namespace vog::trace {
 
-/// One primitive's box for a hierarchy: relative to TraceModel::center, in scene units, rounded
-/// outwards. The layout of OptixAabb.
+/// Box of one primitive of a hierarchy, relative to TraceModel::center, scene units, rounded
+/// outwards. Same layout as OptixAabb.
 struct FloatBox {
     float lower[3], upper[3];
 };
@@ -21,22 +21,24 @@ struct TraceModel {
     std::vector<device::Gaussian> gaussians;
     std::vector<FloatBox> boxes;
     device::Bounds bounds{};   ///< of all boxes and supports, scene units
-    device::Bounds scene{};    ///< what the paper's boxes are clamped to
-    device::Double3 center{};  ///< of the bounds
+    device::Bounds scene{};    ///< box that the paper's boxes are clamped to, scene units
+    device::Double3 center{};  ///< of the bounds, scene units
     double unit = 1;           ///< world units of one scene unit: a power of two
     float cutoff2 = 0;         ///< k²
-    bool boxed = false;        ///< the paper's boxes decide what is found
+    bool boxed = false;        ///< rays count only Gaussians whose paper's box they meet
     device::SumRounding rounding{};
 };
 
-/// aabb_sigma, kappa  as in TraceSceneOptions
+/// Packs a model.
+/// aabb_sigma, kappa  TraceSceneOptions
 /// throws             vog::Error as trace_scene does
 TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kappa);
 
+/// The camera in scene units.
 device::Camera scene_camera(const CameraFrame& frame, double unit);
 
-/// Boxes are this much wider on every side than what they bound, in scene units. Rays reach a
-/// hierarchy in floats: origins of at most 1 and lengths of at most 2 are 2^-23 off, thrice.
+/// Margin of the boxes on every side, scene units. A hierarchy's rays are in floats: origins up to 1
+/// and lengths up to 2 have three rounding errors of 2^-23.
 inline constexpr double kBoxSlack = 0x1p-20;
 
 }  // namespace vog::trace

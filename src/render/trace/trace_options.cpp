@@ -1,4 +1,4 @@
-// trace_options.cpp: checks of options.
+// trace_options.cpp: Checks of TraceOptions, and the depth at which rays end.
 #include "render/trace/trace_options.h"
 
 #include <fmt/core.h>
@@ -13,17 +13,17 @@ namespace vog::trace {
 
 void check_trace_options(const TraceOptions& options) {
     if (options.hits_per_slab < 1 || options.hits_per_slab > device::kMaxHitsPerSlab)
-        throw Error(fmt::format("{} hits a slab, expected 1 to {}", options.hits_per_slab,
+        throw Error(fmt::format("trace: {} hits a slab, expected 1 to {}", options.hits_per_slab,
                                 device::kMaxHitsPerSlab));
     if (!(options.stop_transmittance >= 0 && options.stop_transmittance < 1))
-        throw Error(fmt::format("rays that stop at a transmittance of {}, expected in [0, 1)",
+        throw Error(fmt::format("trace: stop transmittance {}, expected in [0, 1)",
                                 options.stop_transmittance));
     if (options.stop_transmittance > 0 && options.anyhit != AnyHit::collect)
         throw Error(
-            "rays that stop at a transmittance need hits in order: any-hit collect, got "
-            "accumulate");
+            "trace: a stop transmittance with any-hit accumulate, expected collect: rays end in the "
+            "order of hits");
     if (!(options.extinction > 0 && std::isfinite(options.extinction)))
-        throw Error(fmt::format("extinction {}, expected a number above 0", options.extinction));
+        throw Error(fmt::format("trace: extinction {}, expected a finite number > 0", options.extinction));
 }
 
 double stop_depth(const TraceOptions& options) {
