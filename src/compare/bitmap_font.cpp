@@ -1,4 +1,4 @@
-// bitmap_font.cpp: a 5x7 pixel face.
+// bitmap_font.cpp: Glyphs of 5x7 pixels, and their drawing.
 #include "compare/bitmap_font.h"
 
 #include <array>

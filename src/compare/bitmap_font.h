@@ -1,4 +1,4 @@
-// bitmap_font.h: figures on pictures: just the characters that a colour scale needs.
+// bitmap_font.h: Draws text into images with a 5x7 pixel font of the characters of a colour scale.
 #pragma once
 
 #include <string_view>
@@ -9,8 +9,8 @@ namespace vog::comparison {
 
 inline constexpr int kGlyphWidth = 5, kGlyphHeight = 7, kGlyphAdvance = 6;  ///< pixels
 
-/// Draws `text`, its top left corner at (column, row); what lies outside the image is left out.
-/// Characters: 0-9 + - . / | A B e and space; any other is an assertion.
+/// Draws text with its top left corner at (column, row), clipped to the image.
+/// text  of 0-9 + - . / | A B e and space; any other character fails an assertion
 void draw_text(Image& image, int column, int row, std::string_view text, Rgba color);
 
 }  // namespace vog::comparison

@@ -1,4 +1,4 @@
-// compare.cpp: figures of the difference of two pictures or two depth images.
+// compare.cpp: Error metrics between two images or two depth images.
 #include "vog/compare.h"
 
 #include <cstdlib>
@@ -13,11 +13,12 @@ using namespace comparison;
 
 namespace {
 
-/// Fills everything but the SSIM. `bytes` holds `channels` values a pixel.
+/// Fills all metrics except SSIM.
+/// channels  values a pixel in `reference` and `image`
 PictureDifference compare_bytes(const std::uint8_t* reference, const std::uint8_t* image,
                                 std::size_t pixels, int channels, int width) {
     PictureDifference difference;
-    std::uint64_t squares = 0, off_1 = 0, off_4 = 0;  // integers: no rounding, no order
+    std::uint64_t squares = 0, off_1 = 0, off_4 = 0;  // integers: exact in any order
     for (std::size_t n = 0; n < pixels; ++n) {
         int largest = 0;
         for (int c = 0; c < channels; ++c) {

@@ -1,4 +1,4 @@
-// difference_map.cpp: heat maps of the difference of two pictures, with their colour scale.
+// difference_map.cpp: Heat maps of the difference of two images, with a colour scale.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,16 +17,16 @@ using namespace comparison;
 
 namespace {
 
-/// Differences a pixel, in 1/255, and how they are shown.
+/// Differences a pixel, in 1/255, with the colours of the map.
 struct Differences {
     int width = 0, height = 0;
     std::vector<float> value;
     bool is_signed = false;
-    TransferFunction colors;  ///< of [0, 1]: signed differences have their zero at 1/2
+    TransferFunction colors;  ///< over [0, 1]; signed differences have 0 at 1/2
     const char* title = "";
 };
 
-/// The least of 1, 2, 5 times a power of ten that is not below `value`; 1 for 0.
+/// The smallest 1, 2 or 5 times a power of ten that is >= `value`; 1 for 0.
 double round_up(double value) {
     if (!(value > 0)) return 1;
     const double power = std::pow(10, std::floor(std::log10(value)));
@@ -35,10 +35,10 @@ double round_up(double value) {
     return 10 * power;
 }
 
-double scale_limit(const Differences& differences, double asked) {
-    if (!(std::isfinite(asked) && asked >= 0))
-        throw Error(fmt::format("difference map: limit {}, expected a number >= 0", asked));
-    if (asked > 0) return asked;
+double scale_limit(const Differences& differences, double requested) {
+    if (!(std::isfinite(requested) && requested >= 0))
+        throw Error(fmt::format("difference map: limit {}, expected a number >= 0", requested));
+    if (requested > 0) return requested;
     float largest = 0;
     for (const float value : differences.value) largest = std::max(largest, std::abs(value));
     return round_up(static_cast<double>(largest));
@@ -49,7 +49,7 @@ Rgba color_at(const Differences& differences, double share) {
     return color_at(differences.colors, static_cast<float>(std::clamp(position, 0.0, 1.0)));
 }
 
-/// Paints the scale into the right margin: title, bar, and a figure at its ends and quarters.
+/// Draws the colour scale into the right margin: title, bar, and numbers at its ends and quarters.
 void draw_bar(const Differences& differences, double limit, int left, Image& image) {
     constexpr int kTop = 30, kBottom = 10, kBarWidth = 14, kGap = 10;
     const Rgba ink{0.1f, 0.1f, 0.1f, 1};

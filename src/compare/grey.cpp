@@ -1,4 +1,4 @@
-// grey.cpp: 8-bit values of pictures, and the checks before two of them are compared.
+// grey.cpp: 8-bit values of images, and checks before two images are compared.
 #include "compare/grey.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-// grey.h: what the figures and the maps of differences share: sizes that agree, and 8-bit values.
+// grey.h: 8-bit values of images, and the check that two images have one size.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,10 @@ namespace vog::comparison {
 void require_same_size(const DepthImage& reference, const DepthImage& image);
 void require_same_size(const Image& reference, const Image& image);
 
-/// Factor that takes the T of `image` to the extinction of `reference`.
+/// Factor from T of `image` to T at the extinction of `reference`.
 double to_extinction_of(const DepthImage& reference, const DepthImage& image);
 
-/// V = 1 - exp(-factor T), of 255, not rounded.
+/// 255 V = 255 (1 - exp(-factor T)), not rounded.
 inline double visibility_255(float depth, double factor) {
     return -255 * std::expm1(-factor * static_cast<double>(depth));
 }
@@ -25,10 +25,11 @@ inline double visibility_255(float depth, double factor) {
 /// V as 8-bit grey: round(255 V).
 std::vector<std::uint8_t> grey_bytes(const DepthImage& image, double factor);
 
+/// 8-bit red, green, blue.
 struct Rgb8 {
     std::uint8_t channel[3];
 };
-/// round(255 c) of colours over black.
+/// round(255 c) of the colours composited over black.
 std::vector<Rgb8> color_bytes(const Image& image);
 
 }  // namespace vog::comparison

@@ -1,4 +1,4 @@
-// ssim.cpp: structural similarity, its windows filtered along the rows, then down the columns.
+// ssim.cpp: Structural similarity by separable windows, filtered along rows, then columns.
 #include "compare/ssim.h"
 
 #include <algorithm>
@@ -80,8 +80,8 @@ double structural_similarity(const std::vector<float>& reference, const std::vec
     const int columns = width - kWindow + 1, rows = height - kWindow + 1;
     if (columns < 1 || rows < 1) return std::numeric_limits<double>::quiet_NaN();
 
-    // Bands bound the memory; their sums are added in order: the same figure for any number of
-    // threads.
+    // Bands of rows bound the memory; their sums are added in order, so that the result is the same
+    // for any number of threads.
     constexpr int kBandRows = 32;
     std::vector<double> band_sum(static_cast<std::size_t>((rows + kBandRows - 1) / kBandRows));
     vog::parallel_for(std::size_t{0}, band_sum.size(), [&](std::size_t band) {

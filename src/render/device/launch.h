@@ -1,5 +1,5 @@
-// device/launch.h: the launch parameters of the OptiX programs, and the names of their entry
-// points: the host looks programs up by these, and a test looks for each in the compiled module.
+// launch.h: Launch parameters of the OptiX programs, and the names of their entry points, by which
+// the host finds the programs in the compiled module.
 #pragma once
 
 #include "render/device/any_hit.h"
@@ -23,14 +23,15 @@ namespace vog::device {
 constexpr int kPayloadWords = 2;    ///< a pointer to the ray's own data
 constexpr int kAttributeWords = 4;  ///< Hit
 
-/// What a launch writes, for either pipeline.
+/// Output of a launch, for both pipelines.
 struct Film {
     float* depth;          ///< [height * width] T at extinction 1 through pixel centres
     Float4* accumulation;  ///< [height * width] colours summed over subframes, or null
-    uint32_t subframe;     ///< 0: through pixel centres; later ones through other points of them
+    uint32_t subframe;     ///< 0: rays through pixel centres; > 0: through other points of pixels
     ColorTable colors;
 };
 
+/// Launch parameters of both pipelines.
 struct Launch {
     uint64_t traversable;
     Camera camera;
@@ -39,8 +40,8 @@ struct Launch {
 
     // The Gaussian pipeline.
     const Gaussian* gaussians;
-    Double3 center;  ///< the hierarchy's origin
-    Bounds scene;
+    Double3 center;  ///< origin of the hierarchy's coordinates, scene units
+    Bounds scene;    ///< TraceModel::scene
     SumRounding rounding;
     double stop_depth;
     float cutoff2;
@@ -52,18 +53,18 @@ struct Launch {
 
     // The SciVis pipeline.
     const void* grid;     ///< nanovdb::NanoGrid<float>
-    Camera index_camera;  ///< in index space plus a half: the same t as `camera`
+    Camera index_camera;  ///< in index space plus 1/2: the same t as `camera`
 };
 
-/// Where in its pixel a subframe's ray passes: the centre, then the R2 sequence (M. Roberts, 2018),
-/// the plane's most even one.
+/// Sample point of a subframe in its pixel, [-1/2, 1/2]²: the centre, then the low-discrepancy R2
+/// sequence (M. Roberts, 2018).
 VOG_HD void pixel_point(uint32_t subframe, double& x, double& y) {
     const double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
     x = 0.5 + subframe * step_x, y = 0.5 + subframe * step_y;
     x = x - floor(x) - 0.5, y = y - floor(y) - 0.5;
 }
 
-/// Writes one ray's T, and its colour onto the progressive sum.
+/// Writes T of one ray, and adds its colour to the progressive sum.
 VOG_HD void expose(const Film& film, uint32_t pixel, double depth) {
     const float total = static_cast<float>(depth);
     film.depth[pixel] = total;

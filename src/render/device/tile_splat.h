@@ -1,6 +1,6 @@
-// device/tile_splat.h: the splat of docs/method.md ("Splatting without approximation") for a GPU.
-// Project a Gaussian once in double precision; a pixel then costs two quadratics, a square root and
-// a polynomial in single precision.
+// tile_splat.h: Splatting on a GPU (docs/method.md, "Splatting without approximation").
+// A Gaussian is projected once in double precision; a pixel then costs two quadratics, a square root
+// and a polynomial in single precision.
 #pragma once
 
 #include "render/device/camera_ray.h"
@@ -9,7 +9,7 @@
 
 namespace vog::device {
 
-/// A model's Gaussian as its file has it, in scene units.
+/// One Gaussian of the model, in scene units.
 struct SplatGaussian {
     Float3 mean, scale;
     float rotation[4];  ///< w x y z
@@ -25,6 +25,7 @@ struct Kernel {
     float cutoff2;
 };
 
+/// Rectangle of pixels or tiles.
 struct PixelRange {
     int32_t x0, x1, y0, y1;  ///< inclusive
     VOG_HD bool empty() const { return x1 < x0 || y1 < y0; }
@@ -37,11 +38,11 @@ struct PixelRange {
 struct TileSplat {
     PixelRange pixels;
     int32_t column, row;       ///< pixel nearest the projected mean
-    float offset_x, offset_y;  ///< of the projected mean from it
+    float offset_x, offset_y;  ///< from that pixel to the projected mean
     float ax, ay, by2;
     float c0, cx, cy, d0, dy, e02;
     float weight;
-    int32_t near;  ///< reaches the plane of the eye: each pixel takes the exact segment
+    int32_t near;  ///< 1: reaches the plane of the eye, integrated exactly at each pixel
 };
 
 /// Whitening W = diag(1/s) Rᵀ by rows, and A = diag(s) Rᵀ = W⁻ᵀ.
@@ -73,7 +74,7 @@ VOG_HD Double3 cross(Double3 a, Double3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
-/// For the exact segment of near ones.
+/// The Gaussian in the form of intersect(), for near splats.
 VOG_HD Gaussian whitened(const SplatGaussian& g) {
     const Axes axes = axes_of(g);
     Gaussian out;
@@ -84,19 +85,19 @@ VOG_HD Gaussian whitened(const SplatGaussian& g) {
     return out;
 }
 
-/// Roots of a x² + 2 b x + c, a > 0 >= c, as pixels whose centres lie between them. `at` is where
-/// x = 0.
+/// Pixels whose centres lie between the roots of a x² + 2 b x + c, a > 0 >= c.
+/// at  pixel coordinate of x = 0
 VOG_HD void pixels_between(double a, double b, double c, double at, int32_t size, int32_t& first,
                            int32_t& last) {
-    const double slack = 1e-3;  // of a pixel: the pixel decides
+    const double slack = 1e-3;  // pixels; the exact test follows at each pixel
     const double root = sqrt(fmax(b * b - a * c, 0.0));
     const double lower = at + (-b - root) / a - slack, upper = at + (-b + root) / a + slack;
     first = static_cast<int32_t>(ceil(fmin(fmax(lower, 0.0), size + 1.0)));
     last = static_cast<int32_t>(floor(fmin(fmax(upper, -2.0), size - 1.0)));
 }
 
-/// Fills the pixel form of a Gaussian whose support lies in front of the eye plane.
-/// z, v  of the mean: distance along `forward`, vector from the eye;  (x, y)  its pixel
+/// Fills the quadratics of a Gaussian whose support lies in front of the eye plane.
+/// v, z  vector from the eye to the mean, and its component along `forward`;  x, y  the mean's pixel
 VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& camera, Double3 v,
                      double z, double x, double y, TileSplat& out) {
     const Double3 center = apply(axes.w, (1 / z) * v);
@@ -106,7 +107,7 @@ VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& cam
     const Double3 w = (1 / length) * apply(axes.w, camera.step_y);
     const double e = z * length;  // |W (mean - eye)|
 
-    // m² C: basis along P = c x u; what is left of Q = c x w has length |c · (u x w)| / |P|.
+    // m² C: basis along P = c x u; the rest of Q = c x w has length |c · (u x w)| / |P|.
     const Double3 p = cross(c, u), q = cross(c, w);
     const double p_length = sqrt(dot(p, p));
     const double q_across = dot(c, cross(u, w)) / p_length;
@@ -136,14 +137,15 @@ VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& cam
     out.offset_y = static_cast<float>(y - row);
 }
 
-/// returns  whether any pixel of the image may see the Gaussian
+/// Projects a Gaussian.
+/// returns  false if it covers no pixel of the image
 VOG_HD bool project(const SplatGaussian& g, const Camera& camera, double cutoff, TileSplat& out) {
     const Axes axes = axes_of(g);
     const Double3 forward_steps = cross(camera.step_x, camera.step_y);
     const Double3 forward = (1 / sqrt(dot(forward_steps, forward_steps))) * forward_steps;
     const Double3 v = to_double(g.mean) - camera.eye;
-    const Double3 reach = apply(axes.a, forward);
-    const double z = dot(v, forward), depth = cutoff * sqrt(dot(reach, reach));
+    const Double3 extent = apply(axes.a, forward);
+    const double z = dot(v, forward), depth = cutoff * sqrt(dot(extent, extent));
     out.pixels = {0, camera.width - 1, 0, camera.height - 1};
     out.near = !(z > 1.001 * depth);
     if (out.near) return z + depth > 0;
@@ -157,7 +159,7 @@ VOG_HD bool project(const SplatGaussian& g, const Camera& camera, double cutoff,
     const double x = dot(slope, camera.step_x) * per_x, y = dot(slope, camera.step_y) * per_y;
     const double farthest = 1e9;  // pixels: beyond any image, within an int
     if (!(fabs(x) < farthest && fabs(y) < farthest)) {
-        out.near = 1;  // grazes the eye plane: rare, and exact all the same
+        out.near = 1;  // grazes the eye plane: rare, and exact as a near splat
         return true;
     }
     const double k2 = cutoff * cutoff;
@@ -176,7 +178,7 @@ VOG_HD bool project(const SplatGaussian& g, const Camera& camera, double cutoff,
     return true;
 }
 
-/// tau / |D| of a far splat at a pixel; D is the pixel's direction of forward component 1.
+/// tau / |D| of a far splat at a pixel, D the pixel's direction with forward component 1.
 VOG_HD float far_depth(const TileSplat& s, const Kernel& kernel, int32_t column, int32_t row) {
     const float x = static_cast<float>(column - s.column) - s.offset_x;
     const float y = static_cast<float>(row - s.row) - s.offset_y;
@@ -188,11 +190,11 @@ VOG_HD float far_depth(const TileSplat& s, const Kernel& kernel, int32_t column,
     const float rest = kernel.cutoff2 - m2, v = kernel.slope * rest + kernel.shift;
     float sum = kernel.coefficient[kernel.degree];
     for (int n = kernel.degree - 1; n >= 0; --n) sum = sum * v + kernel.coefficient[n];
-    // At wide cutoffs the polynomial's error is more than the kernel's tail, and of either sign.
+    // At large cutoffs the polynomial's error, of either sign, exceeds the kernel's tail.
     return s.weight * sqrtf(rest * per_c) * fmaxf(sum, 0.0f);
 }
 
-/// tau of a near one at a pixel.
+/// tau of a near splat at a pixel.
 VOG_HD float near_depth(const SplatGaussian& g, const Camera& camera, float cutoff2, int32_t column,
                         int32_t row) {
     Ray ray;
@@ -204,9 +206,9 @@ VOG_HD float near_depth(const SplatGaussian& g, const Camera& camera, float cuto
     return intersect(own, ray, cutoff2, hit) ? optical_depth(own, hit) : 0.0f;
 }
 
-constexpr int kSplatTile = 16;  ///< pixels of a tile's edge: one block of 256 threads
+constexpr int kSplatTile = 16;  ///< edge of a tile, pixels: one block of 256 threads
 
-/// Tiles a range of pixels touches, inclusive.
+/// Tiles that a range of pixels touches, inclusive.
 VOG_HD PixelRange tiles_of(const PixelRange& pixels) {
     return {pixels.x0 / kSplatTile, pixels.x1 / kSplatTile, pixels.y0 / kSplatTile,
             pixels.y1 / kSplatTile};

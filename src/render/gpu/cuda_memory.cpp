@@ -1,4 +1,4 @@
-// cuda_memory.cpp: checks, allocation, timing.
+// cuda_memory.cpp: Error checks, allocation and timing on the GPU.
 #include "render/gpu/cuda_memory.h"
 
 #include <dlfcn.h>
@@ -10,22 +10,22 @@ namespace vog::gpu {
 
 void check_cuda(cudaError_t code, const char* doing) {
     if (code == cudaSuccess) return;
-    cudaGetLastError();  // an error that does not stick must not be met again by the next call
+    cudaGetLastError();  // clears the error, so that the next call does not return it again
     throw Error(fmt::format("cuda: {}: {}", doing, cudaGetErrorString(code)));
 }
 
 void require_cuda() {
-    // The runtime is linked statically and loads the driver when first called. Without a driver it
-    // would call it too old: say what is so.
+    // The runtime is linked statically and loads the driver on first use. Without a driver its
+    // message would be that the driver is too old, hence this check.
     void* driver = dlopen("libcuda.so.1", RTLD_LAZY);
     if (!driver)
         throw Error(
-            "cuda: no NVIDIA driver here (libcuda.so.1 cannot be loaded), expected a GPU "
+            "cuda: no NVIDIA driver (libcuda.so.1 cannot be loaded), expected a GPU "
             "and its driver");
     dlclose(driver);
     int devices = 0;
     check_cuda(cudaGetDeviceCount(&devices), "looking for a GPU");
-    if (devices == 0) throw Error("cuda: no NVIDIA GPU here, expected one");
+    if (devices == 0) throw Error("cuda: no NVIDIA GPU, expected one");
     check_cuda(cudaFree(nullptr), "starting the GPU");
 }
 
@@ -35,7 +35,7 @@ void* allocate_on_gpu(std::size_t bytes, const char* what) {
     if (code == cudaErrorMemoryAllocation) {
         cudaGetLastError();
         std::size_t free = 0, total = 0;
-        check_cuda(cudaMemGetInfo(&free, &total), "asking for free memory");
+        check_cuda(cudaMemGetInfo(&free, &total), "querying free memory");
         constexpr double kMegabyte = 1e6;
         throw Error(fmt::format(
             "cuda: {} take {:.0f} MB of GPU memory, {:.0f} of {:.0f} MB are free", what,

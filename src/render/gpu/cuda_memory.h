@@ -1,4 +1,4 @@
-// cuda_memory.h: CUDA calls that are checked, memory and events that free themselves.
+// cuda_memory.h: Checked CUDA calls, and owners of GPU memory and timing events.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -10,16 +10,16 @@
 
 namespace vog::gpu {
 
-/// throws vog::Error "cuda: <doing>: <what CUDA says>" unless `code` is success
+/// throws vog::Error "cuda: <doing>: <CUDA's message>" unless `code` is success
 void check_cuda(cudaError_t code, const char* doing);
 
-/// throws vog::Error with one line that says what is missing: the driver, or a device
+/// throws vog::Error with one line naming the missing part: the driver, or a device
 void require_cuda();
 
-/// throws vog::Error that says how much was asked for and how much is free, if memory is short
+/// throws vog::Error with the bytes requested and the bytes free, if memory is short
 void* allocate_on_gpu(std::size_t bytes, const char* what);
 
-/// An array on the GPU. `what` names it in errors.
+/// An array in GPU memory. `what` names it in errors.
 template <class T>
 class GpuArray {
   public:
@@ -43,7 +43,7 @@ class GpuArray {
 
     T* data() const { return data_; }
     std::size_t size() const { return size_; }
-    /// Grows to at least `count`; what it held is lost where it grows.
+    /// Grows to at least `count` elements; growing discards the contents.
     void reserve(std::size_t count, const char* what) {
         if (count <= size_) return;
         *this = GpuArray();
@@ -58,7 +58,7 @@ class GpuArray {
     std::size_t size_ = 0;
 };
 
-/// Time on the device between two points of its default stream.
+/// Device time between two points of the default stream.
 class GpuTimer {
   public:
     GpuTimer();

@@ -1,4 +1,4 @@
-// cuda_model.cpp: scene units and the kernel's polynomial.
+// cuda_model.cpp: Packs a model for the GPU: scene units and the kernel's polynomial.
 #include "render/gpu/cuda_model.h"
 
 #include <fmt/core.h>
@@ -15,7 +15,7 @@ namespace vog::gpu {
 CudaModel cuda_model(const Gaussians& gaussians, double kappa) {
     validate(gaussians);
     if (gaussians.size() >= std::numeric_limits<std::int32_t>::max())
-        throw Error(fmt::format("{} Gaussians, expected fewer than 2^31", gaussians.size()));
+        throw Error(fmt::format("cuda: {} Gaussians, expected fewer than 2^31", gaussians.size()));
     CudaModel model;
     model.cutoff = cutoff_of_kappa(kappa, gaussians.cutoff);
     const KernelPolynomial kernel = fit_kernel(model.cutoff);

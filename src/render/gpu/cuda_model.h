@@ -1,4 +1,4 @@
-// cuda_model.h: a model as the GPU's tile renderer takes it.
+// cuda_model.h: A model packed for splatting on the GPU.
 #pragma once
 
 #include <vector>
@@ -11,11 +11,12 @@ namespace vog::gpu {
 struct CudaModel {
     std::vector<device::SplatGaussian> gaussians;  ///< scene units
     device::Kernel kernel{};
-    double unit = 1;  ///< world units of one scene unit: a power of two
-    double cutoff = 0;
+    double unit = 1;    ///< world units of one scene unit: a power of two
+    double cutoff = 0;  ///< k, standard deviations
 };
 
-/// kappa   as in TraceSceneOptions
+/// Packs a model.
+/// kappa   SplatOptions::kappa
 /// throws  vog::Error as trace_scene does
 CudaModel cuda_model(const Gaussians& gaussians, double kappa);
 

@@ -1,4 +1,4 @@
-// cuda_renderer.cpp: CudaSplat: memory and the order of the passes.
+// cuda_renderer.cpp: CudaSplat: GPU memory, and the order of the passes of a picture.
 #include <algorithm>
 #include <bit>
 
@@ -57,7 +57,7 @@ void CudaSplat::State::bin(const device::Camera& camera, std::int32_t tile_colum
     scratch.reserve(to_scan, "scratch of the sum");
     launch_scan(scratch.data(), to_scan, touched.data(), offsets.data(), count);
 
-    // How much there is to sort is known only now: one number comes back, between two passes.
+    // The number of entries to sort is read back between the two passes.
     std::uint64_t total = 0;
     check_cuda(
         cudaMemcpy(&total, offsets.data() + (count - 1), sizeof(total), cudaMemcpyDeviceToHost),

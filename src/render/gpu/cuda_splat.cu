@@ -1,6 +1,6 @@
-// cuda_splat.cu: kernels of the tile renderer. One thread a Gaussian until the tiles are sorted,
-// then one block a tile, one thread a pixel; the splats of a tile pass through shared memory in
-// batches. No sort by depth: T is a sum.
+// cuda_splat.cu: CUDA kernels of splatting. One thread a Gaussian until the entries are sorted by
+// tile, then one block a tile and one thread a pixel; splats of a tile are read into shared memory
+// in batches. No sorting by depth: T is a sum.
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -47,7 +47,7 @@ __global__ void emit_kernel(const TileSplat* splats, const std::uint64_t* offset
         }
 }
 
-/// Thread n writes the starts of the tiles after the one of entry n - 1 up to that of entry n.
+/// Thread n writes first[t] for the tiles t after that of entry n - 1, up to that of entry n.
 __global__ void ranges_kernel(const std::uint32_t* tile, std::int64_t count, std::int32_t tiles,
                               std::uint64_t* first) {
     const std::int64_t n = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
@@ -58,7 +58,7 @@ __global__ void ranges_kernel(const std::uint32_t* tile, std::int64_t count, std
 }
 
 __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
-    constexpr int kBatch = 64;  // 64 splats of 84 bytes: 5 kB, and many blocks to a processor
+    constexpr int kBatch = 64;  // splats of 84 bytes: 5 kB a block, so many blocks a processor
     __shared__ TileSplat batch[kBatch];
     __shared__ std::uint32_t index[kBatch];
     const int thread = static_cast<int>(threadIdx.x);
@@ -72,7 +72,7 @@ __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
                               static_cast<double>(row) * pass.camera.step_y;
     const float slant = static_cast<float>(sqrt(device::dot(d, d)));
 
-    // A batch's own sum first: ten thousand terms then round like a hundred and sixty.
+    // One sum a batch: the rounding error of 10,000 terms is then that of 160.
     float total = 0;
     for (std::uint64_t at = pass.first[t]; at < pass.first[t + 1]; at += kBatch) {
         const int filled =

@@ -1,4 +1,4 @@
-// gpu_absent.cpp: the names of vog/gpu.h in builds without CUDA or OptiX: constructors that say so.
+// gpu_absent.cpp: The classes of vog/gpu.h in builds without CUDA or OptiX: constructors that throw.
 #include "vog/error.h"
 #include "vog/gpu.h"
 

@@ -1,5 +1,5 @@
-// optix_entry_points.h: the device module, and what the host looks for in it. A test finds every
-// name here among the entry points of the module.
+// optix_entry_points.h: The OptiX device module and the names of its entry points. A test verifies
+// that the module has every one of them.
 #pragma once
 
 #include <cstddef>
@@ -8,11 +8,11 @@
 
 namespace vog::gpu {
 
-/// The device module, compiled from optix_programs.cu into this library: PTX, with a final zero.
+/// Device module compiled from optix_programs.cu and embedded in this library: PTX, zero-terminated.
 extern const char kOptixPrograms[];
 extern const std::size_t kOptixProgramsBytes;
 
-/// Entry points of one pipeline; null where it has none of a kind.
+/// Entry points of one pipeline; null for a kind that it lacks.
 struct OptixEntryPoints {
     const char *raygen, *miss, *intersection, *anyhit, *closesthit;
 };

@@ -1,4 +1,4 @@
-// optix_film.cpp: buffers, the transfer function's table, the mean of subframes.
+// optix_film.cpp: Output buffers, table of the transfer function, mean over subframes.
 #include "render/gpu/optix/optix_film.h"
 
 #include <algorithm>
@@ -7,8 +7,8 @@ namespace vog::gpu {
 
 namespace {
 
-/// Steps of V in the table: half an 8-bit step lies between two for any transfer function whose
-/// slope is below 16 a unit of V.
+/// Steps of V in the table: neighbouring colours differ by less than half an 8-bit step for transfer
+/// functions with slopes below 16 a unit of V.
 constexpr int kTableEntries = 4096;
 
 std::vector<device::Float4> table_of(const TransferFunction& tf) {

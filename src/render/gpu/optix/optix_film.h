@@ -1,4 +1,4 @@
-// optix_film.h: what OptiX pictures are exposed on: T, and the progressive sum of colours.
+// optix_film.h: Output buffers of OptiX pictures: T, and the sum of colours over subframes.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@ namespace vog::gpu {
 
 class OptixFilm {
   public:
-    /// For pictures of T alone.
+    /// Allocates the buffer of a picture of T alone.
     void load(int width, int height);
-    /// For progressive pictures: also the colours, as a table over V.
+    /// Allocates the buffers of a progressive picture, with the colours as a table over V.
     void load(int width, int height, const GpuShading& shading);
 
     device::Film film(std::uint32_t subframe) const;

@@ -1,5 +1,5 @@
-// optix_hierarchy.cpp: the acceleration structures: a GAS of custom primitives, compacted, under an
-// IAS of one instance.
+// optix_hierarchy.cpp: Acceleration structures: a compacted geometry acceleration structure (GAS) of
+// custom primitives under an instance acceleration structure (IAS) of one instance.
 #include <optix_stubs.h>
 
 #include "render/gpu/optix/optix_pipeline.h"
@@ -11,7 +11,7 @@ static_assert(sizeof(FloatBox) == sizeof(OptixAabb));
 OptixHierarchy::OptixHierarchy(const OptixContext& context, const std::vector<FloatBox>& boxes) {
     const GpuArray<FloatBox> on_gpu(boxes, "boxes of the hierarchy");
     const CUdeviceptr box_address = reinterpret_cast<CUdeviceptr>(on_gpu.data());
-    // An any-hit program must see a hit once: the sum counts it as often as it is called.
+    // One any-hit call a hit: a second call would add the hit twice.
     const unsigned flags = OPTIX_GEOMETRY_FLAG_REQUIRE_SINGLE_ANYHIT_CALL;
     OptixBuildInput primitives{};
     primitives.type = OPTIX_BUILD_INPUT_TYPE_CUSTOM_PRIMITIVES;

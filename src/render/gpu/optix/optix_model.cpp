@@ -1,4 +1,4 @@
-// optix_model.cpp: OptixModel: the paper's Gaussian renderer.
+// optix_model.cpp: OptixModel, the paper's Gaussian renderer.
 #include <cmath>
 #include <limits>
 
@@ -15,7 +15,7 @@ using namespace gpu;
 using namespace trace;
 
 struct OptixModel::State {
-    TraceModel model;  ///< but for its arrays, which are on the GPU
+    TraceModel model;  ///< without its arrays, which are on the GPU
     std::size_t count = 0;
     OptixContext context;
     OptixRayPipeline accumulate{context, kAccumulateEntryPoints};
@@ -71,7 +71,7 @@ device::Launch OptixModel::State::launch_for(const CameraFrame& frame,
 TraceReport OptixModel::State::report() const {
     unsigned long long numbers[3] = {};
     counters.copy_to(numbers, 3, "fetching counters");
-    // The third counter is 32 bits wide, in the lower half of its word.
+    // The third counter has 32 bits, the lower half of its word.
     return {numbers[0], numbers[1], static_cast<int>(numbers[2])};
 }
 

@@ -1,4 +1,4 @@
-// optix_pipeline.cpp: context, module, program groups, shader binding table.
+// optix_pipeline.cpp: OptiX context, module, program groups and shader binding table.
 #include "render/gpu/optix/optix_pipeline.h"
 
 #include <fmt/core.h>
@@ -20,10 +20,9 @@ OptixContext::OptixContext() {
     require_cuda();
     const OptixResult loaded = optixInit();
     if (loaded == OPTIX_ERROR_LIBRARY_NOT_FOUND)
-        throw Error(
-            "optix: the NVIDIA driver here has no OptiX (libnvoptix.so.1 cannot be loaded)");
+        throw Error("optix: the NVIDIA driver has no OptiX (libnvoptix.so.1 cannot be loaded)");
     if (loaded == OPTIX_ERROR_UNSUPPORTED_ABI_VERSION)
-        throw Error(fmt::format("optix: the NVIDIA driver here is older than OptiX {}.{}",
+        throw Error(fmt::format("optix: the NVIDIA driver is too old, expected one for OptiX {}.{}",
                                 OPTIX_VERSION / 10000, OPTIX_VERSION % 10000 / 100));
     check_optix(loaded, "loading");
     check_optix(optixDeviceContextCreate(nullptr, nullptr, &context_), "starting");
@@ -105,7 +104,7 @@ void OptixRayPipeline::make_groups(const OptixContext& context,
 void OptixRayPipeline::link(const OptixContext& context) {
     const OptixPipelineCompileOptions compiled = pipeline_options();
     OptixPipelineLinkOptions options{};
-    options.maxTraceDepth = 1;  // primary rays alone
+    options.maxTraceDepth = 1;  // primary rays only
     std::array<OptixProgramGroup, 3> groups{};
     for (std::size_t n = 0; n < groups.size(); ++n) groups[n] = groups_[n].get();
     std::array<char, 4096> log{};
@@ -132,7 +131,7 @@ void OptixRayPipeline::link(const OptixContext& context) {
 }
 
 void OptixRayPipeline::bind() {
-    // No record holds data: all of it is in the launch parameters.
+    // Records have headers only: all data are in the launch parameters.
     std::vector<Record> records(groups_.size());
     for (std::size_t n = 0; n < groups_.size(); ++n)
         check_optix(optixSbtRecordPackHeader(groups_[n].get(), &records[n]), "packing records");

@@ -1,5 +1,5 @@
-// optix_pipeline.h: OptiX on the host: device context, module, programs, shader binding table,
-// hierarchy. OptiX's driver library is loaded at run time, by optixInit.
+// optix_pipeline.h: Host side of OptiX: device context, module, programs, shader binding table,
+// acceleration structures. OptiX's driver library is loaded at run time, by optixInit.
 #pragma once
 
 #include <optix.h>
@@ -17,13 +17,13 @@ namespace vog::gpu {
 
 using namespace trace;
 
-/// throws vog::Error "optix: <doing>: <what OptiX says>" unless `code` is success
+/// throws vog::Error "optix: <doing>: <OptiX's message>" unless `code` is success
 void check_optix(OptixResult code, const char* doing);
 
-/// OptiX on the current CUDA device.
+/// OptiX device context on the current CUDA device.
 class OptixContext {
   public:
-    /// throws vog::Error with one line that says what is missing: driver, GPU, OptiX in the driver
+    /// throws vog::Error with one line naming the missing part: driver, GPU, OptiX in the driver
     OptixContext();
     ~OptixContext();
     OptixContext(const OptixContext&) = delete;
@@ -34,7 +34,7 @@ class OptixContext {
     OptixDeviceContext context_ = nullptr;
 };
 
-/// Frees OptiX's objects.
+/// Deleter of OptiX's objects.
 struct OptixDestroy {
     void operator()(OptixModule module) const;
     void operator()(OptixProgramGroup group) const;
@@ -48,7 +48,7 @@ class OptixRayPipeline {
   public:
     OptixRayPipeline(const OptixContext& context, const OptixEntryPoints& entry_points);
 
-    /// One ray a pixel of launch.camera, on the default stream; does not wait.
+    /// Launches one ray a pixel of launch.camera on the default stream, asynchronously.
     void run(const device::Launch& launch);
 
   private:
@@ -67,14 +67,16 @@ class OptixRayPipeline {
     GpuArray<device::Launch> launch_;
 };
 
-/// A compacted GAS over boxes, instanced once by an IAS.
+/// Compacted geometry acceleration structure over boxes, under an instance acceleration structure of
+/// one instance.
 class OptixHierarchy {
   public:
     OptixHierarchy(const OptixContext& context, const std::vector<FloatBox>& boxes);
     OptixTraversableHandle handle() const { return top_; }
 
   private:
-    /// Builds and, where that is allowed, compacts.
+    /// Builds one acceleration structure.
+    /// compact  copy it to a buffer of its compacted size
     OptixTraversableHandle build(const OptixContext& context, const OptixBuildInput& input,
                                  bool compact, GpuArray<std::byte>& out);
     GpuArray<std::byte> bottom_nodes_, top_nodes_;

@@ -1,5 +1,5 @@
-// optix_programs.cu: the OptiX programs. Thin: what they compute is in render/device, which the CPU
-// runs and tests too. The paper's pipeline (its section 4.3) and its SciVis renderer (4.4).
+// optix_programs.cu: OptiX programs of the paper's Gaussian pipeline (its section 4.3) and SciVis
+// renderer (4.4). Their computations are in render/device, which also runs and is tested on the CPU.
 #include <optix.h>
 
 #include "render/device/launch.h"
@@ -13,7 +13,7 @@ __constant__ Launch launch;
 
 namespace {
 
-/// A ray's own data, behind the two payload words.
+/// Data of one ray; the two payload words are its address.
 struct GaussianRay {
     Ray ray;
     DepthSum sum;
@@ -21,7 +21,7 @@ struct GaussianRay {
     HitList* list;
 };
 struct VoxelRay {
-    Double3 origin, direction;  ///< in index space plus a half
+    Double3 origin, direction;  ///< in index space plus 1/2
     double sum;
 };
 
@@ -47,7 +47,7 @@ __device__ void trace(GaussianRay& data, float from) {
                OPTIX_RAY_FLAG_DISABLE_CLOSESTHIT, 0, 1, 0, high, low);
 }
 
-/// The ray of this thread's pixel; false: it misses the bounds.
+/// Sets the ray of this thread's pixel. returns false if it misses the bounds
 __device__ bool pixel_ray(unsigned& pixel, Ray& ray) {
     const uint3 at = optixGetLaunchIndex();
     pixel = at.y * static_cast<unsigned>(launch.camera.width) + at.x;
@@ -118,12 +118,12 @@ extern "C" __global__ void __anyhit__accumulate() {
 extern "C" __global__ void __anyhit__collect() {
     GaussianRay& data = payload<GaussianRay>();
     const bool room = collect(*data.list, {optixGetRayTmax(), optixGetPrimitiveIndex()});
-    // A hit beyond a full list stands, and shortens the ray; all others are ignored.
+    // A hit beyond a full list is accepted, which shortens the ray; all others are ignored.
     if (room || launch.boxed) optixIgnoreIntersection();
 }
 
-/// Every ray ends here but one that a full list has shortened. What it met is in its payload; a
-/// pixel whose T stayed 0 is exposed as background.
+/// Called for every ray that a full list has not shortened. Empty: the result is in the payload, and
+/// ray generation writes pixels of T = 0 as background.
 extern "C" __global__ void __miss__gaussian() {}
 
 extern "C" __global__ void __raygen__voxels() {
@@ -145,7 +145,7 @@ extern "C" __global__ void __raygen__voxels() {
                    make_float3(direction.x, direction.y, direction.z), 0.0f, ray.length + kRaySlack,
                    0.0f, OptixVisibilityMask(255), OPTIX_RAY_FLAG_DISABLE_ANYHIT, 0, 1, 0, high,
                    low);
-        // A step of t is |D| long in the world: D is the camera's direction of this pixel.
+        // A unit of t is |D| world units long, D the camera's direction of this pixel.
         const Double3 along = launch.camera.corner + (at.x + dx) * launch.camera.step_x +
                               (at.y + dy) * launch.camera.step_y;
         data.sum *= sqrt(dot(along, along));
@@ -153,12 +153,12 @@ extern "C" __global__ void __raygen__voxels() {
     expose(launch.film, pixel, data.sum);
 }
 
-/// The one primitive is the box of the grid, and the ray starts on it or inside.
+/// The only primitive is the box of the grid; rays start on it or inside.
 extern "C" __global__ void __intersection__voxels() {
     optixReportIntersection(optixGetRayTmin(), 0);
 }
 
-/// From the closest hit to the exit of the volume, through the tree.
+/// Integrates the voxels from the closest hit to the exit of the volume.
 extern "C" __global__ void __closesthit__voxels() {
     VoxelRay& data = payload<VoxelRay>();
     data.sum = walk_voxels(*static_cast<const nanovdb::NanoGrid<float>*>(launch.grid), data.origin,

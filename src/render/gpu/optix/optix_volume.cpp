@@ -1,4 +1,4 @@
-// optix_volume.cpp: OptixVolume: the paper's SciVis renderer.
+// optix_volume.cpp: OptixVolume, the paper's SciVis renderer.
 #include <fmt/core.h>
 #include <nanovdb/NanoVDB.h>
 
@@ -22,7 +22,7 @@ device::Double3 plain(Vec3d v) { return {v.x, v.y, v.z}; }
 const nanovdb::NanoGrid<float>& checked(std::span<const std::byte> bytes) {
     using Grid = nanovdb::NanoGrid<float>;
     const auto fail = [](const std::string& what) {
-        throw Error("optix: the volume is no NanoVDB grid of floats: " + what);
+        throw Error("optix: expected a NanoVDB grid of floats: " + what);
     };
     if (bytes.size() < sizeof(Grid))
         fail(fmt::format("{} bytes, expected {} or more", bytes.size(), sizeof(Grid)));
@@ -54,7 +54,7 @@ struct OptixVolume::State {
     GpuArray<std::byte> grid;
     std::unique_ptr<OptixHierarchy> hierarchy;
     Affine index_from_world;
-    device::Bounds bounds{};  ///< of the world box of the active voxels, scene units
+    device::Bounds bounds{};  ///< world box of the active voxels, in scene units
     device::Double3 center{};
     double unit = 1;
     OptixFilm film;
@@ -74,7 +74,7 @@ OptixVolume::OptixVolume(std::span<const std::byte> grid) {
     check_cuda(cudaMemcpy(s.grid.data(), grid.data(), grid.size(), cudaMemcpyHostToDevice),
                "sending voxels");
 
-    // Voxel i fills [i - 1/2, i + 1/2]: the box of the active ones, in the world.
+    // World box of the active voxels; voxel i fills [i - 1/2, i + 1/2].
     const auto& lower = nano.indexBBox().min();
     const auto& upper = nano.indexBBox().max();
     const Box box = transformed(to_world, {{lower[0] - 0.5, lower[1] - 0.5, lower[2] - 0.5},
@@ -105,7 +105,7 @@ device::Launch OptixVolume::State::launch_for(const CameraFrame& frame) const {
     launch.bounds = bounds;
     launch.center = center;
     launch.grid = grid.data();
-    // The same pixel has the same t in the index space, whatever the transform.
+    // A pixel has the same t in index space, for any transform.
     const Mat3& linear = index_from_world.linear;
     launch.index_camera = {plain(index_from_world(frame.eye) + Vec3d{0.5, 0.5, 0.5}),
                            plain(linear * frame.corner),
