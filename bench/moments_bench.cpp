@@ -10,6 +10,8 @@
 #include <filesystem>
 #include <new>
 
+#include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/octree.h"
 #include "support.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
@@ -100,7 +102,8 @@ void octree(benchmark::State& state) {
     peak = before;
     std::size_t cells = 0;
     for (auto _ : state) {
-        const vog::MomentOctree tree = vog::moment_octree(volume());
+        const vog::moments::LatticeField field = vog::moments::lattice_field(volume());
+        const vog::moments::MomentOctree tree = vog::moments::brick_octree(field.bricks);
         cells = tree.levels.front().cells.size();
         const double mass = double{tree.levels.back().cells[0].mass} * vog::voxel_volume(volume());
         if (std::abs(mass / vog::mass(volume()) - 1) > 1e-5) state.SkipWithError("mass is lost");

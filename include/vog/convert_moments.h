@@ -9,10 +9,8 @@
 // Method and measurements: docs/moments.md.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -113,36 +111,5 @@ MomentOptions moment_lod(int lod);
 /// throws  vog::Error as above, or if `data` has no parts
 [[nodiscard]] Gaussians convert_moments(const Composite& data, const MomentOptions& options = {},
                                         MomentReport* report = nullptr);
-
-/// One node of the moment octree: what is inside the cube [origin, origin + edge) of voxels.
-/// Index space: lengths in voxels, mass in density times voxels. Voxels count as boxes.
-struct MomentCell {
-    Vec3i origin;                       ///< multiples of the level's edge
-    float mass = 0;                     ///< > 0
-    Vec3f mean;                         ///< from the centre of the cube
-    std::array<float, 6> covariance{};  ///< xx xy xz yy yz zz
-    std::uint32_t first_child = 0;      ///< in the next finer level
-    std::uint32_t child_count = 0;      ///< 0: a cell of the finest level, or a tile
-};
-
-struct MomentLevel {
-    int edge_log2 = 3;              ///< cells of 2^edge_log2 voxels along an edge
-    std::vector<MomentCell> cells;  ///< in Morton order, so the children of a cell are contiguous
-};
-
-/// Every cell size at once. The last level is a single cell, of everything.
-struct MomentOctree {
-    std::vector<MomentLevel> levels;  ///< finest first
-    Affine world_from_index;
-};
-
-/// finest_edge  1, 2, 4 or 8 voxels: edge of the cells of the first level. 8: the tree's own
-///              leaves, 64 bytes to each leaf of the volume; 2: up to 4.7 kB to each.
-/// throws       vog::Error as convert_moments does
-[[nodiscard]] MomentOctree moment_octree(const Volume& volume, int finest_edge = 8);
-
-/// The Gaussians of these cells of one level.
-[[nodiscard]] Gaussians cell_gaussians(const MomentOctree& octree, std::size_t level,
-                                       std::span<const std::uint32_t> cells);
 
 }  // namespace vog

@@ -9,6 +9,7 @@
 #include "support/moment_volumes.h"
 #include "support/scenes.h"
 #include "vog/error.h"
+#include "vog/progress.h"
 #include "vog/reference.h"
 #include "vog/sample.h"
 #include "vog/splat.h"
@@ -302,6 +303,38 @@ TEST(moments, bad_options_and_volumes_throw) {
     EXPECT_THROW((void)convert_moments(empty.finish(), block(4)), Error);
     EXPECT_THROW((void)moment_lod(0), Error);
     EXPECT_THROW((void)moment_lod(6), Error);
+}
+
+std::vector<char> bytes_of(const Gaussians& model) {
+    std::vector<char> bytes;
+    const auto add = [&](const auto& values) {
+        const auto* first = reinterpret_cast<const char*>(values.data());
+        bytes.insert(bytes.end(), first, first + values.size() * sizeof(values[0]));
+    };
+    add(model.mean), add(model.scale), add(model.rotation), add(model.density);
+    return bytes;
+}
+
+TEST(moments, any_number_of_threads_gives_the_same_bytes) {
+    const Volume volume = test::random_volume(23, 0.05);
+    std::vector<MomentOptions> all(5);
+    all[0].block_voxels = 2;
+    all[1].block_voxels = 16;
+    all[2].budget = 300;
+    all[3].error = 0.3;
+    all[4].block_voxels = 4;
+    all[4].soft_steps = 3;
+    for (const MomentOptions& options : all) {
+        std::vector<char> one;
+        for (const int threads : {1, 2, 5}) {
+            const ThreadLimit limit(threads);
+            const std::vector<char> bytes = bytes_of(convert_moments(volume, options));
+            if (threads == 1)
+                one = bytes;
+            else
+                EXPECT_EQ(one, bytes);
+        }
+    }
 }
 
 }  // namespace

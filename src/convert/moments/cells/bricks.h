@@ -29,12 +29,6 @@ struct Brick {
 /// Bricks with mass, in Morton order: one for each node.
 BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNode>& nodes);
 
-/// The moment octree above bricks that do not overlap: cells of 8 voxels and more.
-/// bricks     in Morton order
-/// least_top  there are levels up to this edge at least, a power of two
-MomentOctree brick_octree(std::span<const Brick> bricks, const Affine& world_from_index,
-                          double least_top = 1);
-
 /// All cells inside a brick, levels of 8, 4, 2 and 1 samples; the last is left to `sample`.
 /// Sums about each cell's centre, in index units.
 struct BrickSums {

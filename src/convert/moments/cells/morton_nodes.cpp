@@ -3,20 +3,9 @@
 
 #include <tbb/parallel_sort.h>
 
-#include <cmath>
-
 #include "core/parallel.h"
 
 namespace vog::moments {
-
-Moments cell_moments(const MomentCell& cell, int edge_log2) {
-    Moments moments;
-    moments.mass = cell.mass;
-    moments.mean =
-        vec_cast<double>(cell.mean) + cube_center(cell.origin, std::ldexp(1.0, edge_log2));
-    for (std::size_t n = 0; n < 6; ++n) moments.covariance[n] = cell.covariance[n];
-    return moments;
-}
 
 std::vector<MortonNode> morton_nodes(const Volume& volume) {
     std::vector<MortonNode> nodes;

@@ -7,7 +7,6 @@
 
 #include "convert/moments/gaussian_moments.h"
 #include "core/morton.h"
-#include "vog/convert_moments.h"
 #include "vog/volume.h"
 
 namespace vog::moments {
@@ -27,9 +26,6 @@ inline Vec3d cube_center(Vec3i origin, double edge) {
     const double half = 0.5 * (edge - 1);
     return vec_cast<double>(origin) + Vec3d{half, half, half};
 }
-
-/// A cell of the octree with its mean as an index.
-Moments cell_moments(const MomentCell& cell, int edge_log2);
 
 /// Leaves go to threads in runs of this many: results are joined in the order of the runs.
 inline constexpr std::size_t kNodeChunk = 128;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 
+#include "convert/moments/cells/octree.h"
 #include "core/parallel.h"
 
 namespace vog::moments {
@@ -43,9 +44,8 @@ PackedCells uniform_cells(const LatticeField& field, int block) {
     if (block > kLeafEdge) {
         // Also of data that are smaller than the block, as a part of a volume may be.
         const int edge_log2 = std::countr_zero(unsigned(block)) + std::ilogb(largest);
-        return octree_cells(
-            brick_octree(field.bricks, field.world_from_index, std::ldexp(1.0, edge_log2)),
-            field.bricks, edge_log2);
+        return octree_cells(brick_octree(field.bricks, std::ldexp(1.0, edge_log2)), field.bricks,
+                            edge_log2);
     }
     const PackedCells none(field.bricks);
     std::vector<PackedCells> parts((field.bricks.size() + kNodeChunk - 1) / kNodeChunk, none);

@@ -211,7 +211,7 @@ class PrunedTree {
 
 CutTree cut_tree(const LatticeField& field, double scale) {
     CutTree tree;
-    tree.octree = brick_octree(field.bricks, field.world_from_index);
+    tree.octree = brick_octree(field.bricks);
     tree.bricks = field.bricks;
     find_bricks(tree);
 

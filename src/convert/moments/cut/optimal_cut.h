@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/octree.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/cut/binary_splits.h"
-#include "vog/convert_moments.h"
 #include "vog/memory.h"
 
 namespace vog::moments {

@@ -1,17 +1,10 @@
-// packed_cells_test.cpp: cells as floats, the models they become, and soft steps over them.
+// packed_cells_test.cpp: precision of packed cells, and the Gaussians made from them.
 #include "convert/moments/cells/packed_cells.h"
 
 #include <gtest/gtest.h>
 
-#include "compare/error_views.h"
-#include "convert/moments/cells/lattice_field.h"
-#include "convert/moments/em/em_step.h"
-#include "support/moment_volumes.h"
-#include "vog/convert_moments.h"
-
 namespace vog {
 
-using namespace comparison;
 using namespace moments;
 namespace {
 
@@ -50,30 +43,6 @@ TEST(packed_cells, those_kept_become_gaussians_in_their_order) {
         EXPECT_EQ(model.rotation, expected.rotation);
         EXPECT_EQ(model.density, expected.density);
     }
-}
-
-TEST(packed_cells, soft_steps_lose_no_voxel_out_of_reach_and_keep_no_cell_without_any) {
-    const Volume volume = test::random_volume(7, 0.3);
-    const LatticeField field = lattice_field(volume);
-    PackedCells cells(field.bricks);
-    // One cell with voxels in reach, one far from all: the first takes the bricks that neither
-    // reaches.
-    const Vec3d middle = index_box(volume).center();
-    cells.push_back({1, middle, {4, 0, 0, 4, 0, 4}});
-    cells.push_back({1, middle + Vec3d{1e5, 0, 0}, {4, 0, 0, 4, 0, 4}});
-    EmHistory steps;
-    EmSolver(field.bricks).step(cells, steps);
-    ASSERT_EQ(cells.size(), 1u);
-    EXPECT_EQ(steps.ways.size(), 1u);
-    EXPECT_NEAR(cells.mass(0) * voxel_volume(volume) / mass(volume), 1, 1e-6);
-}
-
-TEST(moment_error, rows_keep_all_but_their_empty_ends) {
-    DepthImage image(5, 3);
-    image.at(1, 0) = 2, image.at(3, 0) = 1, image.at(4, 2) = 3;
-    const CroppedDepth cropped(image);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) EXPECT_EQ(cropped.at(x, y), image.at(x, y));
 }
 
 }  // namespace

@@ -10,7 +10,6 @@
 #include <numbers>
 #include <random>
 
-#include "convert/moments/cut/lagrange_search.h"
 #include "convert/moments/cut/optimal_cut.h"
 #include "convert/moments/cut/split_gain.h"
 #include "support/moment_volumes.h"
@@ -49,7 +48,7 @@ double density(const Moments& m, Vec3d at) {
            std::sqrt(std::pow(2 * std::numbers::pi, 3) * determinant(covariance));
 }
 
-TEST(moment_halves, a_gain_is_the_integral_of_the_squared_difference) {
+TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
     Random random(7);
     const Octants octants = random_octants(random, 1);
     const Moments a = joined_octants(octants, 0x0F), b = joined_octants(octants, 0xF0),
@@ -73,7 +72,7 @@ TEST(moment_halves, a_gain_is_the_integral_of_the_squared_difference) {
                 1e-6);
 }
 
-TEST(moment_halves, splits_part_the_octants_down_to_single_ones) {
+TEST(binary_splits, splits_part_the_octants_down_to_single_ones) {
     Random random(11);
     for (int tries = 0; tries < 200; ++tries) {
         const Octants octants = random_octants(random, 0.7);
@@ -96,7 +95,7 @@ TEST(moment_halves, splits_part_the_octants_down_to_single_ones) {
     }
 }
 
-TEST(moment_halves, a_long_cell_is_parted_across_its_length) {
+TEST(binary_splits, a_long_cell_is_parted_across_its_length) {
     for (int axis = 0; axis < 3; ++axis) {
         Octants octants;
         for (std::size_t o = 0; o < 8; ++o) {
@@ -111,7 +110,7 @@ TEST(moment_halves, a_long_cell_is_parted_across_its_length) {
     }
 }
 
-TEST(moment_halves, at_any_price_no_other_cut_is_worth_more) {
+TEST(binary_splits, at_any_price_no_other_cut_is_worth_more) {
     Random random(5);
     for (int tries = 0; tries < 100; ++tries) {
         const BinarySplits halves = splits_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
@@ -148,34 +147,7 @@ TEST(moment_halves, at_any_price_no_other_cut_is_worth_more) {
     }
 }
 
-TEST(price_search, finds_the_price_of_every_budget) {
-    // Things of different worth, some of the same: as many as are worth more than the price.
-    Random random(3);
-    std::vector<double> worth;
-    for (int n = 0; n < 5000; ++n) worth.push_back(std::exp(uniform(random, -40, 3)));
-    for (int n = 0; n < 500; ++n) worth.push_back(0.25), worth.push_back(0);
-    int calls = 0;
-    const auto count = [&](double price) {
-        ++calls;
-        return std::size_t(1) +
-               std::size_t(std::ranges::count_if(worth, [&](double one) { return one > price; }));
-    };
-    const double most = std::ranges::max(worth);
-    for (const std::size_t budget : {1, 2, 7, 100, 1000, 3000, 5000, 5900, 6001, 7000}) {
-        calls = 0;
-        const std::size_t found = count(price_of_budget(budget, most, count));
-        EXPECT_LE(found, budget);
-        EXPECT_LT(calls, 60);
-        // 501 of one worth are taken together or not at all.
-        if (budget < 1000 || budget > 5100) {
-            EXPECT_GE(found + budget / 100 + 1,
-                      std::min<std::size_t>(budget, budget < 6001 ? 5501 : 6001));
-        }
-    }
-    EXPECT_EQ(price_of_budget(10, 0, [](double) { return std::size_t(1); }), kNoPrice);
-}
-
-TEST(moment_halves, every_cut_has_the_moments_of_the_whole) {
+TEST(binary_splits, every_cut_has_the_moments_of_the_whole) {
     const Volume volume = test::random_volume(29, 0.05);
     const LatticeField field = lattice_field(volume);
     const CutTree tree = cut_tree(field);

@@ -1,10 +1,9 @@
-// split_merge_test.cpp: whose error it is, and cells taken to where it is.
+// split_merge_test.cpp: moments and counts of a split-and-merge step.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "compare/error_views.h"
 #include "convert/moments/cells/uniform_cells.h"
 #include "convert/moments/refine/split_merge.h"
 #include "vog/convert_moments.h"
@@ -12,27 +11,10 @@
 
 namespace vog {
 
-using namespace comparison;
 using namespace moments;
 namespace {
 
-TEST(moment_error, it_is_given_to_the_gaussians_that_have_it) {
-    const Volume volume = sample_explosion({.size = 64});
-    MomentOptions options;
-    options.block_voxels = 8;
-    Gaussians model = convert_moments(volume, options);
-    const ErrorViews views(model);  // of itself: no error at first
-    for (const float error : views.error_of_each_gaussian(model)) ASSERT_LT(error, 1e-9f);
-    EXPECT_LT(views.visible_rms(model), 1e-6);
-    const std::size_t spoiled = model.size() / 2;
-    model.density[spoiled] *= 3;
-    EXPECT_GT(views.visible_rms(model), 1e-4);
-    const std::vector<float> errors = views.error_of_each_gaussian(model);
-    EXPECT_EQ(std::ranges::max_element(errors) - errors.begin(),
-              static_cast<std::ptrdiff_t>(spoiled));
-}
-
-TEST(moment_exchange, parts_the_worst_and_joins_others_with_their_moments) {
+TEST(split_merge, splits_the_worst_and_merges_pairs_with_their_moments) {
     const Volume volume = sample_explosion({.size = 64});
     const LatticeField field = lattice_field(volume);
     PackedCells cells = uniform_cells(field, 8);
