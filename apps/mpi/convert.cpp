@@ -12,12 +12,12 @@
 #include <optional>
 
 #include "commands.h"
-#include "error_search.h"
 #include "inputs_part.h"
 #include "model_file.h"
 #include "shares.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "whole_error.h"
 
 namespace vog::mpi {
 
@@ -108,6 +108,24 @@ class PartConversion {
         std::vector<Gaussians> models;
         for (const InputPart& part : parts) models.push_back(convert(part));
         return models;
+    }
+    /// This rank's part of every input in the smallest model whose error, of all ranks together, is
+    /// at most the one asked for.
+    std::vector<Gaussians> search(const std::vector<InputPart>& parts, const WholeError& error) {
+        const std::size_t finest = from_.active_voxels;
+        std::vector<Gaussians> best;
+        MomentTotals totals;  // of the best: each conversion overwrites totals_
+        smallest_budget(asked_.moments.error, finest, [&](std::size_t budget) {
+            std::vector<Gaussians> models = convert(parts, budget);
+            const double measured = error.of(models);
+            if (measured <= asked_.moments.error || budget >= finest) {
+                best = std::move(models);
+                totals = totals_;
+            }
+            return measured;
+        });
+        totals_ = totals;
+        return best;
     }
     /// Of all ranks and inputs, of the last conversion.
     double data_mass() const {
@@ -253,9 +271,7 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
     if (searches || (asked.by_moments && moments.measure))
         stages.run("reference", [&] { error.emplace(error_of(parts, from.box, ranks)); });
     stages.run("convert", [&] {
-        const auto make = [&](std::size_t budget) { return conversion.convert(parts, budget); };
-        model.inputs = searches ? smallest_models(moments.error, from.active_voxels, *error, make)
-                                : conversion.convert(parts);
+        model.inputs = searches ? conversion.search(parts, *error) : conversion.convert(parts);
         ranks.agree();
     });
     model.description = description_of(parts, model.inputs, from, asked, ranks);

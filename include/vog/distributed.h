@@ -161,4 +161,13 @@ std::vector<std::filesystem::path> read_model_index(const std::filesystem::path&
 std::vector<Camera> error_views(const Box& box);
 inline constexpr int kErrorViewSize_px = 256;  ///< width and height of these views, pixels
 
+/// Finds the smallest number of Gaussians, to 5 %, whose error is at most `target`, by false
+/// position on log(error) over log(count). convert_moments searches in the same way.
+/// finest           Gaussians of the finest cut, the result where no budget meets the target
+/// error_of_budget  converts with a budget and measures; called a dozen times at most, each call
+///                  within the target with a smaller budget than the ones before. Where processes
+///                  search together it must return the same number on each.
+std::size_t smallest_budget(double target, std::size_t finest,
+                            const std::function<double(std::size_t budget)>& error_of_budget);
+
 }  // namespace vog

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "convert/moments/cut/optimal_cut.h"
+#include "convert/moments/error_search.h"
 #include "convert/moments/moment_job.h"
 
 namespace vog::moments {
@@ -41,22 +42,21 @@ FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views
     const double hard = job.soft_steps() > 0 ? kHardOverSoft : 1;
     const SearchStart start =
         search_start(hard * job.options.error, finest, [&](std::size_t budget) {
-            return judged(job, all.fields, views, best_cut(all.trees, budget)).error;
+            return measured_model(job, all.fields, views, best_cut(all.trees, budget)).error;
         });
     FieldCells best;
-    const FoundModel found = smallest_model(
-        job.options.error, finest,
-        [&](std::size_t budget) {
-            FieldCells cells = best_cut(all.trees, budget);
-            softener.soften(cells, job.soft_steps());
-            FoundModel tried = judged(job, all.fields, views, cells);
-            tried.model = {};  // made again of the best cells, which are needed for refinement
-            if (tried.error <= job.options.error || budget >= finest) best = std::move(cells);
-            return tried;
-        },
-        start);
-    job.report.measured_error = found.error;
-    job.end_stage("search", 0.9);
+    const auto error_of_budget = [&](std::size_t budget) {
+        FieldCells cells = best_cut(all.trees, budget);
+        softener.soften(cells, job.soft_steps());
+        const double error = measured_model(job, all.fields, views, cells).error;
+        if (error <= job.options.error || budget >= finest) {
+            best = std::move(cells);
+            job.report.measured_error = error;
+        }
+        return error;
+    };
+    smallest_budget(job.options.error, finest, error_of_budget, start);
+    job.clock.end_stage("search", 0.9);
     return best;
 }
 
@@ -67,19 +67,19 @@ Gaussians best_model(MomentJob& job) {
     std::optional<ErrorViews> views;
     if (!job.options.budget) {
         views.emplace(job.parts, job.box);
-        job.end_stage("reference", 0.2);
+        job.clock.end_stage("reference", 0.2);
     }
     FieldTrees all = field_trees(job);
-    job.end_stage("octree", job.options.budget ? 0.2 : 0.3);
+    job.clock.end_stage("octree", job.options.budget ? 0.2 : 0.3);
     FieldEmSolver softener(all.fields, job.options.refine_seconds > 0);
     FieldCells cells = job.options.budget ? best_cut(all.trees, job.options.budget)
                                           : search(job, all, *views, softener);
     all.trees = {};
     views.reset();
     if (!job.options.budget) return finished(job, all.fields, softener, std::move(cells));
-    job.end_stage("cut", 0.3);
+    job.clock.end_stage("cut", 0.3);
     softener.soften(cells, job.soft_steps());
-    job.end_stage("soften", 0.9);
+    job.clock.end_stage("soften", 0.9);
     return finished(job, all.fields, softener, std::move(cells));
 }
 

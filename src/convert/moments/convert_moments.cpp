@@ -77,13 +77,13 @@ Gaussians run(MomentJob& job) {
         throw Error(fmt::format("{}: mass {}, expected a volume with some",
                                 job.volume().source.empty() ? "volume" : job.volume().source,
                                 job.data_mass));
-    job.end_stage("check", 0.1);
+    job.clock.end_stage("check", 0.1);
 
     Gaussians model = job.options.block_voxels ? block_model(job) : best_model(job);
     model.cutoff = kMomentCutoff;
     if (job.options.measure && job.report.measured_error < 0) {
         job.report.measured_error = ErrorViews(job.parts, job.box).relative_l2(model);
-        job.end_stage("measure", 1);
+        job.clock.end_stage("measure", 1);
     }
     model.box = job.box;
     model.source = source_text(job.parts);

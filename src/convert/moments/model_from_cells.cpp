@@ -37,11 +37,11 @@ Gaussians gaussians_of(MomentJob& job, std::span<const LatticeField> fields, Fie
     return all_gaussians(job, fields, std::move(cells));
 }
 
-FoundModel judged(MomentJob& job, std::span<const LatticeField> fields, const ErrorViews& views,
-                  FieldCells cells) {
-    FoundModel found{gaussians_of(job, fields, std::move(cells))};
-    found.error = views.relative_l2(found.model);
-    return found;
+MeasuredModel measured_model(MomentJob& job, std::span<const LatticeField> fields,
+                             const ErrorViews& views, FieldCells cells) {
+    MeasuredModel measured{gaussians_of(job, fields, std::move(cells))};
+    measured.error = views.relative_l2(measured.model);
+    return measured;
 }
 
 Gaussians finished(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,

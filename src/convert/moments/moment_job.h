@@ -2,7 +2,6 @@
 // all fields, how they are softened and become the model.
 #pragma once
 
-#include <chrono>
 #include <span>
 #include <vector>
 
@@ -10,7 +9,7 @@
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/em_step.h"
-#include "convert/moments/error_search.h"
+#include "convert/moments/stage_clock.h"
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 
@@ -26,15 +25,8 @@ struct MomentJob {
     const MomentOptions& options;
     MomentReport& report;
     double data_mass = 0;  ///< of all parts, in unit volumes
-    std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+    StageClock clock{report, options.progress};
 
-    void end_stage(const char* name, double fraction) {
-        const auto now = std::chrono::steady_clock::now();
-        const double ms = std::chrono::duration<double, std::milli>(now - last).count();
-        report.stage_ms.emplace_back(name, ms);
-        last = now;
-        if (options.progress) options.progress(fraction);
-    }
     const Collective& collective() const { return collective_or_single(options.collective); }
     int soft_steps() const {
         if (options.soft_steps >= 0) return options.soft_steps;
@@ -96,9 +88,13 @@ Gaussians all_gaussians(const MomentJob& job, std::span<const LatticeField> fiel
                         FieldCells cells);
 /// The model of the cells, without the lightest, which are told in the report.
 Gaussians gaussians_of(MomentJob& job, std::span<const LatticeField> fields, FieldCells cells);
-/// That, as it will be written, and its measured error.
-FoundModel judged(MomentJob& job, std::span<const LatticeField> fields, const ErrorViews& views,
-                  FieldCells cells);
+/// The model of the cells as it will be written, and its relative L2 error over `views`.
+struct MeasuredModel {
+    Gaussians model;
+    double error = -1;
+};
+MeasuredModel measured_model(MomentJob& job, std::span<const LatticeField> fields,
+                             const ErrorViews& views, FieldCells cells);
 /// For the seconds asked for, soft steps and cells taken from where they are of little use to where
 /// pictures err, as long as the pictures err less: as many cells as before.
 FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,

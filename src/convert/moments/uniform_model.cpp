@@ -62,7 +62,7 @@ Gaussians small_blocks(MomentJob& job) {
             set_gaussian(model, i++, moments, frame);
         });
     });
-    job.end_stage("cells", 1);
+    job.clock.end_stage("cells", 1);
     return model;
 }
 
@@ -75,10 +75,10 @@ Gaussians block_model(MomentJob& job) {
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
     for (const LatticeField& field : fields) cells.push_back(uniform_cells(field, block));
-    job.end_stage("cells", 0.3);
+    job.clock.end_stage("cells", 0.3);
     FieldEmSolver softener(fields, job.options.refine_seconds > 0);
     softener.soften(cells, job.soft_steps());
-    job.end_stage("soften", 0.9);
+    job.clock.end_stage("soften", 0.9);
     return finished(job, fields, softener, std::move(cells));
 }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include "compare/error_views.h"
 #include "convert/moments/error_search.h"
 #include "convert/moments/mass_threshold.h"
+#include "convert/moments/stage_clock.h"
 #include "convert/particles/moment_tree.h"
 #include "convert/particles/nearest_neighbours.h"
 #include "core/paging.h"
@@ -39,16 +39,9 @@ struct PointConversion {
     BigVector<double> radius;  ///< [N] standard deviations, world units
     double total = 0;          ///< sum of the values
     PointGrid grid{};          ///< where it is needed
-    std::chrono::steady_clock::time_point last = std::chrono::steady_clock::now();
+    StageClock clock{report, options.progress};
 
     bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
-    void end_stage(const char* name, double fraction) {
-        const auto now = std::chrono::steady_clock::now();
-        const double ms = std::chrono::duration<double, std::milli>(now - last).count();
-        report.stage_ms.emplace_back(name, ms);
-        last = now;
-        if (options.progress) options.progress(fraction);
-    }
 };
 
 void check(const PointOptions& options) {
@@ -237,19 +230,26 @@ Gaussians cut_model(PointConversion& job) {
     const double mass_unit = job.total / static_cast<double>(job.points.size());
     if (options.block_voxels) return gaussians_of(job, uniform_cells(job, mass_unit), mass_unit);
     const PointTree tree = point_tree(grid_particles(job, mass_unit));
-    job.end_stage("tree", 0.6);
+    job.clock.end_stage("tree", 0.6);
     if (options.budget) return gaussians_of(job, best_cut(tree, options.budget), mass_unit);
 
     const ErrorViews views(all_particles(job));
-    job.end_stage("reference", 0.7);
-    FoundModel found =
-        smallest_model(options.error, tree.particles.size(), [&](std::size_t budget) {
-            FoundModel tried{gaussians_of(job, best_cut(tree, budget), mass_unit)};
-            tried.error = views.relative_l2(tried.model);
-            return tried;
-        });
-    job.report.measured_error = found.error;
-    return std::move(found.model);
+    job.clock.end_stage("reference", 0.7);
+    const std::size_t finest = tree.particles.size();
+    Gaussians model;
+    MomentReport report;  // of that model: each try overwrites the job's
+    const auto error_of_budget = [&](std::size_t budget) {
+        Gaussians tried = gaussians_of(job, best_cut(tree, budget), mass_unit);
+        job.report.measured_error = views.relative_l2(tried);
+        if (job.report.measured_error <= options.error || budget >= finest) {
+            model = std::move(tried);
+            report = job.report;
+        }
+        return job.report.measured_error;
+    };
+    smallest_budget(options.error, finest, error_of_budget, {});
+    job.report = report;
+    return model;
 }
 
 /// What was asked for, as flags, and the error reached.
@@ -294,21 +294,21 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
         job.total += job.values[n];
         keep_memory_at(n);
     }
-    job.end_stage("check", 0.05);
+    job.clock.end_stage("check", 0.05);
 
     if (options.radius == 0 || job.cuts()) {
         job.grid = point_grid(points);
-        job.end_stage("sort", 0.2);
+        job.clock.end_stage("sort", 0.2);
     }
     job.radius =
         options.radius > 0 ? BigVector<double>(points.size(), options.radius) : adaptive_radii(job);
-    job.end_stage("radii", 0.5);
+    job.clock.end_stage("radii", 0.5);
 
     Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);
-    job.end_stage("model", 0.9);
+    job.clock.end_stage("model", 0.9);
     if (options.measure && job.report.measured_error < 0) {
         job.report.measured_error = ErrorViews(all_particles(job)).relative_l2(model);
-        job.end_stage("measure", 1);
+        job.clock.end_stage("measure", 1);
     }
     describe(model, points, options.value);
     model.method = job.cuts() ? "moments" : "particles";

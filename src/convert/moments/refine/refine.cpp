@@ -39,7 +39,7 @@ FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEm
     double least = 0, error = 0, most = 0;
     /// Takes cells that err less than the best so far, if their T does not err more than it may.
     const auto keeps = [&](const FieldCells& tried) {
-        const FoundModel found = judged(job, fields, views, tried);
+        const MeasuredModel found = measured_model(job, fields, views, tried);
         const double visible = views.visible_rms(found.model);
         if (!best.empty() && (visible >= least || found.error > most)) return false;
         best = tried, least = visible, error = found.error;
@@ -68,7 +68,7 @@ FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEm
             break;
     }
     job.report.measured_error = error;
-    job.end_stage("refine", 1);
+    job.clock.end_stage("refine", 1);
     return best;
 }
 

@@ -1,0 +1,92 @@
+// error_search_test.cpp: budgets found for errors in closed form.
+#include "convert/moments/error_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <vector>
+
+#include "vog/distributed.h"
+
+namespace vog {
+
+using namespace moments;
+namespace {
+
+constexpr std::size_t kFinest = 1000000;
+constexpr double kTolerance = 1.05;
+
+/// Calls of the error function, in order.
+struct Calls {
+    std::vector<std::size_t> budgets;
+    std::function<double(std::size_t)> error;
+
+    double operator()(std::size_t budget) {
+        budgets.push_back(budget);
+        return error(budget);
+    }
+};
+
+TEST(error_search, powers_of_the_count_are_inverted_to_five_percent) {
+    for (const double power : {-0.15, -0.35, -0.6, -0.95})
+        for (const std::size_t exact : {3u, 60u, 4000u, 90000u, 900000u}) {
+            SCOPED_TRACE(testing::Message() << "power " << power << ", budget " << exact);
+            const auto error = [&](std::size_t budget) {
+                return std::pow(static_cast<double>(budget), power);
+            };
+            const double target = error(exact);
+            Calls calls{{}, error};
+            const std::size_t found = smallest_budget(target, kFinest, std::ref(calls));
+            EXPECT_LE(error(found), target);
+            // One more where 5 % are less than one Gaussian.
+            EXPECT_LE(static_cast<double>(found), kTolerance * static_cast<double>(exact) + 1);
+            EXPECT_LE(calls.budgets.size(), 12u);
+        }
+}
+
+TEST(error_search, each_budget_within_the_target_is_smaller_than_the_last) {
+    // Errors in steps, as those of cuts are, and far from a power of the count.
+    for (const double target : {0.02, 0.1, 0.3, 0.7}) {
+        const auto error = [](std::size_t budget) {
+            return std::exp(-std::floor(std::sqrt(static_cast<double>(budget)) / 20) / 5);
+        };
+        Calls calls{{}, error};
+        const std::size_t found = smallest_budget(target, kFinest, std::ref(calls));
+        std::size_t last = kFinest + 1;
+        for (const std::size_t budget : calls.budgets) {
+            if (error(budget) > target) continue;
+            EXPECT_LT(budget, last);
+            last = budget;
+        }
+        EXPECT_EQ(found, last) << "the last budget within the target is the result";
+    }
+}
+
+TEST(error_search, a_target_below_the_finest_error_gives_the_finest) {
+    for (const std::size_t finest : {1u, 2u, 1000u}) {
+        Calls calls{{}, [](std::size_t) { return 0.5; }};
+        EXPECT_EQ(smallest_budget(0.1, finest, std::ref(calls)), finest);
+        EXPECT_EQ(calls.budgets.back(), finest);
+        EXPECT_LE(calls.budgets.size(), 13u);
+    }
+}
+
+TEST(error_search, an_error_of_zero_gives_few) {
+    EXPECT_LE(smallest_budget(0.1, kFinest, [](std::size_t) { return 0.0; }), 1u);
+}
+
+TEST(error_search, a_start_is_near_the_target_and_knows_the_power) {
+    for (const double power : {-0.2, -0.5}) {
+        const auto error = [&](std::size_t budget) {
+            return 3 * std::pow(static_cast<double>(budget), power);
+        };
+        const double exact = 20000;
+        const SearchStart start = search_start(3 * std::pow(exact, power), kFinest, error);
+        EXPECT_NEAR(start.count / exact, 1, 0.01);
+        EXPECT_NEAR(start.power, power, 0.01);
+    }
+}
+
+}  // namespace
+}  // namespace vog
