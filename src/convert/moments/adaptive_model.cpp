@@ -1,4 +1,6 @@
-// adaptive_model.cpp: the best cut for a number of Gaussians, and the smallest one for an error.
+// adaptive_model.cpp: --budget, the optimal cut of a number of Gaussians; --error, the smallest
+// such cut
+// whose measured error is low enough.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -13,7 +15,7 @@ namespace vog::moments {
 
 namespace {
 
-/// The fields of the data, and what their cuts are chosen from.
+/// The fields of the data, and a cut tree for each.
 struct FieldTrees {
     std::vector<LatticeField> fields;
     std::vector<CutTree> trees;
@@ -31,9 +33,9 @@ FieldTrees field_trees(const MomentJob& job) {
     return all;
 }
 
-/// The smallest model, softened and without its lightest cells, whose measured error is low enough.
+/// Cells of the smallest budget at which the soft, thresholded model has at most options.error.
 FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
-                  FieldEmSolver& softener) {
+                  FieldEmSolver& em) {
     std::size_t finest = 0;
     for (const CutTree& tree : all.trees) finest += finest_count(tree);
     // Hard cells are made and measured in a tenth of the time of soft ones, and have a multiple of
@@ -47,7 +49,7 @@ FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views
     FieldCells best;
     const auto error_of_budget = [&](std::size_t budget) {
         FieldCells cells = best_cut(all.trees, budget);
-        softener.soften(cells, job.soft_steps());
+        em.run(cells, job.soft_steps());
         const double error = measured_model(job, all.fields, views, cells).error;
         if (error <= job.options.error || budget >= finest) {
             best = std::move(cells);
@@ -62,8 +64,8 @@ FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views
 
 }  // namespace
 
-Gaussians best_model(MomentJob& job) {
-    // Before the trees are there: the traversal holds the voxels once more.
+Gaussians adaptive_model(MomentJob& job) {
+    // Views before trees: the traversal holds a second copy of the voxels while it runs.
     std::optional<ErrorViews> views;
     if (!job.options.budget) {
         views.emplace(job.parts, job.box);
@@ -71,16 +73,16 @@ Gaussians best_model(MomentJob& job) {
     }
     FieldTrees all = field_trees(job);
     job.clock.end_stage("octree", job.options.budget ? 0.2 : 0.3);
-    FieldEmSolver softener(all.fields, job.options.refine_seconds > 0);
-    FieldCells cells = job.options.budget ? best_cut(all.trees, job.options.budget)
-                                          : search(job, all, *views, softener);
+    FieldEmSolver em(all.fields, job.options.refine_seconds > 0);
+    FieldCells cells =
+        job.options.budget ? best_cut(all.trees, job.options.budget) : search(job, all, *views, em);
     all.trees = {};
     views.reset();
-    if (!job.options.budget) return finished(job, all.fields, softener, std::move(cells));
+    if (!job.options.budget) return final_model(job, all.fields, em, std::move(cells));
     job.clock.end_stage("cut", 0.3);
-    softener.soften(cells, job.soft_steps());
+    em.run(cells, job.soft_steps());
     job.clock.end_stage("soften", 0.9);
-    return finished(job, all.fields, softener, std::move(cells));
+    return final_model(job, all.fields, em, std::move(cells));
 }
 
 }  // namespace vog::moments

@@ -1,4 +1,4 @@
-// conversion_summary.cpp: what conversions by moments are asked for and what they say of themselves.
+// conversion_summary.cpp: the choice of a cut in options, and the one-line summary of a conversion.
 #include <fmt/core.h>
 
 #include <array>
@@ -13,15 +13,16 @@ namespace vog {
 
 namespace {
 
+/// throws vog::Error where two members are set
 void require_one(const CellChoice& cut) {
     const std::array<std::pair<const char*, bool>, 4> ways{{{"block", cut.block_voxels != 0},
                                                             {"budget", cut.budget != 0},
                                                             {"error", cut.error != 0},
                                                             {"lod", cut.lod != 0}}};
-    const char* asked = nullptr;
+    const char* chosen = nullptr;
     for (const auto& [name, given] : ways) {
-        if (given && asked) throw Error(fmt::format("{} and {} exclude each other", asked, name));
-        if (given) asked = name;
+        if (given && chosen) throw Error(fmt::format("{} and {} exclude each other", chosen, name));
+        if (given) chosen = name;
     }
 }
 

@@ -1,5 +1,5 @@
-// convert_moments.cpp: the moment conversion: check the options, choose the cells, soften them, drop the
-// lightest, write the Gaussians; say what was done.
+// convert_moments.cpp: the moment conversion: option checks, the choice of a cut, the model's
+// description.
 #include "vog/convert_moments.h"
 
 #include <fmt/core.h>
@@ -42,7 +42,7 @@ void check(const MomentOptions& options) {
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
 }
 
-/// What was asked for, as flags, and the error reached.
+/// The options as flags of `vog convert`, and the measured error.
 std::string option_text(const MomentJob& job) {
     const MomentOptions& o = job.options;
     std::string text = o.block_voxels ? fmt::format("--block {}", o.block_voxels)
@@ -57,7 +57,7 @@ std::string option_text(const MomentJob& job) {
     return text;
 }
 
-/// "smoke.vdb density"; parts of one level name it once.
+/// "smoke.vdb density"; consecutive parts of the same name give it once.
 std::string source_text(std::span<const Volume> parts) {
     std::string all, last;
     for (const Volume& part : parts) {
@@ -74,12 +74,12 @@ Gaussians run(MomentJob& job) {
     for (const Volume& part : job.parts) job.data_mass += mass(part) / job.unit_volume();
     job.collective().sum(job.data_mass);
     if (!(job.data_mass > 0 && std::isfinite(job.data_mass)))
-        throw Error(fmt::format("{}: mass {}, expected a volume with some",
+        throw Error(fmt::format("{}: the mass is {}, expected a positive finite one",
                                 job.volume().source.empty() ? "volume" : job.volume().source,
                                 job.data_mass));
     job.clock.end_stage("check", 0.1);
 
-    Gaussians model = job.options.block_voxels ? block_model(job) : best_model(job);
+    Gaussians model = job.options.block_voxels ? uniform_model(job) : adaptive_model(job);
     model.cutoff = kMomentCutoff;
     if (job.options.measure && job.report.measured_error < 0) {
         job.report.measured_error = ErrorViews(job.parts, job.box).relative_l2(model);
@@ -92,8 +92,8 @@ Gaussians run(MomentJob& job) {
     return model;
 }
 
-/// What the whole reached, of which the model may be a part.
-void tell_reached(Gaussians& model, const MomentJob& job) {
+/// Sets Gaussians::summary from the counts of all processes, each of which may hold a part.
+void set_summary(Gaussians& model, const MomentJob& job) {
     // Counts are exact in doubles.
     std::array<double, 2> counts{static_cast<double>(model.size()),
                                  static_cast<double>(model.source_voxels)};
@@ -120,20 +120,21 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     MomentJob job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = active_voxels(volume);
-    tell_reached(model, job);
+    set_summary(model, job);
     return model;
 }
 
 Gaussians convert_moments(const Composite& data, const MomentOptions& options,
                           MomentReport* report) {
     check(options);
-    if (data.parts.empty()) throw Error("moments: no voxel is seen, expected one within the masks");
+    if (data.parts.empty())
+        throw Error("moments: no voxel is left, expected one or more within the masks");
     for (const Volume& part : data.parts) validate(part);
     MomentReport unwanted;
     MomentJob job{data.parts, data.box, true, options, report ? *report : unwanted};
     Gaussians model = run(job);
     model.source_voxels = data.voxels;
-    tell_reached(model, job);
+    set_summary(model, job);
     return model;
 }
 

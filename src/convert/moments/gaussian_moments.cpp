@@ -1,4 +1,5 @@
-// gaussian_moments.cpp: sums over a leaf's voxels, and the truncated Gaussian with given moments.
+// gaussian_moments.cpp: moment sums of a leaf's cubes, and the truncated Gaussian with given
+// moments.
 #include "convert/moments/gaussian_moments.h"
 
 #include <algorithm>
@@ -19,7 +20,7 @@ Moments moments_of(const MomentSums& sums) {
                                         m.y * m.y, m.y * m.z, m.z * m.z};
     for (std::size_t n = 0; n < 6; ++n)
         result.covariance[n] = sums.second[n] * inverse_mass - squares[n];
-    // Voxels are boxes: below their own variance there is rounding only.
+    // No variance is below that of one voxel, except by rounding.
     for (const std::size_t n : {0, 3, 5})
         result.covariance[n] = std::max(result.covariance[n], kBoxVariance);
     return result;
@@ -32,7 +33,7 @@ Moments joined_moments(std::span<const Moments> parts) {
         sum.mean = sum.mean + part.mass * part.mean;
     }
     sum.mean = (1 / sum.mass) * sum.mean;
-    // About the mean from the start: no squares of places to cancel.
+    // Second moments about the joint mean: squares of coordinates would cancel.
     for (const Moments& part : parts) {
         const Vec3d d = part.mean - sum.mean;
         const std::array<double, 6> squares{d.x * d.x, d.x * d.y, d.x * d.z,
@@ -114,7 +115,7 @@ void resize(Gaussians& model, std::size_t count, bool axis_aligned) {
 
 void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,
                   const MomentFrame& frame) {
-    // Covariance in world space, then widened so that the kernel has it after the cut.
+    // Covariance in world space, then widened so that the kernel has it after truncation.
     const std::array<double, 6>& c = moments.covariance;
     const Mat3 index{{Vec3d{c[0], c[1], c[2]}, Vec3d{c[1], c[3], c[4]}, Vec3d{c[2], c[4], c[5]}}};
     const Mat3& map = frame.world_from_index.linear;
@@ -125,7 +126,8 @@ void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,
         variance = eigen.values;
         model.rotation[i] = quat_from_matrix(eigen.axes);
     }
-    // A long cell's smallest eigenvalue may drown in rounding: keep it resolvable in float.
+    // The smallest eigenvalue of a long thin cell may be rounding error, even negative. Floor: a
+    // ratio of 1e-6 between standard deviations, near the resolution of float32.
     const double floor = 1e-12 * std::max({variance.x, variance.y, variance.z});
     Vec3d scale;
     for (int axis = 0; axis < 3; ++axis)

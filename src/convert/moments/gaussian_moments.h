@@ -1,5 +1,7 @@
-// gaussian_moments.h: mass, first and second moments of voxels as boxes, and the Gaussian that has them.
-// Index space throughout: lengths in voxels, mass in density times voxels.
+// gaussian_moments.h: mass, mean and covariance of voxels, and the truncated Gaussian that has
+// them.
+// Voxels are boxes of constant density. Index space: lengths in voxels, mass in density times
+// voxels.
 #pragma once
 
 #include <array>
@@ -12,24 +14,26 @@
 
 namespace vog::moments {
 
-/// Sums over voxels about a point that the owner states, usually the centre of a cell.
+/// Zeroth, first and second moments about a point that the owner states, usually a cell's centre.
+/// Additive over disjoint sets of voxels.
 struct MomentSums {
     double mass = 0;
-    Vec3d first;
-    std::array<double, 6> second{};  ///< xx xy xz yy yz zz, the boxes' own variance included
+    Vec3d first;                     ///< sum of m x
+    std::array<double, 6> second{};  ///< sum of m x x^T, xx xy xz yy yz zz; with the boxes' own
 };
 
-/// A mass distribution up to its second moments.
+/// Mass, mean and covariance of a mass distribution.
 struct Moments {
     double mass = 0;
     Vec3d mean;
     std::array<double, 6> covariance{};  ///< xx xy xz yy yz zz
 };
 
-/// Variance of a box of unit edge: what a voxel has by itself.
+/// Variance of a box of unit edge, along each axis: that of a single voxel.
 inline constexpr double kBoxVariance = 1.0 / 12;
 
-/// Adds sums about a point that lies at `offset` from the point of `to`.
+/// Adds sums about another point (parallel axis theorem).
+/// offset  from the point of `to` to the point of `from`
 inline void add_shifted(MomentSums& to, const MomentSums& from, Vec3d offset) {
     const double m = from.mass;
     const Vec3d f = from.first, o = offset;
@@ -43,47 +47,50 @@ inline void add_shifted(MomentSums& to, const MomentSums& from, Vec3d offset) {
     to.second[5] += from.second[5] + o.z * (2 * f.z + m * o.z);
 }
 
-/// A cube of constant density about its centre: `mass` of all its voxels.
+/// Sums of a cube of constant density about its centre.
 inline MomentSums cube_sums(double mass, double edge) {
     const double second = mass * kBoxVariance * edge * edge;
     return {mass, {}, {second, 0, 0, second, 0, second}};
 }
 
-/// Mean and covariance about the same point; mass must not be zero.
+/// Mean relative to the same point, and covariance; the mass must not be 0.
 Moments moments_of(const MomentSums& sums);
-/// Moments of the sum, at least one with mass.
+/// Moments of a sum of distributions, at least one of them with mass.
 Moments joined_moments(std::span<const Moments> parts);
 MomentSums sums_of(const Moments& moments);
 
-/// Sums about the centre of each cube of a leaf, cubes in Morton order (x the most significant).
+/// Sums of the cubes of `edge` voxels of a leaf, each about its own centre; cubes in Morton order
+/// (x
+/// the most significant).
 template <int edge>
 using LeafSums = std::array<MomentSums, (8 / edge) * (8 / edge) * (8 / edge)>;
-/// The 64 cubes of 2^3 voxels.
+/// Sums of the 64 cubes of 2^3 voxels.
 LeafSums<2> leaf_sums(const Leaf& leaf);
-/// Eight neighbours to one; `edge` of the smaller cubes.
+/// Sums of cubes of twice the edge, each from its eight.
 template <int edge>
 LeafSums<2 * edge> merge_eight(const LeafSums<edge>& fine);
 
-/// What a moment Gaussian needs besides its moments.
+/// Constants that the Gaussians of one model share.
 struct MomentFrame {
     Affine world_from_index;
     double voxel_volume = 1;
     bool axis_aligned = false;
     double spread = 1;
-    double widening2 = 1;       ///< kernel variance per variance of the mass it replaces: P3/P5
+    double widening2 = 1;       ///< kernel variance over variance after truncation: P3/P5
     double density_factor = 1;  ///< 1 / ((2 pi)^(3/2) P3)
 };
-/// cutoff  of the model that the Gaussians are for
+/// spread  factor on each standard deviation at constant mass
+/// cutoff  truncation radius, standard deviations
 MomentFrame moment_frame(const Affine& world_from_index, bool axis_aligned, double spread,
                          double cutoff = kMomentCutoff);
 
-/// Writes Gaussian i: mass, mean and covariance as given, after the cut. `moments.mean` is an
-/// index.
+/// Sets Gaussian i so that after truncation it has these moments, in world units.
+/// moments  mean in index space
 void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,
                   const MomentFrame& frame);
-/// Covariance of Gaussian i's kernel before the cut, in world units: xx xy xz yy yz zz.
+/// Covariance of Gaussian i before truncation, world units: xx xy xz yy yz zz.
 std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i);
-/// Arrays for `count` Gaussians.
+/// Resizes the arrays to `count` Gaussians, rotations unless axis-aligned.
 void resize(Gaussians& model, std::size_t count, bool axis_aligned);
 
 }  // namespace vog::moments

@@ -1,7 +1,7 @@
-// moment_job.h: what the stages of one moment conversion share: what is asked, the cells of
-// all fields, how they are softened and become the model.
+// moment_job.h: state shared by the stages of one moment conversion, and those stages.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,14 +17,14 @@ namespace vog::moments {
 
 using namespace comparison;
 
-/// One conversion: what is asked, and what is to be reported.
+/// Input, options and report of one conversion.
 struct MomentJob {
-    std::span<const Volume> parts;  ///< volumes that do not overlap
-    Box box;
-    bool levels = false;  ///< parts of levels: of several lattices, under one budget
+    std::span<const Volume> parts;  ///< disjoint
+    Box box;                        ///< of the whole data, world space
+    bool levels = false;  ///< parts are levels of a mesh: several lattices under one budget
     const MomentOptions& options;
     MomentReport& report;
-    double data_mass = 0;  ///< of all parts, in unit volumes
+    double data_mass = 0;  ///< of all parts and processes; density times unit_volume()
     StageClock clock{report, options.progress};
 
     const Collective& collective() const { return collective_or_single(options.collective); }
@@ -36,11 +36,12 @@ struct MomentJob {
     MomentFrame frame(const Affine& world_from_index) const {
         return moment_frame(world_from_index, options.axis_aligned, options.spread);
     }
-    /// Unit volumes in a voxel of the field's.
+    /// Volume of the field's voxels, in unit_volume().
     double voxels_in(const LatticeField& field) const {
         return levels ? field.voxel_volume() / unit_volume() : 1;
     }
-    /// What masses are in: voxels of the first part, which others may not have.
+    /// World volume that masses are counted in: a voxel of the first part, which makes them sums of
+    /// values. 1 between processes that share levels, whose first parts differ.
     double unit_volume() const {
         return levels && collective().shared() ? 1 : voxel_volume(volume());
     }
@@ -55,57 +56,61 @@ struct MomentJob {
 /// Cells of every field.
 using FieldCells = std::vector<PackedCells>;
 
-/// The softeners of all fields, and how far each has come.
+/// Expectation-maximisation over the cells of all fields, each with its own momentum.
 class FieldEmSolver {
   public:
-    /// goes_on  steps will follow those of `soften`: what they remember is kept
-    FieldEmSolver(std::span<const LatticeField> fields, bool goes_on)
-        : steps_(fields.size()), goes_on_(goes_on) {
-        for (const LatticeField& field : fields) softeners_.emplace_back(field.bricks);
+    /// keep_momentum  whether calls of step() follow run(); if not, run() frees the momenta
+    FieldEmSolver(std::span<const LatticeField> fields, bool keep_momentum)
+        : histories_(fields.size()), keep_momentum_(keep_momentum) {
+        for (const LatticeField& field : fields) solvers_.emplace_back(field.bricks);
     }
     void step(FieldCells& cells) {
-        for (std::size_t f = 0; f < softeners_.size(); ++f)
-            if (!cells[f].empty()) softeners_[f].step(cells[f], steps_[f]);
+        for (std::size_t f = 0; f < solvers_.size(); ++f)
+            if (!cells[f].empty()) solvers_[f].step(cells[f], histories_[f]);
     }
-    /// From hard cells.
-    void soften(FieldCells& cells, int steps) {
-        forget();
+    /// `steps` EM steps from hard cells, without momentum at first.
+    void run(FieldCells& cells, int steps) {
+        reset_momentum();
         for (int n = 0; n < steps; ++n) step(cells);
-        if (!goes_on_) forget();
+        if (!keep_momentum_) reset_momentum();
     }
-
-    /// Cells that did not come from the last ones are next.
-    void forget() { steps_ = std::vector<EmHistory>(softeners_.size()); }
+    /// For cells that are not the result of the last step.
+    void reset_momentum() { histories_ = std::vector<EmHistory>(solvers_.size()); }
 
   private:
-    std::vector<EmSolver> softeners_;
-    std::vector<EmHistory> steps_;
-    bool goes_on_;
+    std::vector<EmSolver> solvers_;
+    std::vector<EmHistory> histories_;
+    bool keep_momentum_;
 };
 
 /// One Gaussian for each cell, field after field.
 Gaussians all_gaussians(const MomentJob& job, std::span<const LatticeField> fields,
                         FieldCells cells);
-/// The model of the cells, without the lightest, which are told in the report.
-Gaussians gaussians_of(MomentJob& job, std::span<const LatticeField> fields, FieldCells cells);
-/// The model of the cells as it will be written, and its relative L2 error over `views`.
+/// Gaussians of the cells above the mass threshold; records the dropped mass in job.report.
+Gaussians thresholded_gaussians(MomentJob& job, std::span<const LatticeField> fields,
+                                FieldCells cells);
+
+/// The thresholded model and its relative L2 error of T over `views`.
 struct MeasuredModel {
     Gaussians model;
     double error = -1;
 };
 MeasuredModel measured_model(MomentJob& job, std::span<const LatticeField> fields,
                              const ErrorViews& views, FieldCells cells);
-/// For the seconds asked for, soft steps and cells taken from where they are of little use to where
-/// pictures err, as long as the pictures err less: as many cells as before.
-FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
-                   FieldCells cells);
-/// The refined cells, if that is asked for, as a model.
-Gaussians finished(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
-                   FieldCells cells);
 
-/// A uniform cut.
-Gaussians block_model(MomentJob& job);
-/// The cut of a budget, or the search for an error.
-Gaussians best_model(MomentJob& job);
+/// Rounds of split-and-merge followed by EM. Keeps a round only if the visible error of the views
+/// falls; the number of cells stays.
+/// go_on  evaluated before each EM step and each round; false ends the refinement
+FieldCells refine(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& em,
+                  FieldCells cells, const std::function<bool()>& go_on);
+
+/// Thresholded model of the cells, refined for options.refine_seconds before.
+Gaussians final_model(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& em,
+                      FieldCells cells);
+
+/// --block: cells of one size.
+Gaussians uniform_model(MomentJob& job);
+/// --budget and --error: the optimal cut.
+Gaussians adaptive_model(MomentJob& job);
 
 }  // namespace vog::moments

@@ -1,4 +1,4 @@
-// uniform_model.cpp: uniform cuts.
+// uniform_model.cpp: --block: one Gaussian for each occupied cube of a number of voxels.
 #include <algorithm>
 #include <utility>
 #include <vector>
@@ -13,10 +13,10 @@ namespace vog::moments {
 
 namespace {
 
-/// Runs take(node) over one chunk of the volume's nodes.
+/// Calls take(sums, center) for each cell of one chunk of nodes.
 template <class Take>
-void for_each_cell_of(const MomentJob& job, const std::vector<MortonNode>& nodes, std::size_t chunk,
-                      const Take& take) {
+void for_each_cell_of_chunk(const MomentJob& job, const std::vector<MortonNode>& nodes,
+                            std::size_t chunk, const Take& take) {
     const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes.size());
     for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
         for_each_cell(job.volume(), nodes[n], job.options.block_voxels, take);
@@ -26,28 +26,30 @@ std::size_t chunk_count(const std::vector<MortonNode>& nodes) {
     return (nodes.size() + kNodeChunk - 1) / kNodeChunk;
 }
 
-/// Hard cells of up to a leaf's edge, straight to Gaussians: the masses first, then every chunk of
-/// leaves writes at its own place, so that nothing but the masses is held besides the result.
-Gaussians small_blocks(MomentJob& job) {
+/// Model of hard cells of at most a leaf's edge in two passes over the leaves: masses, then
+/// Gaussians,
+/// written in place by every chunk. Beside the model it holds 4 bytes a cell, where uniform_cells
+/// holds 40 and the bricks, which --memory relies on; a test holds both to the same cells.
+Gaussians two_pass_model(MomentJob& job) {
     const std::vector<MortonNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<float>> masses(chunk_count(nodes));
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
-        for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
+        for_each_cell_of_chunk(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
             masses[chunk].push_back(static_cast<float>(sums.mass));
         });
     });
-    MassThreshold light;
+    MassThreshold threshold;
     for (const auto& part : masses)
-        for (const float mass : part) light.add(mass);
-    light.sum_over(job.collective());
-    const float least = light.least_mass(job.options.mass_threshold);
-    light.tell(job.data_mass, job.report);
+        for (const float mass : part) threshold.add(mass);
+    threshold.sum_over(job.collective());
+    const float least = threshold.least_mass(job.options.mass_threshold);
+    threshold.write_to(job.report, job.data_mass);
 
     std::vector<std::size_t> first(masses.size() + 1);
     for (std::size_t chunk = 0; chunk < masses.size(); ++chunk) {
-        const auto stays = [&](float mass) { return mass >= least; };
+        const auto is_kept = [&](float mass) { return mass >= least; };
         first[chunk + 1] = first[chunk] + static_cast<std::size_t>(std::count_if(
-                                              masses[chunk].begin(), masses[chunk].end(), stays));
+                                              masses[chunk].begin(), masses[chunk].end(), is_kept));
         masses[chunk] = std::vector<float>();  // {} would keep its memory
     }
     Gaussians model;
@@ -55,7 +57,7 @@ Gaussians small_blocks(MomentJob& job) {
     const MomentFrame frame = job.frame(job.volume().world_from_index);
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         std::size_t i = first[chunk];
-        for_each_cell_of(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
+        for_each_cell_of_chunk(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
             if (static_cast<float>(sums.mass) < least) return;
             Moments moments = moments_of(sums);
             moments.mean = moments.mean + center;
@@ -68,18 +70,18 @@ Gaussians small_blocks(MomentJob& job) {
 
 }  // namespace
 
-Gaussians block_model(MomentJob& job) {
+Gaussians uniform_model(MomentJob& job) {
     const int block = job.options.block_voxels;
     const bool hard = job.soft_steps() == 0 && job.options.refine_seconds == 0;
-    if (!job.levels && hard && block <= kLeafEdge) return small_blocks(job);
+    if (!job.levels && hard && block <= kLeafEdge) return two_pass_model(job);
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
     for (const LatticeField& field : fields) cells.push_back(uniform_cells(field, block));
     job.clock.end_stage("cells", 0.3);
-    FieldEmSolver softener(fields, job.options.refine_seconds > 0);
-    softener.soften(cells, job.soft_steps());
+    FieldEmSolver em(fields, job.options.refine_seconds > 0);
+    em.run(cells, job.soft_steps());
     job.clock.end_stage("soften", 0.9);
-    return finished(job, fields, softener, std::move(cells));
+    return final_model(job, fields, em, std::move(cells));
 }
 
 }  // namespace vog::moments

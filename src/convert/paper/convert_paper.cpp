@@ -1,4 +1,5 @@
-// convert_paper.cpp: the paper's conversion from volume to model: options, the loop over leaves, tiles.
+// convert_paper.cpp: the paper's conversion from volume to model: options, the loop over leaves,
+// tiles.
 // Source: Sharma & Schmalstieg, section 3.
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>

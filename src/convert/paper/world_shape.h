@@ -1,4 +1,5 @@
-// world_shape.h: how a Gaussian with axes along the index axes, or a covariance, lies in world space.
+// world_shape.h: how a Gaussian with axes along the index axes, or a covariance, lies in world
+// space.
 #pragma once
 
 #include <array>

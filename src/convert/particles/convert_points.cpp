@@ -1,4 +1,5 @@
-// convert_points.cpp: the conversion of particles: masses and widths, then one Gaussian each, or cells
+// convert_points.cpp: the conversion of particles: masses and widths, then one Gaussian each, or
+// cells
 // with the moments of several.
 #include <fmt/format.h>
 
@@ -202,7 +203,7 @@ Gaussians gaussians_of(PointConversion& job, const BigVector<Moments>& cells, do
         keep_memory_at(n);
     }
     const float least = light.least_mass(job.options.mass_threshold);
-    light.tell(job.total / mass_unit, job.report);
+    light.write_to(job.report, job.total / mass_unit);
     BigVector<std::uint32_t> kept;
     for (std::size_t n = 0; n < cells.size(); ++n) {
         if (static_cast<float>(cells[n].mass) >= least)

@@ -1,4 +1,4 @@
-// bricks.cpp: the cells inside a leaf or a tile.
+// bricks.cpp: moment sums of the cells inside a leaf or a tile.
 #include "convert/moments/cells/bricks.h"
 
 #include <algorithm>
@@ -30,7 +30,7 @@ BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNod
 
 namespace {
 
-/// From lengths in samples to lengths in voxels.
+/// Converts lengths from samples to voxels.
 void scale(MomentSums& sums, double spacing) {
     const double volume = spacing * spacing * spacing;
     sums.mass *= volume;

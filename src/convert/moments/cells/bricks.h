@@ -1,4 +1,4 @@
-// bricks.h: leaves and tiles as one thing: 8^3 samples, a tile's of an eighth of its edge.
+// bricks.h: blocks of 8^3 samples, from a leaf or a tile, and the moments of the cells inside them.
 #pragma once
 
 #include <array>
@@ -13,24 +13,25 @@
 
 namespace vog::moments {
 
-/// 8^3 box-shaped samples of constant density, `spacing` voxels wide. A tile larger than a leaf is
-/// sampled that coarsely: inside it there is nothing to see.
+/// 8^3 boxes of constant density, `spacing` voxels wide. A tile has one value, so a sample of it is
+/// an
+/// eighth of its edge wide whatever its size.
 struct Brick {
-    Vec3i origin;        ///< index of its first voxel
+    Vec3i origin;        ///< index of the first voxel
     double spacing = 1;  ///< voxels: 1 for leaves and small tiles
     const Leaf* leaf = nullptr;
-    float value = 0;  ///< of every sample, where there is no leaf
+    float value = 0;  ///< of every sample, if leaf is null
 
     float sample(int n) const { return leaf ? leaf->value[static_cast<std::size_t>(n)] : value; }
-    /// Voxels in a sample.
+    /// Voxels per sample.
     double sample_volume() const { return spacing * spacing * spacing; }
 };
 
-/// Bricks with mass, in Morton order: one for each node.
+/// One brick for each node with mass, in Morton order.
 BigVector<Brick> volume_bricks(const Volume& volume, const std::vector<MortonNode>& nodes);
 
-/// All cells inside a brick, levels of 8, 4, 2 and 1 samples; the last is left to `sample`.
-/// Sums about each cell's centre, in index units.
+/// Sums of the cells of 8, 4 and 2 samples inside a brick, each about its own centre; lengths in
+/// voxels. Cells of one sample follow from Brick::sample.
 struct BrickSums {
     MomentSums whole;
     std::array<MomentSums, 8> fours;
@@ -38,11 +39,13 @@ struct BrickSums {
 };
 BrickSums brick_sums(const Brick& brick);
 
-/// The cells of a brick as one tree: node 0 the whole, 1-8 its fours, 9-72 their twos, and 512
-/// samples from 73 on; children of n are 8 n + 1 ... 8 n + 8, in Morton order.
+/// Nodes above the samples in a brick's octree: 0 the whole, 1-8 cells of 4 samples, 9-72 of 2. The
+/// 512 samples are nodes 73-584; children of n are 8 n + 1 ... 8 n + 8, in Morton order.
 inline constexpr std::size_t kBrickNodes = 73;
 
-/// Centre of the cell `place` (Morton, in cells) of `edge` samples, in index space.
+/// Centre of a cell in index space.
+/// morton  number of the cell in Morton order
+/// edge    of the cell, samples
 inline Vec3d brick_cell_center(const Brick& brick, int morton, int edge) {
     const Vec3d first = cube_center(brick.origin, 1);  // centre of the first voxel
     const Vec3d place = vec_cast<double>(morton_place(morton));
@@ -50,7 +53,7 @@ inline Vec3d brick_cell_center(const Brick& brick, int morton, int edge) {
     return first + Vec3d{half, half, half} + (edge * brick.spacing) * place;
 }
 
-/// Moments of node n of a brick's tree, mean as an index; mass 0 where the cell is empty.
+/// Moments of node n of a brick's octree, mean in index space; mass 0 if the cell is empty.
 Moments brick_node(const Brick& brick, const BrickSums& sums, std::size_t n);
 
 }  // namespace vog::moments

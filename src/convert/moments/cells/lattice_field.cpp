@@ -1,4 +1,4 @@
-// lattice_field.cpp: the voxels of several levels in one octree's index space.
+// lattice_field.cpp: alignment of lattices, and division of bricks that overlap.
 #include "convert/moments/cells/lattice_field.h"
 
 #include <algorithm>
@@ -16,10 +16,10 @@ namespace vog::moments {
 
 namespace {
 
-/// How a volume's lattice divides a coarser one.
+/// A volume's lattice as a subdivision of a coarser one.
 struct Division {
-    int log2 = 0;  ///< halvings
-    Vec3i corner;  ///< the volume's index at the corner where the coarser lattice has index 0
+    int log2 = 0;  ///< coarse voxel edge = 2^log2 fine ones
+    Vec3i corner;  ///< voxel of the volume in the lower corner of voxel 0 of the coarse lattice
 };
 
 struct Member {
@@ -27,11 +27,11 @@ struct Member {
     Division division;
 };
 
-/// Volumes of one field, coarsest first.
+/// Volumes of one field.
 struct Lattice {
     Affine coarsest;
     int finest_log2 = 0;
-    std::vector<Member> members;
+    std::vector<Member> members;  ///< coarsest first
 };
 
 bool is_whole(double number) {
@@ -39,7 +39,9 @@ bool is_whole(double number) {
     return std::abs(number - std::round(number)) < kRounding;
 }
 
-/// How `volume` divides the lattice of `coarse`; nothing if it does not, in halves along each edge.
+/// The subdivision of the lattice `coarse` that `volume` lies on; none unless the voxel edges
+/// differ by
+/// a power of two, the axes agree and corners of voxels coincide.
 std::optional<Division> find_division(const Affine& coarse, const Volume& volume) {
     const Mat3 back = inverse(volume.world_from_index.linear);
     const Affine fine_from_coarse{
@@ -55,7 +57,8 @@ std::optional<Division> find_division(const Affine& coarse, const Volume& volume
             if (std::abs(fine_from_coarse.linear(row, column) - (row == column ? edge : 0)) >
                 kSame * edge)
                 return {};
-    // Compared near the middle of the volume, where rounding of the ratio does not yet add up.
+    // Corners are compared near the middle of the volume, where the error of the ratio adds up
+    // least.
     const Vec3d middle = inverse(fine_from_coarse)(index_box(volume).center());
     const Vec3d near{std::round(middle.x), std::round(middle.y), std::round(middle.z)};
     const Vec3d half{0.5, 0.5, 0.5};
@@ -66,7 +69,7 @@ std::optional<Division> find_division(const Affine& coarse, const Volume& volume
         if (!is_whole(corner[axis]) || std::abs(at_zero) > (1 << 28)) return {};
         division.corner[axis] = static_cast<std::int32_t>(at_zero);
     }
-    for (const Tile& tile : volume.tiles)  // a large tile cannot be moved off its own lattice
+    for (const Tile& tile : volume.tiles)  // bricks of large tiles must stay aligned
         for (int axis = 0; axis < 3; ++axis)
             if (tile.edge > kLeafEdge && division.corner[axis] % tile.edge != 0) return {};
     return division;
@@ -109,12 +112,13 @@ Leaf& new_leaf(LatticeField& field, Vec3i origin) {
     return leaf;
 }
 
-/// Bricks by size and place, until none lies in another.
+/// Bricks by size and origin; divide() makes them disjoint.
 class BrickMap {
   public:
     explicit BrickMap(LatticeField& field) : field_(field) {}
 
-    /// Adds 8^3 samples of 2^size voxels; densities add where there are some already.
+    /// Adds 8^3 samples of 2^size voxels; sums the densities where a brick has this size and
+    /// origin.
     void add(int size, Vec3i origin, const Leaf* leaf, float value) {
         if (static_cast<std::size_t>(size) >= sizes_.size())
             sizes_.resize(static_cast<std::size_t>(size) + 1);
@@ -131,7 +135,7 @@ class BrickMap {
         place->second = {&sum, 0};
     }
 
-    /// Divides every brick that has a smaller one inside.
+    /// Divides every brick that contains a smaller one.
     void divide() {
         std::vector<std::unordered_set<Vec3i, OriginHash>> has_smaller(sizes_.size());
         for (std::size_t size = 0; size < sizes_.size(); ++size)
@@ -157,7 +161,7 @@ class BrickMap {
                     {origin, std::ldexp(1.0, static_cast<int>(size)), samples.leaf, samples.value});
         std::sort(all.begin(), all.end(),
                   [](const Brick& a, const Brick& b) { return morton_less(a.origin, b.origin); });
-        // In the order of the leaves, so that few pages are touched at a time.
+        // After sorting: nearby leaves are read together, which saves paging under a memory limit.
         std::erase_if(all, [](const Brick& brick) {
             keep_memory();
             return brick.leaf ? std::ranges::none_of(brick.leaf->value,
@@ -170,7 +174,7 @@ class BrickMap {
   private:
     struct Samples {
         const Leaf* leaf;
-        float value;  ///< of every sample, where there is no leaf
+        float value;  ///< of every sample, if leaf is null
     };
 
     static Vec3i around(Vec3i origin, std::size_t size) {
@@ -179,7 +183,8 @@ class BrickMap {
         return origin;
     }
 
-    /// Eight bricks of half the size, each sample in eight; empty ones are left out.
+    /// Adds the eight octants of a brick, each sample repeated 2^3 times; empty parts
+    /// are left out.
     void add_eighths(int size, Vec3i origin, const Samples& samples) {
         for (int eighth = 0; eighth < 8; ++eighth) {
             const Vec3i half{eighth >> 2, eighth >> 1 & 1, eighth & 1};
@@ -209,7 +214,7 @@ class BrickMap {
     std::vector<std::unordered_map<Vec3i, Samples, OriginHash>> sizes_;
 };
 
-/// Adds a volume's leaves voxel by voxel to leaves that start at `corner`.
+/// Copies a volume's leaves and small tiles voxel by voxel into leaves of the field's alignment.
 void add_moved(const Volume& volume, Vec3i corner, int size, LatticeField& field, BrickMap& map) {
     std::unordered_map<Vec3i, Leaf*, OriginHash> moved;
     const auto set = [&](Vec3i index, float value) {
@@ -265,7 +270,7 @@ std::vector<LatticeField> lattice_fields(std::span<const Volume> parts) {
     std::vector<LatticeField> fields;
     for (const Lattice& lattice : find_lattices(parts)) {
         LatticeField& field = fields.emplace_back();
-        // Voxel 0 of the finest lattice starts where voxel 0 of the coarsest does.
+        // Voxels 0 of the finest and of the coarsest lattice share their lower corner.
         const double edge = std::ldexp(1.0, -lattice.finest_log2), shift = 0.5 * edge - 0.5;
         field.world_from_index = lattice.coarsest;
         field.world_from_index.translation = lattice.coarsest({shift, shift, shift});

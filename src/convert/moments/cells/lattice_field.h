@@ -1,4 +1,4 @@
-// lattice_field.h: what cells are cut from: bricks that tile space, in one index space.
+// lattice_field.h: disjoint bricks of one or several volumes in one index space.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace vog::moments {
 
-/// Leaves that stay where they are as more come, in arrays of twice the size of the one before.
+/// Leaves with stable addresses, in arrays that double in size.
 class StableLeaves {
   public:
     Leaf& add();
@@ -19,22 +19,24 @@ class StableLeaves {
     std::vector<BigVector<Leaf>> runs_;
 };
 
+/// Density of the volumes whose lattices share an index space.
 struct LatticeField {
     BigVector<Brick> bricks;  ///< with mass, in Morton order, disjoint
-    StableLeaves leaves;      ///< that bricks refer to and no volume has
+    StableLeaves leaves;      ///< resampled ones, which bricks refer to
     Affine world_from_index;
 
     double voxel_volume() const { return std::abs(determinant(world_from_index.linear)); }
 };
 
-/// Of one volume, which must outlive it.
+/// Field of one volume, which must outlive it.
 LatticeField lattice_field(const Volume& volume);
 
-/// Of volumes that do not overlap, and must outlive them: one field for each set of lattices that
-/// are one another's halves, quarters, ..., in the index space of the finest, so that its octree
-/// takes the voxels of all; a field of its own for each lattice that fits no other. Where bricks of
-/// two sizes share a cube, as at the seam of two levels, the larger is divided until its pieces
-/// are free of others or can be merged with one of their size.
+/// Fields of disjoint volumes, which must outlive them. Volumes whose voxel sizes differ by powers
+/// of
+/// two and whose voxel corners coincide share a field, in the index space of the finest, and so an
+/// octree; any other volume has a field of its own. Where a brick overlaps a smaller one, as at the
+/// seam of two levels, it is divided into eighths until its parts overlap none, or one of their own
+/// size, to which they are added.
 std::vector<LatticeField> lattice_fields(std::span<const Volume> parts);
 
 }  // namespace vog::moments

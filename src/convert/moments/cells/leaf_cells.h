@@ -1,4 +1,4 @@
-// leaf_cells.h: the cells of a uniform cut, from a volume's nodes.
+// leaf_cells.h: loop over the occupied cells of one leaf or tile.
 #pragma once
 
 #include <algorithm>
@@ -8,12 +8,13 @@
 
 namespace vog::moments {
 
-/// Calls take(moments about the index origin's axes) for each occupied cube of `edge` voxels of a
-/// node, in Morton order.
+/// Calls take(sums, center) for each occupied cube of a node, in Morton order: MomentSums about the
+/// centre of the cube, Vec3d centre in index space.
+/// edge  of the cubes, voxels; 1, 2, 4 or 8
 template <class Take>
 void for_each_cell(const Volume& volume, const MortonNode& node, int edge, const Take& take) {
     if (node.tile) {
-        // A tile is cut no finer than a leaf is: 4096^3 voxels are not worth 10^10 cells.
+        // At most 8^3 cubes, as in a leaf: at edge 1 a tile of 4096^3 voxels would have 7e10.
         const Tile& tile = volume.tiles[node.index];
         if (tile.value <= 0) return;
         const int across = std::clamp(tile.edge / edge, 1, kLeafEdge), side = tile.edge / across;

@@ -1,4 +1,4 @@
-// morton_nodes.cpp: a volume's nodes in Morton order.
+// morton_nodes.cpp: leaves and tiles sorted by the Morton code of their origins.
 #include "convert/moments/cells/morton_nodes.h"
 
 #include <tbb/parallel_sort.h>

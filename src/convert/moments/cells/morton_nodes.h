@@ -1,5 +1,6 @@
-// morton_nodes.h: the leaves and tiles of a volume in Morton order, where cells of every power of
-// two are contiguous.
+// morton_nodes.h: leaves and tiles of a volume in Morton order, in which the nodes of any aligned
+// cube are
+// contiguous.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 namespace vog::moments {
 
+/// A leaf or a tile.
 struct MortonNode {
     Vec3i origin;
     std::int32_t edge = kLeafEdge;
@@ -18,16 +20,17 @@ struct MortonNode {
     bool tile = false;
 };
 
-/// Every leaf and tile, sorted.
+/// All leaves and tiles, sorted.
 std::vector<MortonNode> morton_nodes(const Volume& volume);
 
-/// Centre of the cube of `edge` voxels from `origin` on, in index space.
+/// Centre in index space of the cube of `edge` voxels whose first voxel is `origin`.
 inline Vec3d cube_center(Vec3i origin, double edge) {
     const double half = 0.5 * (edge - 1);
     return vec_cast<double>(origin) + Vec3d{half, half, half};
 }
 
-/// Leaves go to threads in runs of this many: results are joined in the order of the runs.
+/// Nodes per parallel task. Results are concatenated in the order of tasks: the same bytes for any
+/// number of threads.
 inline constexpr std::size_t kNodeChunk = 128;
 
 }  // namespace vog::moments

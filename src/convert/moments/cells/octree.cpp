@@ -83,7 +83,8 @@ MomentLevel level_of(const std::vector<BuildCell>& cells, int edge_log2) {
     return level;
 }
 
-/// A root for up to eight cells that meet at an aligned plane, such as index 0, and so have no common
+/// A root for up to eight cells that meet at an aligned plane, such as index 0, and so have no
+/// common
 /// parent however large the cells grow.
 MomentLevel root_level(const std::vector<BuildCell>& top, int edge_log2) {
     const auto edge = static_cast<double>(std::int64_t{1} << edge_log2);

@@ -1,4 +1,4 @@
-// packed_cells.cpp: moments to floats and back.
+// packed_cells.cpp: conversion of moments to float32 and to Gaussians.
 #include "convert/moments/cells/packed_cells.h"
 
 #include <algorithm>

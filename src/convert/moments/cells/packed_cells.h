@@ -1,5 +1,5 @@
-// packed_cells.h: the cells of a field while they are chosen and softened, 40 bytes each, in the
-// arrays that their Gaussians will have: a model is made of them in place.
+// packed_cells.h: cells as float32 arrays, 40 bytes each, which become the arrays of a model in
+// place.
 #pragma once
 
 #include <span>
@@ -11,34 +11,37 @@
 
 namespace vog::moments {
 
+/// Mass, mean and covariance of the cells of one field.
 class PackedCells {
   public:
     PackedCells() = default;
-    /// For cells of these bricks: means are kept from their middle, where floats are finest.
+    /// bricks  of the field: means are stored relative to the middle of their box, so that float32
+    ///         resolves them wherever the data lie
     explicit PackedCells(std::span<const Brick> bricks);
 
     std::size_t size() const { return mean_.size(); }
     bool empty() const { return mean_.empty(); }
     float mass(std::size_t i) const { return rest_[i].w; }
-    /// Mean as an index.
+    /// Moments of cell i, mean in index space.
     Moments operator[](std::size_t i) const { return unpacked(mean_[i], variance_[i], rest_[i]); }
     void set(std::size_t i, const Moments& cell);
     void push_back(const Moments& cell);
     void reserve(std::size_t count);
-    /// Cells of the same field.
+    /// Appends cells of the same field.
     void append(const PackedCells& others);
-    /// Keeps those for which stays(i), in their order. stays is asked once for each, in order.
-    template <class Stays>
-    void keep_if(const Stays& stays) {
+    /// Removes the cells for which is_kept(i) is false. is_kept is called once for each i,
+    /// ascending.
+    template <class IsKept>
+    void keep_if(const IsKept& is_kept) {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < size(); ++i) {
-            if (!stays(i)) continue;
+            if (!is_kept(i)) continue;
             mean_[kept] = mean_[i], variance_[kept] = variance_[i], rest_[kept] = rest_[i];
             ++kept;
         }
         mean_.resize(kept), variance_.resize(kept), rest_.resize(kept);
     }
-    /// One Gaussian for each cell, in their order, and no cells any more.
+    /// Turns each cell into a Gaussian, in order, in the memory of the cells.
     Gaussians to_gaussians(const MomentFrame& frame) &&;
 
   private:
@@ -49,9 +52,9 @@ class PackedCells {
     }
 
     Vec3d middle_;
-    BigVector<Vec3f> mean_;      ///< from the middle
+    BigVector<Vec3f> mean_;      ///< relative to middle_
     BigVector<Vec3f> variance_;  ///< xx yy zz
-    BigVector<Quat> rest_;       ///< mass, then the covariance's xy xz yz
+    BigVector<Quat> rest_;       ///< x y z: covariance xy xz yz; w: mass
 };
 
 }  // namespace vog::moments

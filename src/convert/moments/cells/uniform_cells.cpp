@@ -1,4 +1,4 @@
-// uniform_cells.cpp: up to a leaf's edge from the bricks, beyond from the octree.
+// uniform_cells.cpp: cells of up to 8 samples from the bricks, larger ones from the octree.
 #include "convert/moments/cells/uniform_cells.h"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace vog::moments {
 
 namespace {
 
-/// The cells of one size of a level of the octree, and the bricks above it, in Morton order.
+/// Cells of 2^edge_log2 voxels, and bricks larger than that, in Morton order.
 PackedCells octree_cells(const MomentOctree& octree, std::span<const Brick> bricks, int edge_log2) {
     struct Place {
         Vec3i origin;
@@ -42,7 +42,7 @@ PackedCells uniform_cells(const LatticeField& field, int block) {
     for (const Brick& brick : field.bricks)
         if (brick.leaf) largest = std::max(largest, brick.spacing);
     if (block > kLeafEdge) {
-        // Also of data that are smaller than the block, as a part of a volume may be.
+        // The octree may have to grow beyond the data, as where a process holds a small part.
         const int edge_log2 = std::countr_zero(unsigned(block)) + std::ilogb(largest);
         return octree_cells(brick_octree(field.bricks, std::ldexp(1.0, edge_log2)), field.bricks,
                             edge_log2);
@@ -53,7 +53,8 @@ PackedCells uniform_cells(const LatticeField& field, int block) {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, field.bricks.size());
         for (std::size_t b = chunk * kNodeChunk; b < last; ++b) {
             const Brick& brick = field.bricks[b];
-            // A tile is sampled by the eighth of its edge, which may be more than the block.
+            // Samples per cell edge. A sample of a tile, an eighth of its edge, may exceed the
+            // block.
             const double samples = brick.leaf ? block : block * largest / brick.spacing;
             const std::size_t first = samples >= 8   ? 0
                                       : samples >= 4 ? 1

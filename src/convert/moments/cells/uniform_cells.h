@@ -1,4 +1,4 @@
-// uniform_cells.h: hard cells of one size.
+// uniform_cells.h: cells of one size, each the voxels of an aligned cube.
 #pragma once
 
 #include "convert/moments/cells/lattice_field.h"
@@ -6,9 +6,9 @@
 
 namespace vog::moments {
 
-/// block    edge of a cell, a power of two: voxels of each level up to a leaf's edge, then voxels
-///          of the coarsest
-/// returns  cells with mass, in the order of the bricks or of the octree
+/// block    edge of a cell, a power of two: up to 8 in voxels of each level, above in voxels of the
+///          coarsest level
+/// returns  cells with mass, in Morton order
 PackedCells uniform_cells(const LatticeField& field, int block);
 
 }  // namespace vog::moments

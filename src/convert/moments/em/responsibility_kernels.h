@@ -1,4 +1,5 @@
-// responsibility_kernels.h: the inner loops of soft cells, compiled once for every SIMD target (Highway) and
+// responsibility_kernels.h: the inner loops of soft cells, compiled once for every SIMD target
+// (Highway) and
 // chosen at run time: a Gaussian's values at the points of a brick, and what its shares sum up to.
 // No fused multiplications, and sums that do not depend on the width: the same bytes on every
 // target.

@@ -1,4 +1,4 @@
-// refine.cpp: --refine: cells go where pictures err, as long as they err less.
+// refine.cpp: --refine: split-and-merge where rendered views err, EM steps, rounds kept or undone.
 #include <algorithm>
 #include <utility>
 
@@ -9,9 +9,7 @@ namespace vog::moments {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-/// The error of each cell of each field.
+/// Squared error attributed to each cell, [field][cell].
 std::vector<std::vector<float>> cell_errors(const MomentJob& job,
                                             std::span<const LatticeField> fields,
                                             const ErrorViews& views, const FieldCells& cells) {
@@ -28,40 +26,41 @@ std::vector<std::vector<float>> cell_errors(const MomentJob& job,
 
 }  // namespace
 
-FieldCells refined(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& softener,
-                   FieldCells cells) {
-    const auto end = Clock::now() + std::chrono::duration<double>(job.options.refine_seconds);
+FieldCells refine(MomentJob& job, std::span<const LatticeField> fields, FieldEmSolver& em,
+                  FieldCells cells, const std::function<bool()>& go_on) {
     const ErrorViews views(job.parts, job.box);
-    std::vector<VisibilityWeight> seen;
-    for (const LatticeField& field : fields) seen.emplace_back(field);
+    std::vector<VisibilityWeight> visibility;
+    for (const LatticeField& field : fields) visibility.emplace_back(field);
 
     FieldCells best;
-    double least = 0, error = 0, most = 0;
-    /// Takes cells that err less than the best so far, if their T does not err more than it may.
-    const auto keeps = [&](const FieldCells& tried) {
-        const MeasuredModel found = measured_model(job, fields, views, tried);
-        const double visible = views.visible_rms(found.model);
-        if (!best.empty() && (visible >= least || found.error > most)) return false;
-        best = tried, least = visible, error = found.error;
+    double least_visible = 0, error = 0, error_limit = 0;
+    /// Keeps cells with a lower visible error, unless their relative L2 exceeds its limit.
+    const auto keep_if_better = [&](const FieldCells& tried) {
+        const MeasuredModel measured = measured_model(job, fields, views, tried);
+        const double visible = views.visible_rms(measured.model);
+        if (!best.empty() && (visible >= least_visible || measured.error > error_limit))
+            return false;
+        best = tried, least_visible = visible, error = measured.error;
         return true;
     };
-    keeps(cells);
-    most =
+    keep_if_better(cells);
+    error_limit =
         job.options.block_voxels || job.options.budget ? error : std::max(error, job.options.error);
-    // Steps alone once, then exchanges, smaller ones where larger do not help.
+    // The first round is EM alone. The share of cells that a round splits is halved whenever the
+    // round did not help, down to a hundredth.
     constexpr int kSteps = 16;
     constexpr double kShare = 0.1, kLeastShare = 0.01;
     double share = 0;
-    while (Clock::now() < end) {
+    while (go_on()) {
         if (share > 0) {
             cells = best;
             const auto errors = cell_errors(job, fields, views, cells);
             for (std::size_t f = 0; f < fields.size(); ++f)
-                split_and_merge(cells[f], errors[f], share, seen[f]);
-            softener.forget();
+                split_and_merge(cells[f], errors[f], share, visibility[f]);
+            em.reset_momentum();
         }
-        for (int n = 0; n < kSteps && Clock::now() < end; ++n) softener.step(cells);
-        if (keeps(cells) && share > 0) continue;
+        for (int n = 0; n < kSteps && go_on(); ++n) em.step(cells);
+        if (keep_if_better(cells) && share > 0) continue;
         if (share == 0)
             share = kShare;
         else if ((share *= 0.5) < kLeastShare)

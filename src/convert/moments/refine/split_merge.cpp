@@ -26,7 +26,8 @@ double log_determinant(const Moments& cell) {
     return std::log(std::max(determinant, kLeast));
 }
 
-/// BinarySplits of a Gaussian at its longest axis, as Gaussians: their means lie sqrt(2 / pi) standard
+/// BinarySplits of a Gaussian at its longest axis, as Gaussians: their means lie sqrt(2 / pi)
+/// standard
 /// deviations from its own, and they have its moments together.
 std::array<Moments, 2> halves(const Moments& cell) {
     const auto& [xx, xy, xz, yy, yz, zz] = cell.covariance;

@@ -1,4 +1,5 @@
-// em_step_test.cpp: mass and mean of EM steps, ripple of a constant box, voxels outside all supports.
+// em_step_test.cpp: mass and mean of EM steps, ripple of a constant box, voxels outside all
+// supports.
 #include "convert/moments/em/em_step.h"
 
 #include <gtest/gtest.h>
