@@ -1,4 +1,4 @@
-// error_views.cpp: eight small pictures of the volume, and how far a model's are from them.
+// error_views.cpp: eight depth images of 256^2 pixels, and sums of errors over them.
 #include "compare/error_views.h"
 
 #include <algorithm>
@@ -24,8 +24,8 @@ constexpr int kSize_px = kErrorViewSize_px;
 std::vector<Camera> error_views(const Box& box) {
     constexpr int kViews = 8;
     std::vector<Camera> cameras;
-    // An eighth of a turn apart from the paper's azimuth on, its elevation and 50 degrees by turns,
-    // above and below: no two look along the same axis.
+    // Azimuths an eighth of a turn apart, starting with the paper's. Elevations alternate between
+    // the paper's and 50 degrees, above and below, so that no two views share an axis.
     constexpr double kSteep = 0.87;
     for (int view = 0; view < kViews; ++view) {
         const double azimuth = kPaperAzimuthRad + view * std::numbers::pi / 4;
@@ -49,8 +49,8 @@ CroppedDepth::CroppedDepth(const DepthImage& image) {
 
 namespace {
 
-/// Adds a volume's T to each picture. A traversal holds its voxels once more: of a large volume a
-/// quarter of the leaves at a time, which lie together as leaves are sorted.
+/// Adds a volume's T to each image. The traversal copies the voxels, so a large volume is traversed
+/// in four runs of its sorted leaves.
 void add_reference(const Volume& volume, std::span<const Camera> cameras,
                    std::span<DepthImage> images) {
     constexpr std::size_t kSlabs = 4, kLeast = 256;  // leaves
@@ -116,10 +116,9 @@ double ErrorViews::relative_l2(const Gaussians& model) const {
 }
 
 double ErrorViews::squared_error(double t, double reference) const {
-    constexpr double kUnseen = 0.1;
     const double dv = std::exp(-extinction_ * reference) - std::exp(-extinction_ * t);
     const double dt = extinction_ * (t - reference);
-    return dv * dv + kUnseen * dt * dt;
+    return dv * dv + kDepthErrorWeight * dt * dt;
 }
 
 double ErrorViews::visible_rms(const Gaussians& model) const {
@@ -145,7 +144,7 @@ std::vector<float> ErrorViews::error_of_each_gaussian(const Gaussians& model) co
             const double row = 0.5 * (kSize_px - 1) - pixels * dot(to, frame.up);
             const Vec3d scale = vec_cast<double>(model.scale[i]);
             const double sigma = std::sqrt(dot(scale, scale) / 3);
-            // No narrower than what a pixel's middle can miss.
+            // Narrower footprints could fall between pixel centres.
             const double sigma_px = std::max(0.4, pixels * sigma), reach = 2 * sigma_px;
             const double peak =
                 static_cast<double>(model.density[i]) * sigma * std::sqrt(2 * std::numbers::pi);

@@ -1,6 +1,5 @@
 // adaptive_model.cpp: --budget, the optimal cut of a number of Gaussians; --error, the smallest
-// such cut
-// whose measured error is low enough.
+// such cut whose measured error is low enough.
 #include <algorithm>
 #include <cmath>
 #include <limits>

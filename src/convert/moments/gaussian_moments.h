@@ -60,8 +60,7 @@ Moments joined_moments(std::span<const Moments> parts);
 MomentSums sums_of(const Moments& moments);
 
 /// Sums of the cubes of `edge` voxels of a leaf, each about its own centre; cubes in Morton order
-/// (x
-/// the most significant).
+/// (x the most significant).
 template <int edge>
 using LeafSums = std::array<MomentSums, (8 / edge) * (8 / edge) * (8 / edge)>;
 /// Sums of the 64 cubes of 2^3 voxels.

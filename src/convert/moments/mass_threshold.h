@@ -15,8 +15,7 @@ namespace vog::moments {
 
 /// Finds the largest mass such that the lighter cells together have at most a given share of the
 /// total. Bins are the upper 16 bits of a float32, so cells within 1 % of each other share a bin
-/// and
-/// are kept or dropped together. Memory: 0.5 MB.
+/// and are kept or dropped together. Memory: 0.5 MB.
 class MassThreshold {
   public:
     /// mass  finite, >= 0

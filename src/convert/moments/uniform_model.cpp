@@ -27,9 +27,9 @@ std::size_t chunk_count(const std::vector<MortonNode>& nodes) {
 }
 
 /// Model of hard cells of at most a leaf's edge in two passes over the leaves: masses, then
-/// Gaussians,
-/// written in place by every chunk. Beside the model it holds 4 bytes a cell, where uniform_cells
-/// holds 40 and the bricks, which --memory relies on; a test holds both to the same cells.
+/// Gaussians, written in place by every chunk. Beside the model it holds 4 bytes a cell, where
+/// uniform_cells holds 40 and the bricks, which --memory relies on; a test holds both to the same
+/// cells.
 Gaussians two_pass_model(MomentJob& job) {
     const std::vector<MortonNode> nodes = morton_nodes(job.volume());
     std::vector<std::vector<float>> masses(chunk_count(nodes));

@@ -1,6 +1,5 @@
 // group_gaussian.h: the step all strategies of the paper share: a group of voxels and the index box
-// around
-// it become one Gaussian, or nothing where the group is too thin to see.
+// around it become one Gaussian, or nothing where the group is too thin to see.
 #pragma once
 
 #include <array>

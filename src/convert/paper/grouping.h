@@ -28,8 +28,7 @@ void add_single(const GroupFit& fit, const Leaf& leaf, std::vector<FittedGaussia
 /// outweigh every leaf.
 double leaf_value_variance(const Volume& volume);
 /// BinarySplits the leaf along every axis (8^3, 4^3, 2^3, 1) until the variance of the values in a
-/// part's
-/// tight box, its inactive voxels counted as zeros, is at most `variance`.
+/// part's tight box, its inactive voxels counted as zeros, is at most `variance`.
 void add_variance_clusters(const GroupFit& fit, const Leaf& leaf, double variance,
                            std::vector<FittedGaussian>& out);
 

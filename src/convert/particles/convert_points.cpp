@@ -1,6 +1,5 @@
 // convert_points.cpp: the conversion of particles: masses and widths, then one Gaussian each, or
-// cells
-// with the moments of several.
+// cells with the moments of several.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -123,17 +123,17 @@ void set_moments(PointTree& tree, PointNode& node) {
     node.mass = static_cast<float>(sum.mass);
     node.mean = vec_cast<float>(sum.mean - tree.particles[node.first].place);
     for (std::size_t k = 0; k < 6; ++k) node.covariance[k] = static_cast<float>(sum.covariance[k]);
-    node.gain = static_cast<float>(split_gain(sum, parts[0], parts[1], ColumnDepth::own));
+    node.gain = static_cast<float>(split_gain(sum, parts[0], parts[1], DepthPower::three_quarters));
 }
 
-/// The best cut at a price (price_search.h): what each node is worth, 0 where it stays whole.
-class PricedPoints {
+/// The best cut at a lambda (price_search.h): what each node is worth, 0 where it stays whole.
+class PrunedTree {
   public:
-    PricedPoints(const PointTree& tree, double price) : tree_(tree) {
+    PrunedTree(const PointTree& tree, double lambda) : tree_(tree) {
         resize_kept(best_, tree.nodes.size());
         for (std::size_t g = tree.generations.size() - 1; g-- > 0;)
             vog::parallel_for(tree.generations[g], tree.generations[g + 1], [&](std::size_t n) {
-                Best best{double{tree.nodes[n].gain} - price, 0};
+                Best best{double{tree.nodes[n].gain} - lambda, 0};
                 for (const Half& half : halves(tree.nodes[n])) {
                     best.worth += half.is_node() ? best_[half.node].worth : 0;
                     best.count += half.is_node() ? best_[half.node].count : 1;
@@ -191,9 +191,9 @@ BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
         most = std::max(most, tree.nodes[n].gain);
         keep_memory_at(n);
     }
-    const double price = price_of_budget(
-        budget, double{most}, [&](double tried) { return PricedPoints(tree, tried).count(); });
-    return PricedPoints(tree, price).cells();
+    const double lambda = lambda_of_budget(
+        budget, double{most}, [&](double tried) { return PrunedTree(tree, tried).count(); });
+    return PrunedTree(tree, lambda).cells();
 }
 
 }  // namespace vog::particles

@@ -1,7 +1,7 @@
 // nearest_neighbours.cpp: exact k-nearest-neighbour distances. Particles in Morton order are
-// grouped
-// by eights, groups again by eights: a tree of boxes without pointers. Eight neighbouring particles
-// search it together, and begin with those beside them in the order, which are mostly right.
+// grouped by eights, groups again by eights: a tree of boxes without pointers. Eight neighbouring
+// particles search it together, and begin with those beside them in the order, which are mostly
+// right.
 #include "convert/particles/nearest_neighbours.h"
 
 #include <tbb/blocked_range.h>

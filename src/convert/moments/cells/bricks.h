@@ -14,8 +14,7 @@
 namespace vog::moments {
 
 /// 8^3 boxes of constant density, `spacing` voxels wide. A tile has one value, so a sample of it is
-/// an
-/// eighth of its edge wide whatever its size.
+/// an eighth of its edge wide whatever its size.
 struct Brick {
     Vec3i origin;        ///< index of the first voxel
     double spacing = 1;  ///< voxels: 1 for leaves and small tiles

@@ -40,8 +40,7 @@ bool is_whole(double number) {
 }
 
 /// The subdivision of the lattice `coarse` that `volume` lies on; none unless the voxel edges
-/// differ by
-/// a power of two, the axes agree and corners of voxels coincide.
+/// differ by a power of two, the axes agree and corners of voxels coincide.
 std::optional<Division> find_division(const Affine& coarse, const Volume& volume) {
     const Mat3 back = inverse(volume.world_from_index.linear);
     const Affine fine_from_coarse{

@@ -32,11 +32,10 @@ struct LatticeField {
 LatticeField lattice_field(const Volume& volume);
 
 /// Fields of disjoint volumes, which must outlive them. Volumes whose voxel sizes differ by powers
-/// of
-/// two and whose voxel corners coincide share a field, in the index space of the finest, and so an
-/// octree; any other volume has a field of its own. Where a brick overlaps a smaller one, as at the
-/// seam of two levels, it is divided into eighths until its parts overlap none, or one of their own
-/// size, to which they are added.
+/// of two and whose voxel corners coincide share a field, in the index space of the finest, and so
+/// an octree; any other volume has a field of its own. Where a brick overlaps a smaller one, as at
+/// the seam of two levels, it is divided into eighths until its parts overlap none, or one of their
+/// own size, to which they are added.
 std::vector<LatticeField> lattice_fields(std::span<const Volume> parts);
 
 }  // namespace vog::moments

@@ -1,6 +1,5 @@
 // morton_nodes.h: leaves and tiles of a volume in Morton order, in which the nodes of any aligned
-// cube are
-// contiguous.
+// cube are contiguous.
 #pragma once
 
 #include <cstdint>

@@ -84,8 +84,7 @@ MomentLevel level_of(const std::vector<BuildCell>& cells, int edge_log2) {
 }
 
 /// A root for up to eight cells that meet at an aligned plane, such as index 0, and so have no
-/// common
-/// parent however large the cells grow.
+/// common parent however large the cells grow.
 MomentLevel root_level(const std::vector<BuildCell>& top, int edge_log2) {
     const auto edge = static_cast<double>(std::int64_t{1} << edge_log2);
     const Vec3i origin = top.front().cell.origin;

@@ -1,4 +1,4 @@
-// binary_splits.cpp: which octants lie on which side, and what a subtree is worth at a price.
+// binary_splits.cpp: sides and axes of the seven splits, their gains, and the pruning of one cell.
 #include "convert/moments/cut/binary_splits.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace vog::moments {
 
 namespace {
 
-/// [axes][split][side]: octants.
+/// Masks of octants, [axes][split][side].
 using Sides = std::array<std::array<std::array<std::uint8_t, 2>, 7>, 16>;
 
 constexpr Sides all_sides() {
@@ -41,7 +41,8 @@ constexpr Sides kSides = all_sides();
 
 std::array<std::uint8_t, 2> BinarySplits::sides(int n) const {
     const auto [lower, upper] = kSides[axes][std::size_t(n)];
-    return {static_cast<std::uint8_t>(lower & present), static_cast<std::uint8_t>(upper & present)};
+    return {static_cast<std::uint8_t>(lower & occupied),
+            static_cast<std::uint8_t>(upper & occupied)};
 }
 
 Moments joined_octants(const Octants& octants, std::uint8_t mask) {
@@ -54,17 +55,18 @@ Moments joined_octants(const Octants& octants, std::uint8_t mask) {
 
 namespace {
 
-/// Axis (0 x, 1 y, 2 z) along which the moments are longest among those whose bit is set in
-/// `allowed` and that have octants of `mask` on both sides; the lowest allowed one where none has.
+/// Axis (0 x, 1 y, 2 z) of largest variance among those in `allowed` that divide the octants of
+/// `mask` into two occupied sides; the lowest in `allowed` if none does.
+/// allowed  bit n: axis n
 int longest_axis(const Moments& moments, std::uint8_t mask, int allowed) {
     constexpr std::array<std::size_t, 3> kDiagonal{0, 3, 5};
     int longest = std::countr_zero(unsigned(allowed));
-    double most = -1;
+    double max_gain = -1;
     for (int axis = 0; axis < 3; ++axis) {
         const std::uint8_t upper = kUpperOctants[std::size_t(axis)];
         if (!(allowed >> axis & 1) || !(mask & upper) || !(mask & ~upper)) continue;
         const double variance = moments.covariance[kDiagonal[std::size_t(axis)]];
-        if (variance > most) most = variance, longest = axis;
+        if (variance > max_gain) max_gain = variance, longest = axis;
     }
     return longest;
 }
@@ -72,67 +74,67 @@ int longest_axis(const Moments& moments, std::uint8_t mask, int allowed) {
 }  // namespace
 
 BinarySplits splits_of(const Octants& octants, double weight) {
-    BinarySplits halves;
+    BinarySplits splits;
     for (std::size_t o = 0; o < 8; ++o)
-        if (octants[o].mass > 0) halves.present |= static_cast<std::uint8_t>(1 << o);
-    float most = 0;
+        if (octants[o].mass > 0) splits.occupied |= static_cast<std::uint8_t>(1 << o);
+    float max_gain = 0;
     for (int n = 0; n < 7; ++n) {
-        std::array<std::uint8_t, 2> side = halves.sides(n);
+        std::array<std::uint8_t, 2> side = splits.sides(n);
         const auto mask = static_cast<std::uint8_t>(side[0] | side[1]);
         if (std::popcount(mask) < 2) continue;
         const Moments whole = joined_octants(octants, mask);
         if (n == 0) {
-            halves.axes = static_cast<std::uint8_t>(longest_axis(whole, mask, 7));
+            splits.axes = static_cast<std::uint8_t>(longest_axis(whole, mask, 7));
         } else if (n < 3) {
-            const int allowed = 7 & ~(1 << (halves.axes & 3));
+            const int allowed = 7 & ~(1 << (splits.axes & 3));
             if (longest_axis(whole, mask, allowed) != std::countr_zero(unsigned(allowed)))
-                halves.axes |= static_cast<std::uint8_t>(2 << n);
+                splits.axes |= static_cast<std::uint8_t>(2 << n);
         }
-        side = halves.sides(n);
+        side = splits.sides(n);
         if (!side[0] || !side[1]) continue;
         const double gain =
             weight * split_gain(whole, joined_octants(octants, side[0]),
-                                joined_octants(octants, side[1]), ColumnDepth::seen);
+                                joined_octants(octants, side[1]), DepthPower::quarter);
         const auto finite = static_cast<float>(
             std::min(gain, static_cast<double>(std::numeric_limits<float>::max())));
-        halves.gain[std::size_t(n)] = to_bfloat16(finite);
-        most = std::max(most, finite);
+        splits.gain[std::size_t(n)] = to_bfloat16(finite);
+        max_gain = std::max(max_gain, finite);
     }
-    halves.most = to_bfloat16(most);  // rounded down as the gains are
-    return halves;
+    splits.max_gain = to_bfloat16(max_gain);  // rounded towards zero, as the gains are
+    return splits;
 }
 
 namespace {
 
-/// Of two sides, and the split between them.
-Priced either(const Priced& a, const Priced& b, double gain, double price, bool& split) {
+/// Optimal pruning of two sides and the split between them.
+Subtree pruned_split(const Subtree& a, const Subtree& b, double gain, double lambda, bool& split) {
     split = false;
     if (a.count == 0) return b;
     if (b.count == 0) return a;
-    const double worth = gain - price + a.worth + b.worth;
-    split = worth > 0;
-    return split ? Priced{worth, a.count + b.count} : Priced{0, 1};
+    const double net = gain - lambda + a.net_gain + b.net_gain;
+    split = net > 0;
+    return split ? Subtree{net, a.count + b.count} : Subtree{0, 1};
 }
 
 }  // namespace
 
-Priced priced(const BinarySplits& halves, const std::array<Priced, 8>& octants, double price,
-              std::uint8_t& splits) {
-    splits = 0;
-    std::array<Priced, 7> best;
+Subtree pruned(const BinarySplits& splits, const std::array<Subtree, 8>& octants, double lambda,
+               std::uint8_t& split_mask) {
+    split_mask = 0;
+    std::array<Subtree, 7> best;
     for (int n = 6; n >= 0; --n) {
-        std::array<Priced, 2> side;
+        std::array<Subtree, 2> side;
         if (n < 3) {
             side = {best[std::size_t(2 * n + 1)], best[std::size_t(2 * n + 2)]};
         } else {
-            const std::array<std::uint8_t, 2> masks = halves.sides(n);
+            const std::array<std::uint8_t, 2> masks = splits.sides(n);
             for (std::size_t k = 0; k < 2; ++k)
                 if (masks[k]) side[k] = octants[std::size_t(std::countr_zero(masks[k]))];
         }
         bool split;
-        best[std::size_t(n)] = either(
-            side[0], side[1], double{from_bfloat16(halves.gain[std::size_t(n)])}, price, split);
-        splits |= std::uint8_t(split << n);
+        best[std::size_t(n)] = pruned_split(
+            side[0], side[1], double{from_bfloat16(splits.gain[std::size_t(n)])}, lambda, split);
+        split_mask |= std::uint8_t(split << n);
     }
     return best[0];
 }

@@ -1,6 +1,6 @@
-// binary_splits.h: a cell of the octree parted by halves: across one axis, each half across
-// another, each quarter across the last. Seven splits in two where the octree has one in eight: a
-// budget goes where it is worth most, not into eighths of which some were not needed.
+// binary_splits.h: binary splits of an octree cell: across one axis, its halves across a second,
+// their quarters across the third. Seven splits in two instead of one in eight, so that a budget
+// can pay for a single half.
 #pragma once
 
 #include <array>
@@ -11,53 +11,55 @@
 
 namespace vog::moments {
 
-/// Octants on the upper side of each axis.
+/// Masks of the octants on the upper side of each axis. Octants are numbered in Morton order (x the
+/// most significant bit); bit o of a mask stands for octant o.
 inline constexpr std::array<std::uint8_t, 3> kUpperOctants{0xF0, 0xCC, 0xAA};
 
-/// The splits of one cell: 0 of the cell, 1 and 2 of its halves, 3 to 6 of their quarters. Octants
-/// in Morton order (x the most significant); a set of them is a mask.
+/// The splits of one cell: 0 divides the cell, 1 and 2 its halves, 3 to 6 the quarters.
 struct BinarySplits {
-    std::array<BFloat16, 7> gain{};  ///< of each split; 0 where a side is empty
-    BFloat16 most = 0;               ///< no less than any gain of the cell and those inside it
-    std::uint8_t present = 0;        ///< octants with mass
-    std::uint8_t axes = 0;  ///< of split 0 in bits 0-1; 1 and 2 across the lower of the two that
-                            ///< are left, or the higher where bit 2 or 3 is set
+    std::array<BFloat16, 7> gain{};  ///< of each split; 0 if a side is empty
+    BFloat16 max_gain = 0;           ///< upper bound on the gains of the cell and all cells inside
+    std::uint8_t occupied = 0;       ///< mask of the octants with mass
+    /// Bits 0-1: axis of split 0. Bits 2 and 3: whether splits 1 and 2 are across the higher of the
+    /// two axes that are left.
+    std::uint8_t axes = 0;
 
-    /// Octants of split n's lower and upper side, those without mass left out.
+    /// Masks of the occupied octants on the lower and upper side of split n.
     std::array<std::uint8_t, 2> sides(int n) const;
 };
 
-/// Octants with their means as indices, mass 0 where there is none.
+/// Moments of each octant, means in index space; mass 0 if empty.
 using Octants = std::array<Moments, 8>;
-/// Moments of those in a mask, at least one.
+/// Moments of the octants in a mask other than 0.
 Moments joined_octants(const Octants& octants, std::uint8_t mask);
 
-/// Chooses the axes, the longest first, and tells what each split of two sides with mass is worth.
-/// weight  of all gains; `most` is that of the cell alone
+/// Chooses for each split the axis of largest variance, and evaluates split_gain of its two sides.
+/// weight   factor on all gains
+/// returns  max_gain is of this cell alone
 BinarySplits splits_of(const Octants& octants, double weight);
 
-/// A subtree cut where it is worth most at a price for each Gaussian.
-struct Priced {
-    double worth = 0;         ///< gains of its splits less their price; 0 if it stays whole
-    std::uint32_t count = 0;  ///< Gaussians; 0: nothing there
+/// Optimal pruning of a subtree under a Lagrange multiplier lambda, the cost of a Gaussian.
+struct Subtree {
+    double net_gain = 0;      ///< sum over the splits made of gain - lambda; 0 if none
+    std::uint32_t count = 0;  ///< Gaussians; 0: no mass
 };
-/// The best cut of a cell.
-/// octants  those of its octants
-/// splits   bit n: split n is worth it
-Priced priced(const BinarySplits& halves, const std::array<Priced, 8>& octants, double price,
-              std::uint8_t& splits);
+/// Optimal pruning of a cell, from those of its octants.
+/// split_mask  out; bit n: split n is made
+Subtree pruned(const BinarySplits& splits, const std::array<Subtree, 8>& octants, double lambda,
+               std::uint8_t& split_mask);
 
-/// Calls take(mask) for each part of a cell that stays whole, an octant's mask of one bit being
-/// left to its own cell.
+/// Calls take(mask) for each part of a cell that the splits made leave undivided. A part of one
+/// octant may be divided further by the splits of that octant's own cell.
 template <class Take>
-void for_each_part(const BinarySplits& halves, std::uint8_t splits, const Take& take, int n = 0) {
-    const std::array<std::uint8_t, 2> side = halves.sides(n);
+void for_each_part(const BinarySplits& splits, std::uint8_t split_mask, const Take& take,
+                   int n = 0) {
+    const std::array<std::uint8_t, 2> side = splits.sides(n);
     const auto mask = static_cast<std::uint8_t>(side[0] | side[1]);
-    if (side[0] && side[1] && !(splits >> n & 1)) return take(mask);
+    if (side[0] && side[1] && !(split_mask >> n & 1)) return take(mask);
     for (int k = 0; k < 2; ++k) {
         if (!side[std::size_t(k)]) continue;
         if (n < 3)
-            for_each_part(halves, splits, take, 2 * n + 1 + k);
+            for_each_part(splits, split_mask, take, 2 * n + 1 + k);
         else
             take(side[std::size_t(k)]);
     }

@@ -1,5 +1,6 @@
-// optimal_cut.h: which cells of the moment octree to part, by halves: the best cut for a number of
-// Gaussians.
+// optimal_cut.h: the cut through the moment octree with the largest total gain for a number of
+// Gaussians:
+// optimal tree pruning (Chou, Lookabaugh, Gray 1989).
 #pragma once
 
 #include <array>
@@ -15,37 +16,42 @@
 
 namespace vog::moments {
 
+/// In CutTree::brick_of: the cell has children.
 inline constexpr std::uint32_t kNoBrick = 0xffffffffu;
 
-/// Everything a cut is chosen from: made once, cut as often as one likes.
+/// The octree of a field with the gains of all its splits. Serves cuts of any size.
 struct CutTree {
-    MomentOctree octree;            ///< cells of 8^3 and up; those without children are bricks
-    std::span<const Brick> bricks;  ///< with mass, in Morton order
-    std::vector<std::vector<std::uint32_t>> brick_of;    ///< [level][cell]: its brick, or kNoBrick
-    std::vector<std::vector<BinarySplits>> cell_splits;  ///< [level][cell]; of bricks: theirs below
-    BigVector<BinarySplits> brick_splits;                ///< of all bricks' nodes with mass
-    std::vector<std::size_t> first_splits;               ///< of each brick, and the end
-    BFloat16 most_gain = 0;                              ///< no split is worth more
+    MomentOctree octree;            ///< cells of 8^3 voxels and more
+    std::span<const Brick> bricks;  ///< of the field, in Morton order
+    std::vector<std::vector<std::uint32_t>>
+        brick_of;  ///< [level][cell]: index in bricks, or kNoBrick
+    std::vector<std::vector<BinarySplits>> cell_splits;  ///< [level][cell]; empty for bricks
+    BigVector<BinarySplits> brick_splits;                ///< nodes with mass of all bricks
+    std::vector<std::size_t> first_splits;  ///< index of each brick's first, and the end
+    BFloat16 most_gain = 0;                 ///< largest gain of any split
 
-    /// Of a brick's nodes with mass: the whole, its fours, their twos.
+    /// Splits of brick b's nodes with mass: the whole, then cells of 4, then of 2 samples.
     std::span<const BinarySplits> splits_of_brick(std::size_t b) const {
         return std::span(brick_splits)
             .subspan(first_splits[b], first_splits[b + 1] - first_splits[b]);
     }
 };
 
-/// The field must outlive the tree. cost: O(voxels) time, up to 1.3 kB to each leaf
-/// scale  makes the gains of several fields comparable: cut_scale of their voxels
+/// field  must outlive the tree
+/// scale  factor on all gains, which makes those of several fields comparable: cut_scale
+/// cost   O(voxels) time, up to 1.3 kB for each leaf
 CutTree cut_tree(const LatticeField& field, double scale = 1);
+/// Unit of the gains of a field.
+/// voxel_edge  in any unit that all fields share
 double cut_scale(double voxel_edge);
 
-/// At most `budget` cells of all trees together, at least one of each: the cut of most worth at the
-/// price that leaves as many (price_search.h). May fall short of the budget where several splits
-/// are worth the same.
-/// returns for each tree its cells in Morton order of the octree's
+/// Optimal prunings of all trees under the multiplier at which they have at most `budget` cells
+/// together (lagrange_search.h), at least one of each tree. Fewer cells where several splits have
+/// one gain.
+/// returns  for each tree its cells, in Morton order of the octree's
 std::vector<PackedCells> best_cut(std::span<const CutTree> trees, std::size_t budget);
 
-/// Cells of the finest cut: samples with mass.
+/// Cells of the finest cut: all samples with mass.
 std::size_t finest_count(const CutTree& tree);
 
 }  // namespace vog::moments

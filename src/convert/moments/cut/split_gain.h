@@ -1,24 +1,24 @@
-// split_gain.h: what it is worth to split a cell in two.
+// split_gain.h: gain of replacing one Gaussian by the two of its parts, in closed form.
 #pragma once
 
 #include "convert/moments/gaussian_moments.h"
 
 namespace vog::moments {
 
-/// What an error is measured against.
-enum class ColumnDepth {
-    own,   ///< the depth of the cell itself, to the power 0.75
-    seen,  ///< that to the power 0.25, for gains to be multiplied with what is seen there
+/// Power p of the cell's own column depth that gains are divided by.
+enum class DepthPower {
+    three_quarters,  ///< 0.75: the only account of depth
+    quarter,         ///< 0.25: for gains that are multiplied by VisibilityWeight as well
 };
 
-/// |G_whole - G_a - G_b|^2 in closed form, for untruncated kernels, times the edge of the cell to
-/// the power 2.5, over its depth: an error in space is seen through the edge, along the column.
-/// Without the division the densest columns get everything.
-/// a, b     the two parts of `whole`, both with mass
+/// Squared L2 distance between one Gaussian and its two parts, untruncated, times edge^2.5, divided
+/// by column depth to the power p. The edge is that of the cube with the variance of `whole`, the
+/// depth mass / edge^2. Without the division the densest columns get every split.
+/// a, b     parts of `whole`, both with mass
 /// returns  >= 0, finite
-double split_gain(const Moments& whole, const Moments& a, const Moments& b, ColumnDepth depth);
+double split_gain(const Moments& whole, const Moments& a, const Moments& b, DepthPower power);
 
-/// What a gain in voxels of this edge is to be multiplied with, to be in units of the edge's.
-double gain_scale(double voxel_edge, ColumnDepth depth);
+/// Factor from gains in voxels to gains in the unit of `voxel_edge`.
+double gain_scale(double voxel_edge, DepthPower power);
 
 }  // namespace vog::moments

@@ -1,20 +1,21 @@
-// visibility.cpp: columns along lattice directions are sums over bins, without rays.
+// visibility.cpp: optical depth of columns by projecting mass onto bins, without rays.
 #include "convert/moments/cut/visibility.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "compare/error_views.h"
 #include "core/parallel.h"
 
 namespace vog::moments {
 
 namespace {
 
-/// Bins of a projection along an edge: 512 of 4 voxels and more.
+/// At most 512 bins along an edge, of at least 4 voxels.
 constexpr double kMostBins = 512, kLeastEdge = 4;
 
-/// Pieces along the edge of what a brick is added up from.
+/// Pieces that a brick is divided into along an edge.
 int pieces_of(const Brick& brick, double bin_edge) {
     const double fours = 0.5 * kLeafEdge * brick.spacing / bin_edge;
     return fours <= 1 ? 2 : 2 * static_cast<int>(std::ceil(fours));
@@ -69,7 +70,7 @@ void VisibilityWeight::set_bins(std::span<const Piece> pieces, Direction& direct
         static_cast<std::size_t>(direction.size[0]) * static_cast<std::size_t>(direction.size[1]),
         0);
     for (const Piece& piece : pieces) direction.bins[direction.bin(piece.place)] += piece.mass;
-    // Mass over the face of a bin is depth in voxels along an axis; a step is that much longer.
+    // Mass over the face of a bin is depth along an axis in voxels; a diagonal step is longer.
     const double step = length(map.linear * vec_cast<double>(direction.step));
     for (float& bin : direction.bins) bin *= static_cast<float>(step / (edge_ * edge_));
 }
@@ -89,10 +90,10 @@ VisibilityWeight::VisibilityWeight(const LatticeField& field) {
     }
     if (field.bricks.empty()) return;
     const Vec3d size = vec_cast<double>(upper) - vec_cast<double>(lower_);
-    // The largest brick is added as no more than 8^3 pieces.
+    // A sample of the largest brick at least, so that a brick has at most 8^3 pieces.
     edge_ = std::max({kLeastEdge, std::max({size.x, size.y, size.z}) / kMostBins, largest});
 
-    for (int n = 14; n < 27; ++n) {  // of all 27 steps the 13 after (0, 0, 0)
+    for (int n = 14; n < 27; ++n) {  // the 13 of 27 steps after (0, 0, 0)
         Direction direction;
         direction.step = {n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
         direction.along = direction.step.x ? 0 : direction.step.y ? 1 : 2;
@@ -113,7 +114,7 @@ VisibilityWeight::VisibilityWeight(const LatticeField& field) {
         set_bins(all, directions_[n], field.world_from_index);
     });
 
-    // As pictures are shown: the 99th percentile of what is not empty has T = 4.
+    // The automatic extinction of pictures: the 99th percentile of non-zero T becomes 4.
     std::vector<float> depths;
     for (const Direction& direction : directions_)
         std::copy_if(direction.bins.begin(), direction.bins.end(), std::back_inserter(depths),
@@ -128,13 +129,11 @@ VisibilityWeight::VisibilityWeight(const LatticeField& field) {
 }
 
 double VisibilityWeight::operator()(Vec3d index) const {
-    // The share of L2 of T itself: at 0.03 clouds gain 0.5 dB more and smoke's L2 is 10 % worse.
-    constexpr double kFloor = 0.1;
     const Vec3i place = place_of(index);
     double sum = 0;
     for (const Direction& direction : directions_)
         sum += static_cast<double>(direction.bins[direction.bin(place)]);
-    return kFloor + sum / static_cast<double>(directions_.size());
+    return comparison::kDepthErrorWeight + sum / static_cast<double>(directions_.size());
 }
 
 }  // namespace vog::moments

@@ -1,5 +1,5 @@
-// brick_responsibilities.cpp: the sum of all Gaussians at each sample of a brick, then each one's
-// share.
+// brick_responsibilities.cpp: density of the mixture at each sample of a brick, then
+// responsibilities.
 #include "convert/moments/em/brick_responsibilities.h"
 
 #include <algorithm>
@@ -8,13 +8,13 @@
 
 namespace vog::moments {
 
-Vec3d reach_of(const Moments& cell) {
+Vec3d support_half_extent(const Moments& cell) {
     const std::array<double, 6>& c = cell.covariance;
-    return {kShareReach * std::sqrt(c[0]), kShareReach * std::sqrt(c[3]),
-            kShareReach * std::sqrt(c[5])};
+    return {kSupportDeviations * std::sqrt(c[0]), kSupportDeviations * std::sqrt(c[3]),
+            kSupportDeviations * std::sqrt(c[5])};
 }
 
-CellKernel kernel_of(const Moments& m) {
+CellKernel cell_kernel(const Moments& m) {
     const std::array<double, 6>& c = m.covariance;
     const double xx = c[3] * c[5] - c[4] * c[4], xy = c[2] * c[4] - c[1] * c[5],
                  xz = c[1] * c[4] - c[2] * c[3], yy = c[0] * c[5] - c[2] * c[2],
@@ -25,32 +25,32 @@ CellKernel kernel_of(const Moments& m) {
     const std::array<double, 6> inverse{xx, xy, xz, yy, yz, zz};
     for (std::size_t n = 0; n < 6; ++n)
         kernel.half_inverse[n] = static_cast<float>(0.5 * inverse[n] / det);
-    kernel.peak = m.mass / std::sqrt(det);  // any common factor cancels
-    kernel.reach = reach_of(m);
-    kernel.thinnest = std::min({c[0], c[3], c[5]});
+    kernel.peak = m.mass / std::sqrt(det);  // common factors cancel
+    kernel.half_extent = support_half_extent(m);
+    kernel.least_variance = std::min({c[0], c[3], c[5]});
     return kernel;
 }
 
 namespace {
 
-/// Cells of less variance than this along an axis, in samples squared, feel a sample's own box.
+/// Variance along an axis, samples squared, below which a cell needs four points in each sample.
 constexpr double kFineVariance = 1;
 
-/// One point in each sample of a brick, all at the same place of it.
+/// A lattice with one point in each sample of a brick.
 struct Points {
-    Vec3d first;        ///< of the first sample; the next ones a spacing apart
-    double volume = 1;  ///< voxels that a point stands for
+    Vec3d first;        ///< point of the first sample, index space; spacing as the brick's
+    double volume = 1;  ///< of a point, voxels
 };
 
-/// First and last of the places 0, 1, ... 7 in [low, high].
-void places_between(float low, float high, int& first, int& last) {
+/// First and last of the integers 0 ... 7 in [low, high].
+void indices_between(float low, float high, int& first, int& last) {
     const float from = std::clamp(low, 0.0f, 8.0f), to = std::clamp(high, -1.0f, 7.0f) + 1;
     first = static_cast<int>(from), last = static_cast<int>(to) - 1;
     first += static_cast<float>(first) < from;
 }
 
-/// Where a Gaussian lies among the points of a brick.
-/// run  written in place: a copy of what was just written is a tenth of a step's time
+/// Coefficients of a Gaussian relative to the points of a brick, and the runs that it covers.
+/// run  out; written in place, as copying it costs a tenth of a step's time
 void set_run(const CellKernel& kernel, const Points& points, double spacing, RunKernel& run) {
     const Vec3f d = vec_cast<float>(points.first - kernel.mean);
     run.dx = d.x, run.dy = d.y, run.dz = d.z, run.step = static_cast<float>(spacing);
@@ -60,16 +60,16 @@ void set_run(const CellKernel& kernel, const Points& points, double spacing, Run
     run.xy = 2 * kPart * h[1], run.xz = 2 * kPart * h[2], run.yz = 2 * kPart * h[4];
     run.peak = static_cast<float>(kernel.peak);
     const float per_step = 1 / run.step;
-    const Vec3f half = vec_cast<float>(kernel.reach);
-    places_between(per_step * (-half.x - d.x), per_step * (half.x - d.x), run.x0, run.x1);
-    places_between(per_step * (-half.y - d.y), per_step * (half.y - d.y), run.y0, run.y1);
+    const Vec3f half = vec_cast<float>(kernel.half_extent);
+    indices_between(per_step * (-half.x - d.x), per_step * (half.x - d.x), run.x0, run.x1);
+    indices_between(per_step * (-half.y - d.y), per_step * (half.y - d.y), run.y0, run.y1);
     if (run.y1 < run.y0) run.x1 = run.x0 - 1;
     run.y0 /= 2, run.y1 /= 2;
 }
 
-/// Samples that no Gaussian reaches go whole to the one nearest in its own standard deviations.
-void take_orphans(const Brick& brick, const Points& points, std::span<const CellKernel> kernels,
-                  const BrickFloats& weight, std::span<MomentSums> parts) {
+/// Adds each sample outside all supports to the Gaussian with the least Mahalanobis distance.
+void assign_uncovered(const Brick& brick, const Points& points, std::span<const CellKernel> kernels,
+                      const BrickFloats& weight, std::span<MomentSums> parts) {
     for (int n = 0; n < kLeafVoxels; ++n) {
         if (brick.sample(n) <= 0 || weight[static_cast<std::size_t>(n)] > 0) continue;
         const Vec3d at =
@@ -90,10 +90,9 @@ void take_orphans(const Brick& brick, const Points& points, std::span<const Cell
     }
 }
 
-/// What each of the scratch's Gaussians takes of the points of one brick, added to parts[i] about
-/// its mean.
-void share_points(const Brick& brick, const Points& points, BrickScratch& scratch,
-                  std::span<MomentSums> parts) {
+/// Responsibilities for one lattice of points: adds kernel i's part to parts[i], about its mean.
+void add_point_responsibilities(const Brick& brick, const Points& points, BrickScratch& scratch,
+                                std::span<MomentSums> parts) {
     scratch.runs.clear();
     std::size_t count = 0;
     for (const CellKernel& kernel : scratch.kernels) {
@@ -110,37 +109,40 @@ void share_points(const Brick& brick, const Points& points, BrickScratch& scratc
     add_values(scratch.runs, scratch.values.get(), scratch.sum);
 
     const float* value = brick.leaf ? brick.leaf->value.data() : scratch.tile.data();
-    const bool any_orphan = weights_of(value, static_cast<float>(points.volume), scratch.sum);
-    take_shares(scratch.runs, scratch.values.get(), scratch.sum, parts);
-    if (any_orphan) take_orphans(brick, points, scratch.kernels, scratch.sum, parts);
+    const bool any_uncovered =
+        responsibility_weights(value, static_cast<float>(points.volume), scratch.sum);
+    add_responsibilities(scratch.runs, scratch.values.get(), scratch.sum, parts);
+    if (any_uncovered) assign_uncovered(brick, points, scratch.kernels, scratch.sum, parts);
 }
 
 }  // namespace
 
-void share_brick(const Brick& brick, BrickScratch& scratch, std::span<MomentSums> parts) {
+void add_brick_responsibilities(const Brick& brick, BrickScratch& scratch,
+                                std::span<MomentSums> parts) {
     const Vec3d center = brick_cell_center(brick, 0, 1);
     const double sample = brick.spacing * brick.spacing, box = kBoxVariance * sample;
     if (!brick.leaf) scratch.tile.fill(brick.value);
     const bool fine = std::ranges::any_of(scratch.kernels, [&](const CellKernel& kernel) {
-        return kernel.thinnest < kFineVariance * sample;
+        return kernel.least_variance < kFineVariance * sample;
     });
     if (!fine) {
-        // Samples at their centres, their own variance added to what is taken. Where all densities
-        // are even this widens a cell by as much at every step, which a large one does not feel.
-        share_points(brick, {center, brick.sample_volume()}, scratch, parts);
+        // Points at the samples' centres, whose variance is added to the parts. In a constant field
+        // this widens a cell by that much in every step, which is little for a large one.
+        add_point_responsibilities(brick, {center, brick.sample_volume()}, scratch, parts);
         for (MomentSums& part : parts)
             for (const std::size_t n : {0, 3, 5}) part.second[n] += box * part.mass;
         return;
     }
-    // Four points in each sample, the corners of a tetrahedron with half of the box's variance, the
-    // rest added to what is taken. With all of it in the points the cells of single voxels start to
-    // follow them (smoke at 13.5 %: L2 0.012 against 0.009); with less, cells of two widen.
+    // Four points in each sample, the corners of a tetrahedron with half the variance of the box;
+    // the other half is added to the parts. With all of it in the points, cells of single voxels
+    // begin to fit the points (smoke at 13.5 %: L2 0.012 against 0.009); with less, cells of two
+    // voxels widen.
     constexpr double kPoints = 4, kPointShare = 0.5;
     const double offset = std::sqrt(kPointShare * box);
     for (const Vec3d& corner :
          {Vec3d{1, 1, 1}, Vec3d{1, -1, -1}, Vec3d{-1, 1, -1}, Vec3d{-1, -1, 1}})
-        share_points(brick, {center + offset * corner, brick.sample_volume() / kPoints}, scratch,
-                     parts);
+        add_point_responsibilities(
+            brick, {center + offset * corner, brick.sample_volume() / kPoints}, scratch, parts);
     for (MomentSums& part : parts)
         for (const std::size_t n : {0, 3, 5}) part.second[n] += (1 - kPointShare) * box * part.mass;
 }

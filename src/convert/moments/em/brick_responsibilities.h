@@ -1,4 +1,5 @@
-// brick_responsibilities.h: what soft cells take of one brick.
+// brick_responsibilities.h: moments of each Gaussian's part of one brick: the E step on 8^3
+// samples.
 #pragma once
 
 #include <hwy/aligned_allocator.h>
@@ -13,28 +14,31 @@
 
 namespace vog::moments {
 
-/// A cell's Gaussian, ready for samples. Larger than a cell: made anew for each brick.
+/// A cell's Gaussian as needed to evaluate it. Larger than a cell, so made again for each brick.
 struct CellKernel {
-    Vec3d mean, reach;                    ///< half extents of the box it reaches
+    Vec3d mean, half_extent;              ///< index space; half extent of the support's box
     std::array<float, 6> half_inverse{};  ///< half the inverse covariance
-    double peak = 0;                      ///< in units that all kernels share
-    double thinnest = 0;                  ///< least variance along an axis
+    double peak = 0;            ///< mass / sqrt(det C): only ratios between kernels matter
+    double least_variance = 0;  ///< along an index axis, voxels squared
 };
-CellKernel kernel_of(const Moments& cell);
-Vec3d reach_of(const Moments& cell);
+CellKernel cell_kernel(const Moments& cell);
+Vec3d support_half_extent(const Moments& cell);
 
-/// What a thread needs for a brick.
+/// Buffers of one thread, reused from brick to brick.
 struct BrickScratch {
-    std::vector<CellKernel> kernels;  ///< of those that reach the brick
+    std::vector<CellKernel> kernels;  ///< whose support overlaps the brick
     std::vector<RunKernel> runs;
     hwy::AlignedFreeUniquePtr<float[]> values;
-    std::size_t capacity = 0;  ///< runs of values
-    alignas(64) BrickFloats sum;
-    BrickFloats tile;  ///< values, where there is no leaf
+    std::size_t capacity = 0;     ///< of `values`, in runs of kRun floats
+    alignas(64) BrickFloats sum;  ///< of all kernels at each sample, then mass over sum
+    BrickFloats tile;             ///< values of a tile's samples
 };
 
-/// What each of the scratch's kernels takes of one brick: added to parts[i], about its mean.
-/// kernels  with peaks of at most 1
-void share_brick(const Brick& brick, BrickScratch& scratch, std::span<MomentSums> parts);
+/// Divides the mass of every sample among scratch.kernels in proportion to their values there, and
+/// adds kernel i's part to parts[i], about its mean. A sample outside all supports goes whole to
+/// the kernel with the least Mahalanobis distance.
+/// scratch  kernels with peaks of at most 1
+void add_brick_responsibilities(const Brick& brick, BrickScratch& scratch,
+                                std::span<MomentSums> parts);
 
 }  // namespace vog::moments

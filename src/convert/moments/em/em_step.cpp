@@ -1,5 +1,5 @@
-// em_step.cpp: a soft step, batch by batch of bricks: who reaches them, what each takes, the
-// new moments of those that no later batch is reached by.
+// em_step.cpp: the EM step over batches of bricks: overlaps of supports with batches,
+// responsibilities, new moments of cells that no later batch overlaps.
 #include "convert/moments/em/em_step.h"
 
 #include <tbb/blocked_range.h>
@@ -17,11 +17,12 @@ namespace vog::moments {
 
 namespace {
 
-/// Cells go to threads in runs of this many.
+/// Cells per parallel task.
 constexpr std::size_t kChunk = 256;
 std::size_t chunks_of(std::size_t cells) { return (cells + kChunk - 1) / kChunk; }
 
-/// Whether the variance is more than `least` in every direction: Sylvester's criterion.
+/// Whether the variance exceeds `least` in every direction: C - least I is positive definite, by
+/// Sylvester's criterion.
 bool wider_than(const std::array<double, 6>& c, double least) {
     const double xx = c[0] - least, yy = c[3] - least, zz = c[5] - least;
     const double minor = xx * yy - c[1] * c[1];
@@ -30,7 +31,7 @@ bool wider_than(const std::array<double, 6>& c, double least) {
     return xx > 0 && minor > 0 && det > 0;
 }
 
-/// Raises the variance to a voxel's own in every direction: what shares of single points lack.
+/// Raises every eigenvalue to the variance of a voxel, which moments of points may fall below.
 void widen_to_voxel(std::array<double, 6>& c) {
     if (wider_than(c, kBoxVariance)) return;
     Eigen3 eigen = symmetric_eigen(
@@ -43,43 +44,46 @@ void widen_to_voxel(std::array<double, 6>& c) {
     c = {wide(0, 0), wide(0, 1), wide(0, 2), wide(1, 1), wide(1, 2), wide(2, 2)};
 }
 
-EmHistory::Momentum packed_way(const Moments& from, const Moments& to) {
-    const Vec3d way = to.mean - from.mean;
+/// The change from one state of a cell to another.
+EmHistory::Momentum packed_step(const Moments& from, const Moments& to) {
+    const Vec3d step = to.mean - from.mean;
     EmHistory::Momentum packed;
     const auto set = [&](std::size_t n, double value) {
         packed[n] = to_bfloat16(static_cast<float>(value));
     };
-    set(0, to.mass - from.mass), set(1, way.x), set(2, way.y), set(3, way.z);
+    set(0, to.mass - from.mass), set(1, step.x), set(2, step.y), set(3, step.z);
     for (std::size_t n = 0; n < 6; ++n) set(4 + n, to.covariance[n] - from.covariance[n]);
     return packed;
 }
 
-/// `times` the way from `from`.
-Moments gone(const Moments& from, const EmHistory::Momentum& way, double times) {
-    const auto part = [&](std::size_t n) { return times * double{from_bfloat16(way[n])}; };
+/// from + times * step
+Moments moved(const Moments& from, const EmHistory::Momentum& step, double times) {
+    const auto part = [&](std::size_t n) { return times * double{from_bfloat16(step[n])}; };
     Moments to{from.mass + part(0), from.mean + Vec3d{part(1), part(2), part(3)}, from.covariance};
     for (std::size_t n = 0; n < 6; ++n) to.covariance[n] += part(4 + n);
     return to;
 }
 
-/// Moves a cell as far again, times `momentum`, as it came last; not where that is no ellipsoid.
-/// way  how it came; then how far it was moved
-void look_ahead(PackedCells& cells, std::size_t i, EmHistory::Momentum& way, double momentum) {
+/// Nesterov extrapolation: adds momentum times the last step, unless the covariance would lose
+/// positive definiteness.
+/// step  in: the last step; out: the extrapolation
+void extrapolate(PackedCells& cells, std::size_t i, EmHistory::Momentum& step, double momentum) {
     const Moments from = cells[i];
-    Moments to = gone(from, way, momentum);
+    Moments to = moved(from, step, momentum);
     to.mass = std::max(to.mass, 0.5 * from.mass);
-    way = packed_way(from, to);
-    to = gone(from, way, 1);
+    step = packed_step(from, to);
+    to = moved(from, step, 1);
     if (wider_than(to.covariance, 0.5 * kBoxVariance))
         cells.set(i, to);
     else
-        way = {};
+        step = {};
 }
 
-/// Gives a cell the moments of what it took.
+/// M step of one cell: its moments become those of the sums.
 /// sums  about the cell's mean
-/// way   how far it was moved ahead; then how it came from where it was before that
-void settle(PackedCells& cells, std::size_t i, const MomentSums& sums, EmHistory::Momentum& way) {
+/// step  in: the extrapolation; out: the whole step, from before the extrapolation
+void set_from_sums(PackedCells& cells, std::size_t i, const MomentSums& sums,
+                   EmHistory::Momentum& step) {
     const Moments ahead = cells[i];
     Moments to;
     if (sums.mass > 0) {
@@ -88,10 +92,10 @@ void settle(PackedCells& cells, std::size_t i, const MomentSums& sums, EmHistory
         widen_to_voxel(to.covariance);
     }
     cells.set(i, to);
-    way = packed_way(gone(ahead, way, -1), to);
+    step = packed_step(moved(ahead, step, -1), to);
 }
 
-/// For a brick out of everyone's reach: the cell whose mean is nearest.
+/// The cell whose mean is nearest to a point.
 std::uint32_t nearest_cell(const Vec3d& center, const PackedCells& cells) {
     std::size_t nearest = 0;
     double least = std::numeric_limits<double>::infinity();
@@ -124,9 +128,10 @@ EmSolver::EmSolver(std::span<const Brick> bricks) : bricks_(bricks) {
 
 template <class Take>
 void EmSolver::for_each_brick(const Moments& cell, const Take& take) const {
-    const Vec3d reach = reach_of(cell), lower = cell.mean - reach, upper = cell.mean + reach;
+    const Vec3d half = support_half_extent(cell), lower = cell.mean - half,
+                upper = cell.mean + half;
     for (const Grid& grid : grids_) {
-        // Bricks whose samples may lie in the box: samples are half a spacing inside the brick.
+        // Brick coordinates by faces: the first one lies half a voxel below index 0.
         const double per_edge = 1 / (grid.spacing * kLeafEdge);  // exact: a power of two
         const auto brick_at = [&](double index) {
             const double at = (index + 0.5) * per_edge;
@@ -150,100 +155,100 @@ void EmSolver::for_each_brick(const Moments& cell, const Take& take) const {
     }
 }
 
-EmSolver::Reached EmSolver::reached_by(const PackedCells& cells) const {
-    Reached reached;
-    reached.batches.resize(cells.size());
-    std::vector<std::atomic<bool>> brick_is_reached(bricks_.size());
-    std::vector<double> highest(chunks_of(cells.size()));
-    vog::parallel_for(std::size_t{0}, highest.size(), [&](std::size_t chunk) {
+EmSolver::Overlaps EmSolver::find_overlaps(const PackedCells& cells) const {
+    Overlaps overlaps;
+    overlaps.batches.resize(cells.size());
+    std::vector<std::atomic<bool>> is_covered(bricks_.size());
+    std::vector<double> max_peak(chunks_of(cells.size()));
+    vog::parallel_for(std::size_t{0}, max_peak.size(), [&](std::size_t chunk) {
         const std::size_t end = std::min((chunk + 1) * kChunk, cells.size());
         for (std::size_t i = chunk * kChunk; i < end; ++i) {
             const Moments cell = cells[i];
-            highest[chunk] = std::max(highest[chunk], kernel_of(cell).peak);
+            max_peak[chunk] = std::max(max_peak[chunk], cell_kernel(cell).peak);
             for_each_brick(cell, [&](std::uint32_t brick) {
-                brick_is_reached[brick].store(true, std::memory_order_relaxed);
-                reached.batches[i] |= batch_bit(brick);
+                is_covered[brick].store(true, std::memory_order_relaxed);
+                overlaps.batches[i] |= batch_bit(brick);
             });
         }
     });
-    for (const double peak : highest) reached.highest = std::max(reached.highest, peak);
+    for (const double peak : max_peak) overlaps.max_peak = std::max(overlaps.max_peak, peak);
     for (std::size_t b = 0; b < bricks_.size(); ++b) {
-        if (brick_is_reached[b]) continue;
+        if (is_covered[b]) continue;
         const std::uint32_t cell = nearest_cell(brick_cell_center(bricks_[b], 0, 8), cells);
-        reached.lonely.push_back({static_cast<std::uint32_t>(b), cell});
-        reached.batches[cell] |= batch_bit(b);
+        overlaps.uncovered.push_back({static_cast<std::uint32_t>(b), cell});
+        overlaps.batches[cell] |= batch_bit(b);
     }
-    reached.begins.resize(chunks_of(cells.size()));
+    overlaps.first_batches.resize(chunks_of(cells.size()));
     std::array<std::ptrdiff_t, kMostBatches + 1> change{};
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        const std::uint64_t batches = reached.batches[i];
+        const std::uint64_t batches = overlaps.batches[i];
         if (batches == 0) continue;
-        reached.begins[i / kChunk] |= batches & (~batches + 1);
+        overlaps.first_batches[i / kChunk] |= batches & (~batches + 1);
         ++change[static_cast<std::size_t>(std::countr_zero(batches))];
         --change[static_cast<std::size_t>(std::bit_width(batches))];
     }
-    std::ptrdiff_t open = 0, most_open = 0;
-    for (const std::ptrdiff_t more : change) most_open = std::max(most_open, open += more);
-    reached.most_open = static_cast<std::size_t>(most_open);
-    return reached;
+    std::ptrdiff_t active = 0, max_active = 0;
+    for (const std::ptrdiff_t more : change) max_active = std::max(max_active, active += more);
+    overlaps.max_active = static_cast<std::size_t>(max_active);
+    return overlaps;
 }
 
-void EmSolver::open_cells(const Reached& reached, Batch& batch) const {
+void EmSolver::activate(const Overlaps& overlaps, Batch& batch) const {
     const std::uint64_t bit = batch_bit(batch.first_brick);
-    const auto on = static_cast<std::ptrdiff_t>(batch.open.size());
-    for (std::size_t chunk = 0; chunk < reached.begins.size(); ++chunk) {
-        if (!(reached.begins[chunk] & bit)) continue;
-        const std::size_t end = std::min((chunk + 1) * kChunk, reached.batches.size());
+    const auto carried = static_cast<std::ptrdiff_t>(batch.active.size());
+    for (std::size_t chunk = 0; chunk < overlaps.first_batches.size(); ++chunk) {
+        if (!(overlaps.first_batches[chunk] & bit)) continue;
+        const std::size_t end = std::min((chunk + 1) * kChunk, overlaps.batches.size());
         for (std::size_t i = chunk * kChunk; i < end; ++i) {
-            if ((reached.batches[i] & (bit | (bit - 1))) != bit) continue;
-            batch.open.push_back({static_cast<std::uint32_t>(i), batch.free.back()});
-            batch.sums[batch.free.back()] = {};
-            batch.free.pop_back();
+            if ((overlaps.batches[i] & (bit | (bit - 1))) != bit) continue;
+            batch.active.push_back({static_cast<std::uint32_t>(i), batch.free_sums.back()});
+            batch.sums[batch.free_sums.back()] = {};
+            batch.free_sums.pop_back();
         }
     }
-    std::inplace_merge(batch.open.begin(), batch.open.begin() + on, batch.open.end(),
-                       [](const Open& a, const Open& b) { return a.cell < b.cell; });
+    std::inplace_merge(batch.active.begin(), batch.active.begin() + carried, batch.active.end(),
+                       [](const ActiveCell& a, const ActiveCell& b) { return a.cell < b.cell; });
 }
 
-EmSolver::Lists EmSolver::lists_of(const PackedCells& cells, const Reached& reached,
-                                   const Batch& batch) const {
+EmSolver::BrickLists EmSolver::brick_lists(const PackedCells& cells, const Overlaps& overlaps,
+                                           const Batch& batch) const {
     const std::uint64_t bit = batch_bit(batch.first_brick);
-    std::vector<std::vector<Pair>> pairs(chunks_of(batch.open.size()) + 1);
+    std::vector<std::vector<Pair>> pairs(chunks_of(batch.active.size()) + 1);
     vog::parallel_for(std::size_t{0}, pairs.size() - 1, [&](std::size_t chunk) {
-        const std::size_t end = std::min((chunk + 1) * kChunk, batch.open.size());
+        const std::size_t end = std::min((chunk + 1) * kChunk, batch.active.size());
         for (std::size_t n = chunk * kChunk; n < end; ++n) {
-            const std::uint32_t cell = batch.open[n].cell;
-            if (!(reached.batches[cell] & bit)) continue;
+            const std::uint32_t cell = batch.active[n].cell;
+            if (!(overlaps.batches[cell] & bit)) continue;
             for_each_brick(cells[cell], [&](std::uint32_t brick) {
                 if (batch_bit(brick) == bit)
                     pairs[chunk].push_back({brick, static_cast<std::uint32_t>(n)});
             });
         }
     });
-    for (const Pair& pair : reached.lonely) {
+    for (const Pair& pair : overlaps.uncovered) {
         if (batch_bit(pair.brick) != bit) continue;
-        const auto place = std::ranges::lower_bound(batch.open, pair.cell, {}, &Open::cell);
+        const auto place = std::ranges::lower_bound(batch.active, pair.cell, {}, &ActiveCell::cell);
         pairs.back().push_back(
-            {pair.brick, static_cast<std::uint32_t>(place - batch.open.begin())});
+            {pair.brick, static_cast<std::uint32_t>(place - batch.active.begin())});
     }
 
-    // In the order of cells: a counting sort.
-    Lists lists;
+    // Counting sort by brick; the cells of a brick stay in ascending order.
+    BrickLists lists;
     lists.first.resize(batch.end_brick - batch.first_brick + 1);
     for (const auto& chunk : pairs)
         for (const Pair& pair : chunk) ++lists.first[pair.brick - batch.first_brick + 1];
     std::partial_sum(lists.first.begin(), lists.first.end(), lists.first.begin());
-    lists.places.resize(lists.first.back());
+    lists.entries.resize(lists.first.back());
     std::vector<std::size_t> next(lists.first.begin(), lists.first.end() - 1);
     for (const auto& chunk : pairs)
         for (const Pair& pair : chunk)
-            lists.places[next[pair.brick - batch.first_brick]++] = pair.cell;
+            lists.entries[next[pair.brick - batch.first_brick]++] = pair.cell;
     return lists;
 }
 
-void EmSolver::share(const PackedCells& cells, double highest, const Lists& lists,
-                     Batch& batch) const {
-    BigVector<MomentSums> parts(lists.places.size());
+void EmSolver::e_step(const PackedCells& cells, double max_peak, const BrickLists& lists,
+                      Batch& batch) const {
+    BigVector<MomentSums> parts(lists.entries.size());
     vog::parallel_for(
         tbb::blocked_range<std::size_t>(batch.first_brick, batch.end_brick, 2),
         [&](const tbb::blocked_range<std::size_t>& range) {
@@ -252,67 +257,67 @@ void EmSolver::share(const PackedCells& cells, double highest, const Lists& list
                 const std::size_t n = b - batch.first_brick, first = lists.first[n],
                                   count = lists.first[n + 1] - first;
                 scratch.kernels.clear();
-                for (const std::uint32_t place : std::span(lists.places).subspan(first, count)) {
-                    scratch.kernels.push_back(kernel_of(cells[batch.open[place].cell]));
-                    scratch.kernels.back().peak /= highest;
+                for (const std::uint32_t entry : std::span(lists.entries).subspan(first, count)) {
+                    scratch.kernels.push_back(cell_kernel(cells[batch.active[entry].cell]));
+                    scratch.kernels.back().peak /= max_peak;
                 }
-                share_brick(bricks_[b], scratch, std::span(parts).subspan(first, count));
+                add_brick_responsibilities(bricks_[b], scratch,
+                                           std::span(parts).subspan(first, count));
             }
         });
     for (std::size_t n = 0; n < parts.size(); ++n)
-        add_shifted(batch.sums[batch.open[lists.places[n]].sums], parts[n], {});
+        add_shifted(batch.sums[batch.active[lists.entries[n]].sums], parts[n], {});
 }
 
-void EmSolver::settle_done(PackedCells& cells, const Reached& reached, Batch& batch,
-                           EmHistory& steps) const {
+void EmSolver::m_step(PackedCells& cells, const Overlaps& overlaps, Batch& batch,
+                      EmHistory& history) const {
     const std::uint64_t bit = batch_bit(batch.first_brick), later = ~(bit | (bit - 1));
-    const auto is_done = [&](const Open& open) { return !(reached.batches[open.cell] & later); };
-    vog::parallel_for(std::size_t{0}, batch.open.size(), [&](std::size_t n) {
-        const auto [cell, sums] = batch.open[n];
-        if (is_done(batch.open[n])) settle(cells, cell, batch.sums[sums], steps.momenta[cell]);
+    const auto is_done = [&](const ActiveCell& active) {
+        return !(overlaps.batches[active.cell] & later);
+    };
+    vog::parallel_for(std::size_t{0}, batch.active.size(), [&](std::size_t n) {
+        const auto [cell, sums] = batch.active[n];
+        if (is_done(batch.active[n]))
+            set_from_sums(cells, cell, batch.sums[sums], history.momenta[cell]);
     });
-    for (const Open& open : batch.open)
-        if (is_done(open)) batch.free.push_back(open.sums);
-    std::erase_if(batch.open, is_done);
+    for (const ActiveCell& active : batch.active)
+        if (is_done(active)) batch.free_sums.push_back(active.sums);
+    std::erase_if(batch.active, is_done);
 }
 
-void EmSolver::step(PackedCells& cells, EmHistory& steps) const {
-    // Nesterov's momentum: from 0 at the start to 0.8. Whatever Gaussians the shares are taken by,
-    // they add up to the whole, so that mass is conserved all the same.
+void EmSolver::step(PackedCells& cells, EmHistory& history) const {
+    // Nesterov's momentum n / (n + 3), at most 0.8. Responsibilities of any Gaussians add up to 1,
+    // so extrapolation does not change the total mass.
     constexpr double kMostMomentum = 0.8;
-    const double momentum = std::min(kMostMomentum, steps.taken / (steps.taken + 3.0));
-    steps.momenta.resize(cells.size());
-    if (steps.taken++ > 0)
-        vog::parallel_for(std::size_t{0}, cells.size(),
-                          [&](std::size_t i) { look_ahead(cells, i, steps.momenta[i], momentum); });
+    const double momentum = std::min(kMostMomentum, history.taken / (history.taken + 3.0));
+    history.momenta.resize(cells.size());
+    if (history.taken++ > 0)
+        vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+            extrapolate(cells, i, history.momenta[i], momentum);
+        });
 
-    const Reached reached = reached_by(cells);
+    const Overlaps overlaps = find_overlaps(cells);
     Batch batch;
-    batch.open.reserve(reached.most_open);
-    batch.sums.resize(reached.most_open);
-    batch.free.resize(reached.most_open);
-    std::iota(batch.free.begin(), batch.free.end(), std::uint32_t{0});
+    batch.active.reserve(overlaps.max_active);
+    batch.sums.resize(overlaps.max_active);
+    batch.free_sums.resize(overlaps.max_active);
+    std::iota(batch.free_sums.begin(), batch.free_sums.end(), std::uint32_t{0});
     for (; batch.first_brick < bricks_.size(); batch.first_brick = batch.end_brick) {
         batch.end_brick =
             std::min(batch.first_brick + (std::size_t{1} << batch_log2_), bricks_.size());
-        open_cells(reached, batch);
-        share(cells, reached.highest, lists_of(cells, reached, batch), batch);
-        settle_done(cells, reached, batch, steps);
+        activate(overlaps, batch);
+        e_step(cells, overlaps.max_peak, brick_lists(cells, overlaps, batch), batch);
+        m_step(cells, overlaps, batch, history);
     }
 
-    // A cell without mass, or that reaches no brick, took nothing.
+    // Cells without mass, and those whose support overlaps no brick, are removed.
     std::size_t kept = 0;
     cells.keep_if([&](std::size_t i) {
-        const bool stays = reached.batches[i] != 0 && cells.mass(i) > 0;
-        if (stays) steps.momenta[kept++] = steps.momenta[i];
-        return stays;
+        const bool is_kept = overlaps.batches[i] != 0 && cells.mass(i) > 0;
+        if (is_kept) history.momenta[kept++] = history.momenta[i];
+        return is_kept;
     });
-    steps.momenta.resize(kept);
-}
-
-void EmSolver::soften(PackedCells& cells, int steps) const {
-    EmHistory taken;
-    for (int n = 0; n < steps; ++n) step(cells, taken);
+    history.momenta.resize(kept);
 }
 
 }  // namespace vog::moments

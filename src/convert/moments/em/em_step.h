@@ -1,8 +1,8 @@
-// em_step.h: from hard cells to soft ones, by expectation-maximisation.
-// A hard cell gives every voxel to one Gaussian, so neighbours leave ripples and steps where they
-// meet. A soft cell takes of each voxel the share that its Gaussian has in the sum of all there,
-// then the moments of what it took: mass stays, and the likelihood of the voxels under the sum
-// grows.
+// em_step.h: one accelerated step of expectation-maximisation for a Gaussian mixture over voxels. A
+// hard cell owns its voxels, so neighbouring Gaussians leave ripples and steps where they meet. In
+// a soft cell every voxel's mass is divided among the Gaussians by their responsibilities, their
+// share of the mixture's density there (E step), and each Gaussian gets the moments of its part (M
+// step). Mass is conserved; the likelihood of the voxels under the mixture grows.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
@@ -18,82 +18,87 @@
 
 namespace vog::moments {
 
-/// What a run of steps remembers: how each cell came to where it is. Half floats do: the next step
-/// starts from about there, and what it finds does not depend on them.
+/// Momentum of a run of steps. bfloat16 suffices: it only shifts where the next step starts from,
+/// and the M step does not depend on it.
 struct EmHistory {
-    using Momentum = std::array<BFloat16, 10>;  ///< mass, x y z, xx xy xz yy yz zz
-    BigVector<Momentum> momenta;
-    int taken = 0;
+    /// Change of a cell in the last step: mass, mean x y z, covariance xx xy xz yy yz zz.
+    using Momentum = std::array<BFloat16, 10>;
+    BigVector<Momentum> momenta;  ///< one a cell
+    int taken = 0;                ///< steps so far
 };
 
+/// EM over the bricks of one field.
 class EmSolver {
   public:
-    /// bricks  every sample of the volume; kept by reference
+    /// bricks  all samples of the field; not copied
     explicit EmSolver(std::span<const Brick> bricks);
-    /// Replaces each cell's moments by those of its soft cell, seen from a little further along the
-    /// way of the last step: twelve such steps go as far as thirty that start where the last ended.
-    /// cells  those that get no mass are removed
-    /// memory  a few dozen bytes a cell: bricks are gone through in batches, and what cells take is
-    ///         held only while a batch is to come that they reach
-    void step(PackedCells& cells, EmHistory& steps) const;
-    void soften(PackedCells& cells, int steps) const;
+    /// Nesterov extrapolation of every cell, then one EM step. Twelve such steps go as far as
+    /// thirty without momentum.
+    /// cells   the ones that receive no mass are removed
+    /// memory  a few dozen bytes a cell: bricks are processed in batches, and a cell's sums are
+    ///         held from the first batch that its support overlaps to the last
+    void step(PackedCells& cells, EmHistory& history) const;
 
   private:
     struct Place {
         Vec3i at;  ///< origin over edge
         std::uint32_t brick;
     };
+    /// Bricks of one spacing.
     struct Grid {
         double spacing = 1;
-        std::vector<Place> places;  ///< by x, then y, then z
+        std::vector<Place> places;  ///< sorted by x, then y, then z
     };
     struct Pair {
         std::uint32_t brick, cell;
     };
-    /// Who reaches what.
-    struct Reached {
-        BigVector<std::uint64_t> batches;   ///< bit b of cell i: it reaches batch b
-        std::vector<std::uint64_t> begins;  ///< bit b of a chunk of cells: one's first batch is b
-        std::vector<Pair> lonely;           ///< bricks out of everyone's reach, and who takes them
-        double highest = 0;                 ///< peak of all
-        std::size_t most_open = 0;          ///< cells between their first and last batch
+    /// Batches of bricks that each Gaussian's support overlaps.
+    struct Overlaps {
+        BigVector<std::uint64_t> batches;  ///< bit b of cell i: it overlaps batch b
+        std::vector<std::uint64_t>
+            first_batches;            ///< bit b of a chunk: b is the first of some cell
+        std::vector<Pair> uncovered;  ///< bricks that no support overlaps, with the nearest cell
+        double max_peak = 0;          ///< of all Gaussians
+        std::size_t max_active = 0;   ///< most cells between their first and last batch at once
     };
-    /// A cell that has begun to take and is not done, and where its sums are.
-    struct Open {
-        std::uint32_t cell, sums;
+    /// A cell between its first and its last batch.
+    struct ActiveCell {
+        std::uint32_t cell, sums;  ///< sums: index in Batch::sums
     };
     struct Batch {
         std::size_t first_brick = 0, end_brick = 0;
-        std::vector<Open> open;           ///< by cell
-        BigVector<MomentSums> sums;       ///< what open cells took so far, about their means
-        std::vector<std::uint32_t> free;  ///< sums that are nobody's
+        std::vector<ActiveCell> active;        ///< sorted by cell
+        BigVector<MomentSums> sums;            ///< of active cells so far, about their means
+        std::vector<std::uint32_t> free_sums;  ///< indices of unused entries of `sums`
         tbb::enumerable_thread_specific<BrickScratch> scratches{};
     };
-    /// Who reaches each brick of a batch.
-    struct Lists {
-        std::vector<std::uint32_t> places;  ///< in Batch::open, one brick's after another's
-        std::vector<std::size_t> first;     ///< of each brick, and the end
+    /// Active cells whose support overlaps each brick of a batch, in compressed rows.
+    struct BrickLists {
+        std::vector<std::uint32_t> entries;  ///< indices in Batch::active, brick by brick
+        std::vector<std::size_t> first;      ///< first entry of each brick, and the end
     };
-    static constexpr std::size_t kMostBatches = 64;  ///< the bits of a word
+    static constexpr std::size_t kMostBatches = 64;  ///< bits of a word
     std::uint64_t batch_bit(std::size_t brick) const {
         return std::uint64_t{1} << (brick >> batch_log2_);
     }
-    /// Calls take(brick) for all that a cell may reach.
+    /// Calls take(brick) for the bricks that the bounding box of a cell's support overlaps.
     template <class Take>
     void for_each_brick(const Moments& cell, const Take& take) const;
-    Reached reached_by(const PackedCells& cells) const;
-    /// Those whose first batch this is join those that go on.
-    void open_cells(const Reached& reached, Batch& batch) const;
-    Lists lists_of(const PackedCells& cells, const Reached& reached, const Batch& batch) const;
-    /// What each open cell takes of the batch: parts are held apart, then added in the order of
-    /// bricks.
-    void share(const PackedCells& cells, double highest, const Lists& lists, Batch& batch) const;
-    /// Gives those their new moments that no later batch is reached by.
-    void settle_done(PackedCells& cells, const Reached& reached, Batch& batch,
-                     EmHistory& steps) const;
+    Overlaps find_overlaps(const PackedCells& cells) const;
+    /// Adds the cells whose first batch this is to the active ones.
+    void activate(const Overlaps& overlaps, Batch& batch) const;
+    BrickLists brick_lists(const PackedCells& cells, const Overlaps& overlaps,
+                           const Batch& batch) const;
+    /// Adds the batch's voxels to the sums of the active cells. Each brick has partial sums of its
+    /// own, which are added in the order of bricks: the same bytes for any number of threads.
+    void e_step(const PackedCells& cells, double max_peak, const BrickLists& lists,
+                Batch& batch) const;
+    /// Sets the moments of the active cells whose last batch this is, and releases their sums.
+    void m_step(PackedCells& cells, const Overlaps& overlaps, Batch& batch,
+                EmHistory& history) const;
 
     std::span<const Brick> bricks_;
-    int batch_log2_ = 5;       ///< bricks of a batch: enough for its threads
+    int batch_log2_ = 5;       ///< log2 of bricks per batch; at least 32, work for its threads
     std::vector<Grid> grids_;  ///< one for each spacing
 };
 

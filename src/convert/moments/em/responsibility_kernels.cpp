@@ -1,6 +1,6 @@
-// responsibility_kernels.cpp: for each pair of rows the quadratic form is a polynomial in x whose
-// coefficients stay in registers, so that a point costs a dozen operations. foreach_target.h
-// includes this file once per target: what stands outside HWY_NAMESPACE is guarded.
+// responsibility_kernels.cpp: quadratic forms as polynomials in x, whose coefficients stay in
+// registers for a pair of rows: a dozen operations a point. foreach_target.h includes this file
+// once for each target, so code outside HWY_NAMESPACE is guarded by HWY_ONCE.
 #include "convert/moments/em/responsibility_kernels.h"
 
 #undef HWY_TARGET_INCLUDE
@@ -17,11 +17,11 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Tag = hn::CappedTag<float, kRun>;
 using Floats = hn::Vec<Tag>;
 
-/// Row and place along z of the points of a run.
+/// Row, and position along z, of the points of a run.
 alignas(64) constexpr float kRow[kRun] = {0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1};
 alignas(64) constexpr float kPlace[kRun] = {0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3, 4, 5, 6, 7};
 
-/// From the mean, for lanes of a run.
+/// Coordinates relative to the mean, for lanes of a run.
 HWY_INLINE Floats run_y(const RunKernel& k, int pair, std::size_t lane) {
     const Tag d;
     const Floats first = hn::Set(d, k.dy + k.step * static_cast<float>(2 * pair));
@@ -32,8 +32,8 @@ HWY_INLINE Floats run_z(const RunKernel& k, std::size_t lane) {
     return hn::Add(hn::Set(d, k.dz), hn::Mul(hn::Set(d, k.step), hn::Load(d, kPlace + lane)));
 }
 
-/// Where a Gaussian ends, as u.
-constexpr float kEnd = static_cast<float>(kShareReach * kShareReach) / 32;
+/// u at the edge of the support.
+constexpr float kEnd = static_cast<float>(kSupportDeviations * kSupportDeviations) / 32;
 
 void add_one(const RunKernel& k, float* values, float* sum) {
     const Tag d;
@@ -57,8 +57,8 @@ void add_one(const RunKernel& k, float* values, float* sum) {
                 const float x = k.dx + k.step * static_cast<float>(k.x0 + n);
                 const Floats inner = hn::Add(linear, hn::Set(d, x * k.xx));
                 const Floats u = hn::Add(constant, hn::Mul(hn::Set(d, x), inner));
-                // exp(-u) to the second order, to the 16th power: 6e-3 too much at
-                // two standard deviations, 8e-2 at three.
+                // Second-order Taylor polynomial of exp(-u), to the 16th power: too large by 6e-3
+                // at two standard deviations, by 8e-2 at three, relatively.
                 Floats t = hn::Sub(one, hn::Mul(u, hn::Sub(one, hn::Mul(half, u))));
                 t = hn::Mul(t, t), t = hn::Mul(t, t), t = hn::Mul(t, t), t = hn::Mul(t, t);
                 const Floats value = hn::IfThenElseZero(hn::Lt(u, end), hn::Mul(peak, t));
@@ -69,13 +69,14 @@ void add_one(const RunKernel& k, float* values, float* sum) {
     }
 }
 
-/// What the lanes of a run sum up to: moments about the mean, each lane for itself.
+/// Moments about the mean, summed separately in each lane.
 enum { kM, kX, kY, kZ, kXX, kXY, kXZ, kYY, kYZ, kZZ, kSums };
 struct LaneSums {
     alignas(64) float of[kSums][kRun];
 };
 
-void take_one(const RunKernel& k, const float* values, const float* weight, LaneSums& to) {
+void responsibilities_of_one(const RunKernel& k, const float* values, const float* weight,
+                             LaneSums& to) {
     const Tag d;
     const int columns = k.x1 - k.x0 + 1;
     for (std::size_t lane = 0; lane < kRun; lane += hn::Lanes(d)) {
@@ -108,7 +109,7 @@ void take_one(const RunKernel& k, const float* values, const float* weight, Lane
     }
 }
 
-/// Adds up the lanes, as a tree.
+/// Adds the lanes in a fixed tree: the same bytes for any vector width.
 void add_lanes(const LaneSums& lanes, MomentSums& to) {
     const auto all = [&](int sum) {
         const float* s = lanes.of[sum];
@@ -128,25 +129,25 @@ void add_all(std::span<const RunKernel> kernels, float* values, BrickFloats& sum
 
 bool divide(const float* value, float volume, BrickFloats& sum) {
     const Tag d;
-    const Floats zero = hn::Zero(d), least_share = hn::Set(d, kLeastSum);
-    Floats orphans = zero;  // the largest mass that is not reached
+    const Floats zero = hn::Zero(d), least_sum = hn::Set(d, kLeastSum);
+    Floats uncovered = zero;  // largest mass of a point that is not covered
     for (std::size_t n = 0; n < kLeafVoxels; n += hn::Lanes(d)) {
         const Floats mass = hn::Mul(hn::Set(d, volume), hn::LoadU(d, value + n));
         const Floats all = hn::Load(d, sum.data() + n);
-        const auto reached = hn::Gt(all, hn::Mul(least_share, mass));
-        orphans = hn::Max(orphans, hn::IfThenZeroElse(reached, mass));
-        hn::Store(hn::IfThenElseZero(reached, hn::Div(mass, all)), d, sum.data() + n);
+        const auto covered = hn::Gt(all, hn::Mul(least_sum, mass));
+        uncovered = hn::Max(uncovered, hn::IfThenZeroElse(covered, mass));
+        hn::Store(hn::IfThenElseZero(covered, hn::Div(mass, all)), d, sum.data() + n);
     }
-    return !hn::AllFalse(d, hn::Gt(orphans, zero));
+    return !hn::AllFalse(d, hn::Gt(uncovered, zero));
 }
 
-void take_all(std::span<const RunKernel> kernels, const float* values, const BrickFloats& weight,
-              std::span<MomentSums> parts) {
+void responsibilities_of_all(std::span<const RunKernel> kernels, const float* values,
+                             const BrickFloats& weight, std::span<MomentSums> parts) {
     LaneSums lanes;
     for (std::size_t i = 0; i < kernels.size(); ++i) {
         const RunKernel& k = kernels[i];
         if (k.run_count() == 0) continue;
-        take_one(k, values + kRun * k.first_run, weight.data(), lanes);
+        responsibilities_of_one(k, values + kRun * k.first_run, weight.data(), lanes);
         add_lanes(lanes, parts[i]);
     }
 }
@@ -162,20 +163,20 @@ namespace vog::moments {
 namespace {
 HWY_EXPORT(add_all);
 HWY_EXPORT(divide);
-HWY_EXPORT(take_all);
+HWY_EXPORT(responsibilities_of_all);
 }  // namespace
 
 void add_values(std::span<const RunKernel> kernels, float* values, BrickFloats& sum) {
     HWY_DYNAMIC_DISPATCH(add_all)(kernels, values, sum);
 }
 
-bool weights_of(const float* value, float volume, BrickFloats& sum) {
+bool responsibility_weights(const float* value, float volume, BrickFloats& sum) {
     return HWY_DYNAMIC_DISPATCH(divide)(value, volume, sum);
 }
 
-void take_shares(std::span<const RunKernel> kernels, const float* values, const BrickFloats& weight,
-                 std::span<MomentSums> parts) {
-    HWY_DYNAMIC_DISPATCH(take_all)(kernels, values, weight, parts);
+void add_responsibilities(std::span<const RunKernel> kernels, const float* values,
+                          const BrickFloats& weight, std::span<MomentSums> parts) {
+    HWY_DYNAMIC_DISPATCH(responsibilities_of_all)(kernels, values, weight, parts);
 }
 
 }  // namespace vog::moments

@@ -1,4 +1,4 @@
-// split_merge.cpp: halves of the worst in the place of one of each pair that is joined.
+// split_merge.cpp: the worst cells split in two, in the storage of one of each pair that is merged.
 #include "convert/moments/refine/split_merge.h"
 
 #include <algorithm>
@@ -22,14 +22,14 @@ double log_determinant(const Moments& cell) {
     const auto& [xx, xy, xz, yy, yz, zz] = cell.covariance;
     const double determinant =
         xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz);
-    constexpr double kLeast = 1e-30;  // rounding may leave a thin one none
+    constexpr double kLeast = 1e-30;  // rounding may make that of a thin cell 0
     return std::log(std::max(determinant, kLeast));
 }
 
-/// BinarySplits of a Gaussian at its longest axis, as Gaussians: their means lie sqrt(2 / pi)
-/// standard
-/// deviations from its own, and they have its moments together.
-std::array<Moments, 2> halves(const Moments& cell) {
+/// Two Gaussians with the moments of the halves of `cell` on either side of its mean, across its
+/// longest axis: means at +-sqrt(2 / pi) standard deviations. Together they have the moments of
+/// `cell`.
+std::array<Moments, 2> split_in_two(const Moments& cell) {
     const auto& [xx, xy, xz, yy, yz, zz] = cell.covariance;
     const Eigen3 eigen =
         symmetric_eigen({{Vec3d{xx, xy, xz}, Vec3d{xy, yy, yz}, Vec3d{xz, yz, zz}}});
@@ -37,19 +37,20 @@ std::array<Moments, 2> halves(const Moments& cell) {
     for (int axis = 1; axis < 3; ++axis)
         if (eigen.values[axis] > eigen.values[longest]) longest = axis;
     const Vec3d axis = eigen.axes.column(longest);
-    const double apart2 = eigen.values[longest] * 2 / std::numbers::pi;
+    const double offset2 = eigen.values[longest] * 2 / std::numbers::pi;
     const std::array<double, 6> square{axis.x * axis.x, axis.x * axis.y, axis.x * axis.z,
                                        axis.y * axis.y, axis.y * axis.z, axis.z * axis.z};
     std::array<Moments, 2> parts{cell, cell};
     for (Moments& part : parts) {
         part.mass *= 0.5;
-        for (std::size_t n = 0; n < 6; ++n) part.covariance[n] -= apart2 * square[n];
+        for (std::size_t n = 0; n < 6; ++n) part.covariance[n] -= offset2 * square[n];
     }
-    parts[0].mean = cell.mean - std::sqrt(apart2) * axis;
-    parts[1].mean = cell.mean + std::sqrt(apart2) * axis;
+    parts[0].mean = cell.mean - std::sqrt(offset2) * axis;
+    parts[1].mean = cell.mean + std::sqrt(offset2) * axis;
     return parts;
 }
 
+/// Two cells and the loss by merging them.
 struct Pair {
     double cost = 0;
     Id a = 0, b = 0;
@@ -59,12 +60,16 @@ struct Pair {
     }
 };
 
-/// The cheapest partner of each cell among those that it shares a bucket of space with.
-class Pairing {
+/// Pairs of nearby cells that are cheap to merge.
+class PairSearch {
   public:
-    Pairing(const PackedCells& cells, const VisibilityWeight& seen) : cells_(cells), seen_(seen) {}
+    PairSearch(const PackedCells& cells, const VisibilityWeight& visibility)
+        : cells_(cells), visibility_(visibility) {}
 
-    std::vector<Pair> of(std::span<Id> ids) {
+    /// For each cell the cheapest partner within its bucket of up to 16 cells, cheapest pairs
+    /// first.
+    /// ids  reordered
+    std::vector<Pair> cheapest_pairs(std::span<Id> ids) {
         buckets_.clear();
         divide(ids);
         std::vector<std::vector<Pair>> found(buckets_.size());
@@ -78,7 +83,7 @@ class Pairing {
     }
 
   private:
-    /// BinarySplits of as many cells each, across the longest edge of the box around their means.
+    /// Median splits across the longest edge of the box around the means.
     void divide(std::span<Id> ids) {
         constexpr std::size_t kBucket = 16;
         if (ids.size() <= kBucket) return buckets_.push_back(ids);
@@ -99,26 +104,27 @@ class Pairing {
     }
 
     std::vector<Pair> cheapest(std::span<const Id> ids) const {
-        struct Priced {
+        struct Candidate {
             Moments cell;
-            double log_determinant, seen;
+            double log_determinant, visibility;
         };
-        std::vector<Priced> of;
+        std::vector<Candidate> candidates;
         for (const Id id : ids) {
             const Moments cell = cells_[id];
-            of.push_back({cell, moments::log_determinant(cell), seen_(cell.mean)});
+            candidates.push_back({cell, moments::log_determinant(cell), visibility_(cell.mean)});
         }
         std::vector<Pair> pairs;
         for (std::size_t a = 0; a + 1 < ids.size(); ++a) {
             Pair best;
             for (std::size_t b = a + 1; b < ids.size(); ++b) {
-                const std::array<Moments, 2> both{of[a].cell, of[b].cell};
+                const std::array<Moments, 2> both{candidates[a].cell, candidates[b].cell};
                 const Moments joined = joined_moments(both);
                 const double divergence = 0.5 * (joined.mass * moments::log_determinant(joined) -
-                                                 both[0].mass * of[a].log_determinant -
-                                                 both[1].mass * of[b].log_determinant);
-                const double cost =
-                    divergence * 0.5 * (of[a].seen + of[b].seen) / std::sqrt(joined.mass);
+                                                 both[0].mass * candidates[a].log_determinant -
+                                                 both[1].mass * candidates[b].log_determinant);
+                const double cost = divergence * 0.5 *
+                                    (candidates[a].visibility + candidates[b].visibility) /
+                                    std::sqrt(joined.mass);
                 const Pair pair{cost, std::min(ids[a], ids[b]), std::max(ids[a], ids[b])};
                 if (b == a + 1 || pair < best) best = pair;
             }
@@ -128,31 +134,32 @@ class Pairing {
     }
 
     const PackedCells& cells_;
-    const VisibilityWeight& seen_;
+    const VisibilityWeight& visibility_;
     std::vector<std::span<Id>> buckets_;
 };
 
 }  // namespace
 
 void split_and_merge(PackedCells& cells, std::span<const float> error, double share,
-                     const VisibilityWeight& seen) {
+                     const VisibilityWeight& visibility) {
     std::vector<Id> ids(cells.size());
     std::iota(ids.begin(), ids.end(), Id{0});
-    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(ids.size()));
-    const auto worst = std::span(ids).first(wanted), others = std::span(ids).subspan(wanted);
+    const auto split_count = static_cast<std::size_t>(share * static_cast<double>(ids.size()));
+    const auto worst = std::span(ids).first(split_count),
+               others = std::span(ids).subspan(split_count);
     std::partial_sort(
-        ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(wanted), ids.end(),
+        ids.begin(), ids.begin() + static_cast<std::ptrdiff_t>(split_count), ids.end(),
         [&](Id a, Id b) { return error[a] != error[b] ? error[a] > error[b] : a < b; });
     std::vector<bool> joined(cells.size());
-    std::size_t parted = 0;
-    for (const Pair& pair : Pairing(cells, seen).of(others)) {
-        if (parted == wanted) break;
+    std::size_t splits_made = 0;
+    for (const Pair& pair : PairSearch(cells, visibility).cheapest_pairs(others)) {
+        if (splits_made == split_count) break;
         if (joined[pair.a] || joined[pair.b]) continue;
         joined[pair.a] = joined[pair.b] = true;
         const std::array<Moments, 2> both{cells[pair.a], cells[pair.b]};
-        const std::array<Moments, 2> parts = halves(cells[worst[parted]]);
+        const std::array<Moments, 2> parts = split_in_two(cells[worst[splits_made]]);
         cells.set(pair.a, joined_moments(both));
-        cells.set(worst[parted++], parts[0]);
+        cells.set(worst[splits_made++], parts[0]);
         cells.set(pair.b, parts[1]);
     }
 }

@@ -1,4 +1,4 @@
-// split_merge.h: cells taken from where they are of little use to where pictures err.
+// split_merge.h: split-and-merge of mixture components at a constant count.
 #pragma once
 
 #include <span>
@@ -8,13 +8,14 @@
 
 namespace vog::moments {
 
-/// Parts the cells that err most in two, and joins as many pairs of the others: those that lose
-/// least by it, the bound on the Kullback-Leibler divergence that Runnalls gives ("Kullback-Leibler
-/// approach to Gaussian mixture reduction", 2007), weighed by what is seen. Moments stay, of the
-/// whole and of each cell that is parted or joined; there are as many cells as before.
-/// error  of each cell, in any unit
-/// share  of the cells that are parted, 0 to 1/3
+/// Splits the cells with the largest error in two and merges as many pairs of the others. Pairs
+/// have the least upper bound on the Kullback-Leibler divergence by merging (A. Runnalls,
+/// "Kullback-Leibler approach to Gaussian mixture reduction", 2007), weighted by visibility /
+/// sqrt(mass). Conserves the moments of the whole and of every cell split or pair merged; the count
+/// stays.
+/// error  of each cell, any unit
+/// share  of the cells to split, [0, 1/3]
 void split_and_merge(PackedCells& cells, std::span<const float> error, double share,
-                     const VisibilityWeight& seen);
+                     const VisibilityWeight& visibility);
 
 }  // namespace vog::moments

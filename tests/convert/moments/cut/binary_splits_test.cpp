@@ -1,5 +1,5 @@
 // binary_splits_test.cpp: gains in closed form, the best cut of a cell against all of its cuts, the
-// price of a budget.
+// lambda of a budget.
 #include "convert/moments/cut/binary_splits.h"
 
 #include <gtest/gtest.h>
@@ -66,9 +66,9 @@ TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
     const auto& c = whole.covariance;
     const double edge = 2 * std::sqrt(c[0] + c[3] + c[5]), column = whole.mass / (edge * edge);
     const double base = squares * std::pow(edge, 2.5);
-    EXPECT_NEAR(split_gain(whole, a, b, ColumnDepth::own) / (base / std::pow(column, 0.75)), 1,
+    EXPECT_NEAR(split_gain(whole, a, b, DepthPower::three_quarters) / (base / std::pow(column, 0.75)), 1,
                 1e-6);
-    EXPECT_NEAR(split_gain(whole, a, b, ColumnDepth::seen) / (base / std::pow(column, 0.25)), 1,
+    EXPECT_NEAR(split_gain(whole, a, b, DepthPower::quarter) / (base / std::pow(column, 0.25)), 1,
                 1e-6);
 }
 
@@ -76,21 +76,21 @@ TEST(binary_splits, splits_part_the_octants_down_to_single_ones) {
     Random random(11);
     for (int tries = 0; tries < 200; ++tries) {
         const Octants octants = random_octants(random, 0.7);
-        const BinarySplits halves = splits_of(octants, 1);
+        const BinarySplits splits = splits_of(octants, 1);
         int parts = 0, all = 0;
-        for_each_part(halves, 0x7F, [&](std::uint8_t mask) {
+        for_each_part(splits, 0x7F, [&](std::uint8_t mask) {
             EXPECT_TRUE(std::has_single_bit(mask));
             EXPECT_FALSE(all & mask) << "no octant twice";
             all |= mask;
             ++parts;
         });
-        EXPECT_EQ(all, halves.present);
-        EXPECT_EQ(parts, std::popcount(halves.present));
+        EXPECT_EQ(all, splits.occupied);
+        EXPECT_EQ(parts, std::popcount(splits.occupied));
         for (int n = 0; n < 7; ++n) {
-            const auto [lower, upper] = halves.sides(n);
+            const auto [lower, upper] = splits.sides(n);
             EXPECT_FALSE(lower & upper);
-            EXPECT_EQ(halves.gain[std::size_t(n)] > 0, lower && upper);
-            EXPECT_LE(halves.gain[std::size_t(n)], halves.most);
+            EXPECT_EQ(splits.gain[std::size_t(n)] > 0, lower && upper);
+            EXPECT_LE(splits.gain[std::size_t(n)], splits.max_gain);
         }
     }
 }
@@ -103,46 +103,46 @@ TEST(binary_splits, a_long_cell_is_parted_across_its_length) {
             for (int k = 0; k < 3; ++k)
                 octants[o].mean[k] = o >> (2 - k) & 1 ? (k == axis ? 3 : 1) : 0;
         }
-        const BinarySplits halves = splits_of(octants, 1);
-        EXPECT_EQ(halves.axes & 3, axis);
-        EXPECT_EQ(halves.sides(0)[1], kUpperOctants[std::size_t(axis)]);
-        EXPECT_GT(halves.gain[0], halves.gain[1]);
+        const BinarySplits splits = splits_of(octants, 1);
+        EXPECT_EQ(splits.axes & 3, axis);
+        EXPECT_EQ(splits.sides(0)[1], kUpperOctants[std::size_t(axis)]);
+        EXPECT_GT(splits.gain[0], splits.gain[1]);
     }
 }
 
 TEST(binary_splits, at_any_price_no_other_cut_is_worth_more) {
     Random random(5);
     for (int tries = 0; tries < 100; ++tries) {
-        const BinarySplits halves = splits_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
-        if (!halves.present) continue;
-        std::array<Priced, 8> octants;
+        const BinarySplits splits = splits_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
+        if (!splits.occupied) continue;
+        std::array<Subtree, 8> octants;
         for (std::size_t o = 0; o < 8; ++o)
-            if (halves.present >> o & 1) octants[o] = {uniform(random, 0, 1) < 0.5 ? 0.0 : 0.02, 1};
-        const double price = std::exp(uniform(random, -6, 2));
+            if (splits.occupied >> o & 1) octants[o] = {uniform(random, 0, 1) < 0.5 ? 0.0 : 0.02, 1};
+        const double lambda = std::exp(uniform(random, -6, 2));
         std::uint8_t splits = 0;
-        const Priced best = priced(halves, octants, price, splits);
+        const Subtree best = pruned(splits, octants, lambda, splits);
 
         // What a set of splits is worth, those under a part that stays whole not counting.
         const auto worth_of = [&](int set) {
             const std::function<double(int)> worth = [&](int n) -> double {
-                const auto side = halves.sides(n);
+                const auto side = splits.sides(n);
                 const auto below = [&](std::size_t k) {
                     if (!side[k]) return 0.0;
                     return n < 3 ? worth(2 * n + 1 + int(k))
-                                 : octants[std::size_t(std::countr_zero(side[k]))].worth;
+                                 : octants[std::size_t(std::countr_zero(side[k]))].net_gain;
                 };
                 if (!side[0] || !side[1]) return below(0) + below(1);
                 if (!(set >> n & 1)) return 0.0;
-                return from_bfloat16(halves.gain[std::size_t(n)]) - price + below(0) + below(1);
+                return from_bfloat16(splits.gain[std::size_t(n)]) - lambda + below(0) + below(1);
             };
             return worth(0);
         };
         double most = 0;
         for (int set = 0; set < 128; ++set) most = std::max(most, worth_of(set));
-        EXPECT_NEAR(best.worth, most, 1e-12);
+        EXPECT_NEAR(best.net_gain, most, 1e-12);
         EXPECT_NEAR(worth_of(splits), most, 1e-12);
         std::uint32_t parts = 0;
-        for_each_part(halves, splits, [&](std::uint8_t) { ++parts; });
+        for_each_part(splits, splits, [&](std::uint8_t) { ++parts; });
         EXPECT_EQ(best.count, parts);
     }
 }

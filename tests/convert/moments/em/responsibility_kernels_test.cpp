@@ -41,7 +41,7 @@ TEST(moment_share, values_are_those_of_a_gaussian_cut_at_its_reach) {
         const double u = double{k.xx} * d.x * d.x + double{k.yy} * d.y * d.y +
                          double{k.zz} * d.z * d.z + double{k.xy} * d.x * d.y +
                          double{k.xz} * d.x * d.z + double{k.yz} * d.y * d.z;
-        const bool reached = 32 * u < kShareReach * kShareReach && n >> 6 >= 1 && n >> 6 <= 6;
+        const bool reached = 32 * u < kSupportDeviations * kSupportDeviations && n >> 6 >= 1 && n >> 6 <= 6;
         const double exact = reached ? double{k.peak} * std::exp(-16 * u) : 0;
         // exp(-u) to the second order: u³/6 too much, sixteen times.
         EXPECT_NEAR(data.sum[static_cast<std::size_t>(n)], 0.25 + exact,
@@ -60,7 +60,7 @@ TEST(moment_share, shares_have_the_moments_of_what_they_take) {
     for (int n = 0; n < kLeafVoxels; ++n)
         weight[static_cast<std::size_t>(n)] = 0.5f + 0.3f * static_cast<float>(n % 7);
     MomentSums part;
-    take_shares(std::span(&k, 1), data.values.data(), weight, {&part, 1});
+    add_responsibilities(std::span(&k, 1), data.values.data(), weight, {&part, 1});
     MomentSums exact;
     for (int n = 0; n < kLeafVoxels; ++n) {
         const auto at = static_cast<std::size_t>(n);
@@ -82,12 +82,12 @@ TEST(moment_share, weights_are_mass_over_sum_and_orphans_are_told) {
     value[5] = 0;
     data.sum[5] = 0;  // no mass, reached by none: nothing is lost
     BrickFloats sum = data.sum;
-    EXPECT_FALSE(weights_of(value.data(), 0.25f, data.sum));
+    EXPECT_FALSE(responsibility_weights(value.data(), 0.25f, data.sum));
     EXPECT_EQ(data.sum[0], 0.375f);
     EXPECT_EQ(data.sum[5], 0);
     value[5] = 1e-3f;
     alignas(64) BrickFloats again = sum;
-    EXPECT_TRUE(weights_of(value.data(), 0.25f, again));
+    EXPECT_TRUE(responsibility_weights(value.data(), 0.25f, again));
     EXPECT_EQ(again[5], 0);
 }
 
