@@ -1,5 +1,4 @@
-// commands.h: the subcommands of vog. Each adds itself, its options and its help to the command
-// line.
+// commands.h: subcommands of vog; each function adds one with its options and help.
 #pragma once
 
 #include <CLI/CLI.hpp>

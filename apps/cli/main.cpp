@@ -1,4 +1,4 @@
-// main.cpp: the vog command. Exit codes: 0 done, 1 failed (one line on standard error), 2 wrong
+// main.cpp: the vog command. Exit codes: 0 success, 1 failure (one line on standard error), 2 wrong
 // usage.
 #include <fmt/core.h>
 
@@ -11,9 +11,17 @@
 
 int main(int argc, char** argv) {
     CLI::App app{
-        "vog turns sparse volumes into 3D Gaussians, without training, and renders them by exact "
-        "line\n"
-        "integration.   load -> convert -> render -> shade -> compare\n\n"
+        "vog converts sparse volumes and particles into 3D Gaussians, without training, and "
+        "renders\n"
+        "them by exact line integration.   load -> convert -> render -> shade -> compare\n\n"
+        "Terms of the options:\n"
+        "  model       a sum of truncated 3D Gaussians that stands for a density, in a PLY file\n"
+        "  T           optical depth: the integral of density along a pixel's ray, times "
+        "extinction\n"
+        "  extinction  factor on density, per world unit; chosen when a picture is rendered\n"
+        "  V           opacity 1 - exp(-T), in [0, 1); the transfer function maps V to colour\n"
+        "  share       Gaussians divided by active voxels (or particles) of the input\n"
+        "  cell        group of voxels that becomes one Gaussian; a cut is a choice of cells\n\n"
         "  vog sample cloud cloud.vdb\n"
         "  vog convert cloud.vdb -o cloud.ply\n"
         "  vog render cloud.ply -o cloud.png --tf blue-white"};
@@ -31,7 +39,7 @@ int main(int argc, char** argv) {
     vog::cli::add_export(app);
 
     try {
-        // CLI11 alone would only say that a subcommand is missing.
+        // CLI11 would report a missing subcommand, not the unknown one.
         const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
         if (argc > 1 && argv[1][0] != '-' &&
             std::none_of(commands.begin(), commands.end(),
@@ -39,8 +47,8 @@ int main(int argc, char** argv) {
             throw CLI::ValidationError(std::string("no subcommand '") + argv[1] + "'");
         app.parse(argc, argv);
         return 0;
-    } catch (const CLI::Success& asked) {
-        return app.exit(asked);  // --help, --version
+    } catch (const CLI::Success& text) {
+        return app.exit(text);  // --help, --version
     } catch (const CLI::ParseError& error) {
         fmt::print(stderr, "vog: {}\nRun with --help for usage.\n", error.what());
         return 2;

@@ -1,4 +1,4 @@
-// commands.h: the subcommands of vog-mpi, with the options of vog's.
+// commands.h: subcommands of vog-mpi; their options are those of vog.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -7,7 +7,7 @@
 
 namespace vog::mpi {
 
-// ranks outlives the command line.
+// `ranks` must outlive `app`.
 void add_convert(CLI::App& app, const Ranks& ranks);
 void add_render(CLI::App& app, const Ranks& ranks);
 void add_evaluate(CLI::App& app, const Ranks& ranks);

@@ -1,10 +1,10 @@
-// convert.cpp: vog-mpi convert: every rank converts its part, one file comes out.
+// convert.cpp: vog-mpi convert: distributed conversion, one part of the data a rank, to one model.
 //
-// Uniform cuts and the paper's conversion look at one cell or one leaf at a time, so parts that are
-// aligned to those are converted as the whole is; the one thing that is the whole's, the mass below
-// which cells are dropped, comes from summed histograms. The cut of a budget does look further:
-// each part is cut for itself, with a share of it (docs/scaling.md says what that costs), and an
-// error is reached by the smallest budget whose error, of all parts together, is low enough.
+// Uniform cells and the paper's method treat one cell or one leaf at a time, so parts aligned to
+// cells or leaves give the Gaussians of a single process; only the threshold for dropped cells is
+// global, from histograms of mass summed over the ranks. An adaptive cut is not local: each part is
+// cut by itself with a share of the budget (docs/scaling.md has the loss), and --error searches the
+// smallest total budget whose global error is low enough.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -27,50 +27,56 @@ using cli::ConvertArguments;
 using cli::MomentTotals;
 using cli::VolumeConversion;
 
-/// Hard cells of one size: the whole's model in parts.
-bool uniform(const VolumeConversion& asked) {
-    return asked.by_moments && asked.moments.block_voxels && asked.moments.soft_steps <= 0;
+/// Whether cells are uniform and hard: then the union of the parts' models is the model of a single
+/// process.
+bool uniform(const VolumeConversion& conversion) {
+    return conversion.by_moments && conversion.moments.block_voxels &&
+           conversion.moments.soft_steps <= 0;
 }
 
-void check(const VolumeConversion& asked, const Ranks& ranks) {
+/// throws CLI::ValidationError for options that only a single process supports
+void check(const VolumeConversion& conversion, const Ranks& ranks) {
     if (ranks.count() == 1) return;
-    const auto refuse = [](const std::string& what, const std::string& why) {
+    const auto refuse = [](const std::string& option, const std::string& why) {
         throw CLI::ValidationError(
-            fmt::format("{}: {}; expected one process (vog convert)", what, why));
+            fmt::format("{}: {}; expected one process (vog convert)", option, why));
     };
-    if (asked.by_moments && asked.moments.refine_seconds > 0)
+    if (conversion.by_moments && conversion.moments.refine_seconds > 0)
         refuse("--refine", "ranks would stop at different times");
     const auto ranks_count = static_cast<std::size_t>(ranks.count());
-    if (asked.by_moments && asked.moments.budget && asked.moments.budget < ranks_count)
-        throw CLI::ValidationError(fmt::format("--budget {}: expected one Gaussian a rank at least",
-                                               asked.moments.budget));
-    if (asked.by_moments) return;
-    if (asked.paper.strategy == Strategy::variance_clusters)
-        refuse("--strategy variance", "its threshold is of the values of all leaves");
-    if (asked.paper.strategy == Strategy::leaf_clusters)
+    if (conversion.by_moments && conversion.moments.budget &&
+        conversion.moments.budget < ranks_count)
+        throw CLI::ValidationError(
+            fmt::format("--budget {}: expected at least one Gaussian per rank, {}",
+                        conversion.moments.budget, ranks_count));
+    if (conversion.by_moments) return;
+    if (conversion.paper.strategy == Strategy::variance_clusters)
+        refuse("--strategy variance", "its threshold depends on the values of all leaves");
+    if (conversion.paper.strategy == Strategy::leaf_clusters)
         refuse("--strategy neighbours", "clusters go across parts");
 }
 
-/// Edge of the cubes that one Gaussian may be of.
-int align_voxels(const VolumeConversion& asked) {
-    if (asked.by_moments) return std::max(kLeafEdge, asked.moments.block_voxels);
-    if (asked.paper.strategy != Strategy::tree_mirror) return kLeafEdge;
-    return asked.paper.tree_depth == 1 ? 4096 : asked.paper.tree_depth == 2 ? 128 : kLeafEdge;
+/// Edge of the aligned cubes that no part divides, voxels: one Gaussian never spans two of them.
+int align_voxels(const VolumeConversion& conversion) {
+    if (conversion.by_moments) return std::max(kLeafEdge, conversion.moments.block_voxels);
+    if (conversion.paper.strategy != Strategy::tree_mirror) return kLeafEdge;
+    const int depth = conversion.paper.tree_depth;
+    return depth == 1 ? 4096 : depth == 2 ? 128 : kLeafEdge;
 }
 
-/// One input, or all levels of a mesh, as far as they are here.
+/// This rank's part of one input, or of all levels of a mesh.
 struct InputPart {
-    std::vector<Volume> volumes;  ///< that add up; a mesh: without what finer levels hide
-    Box box;                      ///< of what is here
-    std::uint64_t voxels = 0;
+    std::vector<Volume> volumes;  ///< densities add up; of a mesh: without voxels hidden by finer
+    Box box;                      ///< of this part, world units
+    std::uint64_t voxels = 0;     ///< active
 };
 
-/// What is left of this rank's part of each level.
+/// This rank's part of every level without the voxels that finer levels hide.
 InputPart composed(const std::vector<VolumeSet>& sets) {
     InputPart part;
     for (const VolumeSet& one : sets) {
         Composite all = composite(one);
-        // The levels over it only hide: what is seen of them is others'.
+        // The finer levels only mask here: their visible voxels belong to other parts.
         Levels over = one;
         over.volumes.pop_back();
         if (!over.masks.empty()) over.masks.pop_back();
@@ -93,24 +99,42 @@ std::vector<InputPart> input_parts(VolumesPart& from) {
     return parts;
 }
 
-/// The conversion of one run of the command.
+/// throws vog::Error, on all ranks, for an input without mass: as convert_moments does for one
+/// process, which a rank cannot know from its part
+void require_mass(const std::vector<InputPart>& parts, const Ranks& ranks) {
+    std::vector<double> masses;
+    for (const InputPart& part : parts) {
+        masses.push_back(0);
+        for (const Volume& volume : part.volumes) masses.back() += mass(volume);
+    }
+    ranks.sum(masses);
+    for (std::size_t n = 0; n < masses.size(); ++n)
+        if (!(masses[n] > 0))
+            throw Error(fmt::format("volume {} of {}: mass {}, expected a volume with some", n + 1,
+                                    masses.size(), masses[n]));
+}
+
+/// Converter of this rank's parts, with totals over all ranks.
 class PartConversion {
   public:
-    PartConversion(const VolumeConversion& asked, const VolumesPart& from, const Ranks& ranks)
-        : asked_(asked), from_(from), ranks_(ranks), together_(uniform(asked) && !from.by_files) {}
+    PartConversion(const VolumeConversion& conversion, const VolumesPart& from, const Ranks& ranks)
+        : conversion_(conversion),
+          from_(from),
+          ranks_(ranks),
+          collective_(uniform(conversion) && !from.by_files) {}
 
-    /// Of every input the part, which may be empty.
-    /// budget  of Gaussians in all; 0: as asked
+    /// One model per input, of this rank's part of it; may be empty.
+    /// budget  Gaussians of all ranks and inputs; 0: the one of the options
     std::vector<Gaussians> convert(const std::vector<InputPart>& parts, std::size_t budget = 0) {
-        budget_ = budget ? budget : asked_.moments.budget;
+        budget_ = budget ? budget : conversion_.moments.budget;
         mass_ = 0;
         totals_ = {};
         std::vector<Gaussians> models;
         for (const InputPart& part : parts) models.push_back(convert(part));
         return models;
     }
-    /// This rank's part of every input in the smallest model whose error, of all ranks together, is
-    /// at most the one asked for.
+    /// This rank's part of every input in the smallest model whose error, over all ranks, is at most
+    /// the requested one.
     std::vector<Gaussians> search(const std::vector<InputPart>& parts, const WholeError& error) {
         const std::size_t finest = from_.active_voxels;
         std::vector<Gaussians> best;
@@ -127,12 +151,13 @@ class PartConversion {
         totals_ = totals;
         return best;
     }
-    /// Of all ranks and inputs, of the last conversion.
+    /// Mass of the data of the last conversion: all ranks, all inputs.
     double data_mass() const {
         double sum = mass_;
         ranks_.sum(std::span(&sum, 1));
         return sum;
     }
+    /// Totals of the last conversion: all ranks, all inputs.
     MomentTotals totals() const {
         MomentTotals all = totals_;
         double sums[3] = {all.cells_mass, all.dropped_mass, double(all.dropped_cells)};
@@ -148,13 +173,13 @@ class PartConversion {
         double part_mass = 0;
         for (const Volume& volume : part.volumes) part_mass += mass(volume);
         mass_ += part_mass;
-        if (!asked_.by_moments) return by_paper(part);
-        if (together_) return uniform_cells(part, part_mass);
+        if (!conversion_.by_moments) return by_paper(part);
+        if (collective_) return uniform_cells(part, part_mass);
         if (part_mass == 0) return {};
         MomentReport report;
-        MomentOptions options = asked_.moments;
+        MomentOptions options = conversion_.moments;
         if (!options.block_voxels) options.budget = budget_of(part);
-        options.measure = false;  // all together are, at the end
+        options.measure = false;  // the whole model is measured at the end
         Gaussians model = by_moments(part, options, &report);
         totals_.add(report, part_mass);
         return model;
@@ -162,80 +187,86 @@ class PartConversion {
     Gaussians by_paper(const InputPart& part) const {
         Gaussians model;
         for (const Volume& volume : part.volumes)
-            if (!volume.empty()) append(model, convert_paper(volume, asked_.paper));
+            if (!volume.empty()) append(model, convert_paper(volume, conversion_.paper));
         return model;
     }
     Gaussians by_moments(const InputPart& part, const MomentOptions& options,
                          MomentReport* report) const {
         if (!from_.is_mesh()) return convert_moments(part.volumes.front(), options, report);
         Composite data{part.volumes, from_.box, part.voxels};
-        if (data.parts.empty()) data.parts.emplace_back();  // has a part in sums all the same
+        // A rank without voxels still takes part in the collective sums.
+        if (data.parts.empty()) data.parts.emplace_back();
         return convert_moments(data, options, report);
     }
     Gaussians uniform_cells(const InputPart& part, double part_mass) {
-        MomentOptions options = asked_.moments;
-        options.measure = false;  // below, for all
+        MomentOptions options = conversion_.moments;
+        options.measure = false;  // the whole model is measured at the end
         options.collective = &ranks_.collective();
         MomentReport report;
         Gaussians model = by_moments(part, options, &report);
         ranks_.sum(std::span(&part_mass, 1));
-        // The report is of all: counted once.
+        // The report is global on every rank already, so the root alone adds it.
         if (ranks_.first()) totals_.add(report, part_mass);
         return model;
     }
-    /// By active voxels, at least one.
+    /// Share of the budget in proportion to the part's active voxels, at least 1.
     std::size_t budget_of(const InputPart& part) const {
         if (ranks_.count() == 1) return budget_;
-        const double free =
+        // One Gaussian a rank is set aside, so that the shares never sum to more than the budget.
+        const double divided =
             std::max(0.0, static_cast<double>(budget_) - static_cast<double>(ranks_.count()));
         const double share =
             static_cast<double>(part.voxels) / static_cast<double>(from_.active_voxels);
-        return 1 + static_cast<std::size_t>(std::floor(free * std::min(share, 1.0)));
+        return 1 + static_cast<std::size_t>(std::floor(divided * std::min(share, 1.0)));
     }
 
-    const VolumeConversion& asked_;
+    const VolumeConversion& conversion_;
     const VolumesPart& from_;
     const Ranks& ranks_;
-    bool together_ = false;
+    bool collective_ = false;  ///< every input is one collective conversion of all ranks
     std::size_t budget_ = 0;
     double mass_ = 0;
     MomentTotals totals_;
 };
 
-/// The first text that is not empty, by ranks.
-std::string any(const Ranks& ranks, const std::string& text) {
+/// The text of the lowest rank that has one.
+std::string first_text(const Ranks& ranks, const std::string& text) {
     for (const std::string& one : ranks.gather(text))
         if (!one.empty()) return one;
     return {};
 }
 
-/// The flags asked for, where a part's own say its share and its error.
-std::string whole_options(const std::string& of_part, const VolumeConversion& asked,
+/// Options of the whole model as flags: a part's, with the budget or the error of the whole in
+/// place of the part's own budget, wherever that stands among them.
+std::string whole_options(std::string part_options, const VolumeConversion& conversion,
                           const Ranks& ranks) {
-    if (!asked.by_moments || uniform(asked)) return of_part;
-    std::string text = of_part.substr(0, of_part.find(" (measured"));
-    if (!asked.moments.block_voxels) {
-        // A part has a budget of its own.
-        const std::size_t second = text.find(' ', text.find(' ') + 1);
-        text = (asked.moments.budget ? fmt::format("--budget {}", asked.moments.budget)
-                                     : fmt::format("--error {}", asked.moments.error)) +
-               text.substr(second);
+    if (!conversion.by_moments || uniform(conversion)) return part_options;
+    const std::string flag = "--budget ";
+    const std::size_t at = part_options.find(flag);
+    if (!conversion.moments.block_voxels && at != std::string::npos) {
+        const std::size_t end =
+            std::min(part_options.find(' ', at + flag.size()), part_options.size());
+        part_options.replace(at, end - at,
+                             conversion.moments.budget
+                                 ? fmt::format("--budget {}", conversion.moments.budget)
+                                 : fmt::format("--error {}", conversion.moments.error));
     }
-    return ranks.count() == 1 ? text : fmt::format("{} (in {} parts)", text, ranks.count());
+    return ranks.count() == 1 ? part_options
+                              : fmt::format("{} (in {} parts)", part_options, ranks.count());
 }
 
-/// What the header says of all inputs.
+/// The header of the file: source, options and counts of the whole of each input, joined.
 Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<Gaussians>& models,
-                         const VolumesPart& from, const VolumeConversion& asked,
+                         const VolumesPart& from, const VolumeConversion& conversion,
                          const Ranks& ranks) {
     Gaussians all;
     for (std::size_t n = 0; n < parts.size(); ++n) {
         Gaussians one;
-        one.source = any(ranks, models[n].source);
-        one.method = asked.by_moments ? "moments" : "paper";
-        one.options = whole_options(any(ranks, models[n].options), asked, ranks);
+        one.source = first_text(ranks, models[n].source);
+        one.method = conversion.by_moments ? "moments" : "paper";
+        one.options = whole_options(first_text(ranks, models[n].options), conversion, ranks);
         one.cutoff =
-            static_cast<float>(ranks.largest(models[n].source.empty() ? 0.0 : models[n].cutoff));
+            static_cast<float>(ranks.max(models[n].source.empty() ? 0.0 : models[n].cutoff));
         one.source_voxels = ranks.sum(parts[n].voxels);
         append(all, one);
     }
@@ -243,7 +274,7 @@ Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<
     return all;
 }
 
-/// Volumes of all inputs, for their error.
+/// Reference images of the volumes of all inputs, to measure models against.
 WholeError error_of(const std::vector<InputPart>& parts, const Box& box, const Ranks& ranks) {
     std::vector<Volume> volumes;
     for (const InputPart& part : parts)
@@ -252,40 +283,41 @@ WholeError error_of(const std::vector<InputPart>& parts, const Box& box, const R
 }
 
 nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
-                                       const VolumeConversion& asked, cli::Stages& stages,
+                                       const VolumeConversion& options, cli::Stages& stages,
                                        bool split, const Ranks& ranks) {
-    check(asked, ranks);
+    check(options, ranks);
     VolumesPart from = stages.run("load", [&] {
-        return read_volumes_part(arguments.inputs, arguments.volume, ranks, align_voxels(asked));
+        return read_volumes_part(arguments.inputs, arguments.volume, ranks, align_voxels(options));
     });
     const std::vector<InputPart> parts = stages.run("compose", [&] { return input_parts(from); });
-    // Of levels those that are seen count, as of one process.
+    if (options.by_moments) require_mass(parts, ranks);
+    // Hidden voxels of levels do not count, as in a single process.
     from.active_voxels = 0;
     for (const InputPart& part : parts) from.active_voxels += part.voxels;
     from.active_voxels = ranks.sum(from.active_voxels);
-    PartConversion conversion(asked, from, ranks);
+    PartConversion conversion(options, from, ranks);
     SharedModel model;
-    const MomentOptions& moments = asked.moments;
-    const bool searches = asked.by_moments && !moments.block_voxels && !moments.budget;
+    const MomentOptions& moments = options.moments;
+    const bool searches = options.by_moments && !moments.block_voxels && !moments.budget;
     std::optional<WholeError> error;
-    if (searches || (asked.by_moments && moments.measure))
+    if (searches || (options.by_moments && moments.measure))
         stages.run("reference", [&] { error.emplace(error_of(parts, from.box, ranks)); });
     stages.run("convert", [&] {
         model.inputs = searches ? conversion.search(parts, *error) : conversion.convert(parts);
         ranks.agree();
     });
-    model.description = description_of(parts, model.inputs, from, asked, ranks);
+    model.description = description_of(parts, model.inputs, from, options, ranks);
     MomentTotals totals = conversion.totals();
     const double data_mass = conversion.data_mass();
     if (error) totals.worst_error = stages.run("measure", [&] { return error->of(model.inputs); });
     std::uint64_t count = 0;
     for (const Gaussians& part : model.inputs) count += part.size();
     count = ranks.sum(count);
-    if (asked.by_moments)
+    if (options.by_moments)
         model.description.summary = summary_text(count, model.description.source_voxels,
                                                  totals.report(data_mass), "active voxels");
     if (ranks.first() && !arguments.no_hierarchy)
-        cli::note("no hierarchy: parts of a model have none, --no-hierarchy is what is made");
+        cli::note("no hierarchy is written: parts of a model have none (as --no-hierarchy)");
     const cli::Converted made = stages.run("save", [&] {
         return split ? write_split(arguments.output, model, ranks)
                      : write_model(arguments.output, model, ranks);
@@ -298,23 +330,25 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
 
 void add_convert(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<ConvertArguments>();
-    arguments->threads = ranks.fair_threads();
+    arguments->threads = ranks.threads_per_rank();
     auto split = std::make_shared<bool>(false);
-    cli::ConvertTogether others;
-    others.collective = &ranks.collective();
-    others.writes = ranks.first();
-    others.volumes = [split, &ranks](const ConvertArguments& asked,
-                                     const VolumeConversion& conversion, cli::Stages& stages) {
-        return convert_volumes(asked, conversion, stages, *split, ranks);
+    cli::ConvertRanks hooks;
+    hooks.collective = &ranks.collective();
+    hooks.is_root = ranks.first();
+    hooks.convert_volumes = [split, &ranks](const ConvertArguments& given,
+                                            const VolumeConversion& conversion,
+                                            cli::Stages& stages) {
+        return convert_volumes(given, conversion, stages, *split, ranks);
     };
-    others.mine = [&ranks](const std::vector<std::string>& files) {
+    hooks.assigned = [&ranks](const std::vector<std::string>& files) {
         return whole_files_of(files, ranks);
     };
-    others.gather = [&ranks](const std::string& text) { return ranks.gather(text); };
-    CLI::App* command = cli::add_convert(app, arguments, others);
+    hooks.allgather = [&ranks](const std::string& text) { return ranks.gather(text); };
+    CLI::App* command = cli::add_convert(app, arguments, hooks);
     command->add_flag("--split", *split,
-                      "Of volumes: one PLY for each rank, model.0.ply and so on beside model.ply, "
-                      "and model.json, which names them, for model.ply");
+                      "Write one PLY per rank instead of one file (volumes only): -o model.ply "
+                      "gives model.0.ply, model.1.ply, ... and the index model.json, which names "
+                      "them");
 }
 
 }  // namespace vog::mpi

@@ -1,4 +1,4 @@
-// evaluate.cpp: vog-mpi evaluate: the rows whose models are the same in parts.
+// evaluate.cpp: vog-mpi evaluate: the conversions whose model does not depend on the partition.
 #include "shared/evaluate_run.h"
 
 #include <fmt/core.h>
@@ -11,10 +11,11 @@ namespace vog::mpi {
 
 namespace {
 
-/// The largest cells of an evaluation's uniform cuts.
+/// Edge of the largest uniform cells that an evaluation makes, voxels.
 constexpr int kAlign_voxels = 16;
 
-/// The paper's rows and the uniform cuts. The adaptive ones choose their cells by the whole.
+/// The paper's conversions and the uniform cells. Adaptive cuts are left out: they choose cells by
+/// the whole volume.
 std::vector<Conversion> conversions(const Ranks& ranks) {
     std::vector<Conversion> rows;
     for (Conversion& row : paper_conversions()) {
@@ -43,12 +44,12 @@ std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ran
     VolumesPart part = read_volumes_part(arguments.inputs, arguments.volume, ranks, kAlign_voxels);
     if (part.is_mesh())
         throw Error(
-            "levels hide each other, which evaluations in parts do not know; expected one process "
-            "(vog evaluate), or --no-mask");
+            "levels of a mesh hide each other, which a distributed evaluation does not support; "
+            "expected one process (vog evaluate), or --no-mask");
     if (part.by_files)
         throw Error(
-            fmt::format("{} files for {} ranks: an evaluation shares out files alone; "
-                        "expected fewer than four a rank",
+            fmt::format("{} files for {} ranks: an evaluation divides every file among all ranks; "
+                        "expected fewer than 4 files per rank",
                         part.volumes, ranks.count()));
     return std::move(part.sets.front().volumes);
 }
@@ -57,11 +58,11 @@ std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ran
 
 void add_evaluate(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<cli::EvaluateArguments>();
-    arguments->threads = ranks.fair_threads();
+    arguments->threads = ranks.threads_per_rank();
     arguments->options.conversions = conversions(ranks);
     cli::add_evaluate(app, arguments,
-                      {&ranks.collective(), [&ranks](const cli::EvaluateArguments& asked) {
-                           return load_part(asked, ranks);
+                      {&ranks.collective(), [&ranks](const cli::EvaluateArguments& given) {
+                           return load_part(given, ranks);
                        }});
 }
 

@@ -1,4 +1,4 @@
-// inputs_part.cpp: every rank reads its part.
+// inputs_part.cpp: partitioned reading of volumes, particles and models.
 #include "inputs_part.h"
 
 #include <fmt/format.h>
@@ -16,7 +16,7 @@ namespace vog::mpi {
 
 namespace {
 
-VolumePart part_of_this(const Ranks& ranks, int align_voxels) {
+VolumePart this_part(const Ranks& ranks, int align_voxels) {
     return {ranks.rank(), ranks.count(), align_voxels};
 }
 
@@ -31,7 +31,7 @@ void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options
     }
     for (Levels& levels : read_level_parts(volumes, masks, part, &negative))
         result.sets.push_back({std::move(levels), Overlap::hide});
-    // What every rank has counted.
+    // Every rank has counted the whole, and the counts are summed later: the root's is kept.
     if (part.index > 0) result.active_voxels = 0;
 }
 
@@ -54,17 +54,17 @@ void read_sums(std::span<const LevelSource> sources, const LevelOptions& options
     }
 }
 
-/// All models have one cutoff, on all ranks that have one.
+/// throws vog::Error, on every rank, where models of different ranks have different cutoffs
 void require_one_cutoff(const Gaussians& model, const Ranks& ranks) {
     const bool any = !model.source.empty() || model.size() > 0;
     const double cutoff = model.cutoff;
     constexpr double kNone = std::numeric_limits<double>::infinity();
-    const double least = ranks.least(any ? cutoff : kNone);
-    const double largest = ranks.largest(any ? cutoff : -kNone);
-    if (least < largest)
+    const double smallest = ranks.min(any ? cutoff : kNone);
+    const double largest = ranks.max(any ? cutoff : -kNone);
+    if (smallest < largest)
         throw Error(
             fmt::format("cutoffs from {} to {}: models with different kernels cannot be one model",
-                        least, largest));
+                        smallest, largest));
 }
 
 }  // namespace
@@ -80,10 +80,10 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     part.overlap = cli::overlap_of(sources.size(), options);
     std::uint64_t negative = 0;
     if (part.is_mesh())
-        read_mesh(sources, level_options, part_of_this(ranks, align_voxels), negative, part);
+        read_mesh(sources, level_options, this_part(ranks, align_voxels), negative, part);
     else
         read_sums(sources, level_options, ranks, align_voxels, negative, part);
-    part.box = ranks.united(part.box);
+    part.box = ranks.box_union(part.box);
     part.active_voxels = ranks.sum(part.active_voxels);
     negative = ranks.sum(negative);
     if (negative && ranks.first())
@@ -97,12 +97,12 @@ Gaussians read_particles_part(const std::vector<std::string>& files,
     PointOptions point_options = cli::point_options(options);
     point_options.collective = &ranks.collective();
     const Gaussians all = convert_points(cli::load_points(files, options, grid), point_options);
-    const auto first_of = [&](int rank) {
+    const auto begin_of = [&](int rank) {
         return all.size() * static_cast<std::size_t>(rank) /
                static_cast<std::size_t>(ranks.count());
     };
-    std::vector<std::size_t> mine(first_of(ranks.rank() + 1) - first_of(ranks.rank()));
-    std::iota(mine.begin(), mine.end(), first_of(ranks.rank()));
+    std::vector<std::size_t> mine(begin_of(ranks.rank() + 1) - begin_of(ranks.rank()));
+    std::iota(mine.begin(), mine.end(), begin_of(ranks.rank()));
     Gaussians part = select(all, mine);
     part.box = view_box(all);
     return part;
@@ -116,8 +116,8 @@ Gaussians read_models_part(const std::vector<std::string>& inputs, const Ranks& 
         if (shares[n])
             append(model, read_ply(files[n], ModelPart{shares[n]->index, shares[n]->count}));
     require_one_cutoff(model, ranks);
-    model.box = ranks.united(model.box);
-    if (model.box.empty()) model.box = ranks.united(model.size() ? view_box(model) : Box{});
+    model.box = ranks.box_union(model.box);
+    if (model.box.empty()) model.box = ranks.box_union(model.size() ? view_box(model) : Box{});
     return model;
 }
 

@@ -1,4 +1,4 @@
-// main.cpp: the vog-mpi command. Exit codes as vog's, the same on every rank; the first one speaks.
+// main.cpp: the vog-mpi command. Exit codes are those of vog, equal on every rank; the root prints.
 #include <fmt/core.h>
 
 #include <CLI/CLI.hpp>
@@ -13,13 +13,14 @@ namespace {
 
 using namespace vog::mpi;
 
-/// Runs the command line of this rank. throws Ended where ranks have agreed on that
+/// Parses and runs the command on this rank.
+/// throws  Ended after a failure that all ranks know of already
 Failure run(CLI::App& app, const Ranks& ranks, int argc, char** argv) {
     try {
         app.parse(argc, argv);
         return {};
-    } catch (const CLI::Success& asked) {  // --help, --version
-        if (ranks.first()) app.exit(asked);
+    } catch (const CLI::Success& text) {  // --help, --version
+        if (ranks.first()) app.exit(text);
         return {};
     } catch (const CLI::ParseError& error) {
         return {2, error.what()};
@@ -35,7 +36,9 @@ Failure run(CLI::App& app, const Ranks& ranks, int argc, char** argv) {
 int main(int argc, char** argv) {
     const Ranks ranks(&argc, &argv);
     CLI::App app{
-        "vog-mpi does what vog does, by many processes together: each keeps its part of the data.\n"
+        "vog-mpi runs vog's convert, render and evaluate on several processes (MPI ranks), each "
+        "of\n"
+        "which reads and holds one part of the data.\n"
         "\n"
         "  mpirun -n 8 vog-mpi convert cloud.vdb -o cloud.ply --block 2\n"
         "  mpirun -n 8 vog-mpi render cloud.vdb -o cloud.png"};

@@ -1,4 +1,4 @@
-// model_file.cpp: parts of a model to files.
+// model_file.cpp: distributed models to PLY files.
 #include "model_file.h"
 
 #include <fmt/core.h>
@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What all have together.
+/// Totals over all ranks.
 struct Sums {
     std::uint64_t count = 0;
     double mass = 0;
@@ -46,10 +46,10 @@ cli::Converted converted(const SharedModel& model, const Sums& sums, std::uint64
             bytes,        sums.mass};
 }
 
-/// A file that all ranks write.
+/// A file that all ranks write through MPI-IO.
 class SharedFile {
   public:
-    /// Opening and closing are for all ranks together.
+    /// Opening and closing are collective.
     explicit SharedFile(const std::string& file) : name_(file) {
         check(MPI_File_open(MPI_COMM_WORLD, file.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY,
                             MPI_INFO_NULL, &file_));
@@ -67,7 +67,8 @@ class SharedFile {
         int written = 0;
         MPI_Get_count(&status, MPI_BYTE, &written);
         if (static_cast<std::size_t>(written) != size)
-            throw Error(fmt::format("{}: cannot write: the disk may be full", name_));
+            throw Error(fmt::format("{}: wrote {} of {} bytes: the disk may be full", name_,
+                                    written, size));
     }
 
   private:
@@ -99,7 +100,7 @@ void write_rows(SharedFile& out, std::uint64_t offset, const Gaussians& part, bo
 cli::Converted write_model(const std::string& file, const SharedModel& model, const Ranks& ranks) {
     for (const Gaussians& part : model.inputs) validate(part);
     const Sums sums = sums_of(model, ranks);
-    const std::string header = ranks.from_first(
+    const std::string header = ranks.from_root(
         ranks.first() ? ply_header(model.description, sums.count, sums.rotated) : std::string());
     const std::uint64_t row_bytes = ply_row_floats(sums.rotated) * sizeof(float);
     std::vector<std::uint64_t> offsets;
@@ -114,18 +115,18 @@ cli::Converted write_model(const std::string& file, const SharedModel& model, co
     }
 
     const fs::path path = file;
-    const std::string beside = ranks.from_first(
+    const std::string beside = ranks.from_root(
         (path.parent_path() / fmt::format(".{}.{}.ply", path.stem().string(), ::getpid()))
             .string());
     try {
-        // Made by the first, so that a folder that cannot be written is one rank's failure.
+        // Created by the root first, so that a folder without write access is one rank's failure.
         if (ranks.first() && !std::ofstream(beside, std::ios::binary))
             throw Error(fmt::format("{}: cannot write into its folder", file));
         ranks.agree();
         Failure failure;
         {
             SharedFile out(beside);
-            // Whoever fails closes the file with the others, and tells them then.
+            // A rank that fails still closes the file with the others, and reports after that.
             try {
                 if (ranks.first()) out.write(0, header.data(), header.size());
                 for (std::size_t n = 0; n < model.inputs.size(); ++n)
@@ -148,12 +149,12 @@ cli::Converted write_split(const std::string& file, const SharedModel& model, co
     const Sums sums = sums_of(model, ranks);
     Gaussians mine;
     for (const Gaussians& part : model.inputs) append(mine, part);
-    // Each file says what the whole is, but for its own share of the voxels.
+    // Every file's header describes the whole model, except for its own source voxels.
     const Gaussians& about = model.description;
     mine.box = about.box;
-    mine.source = ranks.from_first(about.source);
-    mine.method = ranks.from_first(about.method);
-    mine.options = ranks.from_first(about.options);
+    mine.source = ranks.from_root(about.source);
+    mine.method = ranks.from_root(about.method);
+    mine.options = ranks.from_root(about.options);
     mine.summary.clear();
     const fs::path path = file;
     const std::string name = fmt::format("{}.{}.ply", path.stem().string(), ranks.rank());

@@ -1,4 +1,4 @@
-// model_file.h: one model, of which every rank has a part, in one file or in one for each rank.
+// model_file.h: parallel output of a distributed model: one PLY by MPI-IO, or one PLY per rank.
 #pragma once
 
 #include <string>
@@ -9,18 +9,19 @@
 
 namespace vog::mpi {
 
-/// The model as vog convert would make it, from what is of it here.
+/// A model distributed over the ranks.
 struct SharedModel {
-    /// Of each input this rank's Gaussians; in the file, input by input, and of each rank by rank.
+    /// This rank's Gaussians of each input. Order in the file: by input, then by rank.
     std::vector<Gaussians> inputs;
-    /// What the header says of the whole: the first rank's counts.
+    /// Header of the whole model, without Gaussians; the root's is written.
     Gaussians description;
 };
 
-/// Writes one PLY through MPI-IO, beside the file and renamed when whole.
-/// returns  what was written, on the first rank
+/// Writes one PLY through MPI-IO, under a temporary name and renamed when complete.
+/// returns  figures for the report
 cli::Converted write_model(const std::string& file, const SharedModel& model, const Ranks& ranks);
-/// Writes a PLY for each rank that has Gaussians, and their index as model.json beside model.ply.
+/// Writes model.0.ply, model.1.ply, ..., one for each rank that has Gaussians, and their index
+/// model.json, where `file` is model.ply.
 cli::Converted write_split(const std::string& file, const SharedModel& model, const Ranks& ranks);
 
 }  // namespace vog::mpi

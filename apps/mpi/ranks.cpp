@@ -1,4 +1,4 @@
-// ranks.cpp: agreements and exchanges by MPI.
+// ranks.cpp: MPI calls, each after an exchange of failures.
 #include "ranks.h"
 
 #include <fmt/core.h>
@@ -19,7 +19,7 @@ void broadcast(std::string& text, int root, int rank) {
     MPI_Bcast(text.data(), static_cast<int>(length), MPI_CHAR, root, MPI_COMM_WORLD);
 }
 
-int ranks_of_this_machine() {
+int ranks_on_this_machine() {
     MPI_Comm machine;
     MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &machine);
     int count = 1;
@@ -28,26 +28,26 @@ int ranks_of_this_machine() {
     return count;
 }
 
-/// Calls exchange(first, count) for runs that fit the int of MPI's counts.
-template <class Exchange>
-void in_runs(std::size_t size, const Exchange& exchange) {
-    constexpr std::size_t kMost = std::size_t{1} << 20;
-    for (std::size_t first = 0; first < size; first += kMost)
-        exchange(first, static_cast<int>(std::min(kMost, size - first)));
+/// Calls operate(first, count) on consecutive runs, as MPI counts are ints.
+template <class Operation>
+void in_runs(std::size_t size, const Operation& operate) {
+    constexpr std::size_t kRun = std::size_t{1} << 20;
+    for (std::size_t first = 0; first < size; first += kRun)
+        operate(first, static_cast<int>(std::min(kRun, size - first)));
 }
 
 }  // namespace
 
 Ranks::Ranks(int* argc, char*** argv) {
-    // Only the main thread speaks to MPI; vog's loops have threads of their own.
+    // Only the main thread calls MPI; vog's parallel loops run on other threads.
     int provided = 0;
     MPI_Init_thread(argc, argv, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
     MPI_Comm_size(MPI_COMM_WORLD, &count_);
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    fair_threads_ = std::max(1, cores / ranks_of_this_machine());
+    threads_per_rank_ = std::max(1, cores / ranks_on_this_machine());
     collective_ = {rank_, count_, [this](std::span<double> values) { sum(values); },
-                   [this](std::span<double> values) { largest(values); }};
+                   [this](std::span<double> values) { max(values); }};
 }
 
 Ranks::~Ranks() { MPI_Finalize(); }
@@ -63,8 +63,7 @@ void Ranks::agree(const Failure& mine) const {
     Failure one = mine;
     MPI_Bcast(&one.exit_code, 1, MPI_INT, first, MPI_COMM_WORLD);
     broadcast(one.text, first, rank_);
-    // Where all fail alike (a wrong option, a file that is nowhere), whose failure it is says
-    // nothing.
+    // Where all fail alike (a wrong option, a missing file) the number of the rank says nothing.
     if (failures < count_) one.text += fmt::format(" (rank {} of {})", first, count_);
     throw Ended{one};
 }
@@ -72,7 +71,8 @@ void Ranks::agree(const Failure& mine) const {
 void Ranks::sum(std::span<double> values) const {
     std::vector<double> all(first() ? values.size() : 0);
     agree();
-    // Added up once: ranks that add in orders of their own could come to decisions of their own.
+    // Reduced on the root, then broadcast: an all-reduce may add in another order on each rank, and
+    // ranks with different sums could decide differently.
     in_runs(values.size(), [&](std::size_t begin, int count) {
         MPI_Reduce(values.data() + begin, all.data() + begin, count, MPI_DOUBLE, MPI_SUM, 0,
                    MPI_COMM_WORLD);
@@ -96,9 +96,9 @@ std::uint64_t Ranks::sum(std::uint64_t value) const {
     return value;
 }
 
-double Ranks::least(double value) const { return -largest(-value); }
+double Ranks::min(double value) const { return -max(-value); }
 
-void Ranks::largest(std::span<double> values) const {
+void Ranks::max(std::span<double> values) const {
     agree();
     in_runs(values.size(), [&](std::size_t begin, int count) {
         MPI_Allreduce(MPI_IN_PLACE, values.data() + begin, count, MPI_DOUBLE, MPI_MAX,
@@ -106,16 +106,17 @@ void Ranks::largest(std::span<double> values) const {
     });
 }
 
-double Ranks::largest(double value) const {
-    largest(std::span(&value, 1));
+double Ranks::max(double value) const {
+    max(std::span(&value, 1));
     return value;
 }
 
-Box Ranks::united(const Box& box) const {
-    // An empty box has infinite bounds the wrong way round: those of no effect.
+Box Ranks::box_union(const Box& box) const {
+    // An empty box has its lower bounds at +infinity and its upper ones at -infinity, which change
+    // no maximum.
     double bounds[6] = {-box.lower.x, -box.lower.y, -box.lower.z,
                         box.upper.x,  box.upper.y,  box.upper.z};
-    largest(bounds);
+    max(bounds);
     return {{-bounds[0], -bounds[1], -bounds[2]}, {bounds[3], bounds[4], bounds[5]}};
 }
 
@@ -134,17 +135,17 @@ std::vector<std::string> Ranks::gather(const std::string& text) const {
     return texts;
 }
 
-std::string Ranks::from_first(std::string text) const {
+std::string Ranks::from_root(std::string text) const {
     agree();
     broadcast(text, 0, rank_);
     return text;
 }
 
 void Ranks::sum_at_first(DepthImage& depth) const {
-    // In doubles: floats would round once a rank. 8 MB at a time, so that a large picture is not
-    // held twice more.
-    constexpr std::size_t kMost = std::size_t{1} << 20;
-    std::vector<double> mine(std::min(kMost, depth.depth.size())), all(first() ? mine.size() : 0);
+    // In double precision: floats would round once per rank. 8 MB at a time, so that a large image
+    // is not copied whole.
+    constexpr std::size_t kRun = std::size_t{1} << 20;
+    std::vector<double> mine(std::min(kRun, depth.depth.size())), all(first() ? mine.size() : 0);
     agree();
     in_runs(depth.depth.size(), [&](std::size_t begin, int count) {
         std::copy_n(depth.depth.begin() + static_cast<std::ptrdiff_t>(begin), count, mine.begin());

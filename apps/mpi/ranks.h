@@ -1,10 +1,10 @@
-// ranks.h: the processes that work together, and how they end together.
+// ranks.h: MPI ranks: collective operations that propagate the failure of one rank to all.
 //
-// A rank that throws must not leave the others waiting for it. So every exchange begins with an
-// agreement: all ranks say whether they are well, and if one is not, all of them throw its message.
-// A rank that has thrown elsewhere comes to its end in main(), which takes part in one last
-// agreement, and meets the others there, whichever exchange they were about to begin. What is asked
-// of code between exchanges is only that all ranks make the same exchanges in the same order.
+// A rank that throws must not leave the others blocked in a collective call. Every operation here
+// therefore begins with agree(): the ranks exchange their exit codes, and if one has failed, all
+// throw its message. A rank that throws elsewhere unwinds to main(), whose last call is agree() too,
+// and so meets the others there, whichever operation they were about to begin. The one condition
+// for callers: all ranks make the same operations in the same order.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,18 @@
 
 namespace vog::mpi {
 
-/// Why a rank ended; code 0: it has not failed.
+/// Exit code and message of a rank that failed; code 0: no failure.
 struct Failure {
     int exit_code = 0;
     std::string text;
 };
 
-/// Thrown on every rank once all know that one has failed.
+/// Exception thrown on every rank after one has failed.
 struct Ended {
     Failure failure;
 };
 
+/// All processes of MPI_COMM_WORLD. Initialises MPI, and finalises it at its end.
 class Ranks {
   public:
     Ranks(int* argc, char*** argv);
@@ -40,38 +41,38 @@ class Ranks {
 
     int rank() const { return rank_; }
     int count() const { return count_; }
-    bool first() const { return rank_ == 0; }  ///< the one that reports and writes
-    /// Cores for each rank of this machine, at least 1.
-    int fair_threads() const { return fair_threads_; }
+    bool first() const { return rank_ == 0; }  ///< the root: reports and writes
+    /// Cores of this machine divided by the ranks on it, at least 1.
+    int threads_per_rank() const { return threads_per_rank_; }
 
-    /// Waits for all ranks. throws Ended, on all of them, if any has failed: with the failure of
-    /// the first that has
+    /// Barrier that exchanges failures. throws Ended, on every rank, if any has failed: with the
+    /// failure of the lowest such rank
     void agree(const Failure& mine = {}) const;
 
-    // Exchanges. All throw Ended as agree() does.
+    // Collective operations. All throw Ended as agree() does.
 
-    /// For the library's conversions.
+    /// The two all-reduces of the library's conversions.
     const Collective& collective() const { return collective_; }
 
-    /// Sums over all ranks: the same bytes on each.
+    /// Element-wise sums over all ranks: the same bytes on each.
     void sum(std::span<double> values) const;
     void sum(std::span<std::uint64_t> values) const;
     std::uint64_t sum(std::uint64_t value) const;
-    double least(double value) const;
-    double largest(double value) const;
-    void largest(std::span<double> values) const;  ///< each of them
-    Box united(const Box& box) const;
-    /// Of each rank its value, in the order of ranks.
+    double min(double value) const;
+    double max(double value) const;
+    void max(std::span<double> values) const;  ///< element-wise
+    Box box_union(const Box& box) const;       ///< bounding box of all ranks' boxes
+    /// One value per rank, in the order of ranks, on every rank.
     std::vector<std::uint64_t> gather(std::uint64_t value) const;
     std::vector<std::string> gather(const std::string& text) const;
-    /// The first rank's text.
-    std::string from_first(std::string text) const;
-    /// Optical depths summed in double precision into the first rank's image; the others keep
-    /// theirs. All have the same size.
+    /// Broadcast: the root's text on every rank.
+    std::string from_root(std::string text) const;
+    /// Sums T of all ranks' images, which have one size, into the root's, in double precision; the
+    /// other ranks keep theirs.
     void sum_at_first(DepthImage& depth) const;
 
   private:
-    int rank_ = 0, count_ = 1, fair_threads_ = 1;
+    int rank_ = 0, count_ = 1, threads_per_rank_ = 1;
     Collective collective_;
 };
 

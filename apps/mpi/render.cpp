@@ -1,5 +1,6 @@
-// render.cpp: vog-mpi render: every rank draws its part, T is summed, the first rank shades; of a
-// sequence, every rank draws pictures of its own.
+// render.cpp: vog-mpi render: sort-last parallel rendering without an order: every rank renders its
+// part, the images of T are summed on the root, and the root shades. A sequence is divided by
+// pictures instead.
 #include <fmt/core.h>
 
 #include <memory>
@@ -19,7 +20,7 @@ using cli::DrawingArguments;
 using cli::FileKind;
 using cli::Size;
 
-/// Adds what each of these draws.
+/// A draw function that sums the T of several drawings.
 auto draw_sum(std::vector<Drawing> drawings) {
     return [drawings = std::move(drawings)](const Camera& camera, Size size,
                                             const Progress& progress, DepthImage& depth) {
@@ -37,12 +38,13 @@ void load_volumes(const DrawingArguments& arguments, const Ranks& ranks, Drawing
     const bool linear = arguments.interpolation == "linear" && ranks.count() > 1;
     if (linear && arguments.step_voxels > 0)
         throw CLI::ValidationError(
-            "--interpolation linear: samples begin where a ray enters the volume, of which a rank "
-            "has a part; expected --step 0 (exact, cell by cell), or one process (vog render)");
+            "--interpolation linear with --step above 0: samples begin where a ray enters the "
+            "whole volume, of which a rank holds a part; expected --step 0 (exact, cell by cell), "
+            "or one process (vog render)");
     if (part.is_mesh() && linear)
         throw Error(
-            "linear interpolation takes values of other levels beyond a part's edge, which other "
-            "ranks have: expected constant, or one process (vog render)");
+            "--interpolation linear: at the edge of a part, levels of a mesh need values that "
+            "other ranks hold; expected --interpolation constant, or one process (vog render)");
     std::vector<Drawing> drawings;
     for (const VolumeSet& set : part.sets) {
         if (set.volumes.empty()) continue;
@@ -77,8 +79,8 @@ Drawing load_part(const DrawingArguments& arguments, std::optional<double> extin
                   const CLI::App& command, const Ranks& ranks) {
     if (arguments.stop_transmittance > 0 && ranks.count() > 1)
         throw CLI::ValidationError(
-            "--stop-transmittance: a rank does not know what lies before its part of a ray; "
-            "expected one process (vog render)");
+            "--stop-transmittance: a rank does not know the transmittance in front of its part of "
+            "a ray; expected one process (vog render)");
     Drawing drawing = cli::begin_drawing(arguments, command);
     if (drawing.kind == FileKind::volume)
         load_volumes(arguments, ranks, drawing);
@@ -97,21 +99,21 @@ Drawing load_part(const DrawingArguments& arguments, std::optional<double> extin
 
 void add_render(CLI::App& app, const Ranks& ranks) {
     auto arguments = std::make_shared<cli::RenderArguments>();
-    arguments->threads = ranks.fair_threads();
-    cli::RenderTogether others;
-    others.load = [&ranks](const DrawingArguments& drawing, std::optional<double> extinction,
-                           const CLI::App& command) {
+    arguments->threads = ranks.threads_per_rank();
+    cli::RenderRanks hooks;
+    hooks.load = [&ranks](const DrawingArguments& drawing, std::optional<double> extinction,
+                          const CLI::App& command) {
         return load_part(drawing, extinction, command, ranks);
     };
-    others.writes = ranks.first();
-    // Of a sequence each rank draws whole pictures, alone.
-    others.mine = [&ranks](const std::vector<std::string>& files) {
+    hooks.is_root = ranks.first();
+    // Pictures of a sequence: each is rendered by one rank alone.
+    hooks.assigned = [&ranks](const std::vector<std::string>& files) {
         return whole_files_of(files, ranks);
     };
-    others.united = [&ranks](const Box& box) { return ranks.united(box); };
-    others.largest = [&ranks](double value) { return ranks.largest(value); };
-    others.gather = [&ranks](const std::string& text) { return ranks.gather(text); };
-    cli::add_render(app, arguments, others);
+    hooks.box_union = [&ranks](const Box& box) { return ranks.box_union(box); };
+    hooks.allreduce_max = [&ranks](double value) { return ranks.max(value); };
+    hooks.allgather = [&ranks](const std::string& text) { return ranks.gather(text); };
+    cli::add_render(app, arguments, hooks);
 }
 
 }  // namespace vog::mpi

@@ -1,4 +1,4 @@
-// shares.cpp: files to ranks.
+// shares.cpp: greedy assignment of files to ranks by size.
 #include "shares.h"
 #include "vog/distributed.h"
 
@@ -10,7 +10,7 @@ namespace vog::mpi {
 
 namespace {
 
-/// 0 where there is none: its reader will say so.
+/// Bytes; 0 for a missing file, which its reader reports.
 std::uint64_t size_of(const std::string& file) {
     std::error_code code;
     const std::uintmax_t size = std::filesystem::file_size(file, code);
@@ -20,7 +20,7 @@ std::uint64_t size_of(const std::string& file) {
 }  // namespace
 
 std::vector<bool> whole_files_of(std::span<const std::string> files, const Ranks& ranks) {
-    // The first rank's sizes count, so that all divide alike whatever they see of the files.
+    // The root's sizes are used by all, so that ranks divide alike even if they see other files.
     std::vector<std::uint64_t> sizes(files.size());
     if (ranks.first()) std::transform(files.begin(), files.end(), sizes.begin(), size_of);
     ranks.sum(sizes);
@@ -39,7 +39,8 @@ std::vector<bool> whole_files_of(std::span<const std::string> files, const Ranks
 
 std::vector<std::optional<VolumePart>> shares_of(std::span<const std::string> files,
                                                  const Ranks& ranks) {
-    // With four files a rank the busiest has at most a quarter more than its share, of files alike.
+    // With four files of one size per rank, the busiest rank has at most a quarter more than its
+    // share.
     constexpr std::size_t kManyFiles = 4;
     const auto count = static_cast<std::size_t>(ranks.count());
     std::vector<std::optional<VolumePart>> shares(files.size());

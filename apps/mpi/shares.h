@@ -1,4 +1,4 @@
-// shares.h: who reads what of the inputs.
+// shares.h: assignment of input files to ranks: whole, or one part of each file per rank.
 #pragma once
 
 #include <optional>
@@ -11,12 +11,13 @@
 
 namespace vog::mpi {
 
-/// Which files are this rank's, if each goes whole to one rank: the largest first, to the rank that
-/// has least to read.
+/// Files assigned to this rank where each goes whole to one rank: greedy by size, the largest first,
+/// to the rank with the fewest bytes so far.
+/// returns  one flag per file
 std::vector<bool> whole_files_of(std::span<const std::string> files, const Ranks& ranks);
 
-/// What this rank reads of each file; nothing of those without a value. Few files are shared by all
-/// ranks, each a part; many go to ranks whole, so that nobody opens them all.
+/// Part of each file that this rank reads; no value: none. Below four files a rank, every file is
+/// divided among all ranks; from there on files go to ranks whole, so that no rank opens them all.
 std::vector<std::optional<VolumePart>> shares_of(std::span<const std::string> files,
                                                  const Ranks& ranks);
 

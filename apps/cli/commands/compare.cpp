@@ -1,4 +1,4 @@
-// compare.cpp: vog compare: two pictures or two depth images -> figures and a heat map.
+// compare.cpp: vog compare: error metrics of an image against a reference, and a heat map.
 #include "vog/compare.h"
 
 #include <fmt/core.h>
@@ -22,7 +22,7 @@ struct CompareArguments {
     bool json = false;
 };
 
-/// JSON has no infinity: null where a figure is infinite or not defined.
+/// JSON number; null for infinite or undefined values, which JSON lacks.
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string decibels(double psnr_db) {
@@ -31,7 +31,7 @@ std::string decibels(double psnr_db) {
 std::string similarity(double ssim) {
     return std::isnan(ssim) ? "none (below 11x11 pixels)" : fmt::format("{:.5f}", ssim);
 }
-void line(const char* what, const std::string& value) { fmt::print("{:<20} {}\n", what, value); }
+void line(const char* name, const std::string& value) { fmt::print("{:<20} {}\n", name, value); }
 
 void print(const PictureDifference& difference) {
     line("SSIM", similarity(difference.ssim));
@@ -48,7 +48,7 @@ void add(Json& json, const PictureDifference& difference) {
     json["largest_at"] = {difference.largest_column, difference.largest_row};
 }
 
-/// "A.exr and B.exr: " before an error of the library, which knows no file names here.
+/// Runs `work`, and puts the names of both files before an error of the library.
 template <class Work>
 auto naming_files(const CompareArguments& arguments, const Work& work) {
     try {
@@ -82,8 +82,8 @@ void compare_pictures(const CompareArguments& arguments) {
     fmt::print("{}\n", json.dump(2));
 }
 
-/// Brings the reference to the extinction asked for; the library takes the other image there.
-void choose_extinction(const std::string& text, DepthImage& reference) {
+/// Scales the reference's T to the extinction of --extinction; compare() scales the other image.
+void scale_to_extinction(const std::string& text, DepthImage& reference) {
     if (text == "stored") return;
     set_extinction(reference, text == "auto" ? auto_extinction(reference) : parse_extinction(text));
 }
@@ -92,7 +92,7 @@ void compare_depths(const CompareArguments& arguments) {
     DepthImage a = read_depth(arguments.reference), b = read_depth(arguments.image);
     const TransferFunction tf = load_transfer_function(arguments.tf);
     const double own_a = a.extinction, own_b = b.extinction;
-    choose_extinction(arguments.extinction, a);
+    scale_to_extinction(arguments.extinction, a);
     const DepthDifference difference = naming_files(arguments, [&] { return compare(a, b); });
     const PictureDifference shaded = compare_shaded(a, b, tf);
     if (!arguments.diff.empty())
@@ -150,32 +150,42 @@ void compare_files(const CompareArguments& arguments) {
 
 void add_compare(CLI::App& app) {
     auto arguments = std::make_shared<CompareArguments>();
-    CLI::App* command =
-        app.add_subcommand("compare", "Tell how far a picture or depth image is from a reference");
+    CLI::App* command = app.add_subcommand(
+        "compare", "Measure the error of a picture or depth image against a reference");
     command
         ->add_option("reference", arguments->reference,
-                     "The reference: .png, colour .exr, or depth .exr (one channel Y)")
+                     "Reference: a picture (.png, colour .exr) or a depth image (.exr with one "
+                     "channel Y, the optical depth T)")
         ->required();
-    command->add_option("image", arguments->image, "What is compared with it, of the same kind")
+    command
+        ->add_option("image", arguments->image,
+                     "Image to compare with the reference, of the same kind and size")
         ->required();
-    command->add_option("--diff", arguments->diff,
-                        "Heat map to write, .png: of V - V_ref, or of the largest channel");
+    command->add_option(
+        "--diff", arguments->diff,
+        "Heat map of the differences to write, .png: of opacity V = 1 - exp(-T) for "
+        "depth images, of the channel that differs most for pictures");
     command
         ->add_option("--diff-limit", arguments->diff_limit,
-                     "End of the heat map's scale, in 1/255; 0: the largest difference")
+                     "Difference at the end of the heat map's scale, in units of 1/255; 0: the "
+                     "largest difference")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command
-        ->add_option("--extinction", arguments->extinction,
-                     "Depth images are compared at: the value stored with the reference, a number, "
-                     "or auto: the 99th percentile of the reference's non-zero T becomes 4")
+        ->add_option(
+            "--extinction", arguments->extinction,
+            "Extinction, the factor on density, at which depth images are compared: stored, "
+            "the reference's own; a number; or auto, where the 99th percentile of the "
+            "reference's non-zero T is 4")
         ->capture_default_str();
     command
         ->add_option("--tf", arguments->tf,
-                     "Transfer function for the RGB figures of depth images: a name or JSON file")
+                     "Transfer function for the RGB figures of depth images: a name or a JSON file")
         ->capture_default_str();
-    command->add_flag("--json", arguments->json,
-                      "Print one JSON object and nothing else; null: infinite or not defined");
+    command->add_flag(
+        "--json", arguments->json,
+        "Print one JSON object and nothing else on standard output; null: infinite or "
+        "undefined");
     command->callback([arguments] { compare_files(*arguments); });
 }
 

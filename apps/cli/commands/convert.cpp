@@ -1,4 +1,4 @@
-// convert.cpp: vog convert: load -> convert -> save.
+// convert.cpp: vog convert: load -> convert -> save, to one model or one per input.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -29,7 +29,7 @@ double share_of_voxels(const Converted& made) {
                : 0;
 }
 
-/// Times by name: "octree 98 ms, search 1200 ms".
+/// Stage times as text: "octree 98 ms, search 1200 ms".
 std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms) {
     std::string text;
     for (const auto& [name, ms] : stage_ms)
@@ -37,33 +37,34 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
     return text;
 }
 
-/// Coarser Gaussians for the file, unless they are not wanted.
-/// index_from_world  where the model's cells lie, if it has any
+/// Level-of-detail hierarchy of the model; empty with --no-hierarchy.
+/// index_from_world  lattice of the model's cells; none for particles
 Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
                        const std::optional<Affine>& index_from_world, Stages& stages) {
     if (arguments.no_hierarchy) return {};
     return stages.run("hierarchy", [&] { return build_hierarchy(model, {index_from_world}); });
 }
 
-/// Levels without what finer ones hide.
+/// Volumes of the levels without the voxels that finer levels hide.
 Composite compose(const Levels& levels) {
     Composite data = composite(levels);
-    if (data.parts.empty()) throw Error("every voxel lies outside the masks");
-    note(fmt::format("{} levels: {} voxels seen ({} of them in part), {} hidden by finer ones",
+    if (data.parts.empty()) throw Error("--mask: no active voxel lies inside the masks");
+    note(fmt::format("{} levels: {} voxels visible ({} of them partly), {} hidden by finer levels",
                      levels.volumes.size(), count_text(data.voxels), count_text(data.partly_hidden),
                      count_text(data.hidden)));
     return data;
 }
 
-void note_missed(const std::string& input, double reached, double asked) {
-    note(
-        fmt::format("{}: measured error {:.4g}: the finest cut does not reach {}, as its Gaussians "
-                    "are smoother than voxels; --error {:.2g} takes far fewer",
-                    input, reached, asked, 1.25 * reached));
+/// Note where even the finest model has a larger error than --error.
+void note_missed(const std::string& input, double measured, double target) {
+    note(fmt::format(
+        "{}: measured error {:.4g}, above --error {}: even the finest cut is smoother than the "
+        "voxels; --error {:.2g} needs far fewer Gaussians",
+        input, measured, target, 1.25 * measured));
 }
 
 nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, const CLI::App& command,
-                                         const ConvertTogether& others) {
+                                         const ConvertRanks& ranks) {
     const MomentOptions& cut = arguments.moments;
     PointOptions options = point_options(arguments.points);
     options.block_voxels = arguments.lod ? point_lod(arguments.lod).block_voxels : cut.block_voxels;
@@ -72,17 +73,17 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     if (command.count("--mass-threshold")) options.mass_threshold = cut.mass_threshold;
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;
-    options.collective = others.collective;
+    options.collective = ranks.collective;
     const bool paper = arguments.method == "paper";
     if (paper && arguments.points.value.empty()) options.value = "speed";
-    Stages stages(arguments.verbose && others.writes);
+    Stages stages(arguments.verbose && ranks.is_root);
     options.progress = stages.progress();
 
     const Points points = stages.run("load", [&] {
         return load_points(arguments.inputs, arguments.points, arguments.volume.grid);
     });
     if (!arguments.output.ends_with(".ply")) {
-        if (!others.writes) return {};
+        if (!ranks.is_root) return {};
         stages.run("save", [&] { write_points(arguments.output, points); });
         if (!arguments.json)
             fmt::print("{}: {} particles\n", arguments.output, count_text(points.size()));
@@ -94,7 +95,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
                                             arguments.paper.kappa)
                      : convert_points(points, options, &one);
     });
-    if (!others.writes) return {};
+    if (!ranks.is_root) return {};
     double sum = 0;
     for (const float value : point_values(points, options.value)) sum += value;
     MomentTotals totals;
@@ -108,9 +109,10 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     return report(arguments, FileKind::points, converted(model, hierarchy), sum, totals, stages);
 }
 
-/// One model of all inputs.
+/// Converts all inputs to one model.
+/// returns  the report of --json; null where it was printed in words
 nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
-                                   const ConvertTogether& others) {
+                                   const ConvertRanks& ranks) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind == FileKind::points)
         check_output(arguments.output, arguments.inputs, {".ply", ".vdb", ".xyz", ".csv", ".tsv"});
@@ -120,13 +122,14 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format("{}: is a model already, expected volumes or particles",
                                 arguments.inputs.front()));
     check_options(arguments, command, kind);
-    if (kind == FileKind::points) return convert_particles(arguments, command, others);
+    if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
-    Stages stages(arguments.verbose && others.writes);
+    Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
-    if (others.volumes) return others.volumes(arguments, {by_moments, moments, paper}, stages);
+    if (ranks.convert_volumes)
+        return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
     const VolumeSet set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
@@ -164,7 +167,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     return report(arguments, kind, converted(model, hierarchy), volume_mass, totals, stages);
 }
 
-/// About what converting a file takes: its voxels twice, and as much again for its octree.
+/// Estimated memory of converting a file, bytes: its leaves twice, and once more for its octree.
 std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string& input) {
     constexpr std::uint64_t kBytesPerFileByte = 8, kLeaves = 3;
     if (kind_of(input, arguments.volume.grid) != FileKind::volume || input.ends_with(".nvdb"))
@@ -175,21 +178,22 @@ std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string
     return kLeaves * sizeof(Leaf) * VolumeReader(input, options).leaf_count();
 }
 
-/// Leaves frames to others.
-void keep_mine(std::vector<Frame>& frames, const ConvertTogether& others) {
-    if (!others.mine) return;
+/// Drops the frames that are assigned to other ranks.
+void keep_assigned(std::vector<Frame>& frames, const ConvertRanks& ranks) {
+    if (!ranks.assigned) return;
     std::vector<std::string> inputs;
     for (const Frame& frame : frames) inputs.push_back(frame.input);
-    const std::vector<bool> mine = others.mine(inputs);
+    const std::vector<bool> assigned = ranks.assigned(inputs);
     std::size_t n = 0;
-    std::erase_if(frames, [&](const Frame&) { return !mine[n++]; });
+    std::erase_if(frames, [&](const Frame&) { return !assigned[n++]; });
 }
 
-/// Reports of sequences, each of its own frames, as one.
-nlohmann::ordered_json joined(nlohmann::ordered_json mine, const ConvertTogether& others) {
-    if (!others.gather) return mine;
+/// The ranks' reports of a sequence as one. They travel as JSON text, because MPI exchanges bytes
+/// between processes and the reports hold lists of any length.
+nlohmann::ordered_json joined(nlohmann::ordered_json own, const ConvertRanks& ranks) {
+    if (!ranks.allgather) return own;
     nlohmann::ordered_json all;
-    for (const std::string& text : others.gather(mine.dump())) {
+    for (const std::string& text : ranks.allgather(own.dump())) {
         const auto one = nlohmann::ordered_json::parse(text);
         if (all.is_null()) {
             all = one;
@@ -202,19 +206,24 @@ nlohmann::ordered_json joined(nlohmann::ordered_json mine, const ConvertTogether
     return all;
 }
 
-/// A model of each input; those that are there already, newer than their input, stay.
+/// Converts every input to a model of its own. Models newer than their input are kept, unless
+/// --again is given.
 nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const CLI::App& command,
-                                        std::uint64_t memory, const ConvertTogether& others) {
+                                        std::uint64_t memory, const ConvertRanks& ranks) {
     if (arguments.volume.grid.find_first_of("*?") != std::string::npos)
         throw CLI::ValidationError(
-            "--grid with a pattern makes levels of one mesh: give the files one by one");
+            "--grid with a pattern joins grids to the levels of one mesh, which a sequence does "
+            "not "
+            "support; expected one file and one output at a time");
     std::vector<Frame> frames = frames_of(arguments.inputs, arguments.output, ".ply");
-    keep_mine(frames, others);
+    keep_assigned(frames, ranks);
     const std::size_t all = frames.size();
     if (!arguments.again) std::erase_if(frames, is_fresh);
     if (frames.size() < all)
-        note(fmt::format("{} of {} models are there already (--again makes them anew)",
-                         all - frames.size(), all));
+        note(
+            fmt::format("{} of {} models exist and are newer than their input: kept (--again "
+                        "converts them again)",
+                        all - frames.size(), all));
     std::mutex mutex;
     std::map<std::string, nlohmann::ordered_json> reports;
     for_each_frame(
@@ -231,19 +240,18 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const
                                    {"there_already", all - frames.size()},
                                    {"models", nlohmann::ordered_json::array()}};
     for (const Frame& frame : frames) json["models"].push_back(reports[frame.output]);
-    return joined(std::move(json), others);
+    return joined(std::move(json), ranks);
 }
 
-void convert(const ConvertArguments& given, const CLI::App& command,
-             const ConvertTogether& others) {
+void convert(const ConvertArguments& given, const CLI::App& command, const ConvertRanks& ranks) {
     ConvertArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
-    const AskedMemory memory(arguments.memory);
+    const CommandMemory memory(arguments.memory);
     const ThreadLimit threads(arguments.threads);
     const nlohmann::ordered_json json =
-        is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), others)
-                                      : convert_one(arguments, command, others);
-    if (arguments.json && others.writes) fmt::print("{}\n", json.dump(2));
+        is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), ranks)
+                                      : convert_one(arguments, command, ranks);
+    if (arguments.json && ranks.is_root) fmt::print("{}\n", json.dump(2));
 }
 
 }  // namespace
@@ -298,49 +306,58 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
 void add_convert(CLI::App& app) { add_convert(app, std::make_shared<ConvertArguments>(), {}); }
 
 CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& arguments,
-                      const ConvertTogether& others) {
+                      const ConvertRanks& ranks) {
     CLI::App* command =
-        app.add_subcommand("convert", "Turn volumes or particles into a model of 3D Gaussians");
+        app.add_subcommand("convert", "Convert volumes or particles to a model of 3D Gaussians");
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb); several become one "
-            "model, or "
-            "one each where -o is a folder; quoted patterns match in natural order: 'frame_*.vdb'")
+            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb). Several give one model, "
+            "or one model each where -o is a folder. Quoted patterns match files in natural order: "
+            "'frame_*.vdb'")
         ->required();
     command
-        ->add_option("-o,--output", arguments->output,
-                     "PLY model to write; particles also as .vdb, .xyz, .csv or .tsv. A folder (or "
-                     "a name that ends in /): a model of each input, one a time step")
+        ->add_option(
+            "-o,--output", arguments->output,
+            "Model to write, .ply; particles can be written unconverted as .vdb, .xyz, .csv "
+            "or .tsv. A folder (or a name that ends in /): one model per input, for time "
+            "series")
         ->required();
     add_volume_options(*command, arguments->volume);
-    command->add_option("--method", arguments->method, "How voxels or particles become Gaussians")
+    command
+        ->add_option("--method", arguments->method,
+                     "moments: each Gaussian has the mass, mean and covariance of its cell; "
+                     "paper: block by block, as Sharma and Schmalstieg")
         ->check(CLI::IsMember({"moments", "paper"}))
         ->capture_default_str();
     command
-        ->add_option("--lod", arguments->lod,
-                     "Level of detail, 1 finest to 5 coarsest. Moments: uniform cells of 2, 4, 8, "
-                     "16, 32 voxels. Paper: dense blocks of 2, 4, 8, 8, 8 voxels; smart grouping "
-                     "(1-3), strict (4), single (5)")
+        ->add_option(
+            "--lod", arguments->lod,
+            "Level of detail, 1 (finest) to 5 (coarsest). moments: uniform cells with edges "
+            "of 2, 4, 8, 16, 32 voxels. paper: dense blocks with edges of 2, 4, 8, 8, 8 "
+            "voxels, and for sparse leaves --strategy smart (1-3), strict (4), single (5)")
         ->check(CLI::Range(1, 5));
     add_moment_options(*command, *arguments);
     add_paper_options(*command, *arguments);
     add_point_options(*command, arguments->points);
     add_memory_options(*command, arguments->memory,
-                       "; of a sequence, as many models at once as fit");
+                       ". Time series: as many files are converted at once as fit");
     command
         ->add_flag("--again", arguments->again,
-                   "Of a sequence, make models anew that are there already")
+                   "Time series: convert all files again, also those whose model is newer than the "
+                   "file")
         ->group(kLargeDataGroup);
     command->add_flag("--no-hierarchy", arguments->no_hierarchy,
-                      "Write no coarser Gaussians beside the model: a smaller file, but views from "
-                      "afar cost as much as near ones");
-    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+                      "Write no level-of-detail hierarchy (coarser Gaussians for distant views): a "
+                      "smaller file, but distant views cost as much as near ones");
+    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
-    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
-    command->callback([arguments, command, others] { convert(*arguments, *command, others); });
+    command->add_flag("--json", arguments->json,
+                      "Print one JSON object and nothing else on standard output");
+    command->add_flag("--verbose,-v", arguments->verbose,
+                      "Print the time of each stage to standard error");
+    command->callback([arguments, command, ranks] { convert(*arguments, *command, ranks); });
     return command;
 }
 

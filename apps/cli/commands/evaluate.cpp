@@ -1,4 +1,4 @@
-// evaluate.cpp: vog evaluate: load -> every conversion, every view -> tables, plots and pictures.
+// evaluate.cpp: vog evaluate: load -> every conversion from every view -> tables, plots and pictures.
 #include <fmt/core.h>
 
 #include <fstream>
@@ -14,7 +14,7 @@ namespace vog::cli {
 
 namespace {
 
-/// The paper view's figures, one line a row.
+/// Prints one line per conversion: figures of the paper view and the worst PSNR of all views.
 void print(const Evaluation& evaluation) {
     fmt::print("{:<14} {:>10} {:>9} {:>9} {:>9} {:>8} {:>8}\n", "", "Gaussians", "V, dB", "worst",
                "L2 of T", "bias", "frames/s");
@@ -27,11 +27,11 @@ void print(const Evaluation& evaluation) {
     }
 }
 
-Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateTogether& others,
+Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ranks,
                      Stages& stages) {
-    if (others.load) {
+    if (ranks.load) {
         const std::vector<Volume> volumes =
-            stages.run("load", [&] { return others.load(arguments); });
+            stages.run("load", [&] { return ranks.load(arguments); });
         return stages.run("evaluate",
                           [&] { return evaluate(volumes, arguments.folder, arguments.options); });
     }
@@ -43,10 +43,10 @@ Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateTogether&
     });
 }
 
-void evaluate_files(EvaluateArguments& arguments, const EvaluateTogether& others) {
+void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     if (const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
         kind != FileKind::volume)
-        throw Error(fmt::format("{}: holds {}, expected volumes: they are the reference",
+        throw Error(fmt::format("{}: holds {}, expected a volume: its voxels are the reference",
                                 arguments.inputs.front(),
                                 kind == FileKind::model ? "a model" : "particles"));
     const Size size = parse_size(arguments.size);
@@ -55,12 +55,12 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateTogether& others
     if (arguments.extinction != "auto")
         arguments.options.extinction = parse_extinction(arguments.extinction);
     const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose && collective_or_single(others.collective).is_root());
+    const bool is_root = collective_or_single(ranks.collective).is_root();
+    Stages stages(arguments.verbose && is_root);
     arguments.options.progress = stages.progress();
-
-    arguments.options.collective = others.collective;
-    const Evaluation evaluation = evaluated(arguments, others, stages);
-    if (!collective_or_single(others.collective).is_root()) return;
+    arguments.options.collective = ranks.collective;
+    const Evaluation evaluation = evaluated(arguments, ranks, stages);
+    if (!is_root) return;
 
     const std::filesystem::path folder = arguments.folder;
     if (arguments.json) {
@@ -78,40 +78,48 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateTogether& others
 void add_evaluate(CLI::App& app) { add_evaluate(app, std::make_shared<EvaluateArguments>(), {}); }
 
 void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,
-                  const EvaluateTogether& others) {
+                  const EvaluateRanks& ranks) {
     CLI::App* command = app.add_subcommand(
-        "evaluate", "Make the paper's tables and plots for volumes, against the voxels themselves");
-    command->add_option("inputs", arguments->inputs, "Volumes; several make one picture")
+        "evaluate",
+        "Measure all conversions of a volume against its voxels: the paper's tables and plots");
+    command
+        ->add_option("inputs", arguments->inputs,
+                     "Volumes (.vdb, .nvdb); several are rendered as one")
         ->required();
     command
         ->add_option("-o,--output", arguments->folder,
-                     "Folder for results.json, results.md, index.html and pictures")
+                     "Folder to write: results.json, results.md, index.html and pictures")
         ->required();
     add_volume_options(*command, arguments->volume);
-    command->add_option("--size", arguments->size, "WxH or one number, pixels")
+    command
+        ->add_option("--size", arguments->size,
+                     "Size of the pictures in pixels, WxH or one number for a square")
         ->capture_default_str();
     command
         ->add_option("--extinction", arguments->extinction,
-                     "Factor on density, or auto: in each view the 99th percentile of the "
-                     "reference's non-zero T becomes 4")
+                     "Extinction, the factor on density, or auto: in each view the value at which "
+                     "the 99th percentile of the reference's non-zero optical depth T is 4")
         ->capture_default_str();
     command
         ->add_option("--tf", arguments->options.tf,
-                     "Transfer function of the pictures and RGB figures: a name or JSON file")
+                     "Transfer function of the pictures and of the RGB figures: a name or a JSON "
+                     "file")
         ->capture_default_str();
     command
         ->add_option("--repeat", arguments->options.repeats,
-                     "Timed renders of each view, after one that does not count")
+                     "Timed renders per view, after one warm-up")
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     command->add_flag("--resume", arguments->options.resume,
-                      "Keep the finished rows of an evaluation that was interrupted");
-    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+                      "Continue an interrupted evaluation: keep the conversions that are finished");
+    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_flag("--json", arguments->json, "Print results.json and nothing else");
-    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
-    command->callback([arguments, others] { evaluate_files(*arguments, others); });
+    command->add_flag("--json", arguments->json,
+                      "Print results.json and nothing else on standard output");
+    command->add_flag("--verbose,-v", arguments->verbose,
+                      "Print the time of each stage to standard error");
+    command->callback([arguments, ranks] { evaluate_files(*arguments, ranks); });
 }
 
 }  // namespace vog::cli

@@ -1,5 +1,5 @@
-// export.cpp: vog export: models, or volumes and particles converted as they come, to one page for
-// a browser, to one page an input, or to one PLY.
+// export.cpp: vog export: models to an HTML page for a browser, one page per input, or one PLY; volumes
+// and particles are converted first.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -36,21 +36,22 @@ struct ExportArguments {
     std::size_t budget = 0, levels = 8;
     int threads = 0;
     bool json = false, verbose = false;
-    std::optional<Box> box;  ///< views look at this, not at the model: one camera for many
+    std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
 
 std::string stem_of(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
-/// Volumes, or one mesh of them, by moments: levels of detail are conversions of their own, some
-/// 4 dB better than what could be made of the finest (docs/web.md).
+/// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion of
+/// its own, about 4 dB better than coarsening the finest one (docs/web.md).
+/// most  number of levels of detail at most
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
                                        const Progress& progress) {
     const VolumeSet set = load_volumes(arguments.inputs, arguments.volume);
     if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
         throw CLI::ValidationError(
-            "--budget takes one input or levels: it is the size of one model");
+            "--budget is the size of one model: expected one input, or levels of one mesh");
     const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
-    if (set.is_mesh() && mesh.parts.empty()) throw Error("every voxel lies outside the masks");
+    if (set.is_mesh() && mesh.parts.empty()) throw Error("--mask: no active voxel lies inside the masks");
     const auto convert = [&](std::size_t budget) {
         MomentOptions options;
         options.budget = budget;
@@ -79,8 +80,9 @@ Gaussians convert_particles(const ExportArguments& arguments, const Progress& pr
                           options);
 }
 
-/// Models as they are, one entry each; volumes and particles converted by default, as one.
-/// most  levels of detail
+/// Entries of the page: one per model; one for all volumes or particles, converted with default
+/// options.
+/// most  number of levels of detail at most
 std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind kind,
                                     std::size_t most, Stages& stages) {
     std::vector<HtmlModel> entries;
@@ -101,7 +103,7 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
                            ? convert_volumes(arguments, most, stages.progress())
                            : detail_levels(convert_particles(arguments, stages.progress()), most);
     });
-    note(fmt::format("{}: converted as vog convert does by default: {} Gaussians",
+    note(fmt::format("{}: converted with the default options of vog convert: {} Gaussians",
                      arguments.inputs.front(), count_text(entry.levels.front().size())));
     return entries;
 }
@@ -126,7 +128,7 @@ Json report_page(const ExportArguments& arguments, const std::vector<HtmlModel>&
                 counts += (counts.empty() ? "" : ", ") + count_text(level.size());
             fmt::print("{}: {} Gaussians\n", entry.name, counts);
         }
-        fmt::print("{}: {}, of which the viewer {}\n", arguments.output, bytes_text(report.bytes),
+        fmt::print("{}: {}, {} of them the viewer\n", arguments.output, bytes_text(report.bytes),
                    bytes_text(report.viewer_bytes));
     }
     Json json = {{"output", arguments.output},
@@ -149,12 +151,13 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
     options.title = command.count("--title") ? arguments.title : first.name;
     options.description = arguments.description;
     options.tf = load_transfer_function(arguments.color.tf);
-    options.extinction = asked_extinction(arguments.color);
+    options.extinction = fixed_extinction(arguments.color);
     ColorArguments color = arguments.color;
     options.system_background = color.background == "system";
     if (options.system_background) color.background = ColorArguments{}.background;
     options.shading = shading_of(color);
-    // Without a word about the view each model has its own, but for pages of one sequence.
+    // Without an option for the view, every model of the page is framed by itself; the pages of a
+    // sequence share one view.
     bool viewed = arguments.box.has_value();
     for (const char* option : {"--azimuth", "--elevation", "--distance", "--fov", "--eye",
                                "--look-at", "--up", "--camera", "--save-camera"})
@@ -170,7 +173,7 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
 Json write_page(const ExportArguments& arguments, const CLI::App& command,
                 std::vector<HtmlModel> entries, Stages& stages) {
     if (!arguments.names.empty() && arguments.names.size() != entries.size())
-        throw CLI::ValidationError(fmt::format("{} names for {} models, expected one each",
+        throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
                                                arguments.names.size(), entries.size()));
     for (std::size_t n = 0; n < arguments.names.size(); ++n) entries[n].name = arguments.names[n];
     const HtmlOptions options = page_options(arguments, command, entries.front());
@@ -179,7 +182,7 @@ Json write_page(const ExportArguments& arguments, const CLI::App& command,
     return report_page(arguments, entries, report, stages);
 }
 
-/// One page, or one PLY.
+/// Writes one page or one PLY. returns  the report of --json
 Json export_one(const ExportArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs, {".html", ".ply"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
@@ -196,10 +199,12 @@ Json export_one(const ExportArguments& arguments, const CLI::App& command) {
                 : write_joined(arguments, entries, stages);
 }
 
-/// A page of each input: one camera, of all boxes, and the extinction of the first page.
+/// Writes one page per input, under one camera, which frames all boxes, and the extinction of the
+/// first page. returns  the report of --json
 Json export_sequence(const ExportArguments& all, const CLI::App& command) {
     if (!all.names.empty())
-        throw CLI::ValidationError("--name is for the switch of one page, not for a folder");
+        throw CLI::ValidationError(
+            "--name names the models of one page: not for a folder of pages");
     ExportArguments one = all;
     one.box = Box{};
     for (const std::string& input : all.inputs)
@@ -227,19 +232,19 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
     const auto add = [&](const std::string& name, auto& value, const std::string& text) {
         return command.add_option(name, value, text)->group(kPageGroup);
     };
-    add("--title", arguments.title, "Title; default: the first model's name");
-    add("--description", arguments.description, "A sentence or more below the title");
+    add("--title", arguments.title, "Title of the page; default: the name of the first model");
+    add("--description", arguments.description, "Text below the title");
     add("--name", arguments.names,
-        "What the switch calls a model, once for each; default: its file's name")
+        "Name of a model in the page's selector; repeat once per model. Default: the file's name")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
     add("--levels", arguments.levels,
-        "Levels of detail to offer at most: the model, then a quarter as many Gaussians each time; "
-        "1: the model alone")
+        "Largest number of levels of detail in the page: the model itself, then a quarter as many "
+        "Gaussians each time; 1: the model alone")
         ->check(CLI::Range(1, 32))
         ->capture_default_str();
     add_color_options(command, arguments.color, kPageGroup,
-                      ", or system: black or white, as the reader's is");
+                      ", or system: black or white by the reader's colour scheme");
 }
 
 }  // namespace
@@ -247,31 +252,36 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
 void add_export(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command = app.add_subcommand(
-        "export", "Write models as one page for a browser, self-contained, or as one PLY");
+        "export", "Write models to one self-contained page for a browser, or to one PLY");
     command
-        ->add_option("inputs", arguments->inputs,
-                     "PLY models, which the page offers in a switch; or volumes or particles, "
-                     "which are converted as vog convert does by default; quoted patterns match "
-                     "in natural order: 'frame_*.ply'")
+        ->add_option(
+            "inputs", arguments->inputs,
+            "PLY models, among which the reader of the page selects; or volumes or "
+            "particles, converted with the default options of vog convert. Quoted patterns "
+            "match files in natural order: 'frame_*.ply'")
         ->required();
     command
         ->add_option("-o,--output", arguments->output,
-                     "Page to write (.html), or model (.ply). A folder (or a name that ends in /): "
-                     "a page of each input, under one camera and one extinction")
+                     "Page (.html) or model (.ply) to write. A folder (or a name that ends in /): "
+                     "one page per input, all under one camera and one extinction")
         ->required();
     command
-        ->add_option("--budget", arguments->budget,
-                     "At most this many Gaussians a model; more are joined with their neighbours")
+        ->add_option(
+            "--budget", arguments->budget,
+            "Largest number of Gaussians per model; larger models are coarsened by joining "
+            "neighbouring Gaussians")
         ->check(CLI::PositiveNumber);
     add_page_options(*command, *arguments);
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
-    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_flag("--json", arguments->json, "Print one JSON object and nothing else");
-    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->add_flag("--json", arguments->json,
+                      "Print one JSON object and nothing else on standard output");
+    command->add_flag("--verbose,-v", arguments->verbose,
+                      "Print the time of each stage to standard error");
     command->callback([arguments, command] { export_files(*arguments, *command); });
 }
 

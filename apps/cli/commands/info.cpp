@@ -1,4 +1,4 @@
-// info.cpp: vog info: what is inside files.
+// info.cpp: vog info: the contents of files: grids, models, particles.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -57,8 +57,8 @@ Json as_json(const GridInfo& grid) {
 }
 
 void print(const GridInfo& grid) {
-    const auto line = [](const char* what, const std::string& value) {
-        fmt::print("  {:<14} {}\n", what, value);
+    const auto line = [](const char* name, const std::string& value) {
+        fmt::print("  {:<14} {}\n", name, value);
     };
     fmt::print("grid '{}'\n", grid.name);
     line("type", grid.type + (grid.half_stored ? ", stored as half" : ""));
@@ -94,7 +94,7 @@ void print(const GridInfo& grid) {
     line("memory", bytes_text(grid.memory_bytes));
 }
 
-/// A NanoVDB volume, told as the grids of an OpenVDB file are.
+/// Metadata of a NanoVDB volume, in the form of an OpenVDB grid's.
 GridInfo info_of(const Volume& volume) {
     GridInfo info;
     info.name = volume.name;
@@ -104,7 +104,7 @@ GridInfo info_of(const Volume& volume) {
     info.leaves = volume.leaves.size();
     info.world_from_index = volume.world_from_index;
     info.memory_bytes = volume.leaves.size() * sizeof(Leaf) + volume.tiles.size() * sizeof(Tile);
-    Box box;  // of the active voxels' indices
+    Box box;  // index space: centres of the active voxels
     float low = std::numeric_limits<float>::infinity(), high = 0;
     const auto include = [&](Vec3i first, Vec3i last, float value) {
         box.include(vec_cast<double>(first));
@@ -122,8 +122,8 @@ GridInfo info_of(const Volume& volume) {
     }
     for (const Tile& tile : volume.tiles) {
         ++info.active_tiles[tile.edge == 8 ? 0 : tile.edge == 128 ? 1 : 2];
-        const std::int32_t reach = tile.edge - 1;
-        include(tile.origin, tile.origin + Vec3i{reach, reach, reach}, tile.value);
+        const std::int32_t last = tile.edge - 1;
+        include(tile.origin, tile.origin + Vec3i{last, last, last}, tile.value);
     }
     info.lower = vec_cast<std::int32_t>(box.lower);
     info.upper = vec_cast<std::int32_t>(box.upper);
@@ -154,8 +154,8 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
 }
 
 void print(const Gaussians& model, const Hierarchy& hierarchy) {
-    const auto line = [](const char* what, const std::string& value) {
-        fmt::print("  {:<14} {}\n", what, value);
+    const auto line = [](const char* name, const std::string& value) {
+        fmt::print("  {:<14} {}\n", name, value);
     };
     Box bounds;
     for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
@@ -183,7 +183,7 @@ struct ValueRange {
     std::string name;
     float low, high;
 };
-/// What can be the particles' value, and its range.
+/// Names of the particles' values, as --value has them, with their ranges.
 std::vector<ValueRange> value_ranges(const Points& points) {
     std::vector<ValueRange> ranges;
     for (const std::string& name : point_value_names(points)) {
@@ -206,8 +206,8 @@ Json as_json(const Points& points) {
 }
 
 void print(const Points& points) {
-    const auto line = [](const std::string& what, const std::string& value) {
-        fmt::print("  {:<14} {}\n", what, value);
+    const auto line = [](const std::string& name, const std::string& value) {
+        fmt::print("  {:<14} {}\n", name, value);
     };
     const Box box = bounds(points);
     fmt::print("particles\n");
@@ -259,11 +259,12 @@ void add_info(CLI::App& app) {
     auto files = std::make_shared<std::vector<std::string>>();
     auto json = std::make_shared<bool>(false);
     CLI::App* command =
-        app.add_subcommand("info", "Tell what is inside volumes, particles and models");
+        app.add_subcommand("info", "Show the contents of volumes, particles and models");
     command
-        ->add_option("files", *files, "OpenVDB and NanoVDB volumes, particles as text, PLY models")
+        ->add_option("files", *files,
+                     "OpenVDB or NanoVDB volumes, particles as text or .vdb, PLY models")
         ->required();
-    command->add_flag("--json", *json, "Print one JSON object and nothing else");
+    command->add_flag("--json", *json, "Print one JSON object and nothing else on standard output");
     command->callback([files, json] { info(*files, *json); });
 }
 

@@ -1,4 +1,4 @@
-// render.cpp: vog render: load -> render -> shade -> image; of one picture, or of one an input.
+// render.cpp: vog render: load -> render -> shade -> image, for one picture or one per input.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -15,62 +15,105 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-void print(const Json& made) {
-    fmt::print("{}: {}x{}, {:.1f} ms, extinction {:.6g}\n", made.at("output").get<std::string>(),
-               made.at("width").get<int>(), made.at("height").get<int>(),
-               made.at("render_ms").at("median").get<double>(),
-               made.at("extinction").get<double>());
+/// Report of one picture of a sequence: a line of text and JSON.
+struct PictureReport {
+    std::string output, line;
+    Json json;
+};
+PictureReport report_of(const RenderedPicture& picture) {
+    return {picture.output,
+            fmt::format("{}: {}x{}, {:.1f} ms, extinction {:.6g}", picture.output, picture.width,
+                        picture.height, picture.median_ms(), picture.extinction),
+            to_json(picture)};
 }
 
-/// Of all frames what was made of them, in their order, from those that each has drawn.
-Json pictures_of(const std::vector<Frame>& frames, const std::vector<std::string>& drawn) {
-    std::map<std::string, Json> by_output;
-    for (const std::string& text : drawn)
-        for (const Json& made : Json::parse(text)) by_output[made.at("output")] = made;
-    Json pictures = Json::array();
-    for (const Frame& frame : frames) pictures.push_back(by_output.at(frame.output));
-    return pictures;
+/// Every rank's reports, on every rank. They travel as JSON text, because MPI exchanges bytes
+/// between processes and the reports hold lists of any length; within a process nothing is parsed.
+std::vector<PictureReport> allgather(const std::vector<PictureReport>& own,
+                                     const RenderRanks& ranks) {
+    if (!ranks.allgather) return own;
+    Json sent = Json::array();
+    for (const PictureReport& report : own)
+        sent.push_back(Json::array({report.output, report.line, report.json}));
+    std::vector<PictureReport> all;
+    for (const std::string& text : ranks.allgather(sent.dump()))
+        for (const Json& report : Json::parse(text))
+            all.push_back({report[0].get<std::string>(), report[1].get<std::string>(), report[2]});
+    return all;
 }
 
-/// A picture of each input: one camera, of all boxes, and the extinction of the first picture.
-Json render_sequence(const RenderArguments& all, const CLI::App& command,
-                     const RenderTogether& others) {
-    if (!all.depth_output.empty() && !is_sequence(all.depth_output))
-        throw CLI::ValidationError("--depth-out takes a folder where -o does");
-    const std::vector<std::string>& inputs = all.drawing.inputs;
-    const std::vector<Frame> frames = frames_of(inputs, all.output, ".png");
-    const std::vector<Frame> depths = all.depth_output.empty()
-                                          ? std::vector<Frame>{}
-                                          : frames_of(inputs, all.depth_output, ".exr");
-    const std::vector<bool> mine =
-        others.mine ? others.mine(inputs) : std::vector<bool>(frames.size(), true);
-    RenderArguments one = all;
+/// The camera framing of a sequence: the bounding box of all inputs.
+Box box_of_all(const RenderArguments& arguments, const std::vector<bool>& assigned,
+               const RenderRanks& ranks) {
     Box box;
-    for (std::size_t n = 0; n < frames.size(); ++n)
-        if (mine[n]) box.include(box_of(inputs[n], all.drawing.volume, all.drawing.points));
-    one.box = others.united ? others.united(box) : box;
-    one.json = true;  // the extinction is in it
-    if (!others.writes) one.view.save_camera.clear();
-    Json drawn = Json::array();
+    for (std::size_t n = 0; n < assigned.size(); ++n)
+        if (assigned[n])
+            box.include(box_of(arguments.drawing.inputs[n], arguments.drawing.volume,
+                               arguments.drawing.points));
+    return ranks.box_union ? ranks.box_union(box) : box;
+}
+
+/// One picture per input, under one camera and the extinction of the first picture.
+/// returns  the report of --json
+Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
+                     const RenderRanks& ranks) {
+    if (!arguments.depth_output.empty() && !is_sequence(arguments.depth_output))
+        throw CLI::ValidationError("--depth-out takes a folder where -o does");
+    const std::vector<std::string>& inputs = arguments.drawing.inputs;
+    const std::vector<Frame> frames = frames_of(inputs, arguments.output, ".png");
+    const std::vector<Frame> depths = arguments.depth_output.empty()
+                                          ? std::vector<Frame>{}
+                                          : frames_of(inputs, arguments.depth_output, ".exr");
+    const std::vector<bool> assigned =
+        ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
+    RenderArguments one = arguments;
+    one.box = box_of_all(arguments, assigned, ranks);
+    if (!ranks.is_root) one.view.save_camera.clear();
+    std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
         double extinction = 0;
-        if (mine[n]) {
+        if (assigned[n]) {
             one.drawing.inputs = {frames[n].input};
             one.output = frames[n].output;
             if (!depths.empty()) one.depth_output = depths[n].output;
-            drawn.push_back(render(one, command));
-            extinction = drawn.back().at("extinction");
-            if (!all.json && !others.gather) print(drawn.back());
+            const RenderedPicture picture = render(one, command).value();
+            extinction = picture.extinction;
+            own.push_back(report_of(picture));
+            if (!arguments.json && !ranks.allgather) fmt::print("{}\n", own.back().line);
         }
         if (n > 0) continue;
-        if (others.largest) extinction = others.largest(extinction);
+        // Only the rank that rendered the first picture has its extinction; the others have 0.
+        if (ranks.allreduce_max) extinction = ranks.allreduce_max(extinction);
         one.color.extinction = fmt::format("{:.17g}", extinction);
     }
-    const Json pictures = pictures_of(
-        frames, others.gather ? others.gather(drawn.dump()) : std::vector{drawn.dump()});
-    if (!all.json && others.gather && others.writes)
-        for (const Json& made : pictures) print(made);
-    return {{"output", all.output}, {"pictures", pictures}};
+    std::map<std::string, PictureReport> by_output;
+    for (PictureReport& report : allgather(own, ranks))
+        by_output[report.output] = std::move(report);
+    Json pictures = Json::array();
+    for (const Frame& frame : frames) {
+        const PictureReport& report = by_output.at(frame.output);
+        if (!arguments.json && ranks.allgather && ranks.is_root) fmt::print("{}\n", report.line);
+        pictures.push_back(report.json);
+    }
+    return {{"output", arguments.output}, {"pictures", pictures}};
+}
+
+/// Runs the command and prints its report, on the root.
+void render_files(const RenderArguments& given, const CLI::App& command, const RenderRanks& ranks) {
+    RenderArguments arguments = given;
+    arguments.drawing.inputs = expanded(given.drawing.inputs);
+    const CommandMemory memory(arguments.memory);
+    if (is_sequence(arguments.output)) {
+        const Json report = render_sequence(arguments, command, ranks);
+        if (arguments.json && ranks.is_root) fmt::print("{}\n", report.dump(2));
+        return;
+    }
+    const std::optional<RenderedPicture> picture = render(arguments, command, ranks);
+    if (!picture) return;
+    if (arguments.json)
+        fmt::print("{}\n", to_json(*picture).dump(2));
+    else
+        print(*picture, arguments.repeat > 0);
 }
 
 }  // namespace
@@ -78,18 +121,11 @@ Json render_sequence(const RenderArguments& all, const CLI::App& command,
 void add_render(CLI::App& app) { add_render(app, std::make_shared<RenderArguments>(), {}); }
 
 void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,
-                const RenderTogether& others) {
+                const RenderRanks& ranks) {
     CLI::App* command =
         app.add_subcommand("render", "Render models, volumes or particles to a picture");
     add_render_options(*command, *arguments);
-    command->callback([arguments, command, others] {
-        RenderArguments all = *arguments;
-        all.drawing.inputs = expanded(all.drawing.inputs);
-        const AskedMemory memory(all.memory);
-        const Json json = is_sequence(all.output) ? render_sequence(all, *command, others)
-                                                  : render(all, *command, others);
-        if (all.json && others.writes) fmt::print("{}\n", json.dump(2));
-    });
+    command->callback([arguments, command, ranks] { render_files(*arguments, *command, ranks); });
 }
 
 }  // namespace vog::cli

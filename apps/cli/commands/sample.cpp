@@ -1,4 +1,4 @@
-// sample.cpp: vog sample: make input from nothing.
+// sample.cpp: vog sample: procedural test data, the same bytes every time.
 #include "vog/sample.h"
 
 #include <fmt/core.h>
@@ -13,9 +13,9 @@ namespace vog::cli {
 namespace {
 
 struct SampleArguments {
-    std::string what, output;
+    std::string kind, output;
     SampleOptions options;
-    int size = 0;  // 0: the sample's own default
+    int size = 0;  // 0: the sample's default
     int threads = 0;
     bool half = false, verbose = false;
 };
@@ -35,7 +35,7 @@ void sample_points(const SampleArguments& arguments) {
 }
 
 void sample(const SampleArguments& arguments) {
-    if (arguments.what == "particles") return sample_points(arguments);
+    if (arguments.kind == "particles") return sample_points(arguments);
     check_output(arguments.output, {}, {".vdb"});
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
@@ -45,13 +45,13 @@ void sample(const SampleArguments& arguments) {
     if (options.size < 64 || options.size > 1024)
         throw CLI::ValidationError(fmt::format("--size {}: expected 64 to 1024", options.size));
     const std::vector<Volume> volumes = stages.run("sample", [&]() -> std::vector<Volume> {
-        if (arguments.what == "amr") return sample_levels(options);
-        return {arguments.what == "cloud" ? sample_cloud(options) : sample_explosion(options)};
+        if (arguments.kind == "amr") return sample_levels(options);
+        return {arguments.kind == "cloud" ? sample_cloud(options) : sample_explosion(options)};
     });
     stages.run("write", [&] { write_vdb(arguments.output, volumes, arguments.half); });
     for (const Volume& volume : volumes)
         fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
-                   volumes.size() > 1 ? volume.name : arguments.what,
+                   volumes.size() > 1 ? volume.name : arguments.kind,
                    count_text(active_voxels(volume)), count_text(volume.leaves.size()),
                    count_text(volume.tiles.size()));
 }
@@ -61,33 +61,38 @@ void sample(const SampleArguments& arguments) {
 void add_sample(CLI::App& app) {
     auto arguments = std::make_shared<SampleArguments>();
     CLI::App* command =
-        app.add_subcommand("sample", "Make input from nothing, the same every time");
+        app.add_subcommand("sample", "Generate procedural test data, the same bytes every time");
     command
         ->add_option(
-            "what", arguments->what,
-            "cloud: a cumulus with soft edges and a constant core; explosion: a turbulent, "
-            "hollow fireball; amr: halos and filaments on three nested levels, one grid each; "
-            "particles: a box of a universe, with velocities")
+            "what", arguments->kind,
+            "cloud: a cumulus cloud with soft edges and a constant core; explosion: a turbulent, "
+            "hollow fireball; amr: halos and filaments on three nested levels of an adaptive mesh, "
+            "one grid each; particles: a box of a cosmological simulation, with velocities")
         ->required()
         ->check(CLI::IsMember({"cloud", "explosion", "amr", "particles"}));
     command
         ->add_option("output", arguments->output,
-                     "OpenVDB file to write; particles also as .xyz, .csv or .tsv")
+                     "OpenVDB file to write (.vdb); particles also as .xyz, .csv or .tsv")
         ->required();
     command
-        ->add_option("--size", arguments->size,
-                     fmt::format("Voxels across, 64 to 1024 (default {}); amr: of the finest "
-                                 "level; particles: the cube root of their number, 8 to 512 "
-                                 "(default {})",
-                                 SampleOptions{}.size, ParticleSampleOptions{}.size))
+        ->add_option(
+            "--size", arguments->size,
+            fmt::format("Voxels along an edge, 64 to 1024 (default {}); amr: of the finest "
+                        "level; particles: the cube root of their number, 8 to 512 "
+                        "(default {})",
+                        SampleOptions{}.size, ParticleSampleOptions{}.size))
         ->check(CLI::Range(8, 1024));
-    command->add_option("--seed", arguments->options.seed, "Another number, another shape")
+    command
+        ->add_option("--seed", arguments->options.seed,
+                     "Seed of the random numbers: other seeds give other shapes")
         ->capture_default_str();
-    command->add_flag("--half", arguments->half, "Store values as half floats");
-    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+    command->add_flag("--half", arguments->half,
+                      "Store voxel values as 16-bit floats; not for particles");
+    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_flag("--verbose,-v", arguments->verbose, "Print the time of each stage");
+    command->add_flag("--verbose,-v", arguments->verbose,
+                      "Print the time of each stage to standard error");
     command->callback([arguments] { sample(*arguments); });
 }
 

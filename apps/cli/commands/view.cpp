@@ -1,4 +1,4 @@
-// view.cpp: vog view: the window, or a script in its place.
+// view.cpp: vog view: the interactive window, or a script without one.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -50,12 +50,12 @@ viewer::Content read_content(const std::vector<std::string>& files,
 }
 
 void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
-    // Told before a window opens.
+    // Inputs and options are checked before a window opens.
     if (!arguments.inputs.empty()) common_kind(arguments.inputs, arguments.volume.grid);
     for (const std::string& input : arguments.inputs)
         if (!std::filesystem::exists(input)) throw Error(fmt::format("{}: no such file", input));
     if (arguments.headless && arguments.script.empty())
-        throw CLI::ValidationError("--headless needs --script: there is no window to use");
+        throw CLI::ValidationError("--headless: there is no window to use; expected --script");
 
     viewer::ViewerOptions options;
     options.files = arguments.inputs;
@@ -65,13 +65,13 @@ void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     options.script = arguments.script;
     options.scale = arguments.scale;
     options.ui_scale = arguments.ui_scale;
-    camera_from(arguments.view, command, {});  // what clashes is told before a window opens
+    camera_from(arguments.view, command, {});  // throws for options that exclude each other
     options.camera = [&](const Box& box) {
         const Camera camera = camera_from(arguments.view, command, box);
         if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
         return camera;
     };
-    options.extinction = asked_extinction(arguments.color).value_or(options.extinction);
+    options.extinction = fixed_extinction(arguments.color).value_or(options.extinction);
     viewer::load_map(options.look, arguments.color.tf);
     options.look.shading = shading_of(arguments.color);
     options.read = [&](const std::vector<std::string>& files) {
@@ -93,29 +93,32 @@ void open_viewer(const WindowArguments&, const CLI::App&) {
 
 void add_view(CLI::App& app) {
     auto arguments = std::make_shared<WindowArguments>();
-    CLI::App* command = app.add_subcommand("view", "Explore volumes and models in a window");
+    CLI::App* command =
+        app.add_subcommand("view", "Explore volumes, particles and models in a window");
     command->add_option(
         "inputs", arguments->inputs,
-        "Volumes (several: levels of a mesh), particles or PLY models; others can be "
+        "Volumes (several: levels of one mesh), particles or PLY models; more files can be "
         "dropped on the window");
-    command->add_option("--size", arguments->size, "WxH of the window, pixels")
+    command->add_option("--size", arguments->size, "Size of the window in pixels, WxH")
         ->capture_default_str();
     command->add_option("--script", arguments->script,
-                        "Play the actions in this file, then end (docs/viewer.md)");
-    command->add_flag("--headless", arguments->headless, "No window: the script's pictures alone");
-    command->add_option("--scale", arguments->scale, "Pixels rendered per pixel shown")
+                        "Run the actions in this file, then exit (docs/viewer.md)");
+    command->add_flag("--headless", arguments->headless,
+                      "Run the script without a window: only its pictures are written");
+    command
+        ->add_option("--scale", arguments->scale, "Rendered pixels per screen pixel, along an edge")
         ->check(CLI::Range(0.1, 4.0))
         ->capture_default_str();
     command
         ->add_option("--ui-scale", arguments->ui_scale,
-                     "Size of text and controls; 0: as the display asks for")
+                     "Scale of text and controls; 0: that of the display")
         ->check(CLI::Range(0.0, 8.0))
         ->capture_default_str();
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
     add_color_options(*command, arguments->color);
-    command->add_option("--threads", arguments->threads, "Threads to use; 0: all cores")
+    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command->callback([arguments, command] { open_viewer(*arguments, *command); });

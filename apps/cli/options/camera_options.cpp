@@ -1,4 +1,4 @@
-// camera_options.cpp: cameras from options.
+// camera_options.cpp: help, checks and evaluation of the camera options.
 #include "options/camera_options.h"
 
 #include "shared/inputs.h"
@@ -7,7 +7,7 @@ namespace vog::cli {
 
 namespace {
 
-/// CLI11's form of a check: empty where the text is x,y,z.
+/// CLI11 check that a text is x,y,z: the error message, or empty.
 std::string vector_error(const std::string& text) {
     try {
         parse_vector("", text);
@@ -21,45 +21,57 @@ std::string vector_error(const std::string& text) {
 
 void add_view_options(CLI::App& command, ViewArguments& arguments) {
     const auto group = "View";
-    command.add_option("--view", arguments.view, "A named view of the data's bounding box")
+    command
+        .add_option(
+            "--view", arguments.view,
+            "Named view of the input's bounding box: paper is azimuth 0.6, elevation 0.35 and "
+            "distance 3")
         ->check(CLI::IsMember({"paper"}))
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--azimuth", arguments.azimuth_rad,
-                    "Angle about the up axis y, from x, radians")
-        ->capture_default_str()
-        ->group(group);
-    command.add_option("--elevation", arguments.elevation_rad, "Angle above the xz plane, radians")
+                    "Angle of the eye about the y axis, measured from x towards z, radians")
         ->capture_default_str()
         ->group(group);
     command
-        .add_option("--distance", arguments.distance_radii,
-                    "From the centre of the data, in bounding radii (half the box's diagonal)")
+        .add_option("--elevation", arguments.elevation_rad,
+                    "Angle of the eye above the xz plane, radians")
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option(
+            "--distance", arguments.distance_radii,
+            "Distance of the eye from the centre of the input's bounding box, in bounding radii "
+            "(half the box's diagonal)")
         ->check(CLI::PositiveNumber)
         ->capture_default_str()
         ->group(group);
-    command.add_option("--fov", arguments.fov_degrees, "Full vertical angle of view, degrees")
+    command.add_option("--fov", arguments.fov_degrees, "Full vertical field of view, degrees")
         ->check(CLI::Range(0.001, 179.999))
         ->capture_default_str()
         ->group(group);
-    command.add_option("--eye", arguments.eye, "Eye x,y,z in world units, instead of angles")
+    command
+        .add_option("--eye", arguments.eye,
+                    "Position x,y,z of the eye in world units, in place of the angles")
         ->check(vector_error)
         ->group(group);
     command
-        .add_option("--look-at", arguments.look_at, "Point x,y,z to look at; default: the centre")
+        .add_option("--look-at", arguments.look_at,
+                    "Point x,y,z to look at, world units; default: the centre of the bounding box")
         ->check(vector_error)
         ->group(group);
-    command.add_option("--up", arguments.up, "Direction x,y,z that is up in the image")
+    command.add_option("--up", arguments.up, "Direction x,y,z that points up in the picture")
         ->capture_default_str()
         ->check(vector_error)
         ->group(group);
     command
         .add_option("--camera", arguments.camera_file,
-                    "JSON file with eye, look_at, up and fov_degrees")
+                    "Read the camera from a JSON file with eye, look_at, up and fov_degrees")
         ->group(group);
     command
-        .add_option("--save-camera", arguments.save_camera, "Write the camera used to a JSON file")
+        .add_option("--save-camera", arguments.save_camera,
+                    "Write the camera of the picture to a JSON file")
         ->group(group);
 }
 

@@ -1,4 +1,4 @@
-// camera_options.h: the camera options that render and its kin share.
+// camera_options.h: camera options of render, view and export.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -17,8 +17,9 @@ struct ViewArguments {
 /// Adds --view, --azimuth, --elevation, --distance, --fov, --eye, --look-at, --up, --camera.
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
-/// The camera the options describe, looking at `box` where they name no point.
-/// throws vog::Error on options that cannot be parsed, CLI::ValidationError on ones that clash
+/// The camera of the options. It looks at the centre of `box` unless they name a point.
+/// throws  vog::Error for an unreadable --camera file, CLI::ValidationError for options that exclude
+///         each other or cannot be parsed
 Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box);
 
 }  // namespace vog::cli

@@ -1,4 +1,4 @@
-// color_options.cpp: colour options.
+// color_options.cpp: help and evaluation of the colour options.
 #include "options/color_options.h"
 
 #include "shared/inputs.h"
@@ -8,9 +8,10 @@ namespace vog::cli {
 void add_color_options(CLI::App& command, ColorArguments& arguments, const std::string& group,
                        const std::string& backgrounds) {
     command
-        .add_option("--extinction", arguments.extinction,
-                    "Factor on density, or auto: the 99th percentile of the non-zero T of the "
-                    "first picture becomes 4")
+        .add_option(
+            "--extinction", arguments.extinction,
+            "Extinction, the factor on density in the optical depth T, or auto: the value at "
+            "which the 99th percentile of the first picture's non-zero T is 4")
         ->capture_default_str()
         ->group(group);
     std::string names;
@@ -19,22 +20,25 @@ void add_color_options(CLI::App& command, ColorArguments& arguments, const std::
     command
         .add_option(
             "--tf", arguments.tf,
-            "Transfer function on V = 1 - exp(-T): a JSON file (vog's or ParaView's) or one of " +
+            "Transfer function from opacity V = 1 - exp(-T) to colour: a JSON file (of vog or "
+            "ParaView) or one of " +
                 names)
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--background", arguments.background,
-                    "R,G,B in [0, 1], black, white or transparent" + backgrounds)
+                    "Background colour: R,G,B in [0, 1], black, white or transparent" + backgrounds)
         ->capture_default_str()
         ->group(group);
     command
-        .add_flag("--blend", arguments.blend,
-                  "The paper's blend: colours fade into the background as V goes to 0")
+        .add_flag(
+            "--blend", arguments.blend,
+            "Blend colours with the background by V, as the paper does: they fade out as V goes "
+            "to 0")
         ->group(group);
 }
 
-std::optional<double> asked_extinction(const ColorArguments& arguments) {
+std::optional<double> fixed_extinction(const ColorArguments& arguments) {
     if (arguments.extinction == "auto") return std::nullopt;
     return parse_extinction(arguments.extinction);
 }

@@ -1,4 +1,4 @@
-// color_options.h: how T becomes colour: the options that render, view and export share.
+// color_options.h: options from optical depth T to colour, of render, view and export.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,14 +15,13 @@ struct ColorArguments {
 };
 
 /// Adds --extinction, --tf, --background and --blend.
-/// backgrounds  what --background takes besides, for its help
+/// backgrounds  further values of --background, for its help
 void add_color_options(CLI::App& command, ColorArguments& arguments,
                        const std::string& group = "Colour", const std::string& backgrounds = "");
 
-/// The number of --extinction; none for auto.
-/// throws CLI::ValidationError for anything else
-std::optional<double> asked_extinction(const ColorArguments& arguments);
-/// --background and --blend. throws CLI::ValidationError
+/// The number of --extinction; none for auto. throws CLI::ValidationError for other texts
+std::optional<double> fixed_extinction(const ColorArguments& arguments);
+/// Shading by --background and --blend. throws CLI::ValidationError for an unknown background
 ShadeOptions shading_of(const ColorArguments& arguments);
 
 }  // namespace vog::cli

@@ -1,4 +1,4 @@
-// conversion_options.cpp: the options of both methods.
+// conversion_options.cpp: help and checks of both methods' options.
 #include "options/conversion_options.h"
 
 #include <fmt/core.h>
@@ -8,7 +8,7 @@ namespace vog::cli {
 namespace {
 
 constexpr const char* kMomentGroup = "Conversion by moments (--method moments)";
-constexpr const char* kPaperGroup = "The paper's conversion (--method paper)";
+constexpr const char* kPaperGroup = "Conversion of the paper (--method paper)";
 
 }  // namespace
 
@@ -44,7 +44,7 @@ MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& 
     cut_option(command);
     if (options.budget && arguments.inputs.size() > 1 && arguments.volume.no_mask)
         throw CLI::ValidationError(
-            "--budget takes one input or levels: it is the size of one model");
+            "--budget is the size of one model: expected one input, or levels of one mesh");
     if (arguments.lod) options.block_voxels = moment_lod(arguments.lod).block_voxels;
     return options;
 }
@@ -64,7 +64,7 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
         if (command.count(option))
             throw CLI::ValidationError(fmt::format("{} does not go with particles", option));
     if (arguments.method == "paper" && arguments.lod)
-        throw CLI::ValidationError("--lod does not go with the paper's particles");
+        throw CLI::ValidationError("--lod does not go with particles and --method paper");
 }
 
 void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
@@ -73,56 +73,64 @@ void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
     command
         .add_option(
             "--strategy", arguments.strategy,
-            "Sparse leaves: smart (2^3 blocks, pairs, singles; the default), strict (2^3 blocks, "
-            "singles), single (one Gaussian a leaf). All leaves: variance (split until even), "
-            "neighbours (similar leaves joined), tree (one Gaussian a node)")
+            "Grouping of voxels. For sparse leaves (8^3 nodes with inactive voxels): smart (2^3 "
+            "blocks, pairs, single voxels; the default), strict (2^3 blocks, single voxels), "
+            "single "
+            "(one Gaussian per leaf). For all leaves: variance (split until values are uniform), "
+            "neighbours (similar adjacent leaves joined), tree (one Gaussian per tree node)")
         ->group(group);
-    command.add_option("--dense-block", paper.dense_block, "Block edge in dense leaves, voxels")
+    command
+        .add_option("--dense-block", paper.dense_block,
+                    "Edge of a block in dense leaves (all 8^3 voxels active), voxels")
         ->check(CLI::IsMember({2, 4, 8}))
         ->capture_default_str()
         ->group(group);
     command
         .add_option(
             "--amplitude", arguments.amplitude,
-            "Peak of a Gaussian: the group's mean density (the paper's, loses a third of the "
-            "mass), or the peak that conserves mass")
+            "Peak density of a Gaussian: mean, the mean density of its voxels, as the paper (loses "
+            "about a third of the mass); mass, the peak that conserves mass")
         ->check(CLI::IsMember({"mean", "mass"}))
         ->capture_default_str()
         ->group(group);
     command
-        .add_option(
-            "--kappa", paper.kappa,
-            "Cut the kernel exp(-d^T S^-1 d) where it falls to this: cutoff sqrt(-2 ln kappa)")
+        .add_option("--kappa", paper.kappa,
+                    "Truncate kernels where they have fallen to this fraction of their peak: at "
+                    "sqrt(-2 ln kappa) standard deviations")
         ->check(CLI::Range(1e-12, 0.999))
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--opacity-threshold", paper.opacity_threshold,
-                    "Drop groups with a mean density at or below this; 0 drops empty ones only")
+                    "Drop groups of voxels whose mean density is at or below this; 0 drops empty "
+                    "groups only")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--variance-threshold", paper.variance_threshold,
-                    "variance: split while a part's variance exceeds this share of the volume's")
+                    "--strategy variance: split groups whose variance of values exceeds this "
+                    "fraction of the volume's")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str()
         ->group(group);
     command
-        .add_option("--similarity", paper.similarity,
-                    "neighbours: join leaves whose means differ by no more than this share")
+        .add_option(
+            "--similarity", paper.similarity,
+            "--strategy neighbours: join leaves whose mean densities differ by at most this "
+            "fraction")
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--tree-depth", paper.tree_depth,
-                    "tree: one Gaussian per node of 4096^3 (1), 128^3 (2) or 8^3 voxels (3)")
+                    "--strategy tree: level of the nodes, 1 (4096^3 voxels), 2 (128^3) or 3 (8^3)")
         ->check(CLI::Range(1, 3))
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--minimum-radius", paper.minimum_radius_voxels,
-                    "Least radius, voxels; a single voxel has 0.5")
+                    "Smallest radius of a Gaussian, voxels; a single voxel has 0.5")
         ->check(CLI::PositiveNumber)
         ->capture_default_str()
         ->group(group);
@@ -134,38 +142,45 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         return command.add_option(name, value, text)->group(kMomentGroup);
     };
     add("--error", moments.error,
-        "The smallest model whose measured error (relative L2 of T, 8 views) is at most this; the "
-        "default way for volumes (for particles: one Gaussian each)")
+        "Find the smallest model with at most this error: relative L2 of optical depth T against "
+        "the "
+        "voxels, over 8 views. The default for volumes; particles become one Gaussian each unless "
+        "--error, --budget, --block or --lod is given")
         ->capture_default_str();
-    add("--budget", moments.budget, "The best model of at most this many Gaussians")
+    add("--budget", moments.budget, "Find the best model with at most this many Gaussians")
         ->check(CLI::PositiveNumber);
-    add("--block", moments.block_voxels, "Uniform cells of 1 to 128 voxels, a power of two")
+    add("--block", moments.block_voxels,
+        "One Gaussian per occupied cube of this edge, voxels: uniform cells")
         ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64, 128}));
     add("--soft-steps", moments.soft_steps,
-        fmt::format("Steps from hard cells to soft ones; default: none for uniform cells, {} for a "
-                    "budget, {} for an error",
-                    kSoftSteps, kSearchSoftSteps))
+        fmt::format(
+            "Steps of expectation-maximisation (EM) from hard cells, where a voxel counts for "
+            "one Gaussian, to soft cells, where it is divided among several: smoother "
+            "pictures. Default: 0 for uniform cells, {} for --budget, {} for --error",
+            kSoftSteps, kSearchSoftSteps))
         ->check(CLI::Range(0, 1000));
     add("--refine", moments.refine_seconds,
-        "Spend up to this many seconds on moving Gaussians to where pictures err: as many as "
-        "before")
+        "Refine for up to this many seconds: Gaussians are split where pictures have the largest "
+        "error and as many merged elsewhere. The result depends on the machine's speed")
         ->check(CLI::Range(0.0, 1e6));
-    add("--spread", moments.spread, "Widen every standard deviation at constant mass")
+    add("--spread", moments.spread, "Factor on every standard deviation, at constant mass")
         ->check(CLI::Range(0.5, 2.0))
         ->capture_default_str();
     add("--mass-threshold", moments.mass_threshold,
-        "Drop the lightest cells, up to this share of the mass")
+        "Drop the cells of least mass, up to this fraction of the total mass")
         ->check(CLI::Range(0.0, 0.999))
         ->capture_default_str();
     command
         .add_flag("--axis-aligned", moments.axis_aligned,
-                  "No rotations: 28 bytes a Gaussian, not 44")
+                  "Gaussians without rotation: 28 bytes each in the file in place of 44")
         ->group(kMomentGroup);
     command
         .add_flag("--stamp", arguments.stamp,
-                  "Keep the times of the stages in the file: no more the same bytes each time")
+                  "Write the stage times into the file, which then differs from run to run")
         ->group(kMomentGroup);
-    command.add_flag("--measure", moments.measure, "Measure the error of any cut")
+    command
+        .add_flag("--measure", moments.measure,
+                  "Measure the error also with --budget, --block and --lod")
         ->group(kMomentGroup);
 }
 

@@ -1,4 +1,4 @@
-// conversion_options.h: what is asked of a conversion, in words.
+// conversion_options.h: options of both conversion methods, and their checks.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -11,12 +11,15 @@ namespace vog::cli {
 void add_paper_options(CLI::App& command, ConvertArguments& arguments);
 void add_moment_options(CLI::App& command, ConvertArguments& arguments);
 
-/// What the words mean. throws CLI::ValidationError for options that exclude each other
+/// Library options from the command line. throws CLI::ValidationError for options that exclude each
+/// other
 PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command);
 MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command);
-/// Which of the ways to choose cells is asked for: "--budget", ...; empty: none.
+/// The option given that chooses the cut: --block, --budget, --error or --lod; empty: none of them.
+/// throws CLI::ValidationError where two are given
 std::string cut_option(const CLI::App& command);
-/// Options for other inputs or the other method would be ignored: refused.
+/// throws CLI::ValidationError for options of the other method or of other inputs, which would have
+/// no effect
 void check_options(const ConvertArguments& arguments, const CLI::App& command, FileKind kind);
 
 }  // namespace vog::cli

@@ -1,4 +1,4 @@
-// memory_options.cpp: a limit from words.
+// memory_options.cpp: help and evaluation of the memory options.
 #include "options/memory_options.h"
 
 #include <fmt/core.h>
@@ -13,7 +13,7 @@ namespace vog::cli {
 
 namespace {
 
-/// "2G", "500M", "1.5G", "123456": bytes.
+/// Bytes of a text such as "2G", "500M", "1.5G" or "123456"; units are powers of 1024.
 std::uint64_t parse_memory(const std::string& text) {
     double number = 0;
     const char* end = text.data() + text.size();
@@ -26,7 +26,7 @@ std::uint64_t parse_memory(const std::string& text) {
     const auto scale = bytes.find(unit);
     if (code != std::errc{} || scale == bytes.end() || !(number > 0) || number > 1e15)
         throw CLI::ValidationError(
-            fmt::format("--memory {}: expected bytes, such as 500M or 2G", text));
+            fmt::format("--memory {}: expected a number of bytes > 0, such as 500M or 2G", text));
     return static_cast<std::uint64_t>(number * scale->second);
 }
 
@@ -35,32 +35,33 @@ std::uint64_t parse_memory(const std::string& text) {
 void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std::string& more) {
     command
         .add_option("--memory", arguments.memory,
-                    "Memory to stay under, such as 2G: voxels that do not fit lie in a scratch "
-                    "file" +
-                        more + ". The results are the same")
+                    "Memory limit, such as 2G: voxels that do not fit are paged to a scratch file. "
+                    "The result is the same" +
+                        more)
         ->group(kLargeDataGroup);
     command
         .add_option("--scratch", arguments.scratch,
-                    "Folder of scratch files; default: that of temporary files")
+                    "Folder for scratch files; default: the system's folder for temporary files")
         ->group(kLargeDataGroup);
 }
 
-AskedMemory::AskedMemory(const MemoryArguments& arguments)
+CommandMemory::CommandMemory(const MemoryArguments& arguments)
     : exceptions_(std::uncaught_exceptions()) {
     if (arguments.memory.empty()) {
-        if (!arguments.scratch.empty()) throw CLI::ValidationError("--scratch goes with --memory");
+        if (!arguments.scratch.empty())
+            throw CLI::ValidationError("--scratch: expected with --memory");
         return;
     }
     bytes_ = parse_memory(arguments.memory);
     limit_.emplace(bytes_, arguments.scratch);
 }
 
-AskedMemory::~AskedMemory() {
+CommandMemory::~CommandMemory() {
     if (bytes_ == 0 || std::uncaught_exceptions() > exceptions_ || peak_memory() <= bytes_) return;
-    note(
-        fmt::format("peak memory {}, above --memory {}: what was more than that is no voxels (a "
-                    "model, its cells, pictures)",
-                    bytes_text(peak_memory()), bytes_text(bytes_)));
+    note(fmt::format(
+        "peak memory {}, above --memory {}: only voxels are paged out, not models, cells "
+        "and pictures",
+        bytes_text(peak_memory()), bytes_text(bytes_)));
 }
 
 }  // namespace vog::cli

@@ -1,4 +1,4 @@
-// memory_options.h: --memory and --scratch: options of commands that read volumes larger than memory.
+// memory_options.h: --memory and --scratch, for volumes larger than memory.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,25 +16,25 @@ struct MemoryArguments {
     std::string memory, scratch;
 };
 /// Adds --memory and --scratch.
-/// more  what else --memory does in this command, a sentence; may be empty
+/// more  a further sentence for the help of --memory; may be empty
 void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std::string& more);
 
-/// While alive, the process stays below --memory, if it is given; says at its end on standard error
-/// where that did not do.
-class AskedMemory {
+/// Memory limit of a command while it lives: pages voxels out to stay below --memory. At its end,
+/// notes on standard error if the peak was above the limit all the same.
+class CommandMemory {
   public:
-    /// throws CLI::ValidationError, and vog::Error as MemoryLimit does
-    explicit AskedMemory(const MemoryArguments& arguments);
-    ~AskedMemory();
-    AskedMemory(const AskedMemory&) = delete;
-    AskedMemory& operator=(const AskedMemory&) = delete;
+    /// throws  CLI::ValidationError for a limit that is no size, vog::Error as MemoryLimit does
+    explicit CommandMemory(const MemoryArguments& arguments);
+    ~CommandMemory();
+    CommandMemory(const CommandMemory&) = delete;
+    CommandMemory& operator=(const CommandMemory&) = delete;
 
     std::uint64_t bytes() const { return bytes_; }  ///< 0: no limit
 
   private:
     std::uint64_t bytes_ = 0;
     std::optional<MemoryLimit> limit_;
-    int exceptions_;  ///< in flight when it began: a command that fails says one line
+    int exceptions_;  ///< in flight at construction: a command that fails prints its error only
 };
 
 }  // namespace vog::cli

@@ -1,4 +1,4 @@
-// convert_run.h: load -> convert -> save: what vog convert and vog-mpi convert share.
+// convert_run.h: one run of a conversion, load -> convert -> save; shared by vog and vog-mpi.
 #pragma once
 
 #include <algorithm>
@@ -33,16 +33,17 @@ struct ConvertArguments {
     MemoryArguments memory;
 };
 
-/// What was asked of the conversion of volumes: options of the one method or the other.
+/// Method and options of a conversion of volumes.
 struct VolumeConversion {
     bool by_moments = true;
-    MomentOptions moments;
-    PaperOptions paper;
+    MomentOptions moments;  ///< used by moments
+    PaperOptions paper;     ///< used otherwise
 };
 
-/// What is told of several volumes' conversion by moments.
+/// Totals over the moment conversions of several volumes.
 struct MomentTotals {
-    double cells_mass = 0, dropped_mass = 0, worst_error = -1;
+    double cells_mass = 0, dropped_mass = 0;  ///< density times world volume
+    double worst_error = -1;                  ///< relative L2 of T; below 0: not measured
     std::size_t dropped_cells = 0;
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 
@@ -60,41 +61,43 @@ struct MomentTotals {
                 known->second += ms;
         }
     }
-    /// Of all of them as of one.
+    /// The totals as the report of one conversion.
     MomentReport report(double data_mass) const {
         return {data_mass > 0 ? cells_mass / data_mass : 1,
                 data_mass > 0 ? dropped_mass / data_mass : 0, dropped_cells, worst_error, stage_ms};
     }
 };
 
-/// What a conversion has made, as its report has it.
+/// Figures of a written model, as the command reports them.
 struct Converted {
     std::string method, options, summary;
     std::uint64_t gaussians = 0, source_voxels = 0;
-    std::uint64_t nodes = 0, bytes = 0;  ///< of the hierarchy, of the file
-    double mass = 0;
+    std::uint64_t nodes = 0;  ///< of the hierarchy
+    std::uint64_t bytes = 0;  ///< size of the file
+    double mass = 0;          ///< density times world volume
 };
 Converted converted(const Gaussians& model, const Hierarchy& hierarchy);
 
-/// Prints what was made, unless JSON is asked for: which it returns.
+/// Prints the report of a conversion in words, or returns it where --json is given.
 nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                               const Converted& made, double volume_mass,
                               const MomentTotals& moments, const Stages& stages);
 
-/// Several who convert together.
-struct ConvertTogether {
-    const Collective* collective = nullptr;  ///< processes that share the work; null: one
-    bool writes = true;                      ///< false: another one writes and reports
-    /// Loads, converts and writes volumes instead of vog convert's own way.
+/// Hooks for a conversion by several MPI ranks; the defaults are a single process.
+struct ConvertRanks {
+    const Collective* collective = nullptr;  ///< reductions over the ranks; null: one process
+    bool is_root = true;                     ///< the rank that writes and reports
+    /// Loads, converts and writes volumes in parts. Empty: one process does.
     std::function<nlohmann::ordered_json(const ConvertArguments&, const VolumeConversion&, Stages&)>
-        volumes{};
-    /// Of the inputs of a sequence, those that are this one's to convert, each by itself.
-    std::function<std::vector<bool>(const std::vector<std::string>&)> mine{};
-    /// The texts of all, on each of them.
-    std::function<std::vector<std::string>(const std::string&)> gather{};
+        convert_volumes{};
+    /// Inputs of a sequence that this rank converts alone: one flag per input. Empty: all of them.
+    std::function<std::vector<bool>(const std::vector<std::string>&)> assigned{};
+    /// One text per rank, on every rank. Empty: a single process.
+    std::function<std::vector<std::string>(const std::string&)> allgather{};
 };
-/// Adds the subcommand. returns it
+/// Adds the subcommand `convert`.
+/// returns  the subcommand, for further options
 CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& arguments,
-                      const ConvertTogether& others);
+                      const ConvertRanks& ranks);
 
 }  // namespace vog::cli

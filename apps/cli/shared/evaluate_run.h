@@ -1,4 +1,4 @@
-// evaluate_run.h: what vog evaluate and vog-mpi evaluate share.
+// evaluate_run.h: arguments and hooks of an evaluation; shared by vog and vog-mpi.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -21,14 +21,14 @@ struct EvaluateArguments {
     bool json = false, verbose = false;
 };
 
-/// Several who evaluate together.
-struct EvaluateTogether {
-    const Collective* collective = nullptr;  ///< processes that share the work; null: one
-    /// Reads this one's part of volumes that add up; empty: all of them, or levels, are read.
+/// Hooks for an evaluation by several MPI ranks; the defaults are a single process.
+struct EvaluateRanks {
+    const Collective* collective = nullptr;  ///< reductions over the ranks; null: one process
+    /// Reads this rank's part of volumes whose densities add up. Empty: the whole inputs are read.
     std::function<std::vector<Volume>(const EvaluateArguments&)> load{};
 };
-/// Adds the subcommand.
+/// Adds the subcommand `evaluate`.
 void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& arguments,
-                  const EvaluateTogether& others);
+                  const EvaluateRanks& ranks);
 
 }  // namespace vog::cli

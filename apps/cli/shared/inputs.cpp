@@ -1,4 +1,4 @@
-// inputs.cpp: files, sizes and colours from words.
+// inputs.cpp: reading of inputs by kind, and parsing of option values.
 #include "shared/inputs.h"
 
 #include <fmt/format.h>
@@ -28,7 +28,7 @@ std::string extension_of(const fs::path& file) {
     return extension;
 }
 
-/// Numbers separated by commas; empty where the text holds anything else.
+/// Finite numbers separated by commas; empty for other texts.
 std::vector<double> numbers(const std::string& text) {
     std::vector<double> values;
     const char *at = text.data(), *end = at + text.size();
@@ -47,7 +47,7 @@ std::vector<double> numbers(const std::string& text) {
 
 FileKind kind_of(const fs::path& file, const std::string& grid) {
     const std::string extension = extension_of(file);
-    // A file that is not there is left to its reader.
+    // A missing file is reported by its reader.
     if (extension == ".vdb" && fs::is_regular_file(file) && vdb_holds_points(file, grid))
         return FileKind::points;
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
@@ -65,23 +65,28 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
     for (const std::string& input : inputs)
         if (kind_of(input, grid) != kind)
             throw Error(
-                fmt::format("{}: another kind than {}, expected volumes, particles or models alone",
+                fmt::format("{}: of another kind than {}, expected volumes only, particles only or "
+                            "models only",
                             input, inputs.front()));
     return kind;
 }
 
 void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
     command.add_option("--grid", options.grid,
-                       "Grid to take; default: the only scalar grid, else 'density'. With * or ? "
-                       "all that match: 'density_L*'");
-    command.add_option("--mask", options.mask,
-                       "Grid that says where a volume counts: inside (values > 0) it hides coarser "
-                       "ones, outside it is left out; a * is what the * of --grid stands for. "
-                       "Default: where the volume itself is active");
-    command.add_flag("--no-mask", options.no_mask,
-                     "Several volumes are no levels of one mesh: add them up");
+                       "Grid to read by name; default: the only scalar grid, else 'density'. A "
+                       "pattern with * or ? reads all that match as levels of one mesh: "
+                       "'density_L*'");
+    command.add_option(
+        "--mask", options.mask,
+        "Grid that marks the valid region of a level by values > 0: inside, the level "
+        "hides coarser ones; outside, it is ignored. A * stands for the match of the "
+        "* in --grid. Default: the level's own active voxels");
+    command.add_flag(
+        "--no-mask", options.no_mask,
+        "Add up several volumes, in place of levels of one mesh, where finer ones hide "
+        "coarser ones");
     command.add_flag("--level-set-to-fog", options.level_set_to_fog,
-                     "Take the inside of a level set as fog");
+                     "Convert a level set to a fog volume: density inside its surface");
 }
 
 LevelOptions level_options(const VolumeInputOptions& options) {
@@ -90,7 +95,7 @@ LevelOptions level_options(const VolumeInputOptions& options) {
         throw CLI::ValidationError("--mask and --no-mask exclude each other");
     if (!options.mask.empty() && has_star(options.mask) != has_star(options.grid))
         throw CLI::ValidationError(
-            fmt::format("--grid '{}' and --mask '{}': expected a * in both, or no pattern",
+            fmt::format("--grid '{}' and --mask '{}': expected a * in both, or in neither",
                         options.grid, options.mask));
     return {options.grid, options.mask, options.level_set_to_fog};
 }
@@ -112,23 +117,27 @@ Overlap overlap_of(std::size_t volumes, const VolumeInputOptions& options) {
 void add_point_options(CLI::App& command, PointInputOptions& options) {
     command
         .add_option("--columns", options.columns,
-                    "Of text: the columns of x,y,z or x,y,z,vx,vy,vz, by name or number from 1; "
-                    "default: by their names, else the first ones")
+                    "Text files: the columns x,y,z or x,y,z,vx,vy,vz, by name or by number from 1; "
+                    "default: columns of these names, else the first ones")
         ->delimiter(',')
         ->group(kPointGroup);
     command
         .add_option("--value", options.value,
-                    "What a particle weighs: count (1 each; the default), speed, or an attribute. "
-                    "The Gaussians' masses sum to it")
+                    "Mass of a particle's Gaussian: count (1 each; the default), speed, or an "
+                    "attribute of the file by name")
         ->group(kPointGroup);
     command
-        .add_option("--radius", options.radius,
-                    "Standard deviation of a particle's Gaussian, world units, or adaptive: half "
-                    "the distance to its k-th neighbour. Paper: its radius, sqrt(2) of them; "
-                    "default half a voxel of about one particle")
+        .add_option(
+            "--radius", options.radius,
+            "Standard deviation of a particle's Gaussian, world units, or adaptive: half the "
+            "distance to its k-th nearest neighbour (--neighbours). With --method paper: "
+            "its radius, sqrt(2) standard deviations; default: half the edge of a voxel "
+            "that holds one particle on average")
         ->capture_default_str()
         ->group(kPointGroup);
-    command.add_option("--neighbours", options.neighbours, "Adaptive radius: which neighbour")
+    command
+        .add_option("--neighbours", options.neighbours,
+                    "k of --radius adaptive: the nearest neighbour is 1")
         ->check(CLI::Range(1, 64))
         ->capture_default_str()
         ->group(kPointGroup);
@@ -216,7 +225,7 @@ Size parse_size(const std::string& text) {
     }
     if (!good || size.width < 1 || size.height < 1)
         throw CLI::ValidationError(
-            fmt::format("--size {}: expected WxH or one number, in pixels, like 640x480", text));
+            fmt::format("--size {}: expected WxH or one number, in pixels, such as 640x480", text));
     return size;
 }
 
@@ -225,7 +234,7 @@ Rgba parse_background(const std::string& text) {
     try {
         if (c.empty()) return named_background(text);
     } catch (const Error&) {
-        // Said below, with what else would do.
+        // Reported below, with the other valid forms.
     }
     if (c.size() != 3 ||
         !std::all_of(c.begin(), c.end(), [](double v) { return v >= 0 && v <= 1; }))
@@ -265,7 +274,7 @@ void check_output(const std::string& output, const std::vector<std::string>& inp
     std::error_code code;
     for (const std::string& input : inputs)
         if (fs::equivalent(output, input, code))
-            throw Error(fmt::format("{}: is an input too, expected another name", output));
+            throw Error(fmt::format("{}: is an input too, expected another output", output));
 }
 
 }  // namespace vog::cli

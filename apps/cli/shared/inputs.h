@@ -1,4 +1,4 @@
-// inputs.h: what the words on the command line stand for: files, sizes, colours.
+// inputs.h: input files and their options, and the parsing of sizes, colours and vectors.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,24 +18,25 @@ namespace vog::cli {
 
 enum class FileKind { volume, points, model };
 
-/// By extension, and for .vdb by what the grids of this name hold; throws vog::Error listing the
-/// known ones.
+/// Kind of a file by its extension; a .vdb by the contents of its grids of this name.
+/// throws vog::Error for an unknown extension, with the known ones
 FileKind kind_of(const std::filesystem::path& file, const std::string& grid = {});
-/// The one kind of all inputs; throws vog::Error where they differ.
+/// The common kind of all inputs. throws vog::Error where they differ
 FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid);
 
 struct VolumeInputOptions {
     std::string grid;  ///< name or pattern with '*' and '?'; empty: the default grid
-    std::string mask;  ///< name; a '*' in it is what the '*' of `grid` stands for
+    std::string mask;  ///< name; a '*' in it stands for the match of the '*' of `grid`
     bool no_mask = false;
     bool level_set_to_fog = false;
 };
 /// Adds --grid, --mask, --no-mask and --level-set-to-fog.
 void add_volume_options(CLI::App& command, VolumeInputOptions& options);
-/// throws CLI::ValidationError for options that clash
+/// Library options from the command line. throws CLI::ValidationError for options that exclude each
+/// other
 LevelOptions level_options(const VolumeInputOptions& options);
-/// Reads volumes: of each file one, or all whose names match --grid; says on standard error what
-/// reading changed. Masks come with them where --mask is given.
+/// Reads volumes: one per file, or all grids whose names match --grid, with their masks where --mask
+/// is given. Notes on standard error for values that reading replaced.
 VolumeSet load_volumes(const std::vector<std::string>& files, const VolumeInputOptions& options);
 /// Several volumes, or masked ones, hide each other, unless --no-mask is given.
 Overlap overlap_of(std::size_t volumes, const VolumeInputOptions& options);
@@ -48,40 +49,42 @@ struct PointInputOptions {
 };
 /// Adds --columns, --value, --radius and --neighbours, as the group kPointGroup.
 void add_point_options(CLI::App& command, PointInputOptions& options);
-/// Reads particles and joins them.
+/// Reads the particles of all files as one set.
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
                    const std::string& grid);
-/// One Gaussian a particle. throws CLI::ValidationError for a radius that is no number
+/// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError for
+/// a radius that is neither a number > 0 nor adaptive
 PointOptions point_options(const PointInputOptions& options);
-/// Options of a group that do not go with the rest were ignored otherwise.
-/// throws CLI::ValidationError: "--radius does not go with volumes"
+/// Refuses options that would have no effect.
+/// throws CLI::ValidationError for a given option of this group: "--radius does not go with volumes"
 void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
 
-/// Files of models, indices replaced by what they name.
+/// Files of models, with each index (.json) replaced by the files it names.
 std::vector<std::string> model_files(const std::vector<std::string>& files);
-/// Reads models and joins them.
-/// hierarchy  becomes that of those which have one; null: not read
+/// Reads all models as one.
+/// hierarchy  set to the hierarchies of the models that have one; null: not read
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr);
 
-/// What views of an input look at, without its values where that is known without.
+/// World box of an input, which views frame; read from metadata where the format has it.
 Box box_of(const std::string& input, const VolumeInputOptions& volume,
            const PointInputOptions& points);
 
-/// "640x480" or "512". throws CLI::ValidationError: wrong usage
+/// Size of a picture, pixels.
 struct Size {
     int width = 512, height = 512;
 };
+/// Parses "640x480" or "512" (a square). throws CLI::ValidationError for other texts
 Size parse_size(const std::string& text);
-/// "1,1,1", "white", "black" or "transparent". throws CLI::ValidationError
+/// Parses "1,1,1", white, black or transparent. throws CLI::ValidationError for other texts
 Rgba parse_background(const std::string& text);
-/// "x,y,z". throws CLI::ValidationError naming `option`
+/// Parses "x,y,z". throws CLI::ValidationError, with the name of the option, for other texts
 Vec3d parse_vector(const std::string& option, const std::string& text);
 
-/// A number > 0; "auto" and its kin are the caller's. throws CLI::ValidationError
+/// Parses a number > 0; words such as auto are the caller's. throws CLI::ValidationError for others
 double parse_extinction(const std::string& text);
 
-/// Checks before any work that `output` can be written: its extension is one of `extensions`, its
-/// folder exists, and it is none of the inputs. throws vog::Error
+/// Checks an output before any work. throws vog::Error unless its extension is one of `extensions`,
+/// its folder exists and it is none of the inputs
 void check_output(const std::string& output, const std::vector<std::string>& inputs,
                   const std::vector<std::string>& extensions);
 

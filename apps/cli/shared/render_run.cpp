@@ -1,4 +1,4 @@
-// render_run.cpp: from inputs to a picture, and what is told of it.
+// render_run.cpp: one picture from inputs to file, and its report.
 #include "shared/render_run.h"
 
 #include <fmt/core.h>
@@ -12,135 +12,158 @@ namespace vog::cli {
 
 namespace {
 
-/// Minimum, median and maximum of render times.
-struct Times {
-    double min = 0, median = 0, max = 0;
-};
-Times summary(std::vector<double> ms) {
-    std::sort(ms.begin(), ms.end());
-    const std::size_t middle = ms.size() / 2;
-    const double median = ms.size() % 2 ? ms[middle] : 0.5 * (ms[middle - 1] + ms[middle]);
-    return {ms.front(), median, ms.back()};
-}
-
+/// throws CLI::ValidationError and vog::Error before any work
 void check_arguments(const RenderArguments& arguments, bool writes) {
     if (arguments.output.empty() && arguments.depth_output.empty() && !arguments.repeat)
-        throw CLI::ValidationError("nothing to make: give -o, --depth-out or --repeat");
+        throw CLI::ValidationError("nothing to make: expected -o, --depth-out or --repeat");
     if (writes && !arguments.output.empty())
         check_output(arguments.output, arguments.drawing.inputs, {".png", ".exr"});
     if (writes && !arguments.depth_output.empty())
         check_output(arguments.depth_output, arguments.drawing.inputs, {".exr"});
-    if (arguments.drawing.stop_transmittance > 0 && !asked_extinction(arguments.color))
+    if (arguments.drawing.stop_transmittance > 0 && !fixed_extinction(arguments.color))
         throw CLI::ValidationError(
-            "--stop-transmittance needs --extinction with a number: auto is known only after");
+            "--stop-transmittance: transmittance depends on the extinction, and auto is known only "
+            "after the render; expected --extinction with a number");
 }
 
-nlohmann::ordered_json report(const RenderArguments& arguments, const Drawing& drawing,
-                              const DepthImage& depth, const std::vector<double>& render_ms,
-                              const Stages& stages) {
+RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& drawing,
+                           const DepthImage& depth, std::vector<double> render_ms,
+                           const Stages& stages) {
+    RenderedPicture picture;
+    picture.output = arguments.output;
+    picture.depth_output = arguments.depth_output;
+    picture.renderer = info_of(drawing.renderer).name;
+    picture.primitives_text = drawing.primitives_text;
+    picture.width = depth.width;
+    picture.height = depth.height;
+    picture.gaussians = drawing.gaussians;
+    picture.active_voxels = drawing.active_voxels;
+    picture.threads = thread_count();
+    picture.extinction = depth.extinction;
     std::size_t covered = 0;
-    double sum = 0, largest = 0;
+    double sum = 0;
     for (const float t : depth.depth) {
         covered += t > 0;
         sum += t;
-        largest = std::max(largest, double{t});
+        picture.max_t = std::max(picture.max_t, double{t});
     }
     const auto pixels = static_cast<double>(depth.depth.size());
-    const Times times = summary(render_ms);
-    const std::optional<CutReport> cut = drawing.cut();
-    const std::optional<TraceReport> traced = drawing.traced();
-    if (!arguments.json) {
-        if (!arguments.output.empty())
-            fmt::print("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered\n",
-                       arguments.output, depth.width, depth.height, drawing.primitives_text,
-                       times.median, depth.extinction, 100 * static_cast<double>(covered) / pixels);
-        if (cut)
-            fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
-                       count_text(cut->leaves), count_text(cut->nodes), count_text(cut->visited));
-        if (!arguments.depth_output.empty())
-            fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", arguments.depth_output, sum / pixels,
-                       largest);
-        if (arguments.repeat)
-            fmt::print("render: min {:.2f} ms, median {:.2f} ms, max {:.2f} ms over {}\n",
-                       times.min, times.median, times.max, render_ms.size());
-        return {};
-    }
-    nlohmann::ordered_json json = {{"output", arguments.output},
-                                   {"depth_output", arguments.depth_output},
-                                   {"renderer", info_of(drawing.renderer).name},
-                                   {"width", depth.width},
-                                   {"height", depth.height},
-                                   {"gaussians", drawing.gaussians},
-                                   {"active_voxels", drawing.active_voxels},
-                                   {"threads", thread_count()},
-                                   {"extinction", depth.extinction},
-                                   {"covered", static_cast<double>(covered) / pixels},
-                                   {"mean_t", sum / pixels},
-                                   {"max_t", largest},
-                                   {"render_ms",
-                                    {{"min", times.min},
-                                     {"median", times.median},
-                                     {"max", times.max},
-                                     {"repeats", render_ms.size()}}}};
-    if (cut)
-        json["cut"] = {{"drawn", cut->drawn()},
-                       {"gaussians", cut->leaves},
-                       {"nodes", cut->nodes},
-                       {"nodes_visited", cut->visited}};
-    if (traced) {
-        json["hits"] = traced->hits;
-        json["slabs"] = traced->slabs;
-        json["most_slabs"] = traced->most_slabs;
-    }
-    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
-    json["peak_memory"] = peak_memory();
-    return json;
+    picture.covered = static_cast<double>(covered) / pixels;
+    picture.mean_t = sum / pixels;
+    std::ranges::sort(render_ms);
+    picture.render_ms = std::move(render_ms);
+    picture.cut = drawing.cut();
+    picture.traced = drawing.traced();
+    picture.stage_ms = stages.times();
+    picture.peak_memory = peak_memory();
+    return picture;
 }
 
 }  // namespace
 
+double RenderedPicture::median_ms() const {
+    const std::size_t middle = render_ms.size() / 2;
+    return render_ms.size() % 2 ? render_ms[middle]
+                                : 0.5 * (render_ms[middle - 1] + render_ms[middle]);
+}
+
+nlohmann::ordered_json to_json(const RenderedPicture& picture) {
+    nlohmann::ordered_json json = {{"output", picture.output},
+                                   {"depth_output", picture.depth_output},
+                                   {"renderer", picture.renderer},
+                                   {"width", picture.width},
+                                   {"height", picture.height},
+                                   {"gaussians", picture.gaussians},
+                                   {"active_voxels", picture.active_voxels},
+                                   {"threads", picture.threads},
+                                   {"extinction", picture.extinction},
+                                   {"covered", picture.covered},
+                                   {"mean_t", picture.mean_t},
+                                   {"max_t", picture.max_t},
+                                   {"render_ms",
+                                    {{"min", picture.render_ms.front()},
+                                     {"median", picture.median_ms()},
+                                     {"max", picture.render_ms.back()},
+                                     {"repeats", picture.render_ms.size()}}}};
+    if (picture.cut)
+        json["cut"] = {{"drawn", picture.cut->drawn()},
+                       {"gaussians", picture.cut->leaves},
+                       {"nodes", picture.cut->nodes},
+                       {"nodes_visited", picture.cut->visited}};
+    if (picture.traced) {
+        json["hits"] = picture.traced->hits;
+        json["slabs"] = picture.traced->slabs;
+        json["most_slabs"] = picture.traced->most_slabs;
+    }
+    for (const auto& [name, ms] : picture.stage_ms) json["ms"][name] = ms;
+    json["peak_memory"] = picture.peak_memory;
+    return json;
+}
+
+void print(const RenderedPicture& picture, bool repeated) {
+    if (!picture.output.empty())
+        fmt::print("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered\n",
+                   picture.output, picture.width, picture.height, picture.primitives_text,
+                   picture.median_ms(), picture.extinction, 100 * picture.covered);
+    if (picture.cut)
+        fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
+                   grouped(picture.cut->leaves), grouped(picture.cut->nodes),
+                   grouped(picture.cut->visited));
+    if (!picture.depth_output.empty())
+        fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", picture.depth_output, picture.mean_t,
+                   picture.max_t);
+    if (repeated)
+        fmt::print("render: min {:.2f} ms, median {:.2f} ms, max {:.2f} ms over {}\n",
+                   picture.render_ms.front(), picture.median_ms(), picture.render_ms.back(),
+                   picture.render_ms.size());
+}
+
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
-    command.add_option(
-        "-o,--output", arguments.output,
-        "Picture to write, .png or float .exr. A folder (or a name that ends in /): one of each "
-        "input, under one camera and one extinction");
+    command.add_option("-o,--output", arguments.output,
+                       "Picture to write, .png or float .exr. A folder (or a name that ends in /): "
+                       "one picture per "
+                       "input, all under one camera and one extinction");
     command.add_option("--depth-out", arguments.depth_output,
-                       "Optical depth T to write: .exr, one float channel Y");
-    command.add_option("--size", arguments.size, "WxH or one number, pixels")
+                       "Image of optical depth T to write: .exr with one float channel Y");
+    command
+        .add_option("--size", arguments.size,
+                    "Size of the picture in pixels, WxH or one number for a square")
         ->capture_default_str();
     add_drawing_options(command, arguments.drawing);
     add_view_options(command, arguments.view);
     add_color_options(command, arguments.color);
     add_memory_options(command, arguments.memory, "");
-    command.add_option("--threads", arguments.threads, "Threads to use; 0: all cores")
+    command.add_option("--threads", arguments.threads, "Number of threads; 0: one per core")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command
         .add_option("--repeat", arguments.repeat,
-                    "Render N times after a warm-up and report min, median and max")
+                    "Render this many times after one warm-up, and report the minimum, median and "
+                    "maximum time")
         ->check(CLI::Range(1, 100000));
-    command.add_flag("--json", arguments.json, "Print one JSON object and nothing else");
-    command.add_flag("--verbose,-v", arguments.verbose, "Print the time of each stage");
+    command.add_flag("--json", arguments.json,
+                     "Print one JSON object and nothing else on standard output");
+    command.add_flag("--verbose,-v", arguments.verbose,
+                     "Print the time of each stage to standard error");
 }
 
-nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& command,
-                              const RenderTogether& others) {
-    const bool writes = others.writes;
-    check_arguments(arguments, writes);
+std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+                                      const RenderRanks& ranks) {
+    check_arguments(arguments, ranks.is_root);
     const Size size = parse_size(arguments.size);
-    const std::optional<double> extinction = asked_extinction(arguments.color);
+    const std::optional<double> extinction = fixed_extinction(arguments.color);
     const TransferFunction tf = load_transfer_function(arguments.color.tf);
     const ShadeOptions shading = shading_of(arguments.color);
     const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose && writes);
+    Stages stages(arguments.verbose && ranks.is_root);
 
     const Drawing drawing =
-        stages.run("load", [&] { return others.load(arguments.drawing, extinction, command); });
+        stages.run("load", [&] { return ranks.load(arguments.drawing, extinction, command); });
     const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box));
-    if (writes && !arguments.view.save_camera.empty())
+    if (ranks.is_root && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, camera);
 
-    // With --repeat: one warm-up that does not count, then as many timed renders as asked.
+    // With --repeat N: one warm-up that is not timed, then N timed renders.
     const Progress progress = arguments.repeat ? Progress{} : stages.progress();
     DepthImage depth;
     std::vector<double> render_ms;
@@ -151,7 +174,7 @@ nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& 
             if (n >= 0) render_ms.push_back(milliseconds_since(start));
         }
     });
-    if (!writes) return {};
+    if (!ranks.is_root) return std::nullopt;
     set_extinction(depth, extinction ? *extinction : auto_extinction(depth));
 
     if (!arguments.output.empty()) {
@@ -159,7 +182,7 @@ nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& 
         stages.run("save", [&] { write_image(arguments.output, image); });
     }
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
-    return report(arguments, drawing, depth, render_ms, stages);
+    return figures_of(arguments, drawing, depth, std::move(render_ms), stages);
 }
 
 }  // namespace vog::cli

@@ -1,18 +1,22 @@
-// render_run.h: load -> render -> shade -> image: what vog render and vog-mpi render share.
+// render_run.h: one run of the renderer, load -> render -> shade -> image; shared by vog and vog-mpi.
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "options/memory_options.h"
 #include "shared/drawing.h"
+#include "vog/lod.h"
+#include "vog/trace.h"
 
 namespace vog::cli {
 
@@ -24,31 +28,57 @@ struct RenderArguments {
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
-    std::optional<Box> box;  ///< views look at this, not at what is drawn: one camera for many
+    std::optional<Box> box;  ///< box that views frame, in place of the input's: one camera for many
 };
+
+/// Figures of one rendered picture, as the command reports them.
+struct RenderedPicture {
+    std::string output, depth_output;  ///< files written; empty: none
+    std::string renderer, primitives_text;
+    int width = 0, height = 0;  ///< pixels
+    std::uint64_t gaussians = 0, active_voxels = 0;
+    int threads = 0;
+    double extinction = 1;              ///< factor on density that T is at
+    double covered = 0;                 ///< fraction of pixels with T > 0
+    double mean_t = 0, max_t = 0;       ///< over all pixels
+    std::vector<double> render_ms;      ///< one per timed render, ascending; not empty
+    std::optional<CutReport> cut;       ///< renders through a hierarchy
+    std::optional<TraceReport> traced;  ///< renders by rays
+    std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
+    std::uint64_t peak_memory = 0;                         ///< bytes
+
+    double median_ms() const;
+};
+/// The report of --json.
+nlohmann::ordered_json to_json(const RenderedPicture& picture);
+/// The report in words, on standard output.
+/// repeated  whether --repeat was given: the times get a line of their own
+void print(const RenderedPicture& picture, bool repeated);
 
 /// Adds the options of `vog render`.
 void add_render_options(CLI::App& command, RenderArguments& arguments);
 
-/// Several who render together; alone by default.
-struct RenderTogether {
-    /// Reads this one's part of the inputs.
+/// Hooks for rendering by several MPI ranks; the defaults are a single process.
+struct RenderRanks {
+    /// Reads this rank's part of the inputs.
     std::function<Drawing(const DrawingArguments&, std::optional<double> extinction,
                           const CLI::App&)>
         load = load_drawing;
-    bool writes = true;  ///< false: another one shades, writes and reports
-    /// Of the inputs of a sequence, those that are this one's to draw, each by itself.
-    std::function<std::vector<bool>(const std::vector<std::string>&)> mine{};
-    std::function<Box(const Box&)> united{};                               ///< box of all
-    std::function<double(double)> largest{};                               ///< number of all
-    std::function<std::vector<std::string>(const std::string&)> gather{};  ///< texts of all
+    bool is_root = true;  ///< the rank that shades, writes and reports
+    /// Inputs of a sequence that this rank renders alone: one flag per input. Empty: all of them.
+    std::function<std::vector<bool>(const std::vector<std::string>&)> assigned{};
+    std::function<Box(const Box&)> box_union{};     ///< bounding box of all ranks' boxes
+    std::function<double(double)> allreduce_max{};  ///< maximum over all ranks
+    /// One text per rank, on every rank. Empty: a single process.
+    std::function<std::vector<std::string>(const std::string&)> allgather{};
 };
-/// One picture. Prints what was made, unless JSON is asked for: which it returns.
-nlohmann::ordered_json render(const RenderArguments& arguments, const CLI::App& command,
-                              const RenderTogether& others = {});
+/// Renders and writes one picture.
+/// returns  its figures; none on ranks other than the root
+std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+                                      const RenderRanks& ranks = {});
 
 /// Adds the subcommand.
 void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,
-                const RenderTogether& others);
+                const RenderRanks& ranks);
 
 }  // namespace vog::cli

@@ -1,4 +1,4 @@
-// sequence.cpp: frames, their order and their turns.
+// sequence.cpp: file patterns, output names and concurrent frames.
 #include "shared/sequence.h"
 
 #include <fmt/core.h>
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Numbers in names by their value: frame_2 before frame_10.
+/// Natural order: digits compare by their value, frame_2 before frame_10.
 bool natural_less(const std::string& a, const std::string& b) {
     const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
     std::size_t i = 0, j = 0;
@@ -77,7 +77,7 @@ std::vector<Frame> frames_of(const std::vector<std::string>& inputs, const std::
     std::error_code error;
     fs::create_directories(folder, error);
     if (!fs::is_directory(folder))
-        throw Error(fmt::format("{}: this folder cannot be made: {}", folder, error.message()));
+        throw Error(fmt::format("{}: cannot create this folder: {}", folder, error.message()));
     std::vector<Frame> frames;
     std::map<fs::path, std::string> owner;
     for (const std::string& input : inputs) {
@@ -109,11 +109,11 @@ void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,
         for (const Frame& frame : frames) most = std::max(most, need(frame));
     const std::uint64_t fit = memory > 0 ? std::max<std::uint64_t>(1, memory / most) : 1;
     const auto at_once = std::min<std::uint64_t>(fit, static_cast<std::uint64_t>(thread_count()));
-    // Threads of their own: one that waits in a loop of TBB's would begin a further frame.
+    // Threads outside of TBB: a TBB worker that waits in one frame's loop would begin another frame.
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::exception_ptr first_error;
-    const auto take_turns = [&] {
+    const auto run_frames = [&] {
         for (std::size_t n = next++; n < frames.size(); n = next++) {
             try {
                 work(frames[n]);
@@ -127,8 +127,8 @@ void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,
     {
         std::vector<std::jthread> threads;
         for (std::uint64_t n = 1; n < std::min<std::uint64_t>(at_once, frames.size()); ++n)
-            threads.emplace_back(take_turns);
-        take_turns();
+            threads.emplace_back(run_frames);
+        run_frames();
     }
     if (first_error) std::rethrow_exception(first_error);
 }

@@ -1,5 +1,5 @@
-// terminal.h: what the command says while it works: stage timings, progress bars, notes. All of it
-// goes to standard error; standard output holds results only.
+// terminal.h: stage timings, progress bars and notes, all on standard error; standard output holds
+// results only.
 #pragma once
 
 #include <chrono>
@@ -14,14 +14,16 @@ namespace vog::cli {
 
 using Clock = std::chrono::steady_clock;
 
+/// Elapsed time, ms.
 double milliseconds_since(Clock::time_point start);
 
-/// Runs `work` as a named stage: a progress bar if it takes longer than a second on a terminal, its
-/// time under --verbose and in `times`.
+/// Named, timed stages of a command, with progress bars.
 class Stages {
   public:
     explicit Stages(bool verbose) : verbose_(verbose) {}
 
+    /// Runs `work` as a stage; shows a progress bar after a second on a terminal, and its time where
+    /// verbose.
     template <class Work>
     auto run(const std::string& name, const Work& work) {
         begin(name);
@@ -31,9 +33,9 @@ class Stages {
         } end_stage{*this};
         return work();
     }
-    /// Progress callback for the stage that runs; empty where there is no terminal.
+    /// Progress callback of the current stage; empty where standard error is no terminal.
     Progress progress();
-    /// Milliseconds per stage, in order.
+    /// Name and time (ms) of each stage, in the order they ran.
     const std::vector<std::pair<std::string, double>>& times() const { return times_; }
 
   private:
@@ -47,7 +49,7 @@ class Stages {
     std::vector<std::pair<std::string, double>> times_;
 };
 
-/// One line of standard error that is no failure: what the user should know.
+/// Prints one line that is no failure to standard error.
 void note(const std::string& text);
 
 }  // namespace vog::cli
