@@ -139,10 +139,10 @@ class PartConversion {
         const std::size_t finest = from_.active_voxels;
         std::vector<Gaussians> best;
         MomentTotals totals;  // of the best: each conversion overwrites totals_
-        smallest_budget(asked_.moments.error, finest, [&](std::size_t budget) {
+        smallest_budget(conversion_.moments.error, finest, [&](std::size_t budget) {
             std::vector<Gaussians> models = convert(parts, budget);
             const double measured = error.of(models);
-            if (measured <= asked_.moments.error || budget >= finest) {
+            if (measured <= conversion_.moments.error || budget >= finest) {
                 best = std::move(models);
                 totals = totals_;
             }

@@ -1,4 +1,4 @@
-// sequence_test.cpp: time steps, converted and drawn file by file.
+// sequence_test.cpp: time series, converted and rendered file by file.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,11 +23,13 @@ TEST_F(sequence, a_folder_gets_a_model_of_each_file_in_natural_order) {
     EXPECT_EQ(read_text(dir_ / "models/frame_10.ply"), read_text(dir_ / "one.ply"));
 }
 
-TEST_F(sequence, what_is_there_already_stays) {
+TEST_F(sequence, models_newer_than_their_input_are_kept) {
     must("sample cloud frame_1.vdb --size 64");
     must("sample cloud frame_2.vdb --size 64");
     must("convert frame_1.vdb -o models/ --block 8");
+    // File times are set, so that neither the clock nor its resolution on disk matters.
     const auto first = std::filesystem::last_write_time(dir_ / "models/frame_1.ply");
+    std::filesystem::last_write_time(dir_ / "frame_1.vdb", first - std::chrono::hours(1));
     const auto json =
         nlohmann::json::parse(must("convert 'frame_*.vdb' -o models --block 8 --json").out);
     EXPECT_EQ(json["there_already"], 1);
@@ -37,18 +39,17 @@ TEST_F(sequence, what_is_there_already_stays) {
                   must("convert 'frame_*.vdb' -o models --block 8 --json --again").out)["models"]
                   .size(),
               2u);
-    // A frame that has changed since is made anew.
+    // A frame that has changed since is converted again.
     must("sample explosion frame_1.vdb --size 64");
-    std::filesystem::last_write_time(
-        dir_ / "frame_1.vdb",
-        std::filesystem::file_time_type::clock::now() + std::chrono::hours(1));
+    const auto model = std::filesystem::last_write_time(dir_ / "models/frame_1.ply");
+    std::filesystem::last_write_time(dir_ / "frame_1.vdb", model + std::chrono::hours(1));
     EXPECT_EQ(
         nlohmann::json::parse(
             must("convert 'frame_*.vdb' -o models --block 8 --json").out)["models"][0]["output"],
         "models/frame_1.ply");
 }
 
-TEST_F(sequence, what_cannot_be_is_said_before_any_work) {
+TEST_F(sequence, invalid_requests_fail_before_any_work) {
     must("sample cloud a.vdb --size 64");
     std::filesystem::create_directories(dir_ / "other");
     std::filesystem::copy(dir_ / "a.vdb", dir_ / "other/a.vdb");
@@ -61,7 +62,7 @@ TEST_F(sequence, what_cannot_be_is_said_before_any_work) {
     EXPECT_FALSE(std::filesystem::exists(dir_ / "a.ply"));
 }
 
-TEST_F(sequence, a_broken_frame_ends_it_with_its_own_line) {
+TEST_F(sequence, a_broken_frame_ends_the_sequence_with_its_error) {
     must("sample cloud frame_1.vdb --size 64");
     std::ofstream(dir_ / "frame_2.vdb") << "no volume";
     const Result result = run("convert 'frame_*.vdb' -o models/ --block 8");

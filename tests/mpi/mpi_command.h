@@ -1,4 +1,4 @@
-// mpi_command.h: vog-mpi by several processes, more than there are cores if need be.
+// mpi_command.h: fixture that runs vog-mpi with several processes, also more than there are cores.
 #pragma once
 
 #include <fmt/core.h>
@@ -10,14 +10,16 @@
 
 namespace vog::test {
 
+/// Command line tests of vog-mpi.
 class Mpi : public CommandLine {
   protected:
-    /// apps  `-n 2 COMMAND a b : -n 1 COMMAND c`, COMMAND standing for vog-mpi
+    /// Runs mpirun. apps  its arguments: `-n 2 COMMAND a b : -n 1 COMMAND c`, where COMMAND stands for
+    /// vog-mpi
     Result mpi(const std::string& apps) const {
         std::string all = apps;
         for (std::size_t at; (at = all.find("COMMAND")) != std::string::npos;)
             all.replace(at, 7, "'" VOG_MPI_COMMAND "'");
-        // A rank that never came to its end would keep the test waiting.
+        // A deadlocked rank ends by the time limit, with exit code 124.
         const std::string command = "cd '" + (dir_ / "").string() + "' && " +
                                     "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
                                     "timeout 120 " VOG_MPIRUN " --oversubscribe --bind-to none " +
@@ -31,7 +33,7 @@ class Mpi : public CommandLine {
         EXPECT_EQ(result.exit_code, 0) << count << " ranks: " << arguments << "\n" << result.error;
         return result;
     }
-    /// Expects the exit code, and that vog-mpi says one line, with `text`.
+    /// Expects the exit code and exactly one line from vog-mpi on standard error, with `text`.
     void must_fail_mpi(int exit_code, const std::string& apps, const std::string& text) const {
         const Result result = mpi(apps);
         EXPECT_EQ(result.exit_code, exit_code) << apps << "\n" << result.error;
@@ -57,7 +59,8 @@ class Mpi : public CommandLine {
     }
 };
 
-/// What the issue of distributed rendering asks for: T of any number of ranks is T of one.
+/// Largest relative difference of T between any number of ranks and one process: single-precision
+/// sums in another order.
 inline constexpr double kSameT = 1e-6;
 
 }  // namespace vog::test

@@ -1,4 +1,4 @@
-// mpi_evaluate_test.cpp: vog-mpi evaluate has the figures of vog evaluate.
+// mpi_evaluate_test.cpp: vog-mpi evaluate gives the figures of vog evaluate.
 #include <nlohmann/json.hpp>
 
 #include "mpi_command.h"

@@ -1,4 +1,4 @@
-// mpi_failure_test.cpp: whatever happens to one rank, all end, and say once why.
+// mpi_failure_test.cpp: failures of one rank: all ranks end, and the error is printed once.
 #include "mpi_command.h"
 
 namespace vog::test {
@@ -18,7 +18,7 @@ TEST_F(mpi_failure, file_that_one_rank_lacks_ends_all) {
 TEST_F(mpi_failure, damage_in_one_part_ends_all) {
     must("sample cloud c.vdb --size 64");
     std::string bytes = read_text(dir_ / "c.vdb");
-    // Near the end lie the leaves of one rank: what is there now does not unpack, or is no number.
+    // The leaves of one rank lie near the end: these bytes do not decompress, or are not finite.
     for (std::size_t n = bytes.size() - 600; n < bytes.size() - 200; ++n) bytes[n] = '\xff';
     write("bad.vdb", bytes);
     must_fail_mpi(1, "-n 3 COMMAND render bad.vdb -o c.png --size 32", "bad.vdb");
@@ -29,12 +29,13 @@ TEST_F(mpi_failure, picture_that_cannot_be_written_ends_all) {
     must_fail_mpi(1, "-n 2 COMMAND render c.vdb -o nowhere/c.png", "no folder 'nowhere'");
 }
 
-TEST_F(mpi_failure, wrong_usage_is_said_once) {
+TEST_F(mpi_failure, wrong_usage_is_reported_once) {
     must_fail_mpi(2, "-n 3 COMMAND render c.vdb -o c.png --size none", "--size");
     must_fail_mpi(2, "-n 2 COMMAND", "subcommand");
 }
 
-/// A rank that is killed says nothing: mpirun ends the others.
+/// A killed rank reports nothing: mpirun ends the others. The work would take hours, and the kill may
+/// come at any point of it.
 TEST_F(mpi_failure, killed_rank_ends_all) {
     must("sample cloud c.vdb --size 64");
     const std::string work = "COMMAND render c.vdb --size 512 --repeat 100000 --threads 1";
@@ -44,7 +45,7 @@ TEST_F(mpi_failure, killed_rank_ends_all) {
     EXPECT_NE(result.exit_code, 124) << "still waiting after two minutes";
 }
 
-/// Memory that is not to be had: a picture of 14 GB, asked of one rank that has room for 6.
+/// A picture of 14 GB on a rank with an address space of 6 GB.
 TEST_F(mpi_failure, lack_of_memory_on_one_rank_ends_all) {
     must("sample cloud c.vdb --size 64");
     write("small.sh", "#!/bin/sh\nulimit -v 6000000\nexec \"$@\"\n");

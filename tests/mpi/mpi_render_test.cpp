@@ -1,4 +1,4 @@
-// mpi_render_test.cpp: vog-mpi render draws what vog render draws.
+// mpi_render_test.cpp: vog-mpi render gives the pictures of vog render.
 #include <nlohmann/json.hpp>
 
 #include "mpi_command.h"
@@ -8,10 +8,10 @@
 
 namespace vog::test {
 
-/// By number of ranks.
+/// Parameter: number of ranks.
 class mpi_render : public Mpi, public testing::WithParamInterface<int> {
   protected:
-    /// Renders both ways. returns the largest relative difference of T
+    /// Renders by vog and by the ranks. returns  the largest relative difference of T
     double differs(const std::string& arguments) const {
         const std::string common = " --size 96x80 --extinction 1 " + arguments + " --depth-out ";
         must("render" + common + "one.exr");
@@ -37,7 +37,7 @@ TEST_P(mpi_render, models_are_the_same) {
     must("convert e.vdb -o e.ply --block 4 --no-hierarchy");
     must("convert e.vdb -o f.ply --block 8 --axis-aligned --no-hierarchy");
     EXPECT_LE(differs("e.ply f.ply --eye 10,20,90 --look-at 24,24,24"), kSameT);
-    // Rays are traced in single precision about the centre of what a rank has.
+    // Rays are traced in single precision about the centre of each rank's part.
     constexpr double kTraced = 3e-5;
     EXPECT_LE(differs("e.ply --renderer trace"), kTraced);
 }
@@ -46,12 +46,12 @@ TEST_P(mpi_render, particles_are_the_same) {
     must("sample particles p.xyz --size 10");
     EXPECT_LE(differs("p.xyz"), kSameT);
     EXPECT_LE(differs("p.xyz --radius 2 --value speed"), kSameT);
-    // Where 1000 particles lie over each pixel, one process's own sum in single precision is off by
-    // their square root times 6e-8.
+    // 1000 particles cover each pixel: a single process's sum in single precision has an error of
+    // about their square root times 6e-8.
     EXPECT_LE(differs("p.xyz --radius 300"), 32 * 3 * 6e-8);
 }
 
-/// Three pictures, which one, two or three ranks draw; of five, two have none.
+/// Three pictures, rendered by up to three ranks; of five ranks two have none.
 TEST_P(mpi_render, pictures_of_time_steps_are_the_same) {
     must("sample cloud step_2.vdb --size 64");
     must("sample explosion step_9.vdb --size 64");
@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(ranks, mpi_render, testing::Values(1, 2, 3, 5, 8),
 
 class mpi_inputs : public Mpi {};
 
-TEST_F(mpi_inputs, auto_extinction_and_report_are_of_the_whole) {
+TEST_F(mpi_inputs, auto_extinction_and_report_cover_all_parts) {
     must("sample cloud c.vdb --size 64");
     const auto one = nlohmann::json::parse(must("render c.vdb -o one.png --size 64 --json").out);
     const auto many =
@@ -91,7 +91,7 @@ TEST_F(mpi_inputs, auto_extinction_and_report_are_of_the_whole) {
     EXPECT_EQ(one["covered"], many["covered"]);
 }
 
-/// One leaf is one part: the others are empty.
+/// One leaf cannot be divided: the other parts are empty.
 TEST_F(mpi_inputs, ranks_without_a_leaf_have_nothing_to_draw) {
     Volume volume;
     volume.name = "density";
@@ -113,7 +113,7 @@ TEST_F(mpi_inputs, ranks_without_a_leaf_have_nothing_to_draw) {
     EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
 }
 
-/// From four files a rank on, files go to ranks whole.
+/// With four or more files per rank, files go to ranks whole.
 TEST_F(mpi_inputs, many_files_are_divided_by_files) {
     std::string models, volumes;
     for (int n = 0; n < 8; ++n) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct Scene {
     int width = 64, height = 64;
     double tolerance = 1e-5;  ///< of the image maximum, for single-precision renderers
 };
+/// The name stands for the scene in test listings.
+inline void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
 
 /// Deterministic uniform numbers in [0, 1): the same on every machine.
 class Random {

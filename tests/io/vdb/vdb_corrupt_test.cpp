@@ -151,6 +151,8 @@ struct Kind {
     openvdb::GridBase::Ptr (*make)();
     std::uint32_t compression;
 };
+/// The name stands for the kind in test listings.
+void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
 class vdb_flips : public testing::TestWithParam<Kind> {};
 

@@ -342,7 +342,8 @@ TEST(reference, unusable_input_throws) {
     EXPECT_THROW((void)voxel_grid(volume), Error);
 }
 
-class reference_data : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+/// By file and grid.
+class reference_data : public testing::TestWithParam<std::pair<std::string, std::string>> {};
 
 TEST_P(reference_data, matches_the_brute_force_within_1e_5) {
     const auto [file, name] = GetParam();
@@ -369,7 +370,11 @@ INSTANTIATE_TEST_SUITE_P(files, reference_data,
                          testing::Values(std::pair{"smoke.vdb", "density"},
                                          std::pair{"cloud.vdb", "density"},
                                          std::pair{"fire.vdb", "flames"},
-                                         std::pair{"fire.vdb", "temperature"}));
+                                         std::pair{"fire.vdb", "temperature"}),
+                         [](const auto& each) {
+                             const std::string& file = each.param.first;
+                             return file.substr(0, file.find('.')) + "_" + each.param.second;
+                         });
 
 }  // namespace
 }  // namespace vog
