@@ -1,4 +1,4 @@
-// viewer.cpp: the loop: events, state, picture, panels, frame.
+// viewer.cpp: main loop: events, session, picture, panels.
 #include "viewer.h"
 
 #include <fmt/core.h>
@@ -24,7 +24,7 @@ double ms_since(Clock::time_point start) {
     return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Dear ImGui's state, without files of its own.
+/// Dear ImGui's context, without its files.
 class GuiContext {
   public:
     GuiContext() {
@@ -37,7 +37,7 @@ class GuiContext {
     GuiContext& operator=(const GuiContext&) = delete;
 };
 
-/// A typeface of the system where one of these is installed; else ImGui's own.
+/// Loads a font of the system if one of these is installed, else ImGui's default font.
 void load_font(float pixels) {
     ImFontAtlas& atlas = *ImGui::GetIO().Fonts;
     atlas.Clear();
@@ -53,7 +53,7 @@ void load_font(float pixels) {
     atlas.AddFontDefault(&config);
 }
 
-/// Number of a file name that is not taken: vog-1.png, vog-2.png, ...
+/// First file name that does not exist: vog-1.png, vog-2.png, ...
 std::string free_name(const std::string& extension) {
     for (int n = 1;; ++n)
         if (std::string name = fmt::format("vog-{}{}", n, extension);
@@ -61,6 +61,7 @@ std::string free_name(const std::string& extension) {
             return name;
 }
 
+/// The viewer with its screen, session and panels.
 class Program {
   public:
     explicit Program(const ViewerOptions& options)
@@ -69,8 +70,8 @@ class Program {
           session_(options.read) {
         if (!options.script.empty()) script_.emplace(options.script);
         session_.settings.scale = options.scale;
-        // Where OpenGL has no device the splat on the CPU is some fifty times as fast. Scripts
-        // begin alike everywhere.
+        // On software OpenGL the CPU splat is about fifty times as fast. Scripts start with OpenGL on
+        // every machine.
         if (options.script.empty() && is_software_gl())
             session_.settings.renderer = Renderer::splat;
         session_.look = options.look;
@@ -81,7 +82,7 @@ class Program {
     }
 
     void run() {
-        while (!screen_->close_requested() && !wishes_.quit) {
+        while (!screen_->close_requested() && !requests_.quit) {
             const Clock::time_point start = Clock::now();
             frame();
             session_.measured.frame_ms = ms_since(start);
@@ -92,10 +93,10 @@ class Program {
     }
 
   private:
-    /// Rebuilds style and font where the size asks for another scale.
+    /// Rebuilds style and font for another scale of the user interface.
     void fit_ui(PixelSize size, float points_scale) {
-        // What the display asks for; on large frames at least half a step per 540 rows, so that
-        // text stays legible where the display does not say how dense it is.
+        // Scale of the display; on large frames at least 0.5 per 540 rows, so that text stays legible
+        // where the display does not report its density.
         const double by_rows = std::clamp(std::floor(size.height / 540.0) / 2, 1.0, 3.0);
         const double pixels =
             options_.ui_scale > 0 ? options_.ui_scale : std::max(screen_->content_scale(), by_rows);
@@ -109,7 +110,7 @@ class Program {
 
     void frame() {
         ImGuiIO& io = ImGui::GetIO();
-        // Nothing to draw: events may wait, and other threads have the cores.
+        // Nothing to draw: the loop waits for events and leaves the cores to other threads.
         const bool idle = session_.at_rest() && !script_ && still_frames_ > 3;
         screen_->begin_frame(io, idle ? 0.5 : session_.drawing() ? 0 : 0.01);
         const PixelSize size = screen_->size();
@@ -127,7 +128,7 @@ class Program {
         ImGui::NewFrame();
         if (const auto files = screen_->take_dropped_files(); !files.empty())
             attempt(session_, [&] { session_.open(files); });
-        attempt_or_throw([&] { apply_input(session_, hand_, layout.picture, wishes_); });
+        attempt_or_throw([&] { apply_input(session_, drag_, layout.picture, requests_); });
 
         const auto to_pixels = [&](float points) {
             return static_cast<int>(std::lround(points * points_scale));
@@ -138,7 +139,7 @@ class Program {
         set_title();
 
         const Clock::time_point gui_start = Clock::now();
-        draw_panels(session_, gui_, layout, wishes_);
+        draw_panels(session_, gui_, layout, requests_);
         ImGui::Render();
         session_.measured.gui_ms = ms_since(gui_start);
 
@@ -149,41 +150,42 @@ class Program {
         session_.draw({0, size.height - shown.height, shown.width, shown.height});
         glViewport(0, 0, size.width, size.height);
         gui_gl_.draw(*ImGui::GetDrawData());
-        attempt_or_throw([&] { write_what_is_asked(size); });
+        attempt_or_throw([&] { write_requested(size); });
         if (script_) script_->after_frame({session_, gui_, *screen_, layout.picture});
         screen_->show_frame();
         still_frames_ = session_.at_rest() && !ImGui::IsAnyMouseDown() ? still_frames_ + 1 : 0;
     }
 
-    /// Failures are shown in the window; a script ends with them.
+    /// Shows errors in the window; under a script they end the program.
     template <class Action>
     void attempt_or_throw(const Action& action) {
         try {
             action();
         } catch (const Error& error) {
             if (script_) throw;
-            session_.fail(error.what());
+            session_.show_error(error.what());
         }
     }
 
-    /// A window that cannot show what it was opened for is of no use.
+    /// throws vog::Error where none of the files given at the start can be opened
     void stop_if_nothing_opens() {
         const std::string& error = session_.loading.error;
         if (!error.empty() && session_.scene.levels.empty() && !options_.files.empty())
             throw Error(error);
     }
 
-    void write_what_is_asked(PixelSize size) {
-        if (std::exchange(wishes_.screenshot, false)) {
+    /// Writes the screenshot, picture or depth image requested in this frame.
+    void write_requested(PixelSize size) {
+        if (std::exchange(requests_.screenshot, false)) {
             screen_->bind();
             Image image = read_picture(size.width, size.height);
-            for (Rgba& pixel : image.pixel) pixel.a = 1;  // a window has none
+            for (Rgba& pixel : image.pixel) pixel.a = 1;  // a window is opaque
             const std::string name = free_name(".png");
             write_png(name, image);
-            session_.say("wrote " + name);
+            session_.show_message("wrote " + name);
         }
-        if (std::exchange(wishes_.picture, false)) session_.save_picture(free_name(".png"));
-        if (std::exchange(wishes_.depth, false)) session_.save_depth(free_name(".exr"));
+        if (std::exchange(requests_.picture, false)) session_.save_picture(free_name(".png"));
+        if (std::exchange(requests_.depth, false)) session_.save_depth(free_name(".exr"));
     }
 
     void set_title() {
@@ -198,8 +200,8 @@ class Program {
     GuiGl gui_gl_;
     Session session_;
     Gui gui_;
-    Hand hand_;
-    Wishes wishes_;
+    Drag drag_;
+    Requests requests_;
     std::optional<ScriptPlayer> script_;
     double ui_pixels_ = 0;
     int still_frames_ = 0;

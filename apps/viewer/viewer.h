@@ -1,4 +1,4 @@
-// viewer.h: the window. What `vog view` opens, and what a script drives without one.
+// viewer.h: the interactive viewer, in a window or headless by a script.
 #pragma once
 
 #include <functional>
@@ -13,21 +13,21 @@
 namespace vog::viewer {
 
 struct ViewerOptions {
-    std::vector<std::string> files;  ///< shown together; may be empty
+    std::vector<std::string> files;  ///< opened together; may be empty
     PixelSize size{1280, 800};
     bool headless = false;
-    std::string script{};  ///< file to play; then the program ends
-    double scale = 1;      ///< pixels rendered per pixel shown, [0.1, 4]
-    double ui_scale = 0;   ///< size of text and controls; 0: as the display and the size ask for
-    std::function<Camera(const Box& box)> camera{};  ///< of the files' box; none: paper view
+    std::string script{};  ///< file with actions to run; the program ends after them
+    double scale = 1;      ///< rendered pixels per screen pixel along an edge, [0.1, 4]
+    double ui_scale = 0;   ///< scale of text and controls; 0: from the display and the size
+    std::function<Camera(const Box& box)> camera{};  ///< initial view of a box; empty: paper view
     double extinction = 0;                           ///< 0: automatic
     Look look{};
     ReadFiles read;
 };
 
 /// Runs until the window is closed, or the script has ended.
-/// throws vog::Error for no display, no OpenGL 3.3, files that cannot be shown when nothing else
-///        is, and what goes wrong in a script, naming its line
+/// throws  vog::Error without a display or OpenGL 3.3, for unreadable files when nothing else is
+///         open, and for errors in a script, with its line
 void run(const ViewerOptions& options);
 
 }  // namespace vog::viewer

@@ -1,4 +1,4 @@
-// headless.h: an OpenGL context for tests; where the machine has none they skip, aloud.
+// headless.h: fixture with a headless OpenGL context; tests skip, with a message, where there is none.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace vog::test {
 
-/// A test with a headless OpenGL context.
+/// Fixture of the tests that need OpenGL.
 class headless : public testing::Test {
   protected:
     void SetUp() override {

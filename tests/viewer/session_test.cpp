@@ -1,5 +1,4 @@
-// session_test.cpp: `vog view` as a user or a script drives it, against the other commands; and one
-// clear line for everything it cannot do.
+// session_test.cpp: vog view driven by scripts, its pictures against vog render's, and its errors.
 #include <nlohmann/json.hpp>
 
 #include "screen/screen.h"
@@ -25,7 +24,7 @@ class view_command : public CommandLine {
         write("play.vog", script);
         must("view " + inputs + " --headless --script play.vog " + options);
     }
-    /// Expects a line that names the script's line.
+    /// Expects an error with the script's line.
     void refuses(const std::string& script, const std::string& text) const {
         write("play.vog", script);
         must_fail(1, "view cloud.ply --headless --script play.vog --size 64x48", text);
@@ -34,7 +33,7 @@ class view_command : public CommandLine {
         must("sample cloud cloud.vdb --size 64");
         must("convert cloud.vdb -o cloud.ply --block 4");
     }
-    /// No channel of any pixel off by more than 2 of 255.
+    /// Expects no channel of any pixel to differ by more than 2 of 255.
     void expect_same_picture(const std::string& expected, const std::string& drawn) const {
         const Image a = read_image(dir_ / expected), b = read_image(dir_ / drawn);
         const PictureDifference difference = compare(a, b);
@@ -81,7 +80,7 @@ TEST_F(view_command, a_sessions_picture_is_the_command_lines) {
     const DepthDifference depth =
         compare(read_depth(dir_ / "expected-T.exr"), read_depth(dir_ / "T.exr"));
     EXPECT_LE(depth.relative_l2, 1e-5);
-    // The hand did move the camera: the paper view is another picture.
+    // The drags did move the camera: the paper view is another picture.
     must("render cloud.ply -o paper.png --size 240x180 --extinction 3.5 --tf viridis");
     EXPECT_LT(compare(read_image(dir_ / "paper.png"), read_image(dir_ / "picture.png")).psnr_db,
               40);
@@ -134,7 +133,7 @@ TEST_F(view_command, a_look_saved_is_the_look_shown) {
     expect_same_picture("expected.png", "look.png");
 }
 
-TEST_F(view_command, meshes_and_particles_are_shown_as_the_other_commands_see_them) {
+TEST_F(view_command, meshes_and_particles_match_the_other_commands) {
     must("sample amr mesh.vdb --size 64");
     const std::string bare = "panels off\noverlay off\ncolorbar off\nsubframes 1\nexposure 3\n";
     play("mesh.vdb", bare + "renderer reference\nwait\npicture mesh.png\n",
@@ -167,7 +166,7 @@ TEST_F(view_command, files_of_every_kind_can_be_opened_later) {
          "open look.json\nopen camera.json\nwait\npicture opened.png\n",
          "--size 100x80");
     expect_same_picture("expected.png", "opened.png");
-    refuses("open other.json\n", "play.vog:1: no look and no camera");
+    refuses("open other.json\n", "play.vog:1: neither a transfer function");
 }
 
 TEST_F(view_command, keys_and_buttons_do_what_they_say) {
@@ -229,10 +228,10 @@ TEST_F(view_command, bad_scripts_are_refused_by_line) {
     refuses("wait\npicture nofolder/a.png\n", "play.vog:2: nofolder/a.png");
     must_fail(1, "view cloud.ply --headless --script nosuch.vog",
               "nosuch.vog: cannot read this script");
-    must_fail(2, "view cloud.ply --headless", "--headless needs --script");
+    must_fail(2, "view cloud.ply --headless", "--headless: there is no window");
 }
 
-TEST_F(view_command, what_cannot_be_shown_is_told_in_one_line) {
+TEST_F(view_command, unreadable_inputs_fail_with_one_line) {
     write("play.vog", "wait\n");
     must_fail(1, "view nosuch.vdb --headless --script play.vog", "nosuch.vdb: no such file");
     write("broken.vdb", "not a volume");
@@ -257,14 +256,14 @@ TEST_F(view_command, the_window_shows_what_memory_does) {
         "subframes 1\nwait\ndrag left 40% 40% 55% 50%\nwheel 2 50% 50%\nkey tab\nkey o\nkey "
         "l\nwait\n"
         "size 320 240\nwait\nsave-camera camera.json\n";
-    // Drivers of windows leak: that is not ours to find.
+    // Leaks of the window system's drivers are not tested.
     const std::string xvfb =
         "env ASAN_OPTIONS=detect_leaks=0 xvfb-run -a -s '-screen 0 1280x1024x24'";
     write("play.vog", script + "screenshot window.png\n");
     must("view cloud.ply --script play.vog --size 400x300 --extinction 4", xvfb);
     must("render cloud.ply -o expected.png --camera camera.json --size 320x240 --extinction 4");
     expect_same_picture("expected.png", "window.png");
-    // xvfb-run has words of its own to say where the command fails.
+    // xvfb-run adds lines of its own where the command fails.
     const Result old = run("view cloud.ply", "env MESA_GL_VERSION_OVERRIDE=2.1 " + xvfb);
     EXPECT_NE(old.exit_code, 0);
     EXPECT_NE(old.error.find("vog: no window with OpenGL 3.3"), std::string::npos) << old.error;

@@ -1,4 +1,4 @@
-// gl_objects.cpp: programs, targets and timers.
+// gl_objects.cpp: OpenGL programs, render targets and timer queries.
 #include "gl/gl_objects.h"
 
 #include <fmt/core.h>
@@ -12,7 +12,7 @@ namespace vog::viewer {
 
 namespace {
 
-// What differs from WebGL2, whose header is "#version 300 es" and a precision.
+// Header for desktop OpenGL; WebGL2 has "#version 300 es" and a precision in its place.
 constexpr const char* kHeader = "#version 330 core\n";
 
 GLuint compile(GLenum kind, const std::string& name) {
@@ -157,7 +157,7 @@ GlTimer::~GlTimer() { glDeleteQueries(kQueries, query_.data()); }
 
 void GlTimer::begin() {
     collect();
-    running_ = !pending_[next_];  // all in flight: this interval is not measured
+    running_ = !pending_[next_];  // all queries are in flight: this interval is not measured
     if (running_) glBeginQuery(GL_TIME_ELAPSED, query_[next_]);
 }
 

@@ -1,5 +1,5 @@
-// gl_objects.h: OpenGL's objects with owners: programs, textures to draw into, timers. All need a
-// current context of OpenGL 3.3 core.
+// gl_objects.h: owners of OpenGL objects: programs, render targets, timers. All need a current
+// OpenGL 3.3 core context.
 #pragma once
 
 #include <epoxy/gl.h>
@@ -15,7 +15,7 @@
 
 namespace vog::viewer {
 
-/// Owns one OpenGL name; moves, never copies.
+/// Owner of one OpenGL object; can be moved, not copied.
 template <void (*kDelete)(GLuint)>
 class GlName {
   public:
@@ -29,7 +29,7 @@ class GlName {
     ~GlName() {
         if (name_) kDelete(name_);
     }
-    operator GLuint() const { return name_; }  // as OpenGL's own functions take it
+    operator GLuint() const { return name_; }  // for calls of OpenGL
 
   private:
     GLuint name_ = 0;
@@ -46,15 +46,15 @@ using GlFramebuffer = GlName<delete_framebuffer>;
 GlBuffer make_buffer();
 GlVertexArray make_vertex_array();
 
-/// throws vog::Error unless the context has OpenGL 3.3 and draws additively into 32-bit floats
+/// throws vog::Error unless the context supports OpenGL 3.3 with additive blending into 32-bit floats
 void require_gl();
-/// Whether the processor does OpenGL's work here (Mesa's llvmpipe and its kin).
+/// Whether OpenGL is rendered in software (llvmpipe and the like).
 bool is_software_gl();
 
-/// A linked pair of shaders from the embedded shaders, by the files' names.
+/// Program of two embedded shaders, named by their files.
 class GlProgram {
   public:
-    /// throws vog::Error with the driver's message where it refuses a shader
+    /// throws vog::Error, with the driver's message, for a shader that does not compile or link
     GlProgram(const std::string& vertex, const std::string& fragment);
     ~GlProgram();
     GlProgram(const GlProgram&) = delete;
@@ -72,21 +72,21 @@ class GlProgram {
     GLuint name_ = 0;
 };
 
-/// A texture that can be drawn into and read back.
+/// Render target: a texture with a framebuffer, which can be read back.
 class GlTarget {
   public:
-    /// format  GL_R32F for T, GL_RGBA8 for pictures; the first row is whatever is drawn there first
+    /// format  GL_R32F for T, GL_RGBA8 for pictures
     GlTarget(GLenum format, int width, int height);
 
     int width() const { return width_; }
     int height() const { return height_; }
     GLuint texture() const { return texture_; }
     GLuint framebuffer() const { return framebuffer_; }
-    /// Draws from now on go here, to all of it.
+    /// Binds the whole target for drawing.
     void bind() const;
-    /// Fills an R32F target.
+    /// Uploads values to an R32F target, in the order of its rows.
     void upload(std::span<const float> pixels) const;
-    /// Of an R32F target, in the order of its rows.
+    /// Values of an R32F target, in the order of its rows.
     std::vector<float> read_floats() const;
 
   private:
@@ -95,11 +95,10 @@ class GlTarget {
     GlFramebuffer framebuffer_;
 };
 
-/// RGBA8 of the framebuffer that is bound, as a picture with rows from the top.
+/// Reads the bound framebuffer (RGBA8) as a picture with rows from the top.
 Image read_picture(int width, int height);
 
-/// Milliseconds the device spent between begin() and end(), known a few frames later: asking never
-/// waits.
+/// GPU time between begin() and end(), available a few frames later without waiting.
 class GlTimer {
   public:
     GlTimer();
@@ -108,7 +107,7 @@ class GlTimer {
     GlTimer& operator=(const GlTimer&) = delete;
     void begin();
     void end();
-    /// Of the latest interval that is known; 0 before the first.
+    /// Latest available time, ms; 0 before the first.
     double ms();
 
   private:

@@ -1,4 +1,4 @@
-// gui_gl.cpp: triangles, clipped to rectangles.
+// gui_gl.cpp: textured triangles with scissor rectangles.
 #include "gl/gui_gl.h"
 
 #include <imgui.h>

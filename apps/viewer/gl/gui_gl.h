@@ -1,5 +1,5 @@
-// gui_gl.h: draws what Dear ImGui has laid out. Its own OpenGL backend looks for libGL by itself
-// and for a window's context only; this one goes where the rest of the viewer draws.
+// gui_gl.h: renders Dear ImGui's draw lists in the viewer's OpenGL context. ImGui's own OpenGL backend
+// loads libGL by itself, for the context of a window only.
 #pragma once
 
 #include "gl/gl_objects.h"
@@ -11,9 +11,9 @@ namespace vog::viewer {
 class GuiGl {
   public:
     GuiGl();
-    /// Uploads the font atlas; again after it has changed.
+    /// Uploads the font atlas; needed again after each change of it.
     void upload_fonts();
-    /// Over what is in the framebuffer that is bound.
+    /// Draws over the contents of the bound framebuffer.
     void draw(const ImDrawData& data) const;
 
   private:

@@ -1,4 +1,4 @@
-// shade_gl.cpp: the look as a texture, and one triangle over the viewport.
+// shade_gl.cpp: transfer function as a texture, and one triangle over the viewport.
 #include "gl/shade_gl.h"
 
 #include <cmath>
@@ -9,12 +9,12 @@ namespace {
 
 constexpr std::size_t kTransferSize = 4096;
 
-/// Walks the points of a piecewise linear function; v must not fall from call to call.
+/// Cursor over the points of a piecewise linear function; v must not decrease from call to call.
 template <class Point>
 class Walk {
   public:
     explicit Walk(const std::vector<Point>& points) : points_(points) {}
-    /// The points around v and how far it is between them, as vog::evaluate has it.
+    /// The points around v and the position of v between them, as in vog::color_at.
     float to(float v, const Point*& from, const Point*& next) {
         while (n_ < points_.size() && v >= points_[n_].v) ++n_;
         from = &points_[n_ == 0 ? 0 : n_ - 1];

@@ -1,4 +1,4 @@
-// shade_gl.h: T to colour in OpenGL, as vog::shade does it, in one pass over the pixels.
+// shade_gl.h: shading of T in OpenGL, one full-screen pass; the result of vog::shade.
 #pragma once
 
 #include "gl/gl_objects.h"
@@ -6,30 +6,31 @@
 
 namespace vog::viewer {
 
-/// An image of T on the device.
+/// Image of accumulated T in the device's memory.
 struct GlDepth {
     const GlTarget* target = nullptr;
-    double subframes = 1;  ///< how many were added up in it
+    double subframes = 1;  ///< number of sub-frames in the sum
 };
 
-/// Where a picture goes in the framebuffer that is bound.
+/// Rectangle of the bound framebuffer that a picture fills.
 struct Viewport {
     int x = 0, y = 0, width = 0, height = 0;  ///< pixels, y from the bottom
 };
 
 struct ShadeView {
-    float split = 1;                 ///< of the width: image A left of it, B right; 1: A alone
-    bool difference = false;         ///< V of A minus V of B instead
-    float difference_limit = 0.05f;  ///< |V - V'| at the ends of its scale
-    bool checker = true;             ///< a clear background shows as chequered
+    float split = 1;          ///< fraction of the width: A to the left, B to the right; 1: A only
+    bool difference = false;  ///< shows V of A minus V of B
+    float difference_limit = 0.05f;  ///< |V - V'| at the ends of the scale
+    bool checker = true;             ///< checkerboard behind a transparent background
 };
 
 class GlShade {
   public:
     GlShade();
-    /// From now on. Sampled at 4096 places: steps of the map are moved by up to 1/2048 of V.
+    /// Sets the look of later draws. Its transfer function is sampled at 4096 values of V: steps in it
+    /// move by up to 1/2048.
     void set_look(const Look& look);
-    /// b  may be a, where nothing of it is shown
+    /// b  second image; may be `a` where only that is shown
     void draw(const GlDepth& a, const GlDepth& b, const ShadeView& view, const Viewport& to) const;
 
   private:
@@ -39,7 +40,8 @@ class GlShade {
     Look look_;
 };
 
-/// Values of a transfer function at V = (i / (count - 1))²: finer where a gamma below 1 is steep.
+/// Values of a transfer function at V = (i / (count - 1))²: denser near 0, where gammas below 1 are
+/// steep.
 std::vector<Rgba> sampled(const TransferFunction& tf, std::size_t count);
 
 }  // namespace vog::viewer

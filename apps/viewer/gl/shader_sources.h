@@ -1,11 +1,11 @@
-// shader_sources.h: the shaders of the window, its own and the ones shared with the page, embedded when building.
+// shader_sources.h: embedded sources of the window's shaders, including those shared with the page.
 #pragma once
 
 #include <string>
 
 namespace vog::viewer {
 
-/// Text of a shader by its file's name, without a #version line.
+/// Source of a shader by its file name, without a #version line.
 const char* shader_source(const std::string& name);
 
 }  // namespace vog::viewer

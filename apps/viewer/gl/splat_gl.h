@@ -1,6 +1,5 @@
-// splat_gl.h: the splat renderer in OpenGL: each Gaussian one quad of its exact projected bounds,
-// the exact line integral in the fragment, additive blending. T is a sum: no sorting, no depth
-// buffer.
+// splat_gl.h: splatting in OpenGL: one quad per Gaussian with its exact projected bounds, the exact line
+// integral per fragment, additive blending. T is a sum, so there is no sorting and no depth buffer.
 #pragma once
 
 #include "gl/gl_objects.h"
@@ -9,11 +8,11 @@
 
 namespace vog::viewer {
 
-/// A model in the device's memory.
+/// Model in the device's memory.
 class GlModel {
   public:
-    /// Positions are taken from the box's centre in double precision, lengths in units of its
-    /// radius, so that floats serve any place and size in the world.
+    /// Uploads a model, with positions relative to its box's centre (subtracted in double precision)
+    /// and lengths in units of the box's radius, so that floats suffice anywhere in the world.
     explicit GlModel(const Gaussians& gaussians);
 
     std::size_t size() const { return size_; }
@@ -31,18 +30,18 @@ class GlModel {
     GlBuffer buffer_;
 };
 
-/// Where in its pixel a ray passes, from the centre, rightwards and downwards, in pixels.
+/// Offset of a ray from its pixel's centre, right and down, pixels.
 struct Jitter {
     double x = 0, y = 0;
 };
-/// Of sub-frame n: the centre first, then a sequence that fills the pixel evenly however many are
-/// taken: R2, M. Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
+/// Offset of sub-frame n: 0 is the centre, then the low-discrepancy sequence R2. Source: M. Roberts,
+/// "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
 Jitter jitter_of(int subframe);
 
 class GlSplat {
   public:
     GlSplat();
-    /// Adds the model's T at extinction 1 to `target` (R32F, rows from the top).
+    /// Adds T of the model at extinction 1 to `target` (R32F, rows from the top).
     void add(const GlModel& model, const Camera& camera, Jitter jitter,
              const GlTarget& target) const;
 
@@ -50,7 +49,7 @@ class GlSplat {
     GlProgram program_;
 };
 
-/// Everything at once, for one picture: what render_splat gives, drawn by OpenGL.
+/// T of a model as render_splat computes it, rendered by OpenGL: one call for one image.
 DepthImage render_gl(const Gaussians& gaussians, const Camera& camera, int width, int height,
                      int subframes = 1);
 

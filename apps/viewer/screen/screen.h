@@ -1,6 +1,5 @@
-// screen.h: where frames are shown and input comes from: a window, or memory alone. Both have a
-// current OpenGL context of their own; all input goes through ImGuiIO, so that a script can play it
-// into either.
+// screen.h: display and source of input: a window, or memory only (headless). Each has a current OpenGL
+// context of its own. All input goes through ImGuiIO, so that a script can drive both.
 #pragma once
 
 #include <memory>
@@ -16,21 +15,20 @@ struct PixelSize {
     friend bool operator==(const PixelSize&, const PixelSize&) = default;
 };
 
-/// throws vog::Error unless both sides are 1 to 16384, what OpenGL's textures take
+/// throws vog::Error unless both sides are 1 to 16384, the limit of OpenGL's textures
 void require_size(PixelSize size);
 
 class Screen {
   public:
     virtual ~Screen() = default;
-    /// Pixels of the framebuffer.
+    /// Size of the framebuffer, pixels.
     virtual PixelSize size() const = 0;
     virtual void resize(PixelSize pixels) = 0;
-    /// Size of text and controls that the display asks for, in framebuffer pixels: 1, 2 on HiDPI.
+    /// The display's scale of text and controls, in framebuffer pixels: 1, or 2 on HiDPI.
     virtual double content_scale() const = 0;
-    /// Events, and the size, the pointer and the keys into `io`. May wait for an event up to
-    /// `wait_s` seconds.
+    /// Handles events; sets size, pointer and keys in `io`. Waits for an event up to `wait_s` seconds.
     virtual void begin_frame(ImGuiIO& io, double wait_s) = 0;
-    /// Draws from now on go to the whole of what is shown.
+    /// Binds the whole framebuffer for drawing.
     virtual void bind() const = 0;
     virtual void show_frame() = 0;
     virtual bool close_requested() const = 0;
@@ -39,12 +37,12 @@ class Screen {
     virtual std::vector<std::string> take_dropped_files() = 0;
 };
 
-/// A window of this many pixels, at the display's scale. After ImGui::CreateContext().
-/// throws vog::Error where there is no display, or no OpenGL 3.3
+/// Opens a window of this size, pixels at the display's scale. Needs ImGui::CreateContext() before.
+/// throws vog::Error without a display or OpenGL 3.3
 std::unique_ptr<Screen> open_window(PixelSize size);
 
-/// No window: an EGL context without a surface, drawing into memory.
-/// throws vog::Error where EGL gives no OpenGL 3.3
+/// Opens no window: an EGL context without a surface, which draws into memory.
+/// throws vog::Error where EGL has no OpenGL 3.3
 std::unique_ptr<Screen> open_headless(PixelSize size);
 
 }  // namespace vog::viewer

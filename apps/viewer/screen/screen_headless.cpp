@@ -16,7 +16,8 @@ namespace vog::viewer {
 
 namespace {
 
-/// Mesa's display without a window system; failing that the default one, with a surface of a pixel.
+/// EGL context on Mesa's surfaceless platform; failing that on the default display, with a surface of
+/// one pixel.
 class EglContext {
   public:
     EglContext() {
@@ -33,10 +34,10 @@ class EglContext {
     EglContext& operator=(const EglContext&) = delete;
 
   private:
-    /// Empty, or what failed.
+    /// Creates the context. returns  the error; empty: none
     std::string open(EGLenum platform) {
-        const auto failed = [](const char* what) {
-            return fmt::format("{} (error {:#x})", what, static_cast<unsigned>(eglGetError()));
+        const auto failed = [](const char* failure) {
+            return fmt::format("{} (error {:#x})", failure, static_cast<unsigned>(eglGetError()));
         };
         if (platform && !epoxy_has_egl_extension(EGL_NO_DISPLAY, "EGL_EXT_platform_base"))
             return "no EGL_EXT_platform_base";
@@ -75,8 +76,8 @@ class EglContext {
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
         if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-        // The display is the process's, not ours: ending it would take it from other contexts, and
-        // unloads Mesa's driver before it has freed its memory.
+        // The display is shared by the process: terminating it would take it from other contexts, and
+        // would unload Mesa's driver before that has freed its memory.
         display_ = EGL_NO_DISPLAY;
         surface_ = EGL_NO_SURFACE;
         context_ = EGL_NO_CONTEXT;
@@ -102,7 +103,7 @@ class HeadlessScreen : public Screen {
     }
     double content_scale() const override { return 1; }
     void begin_frame(ImGuiIO& io, double wait_s) override {
-        // No events will come.
+        // There are no events to wait for.
         std::this_thread::sleep_for(std::chrono::duration<double>(std::min(wait_s, 0.01)));
         map_keys(io);
         io.DisplaySize = {static_cast<float>(size_.width), static_cast<float>(size_.height)};
@@ -117,7 +118,7 @@ class HeadlessScreen : public Screen {
     std::vector<std::string> take_dropped_files() override { return {}; }
 
   private:
-    EglContext context_;  // goes last
+    EglContext context_;  // first member: destroyed last
     PixelSize size_;
     std::unique_ptr<GlTarget> target_;
     Clock::time_point last_ = Clock::now();

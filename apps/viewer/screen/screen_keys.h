@@ -1,7 +1,7 @@
-// screen_keys.h: the keyboard as ImGui knows it: both screens number keys as GLFW does.
+// screen_keys.h: key numbers of GLFW for ImGui, used by both screens.
 #pragma once
 
-#include <GLFW/glfw3.h>  // its key numbers; headless screens call none of it
+#include <GLFW/glfw3.h>  // for key numbers only: the headless screen calls no function of it
 #include <imgui.h>
 
 #include <array>

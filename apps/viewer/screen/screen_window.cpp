@@ -1,5 +1,5 @@
-// screen_window.cpp: a window by GLFW.
-#include <epoxy/gl.h>  // before GLFW, which would bring another OpenGL header
+// screen_window.cpp: window by GLFW.
+#include <epoxy/gl.h>  // before GLFW, which includes another OpenGL header otherwise
 #include <GLFW/glfw3.h>
 
 #include <backends/imgui_impl_glfw.h>
@@ -16,7 +16,7 @@ namespace vog::viewer {
 
 namespace {
 
-/// What GLFW says of the latest failure.
+/// GLFW's latest error.
 std::string glfw_reason() {
     const char* text = nullptr;
     return glfwGetError(&text) == GLFW_NO_ERROR || !text ? "no reason given" : text;
@@ -46,7 +46,8 @@ class WindowScreen : public Screen {
         glfwMakeContextCurrent(window_);
         glfwSwapInterval(1);
         require_gl();
-        if (this->size() != size) resize(size);  // screen coordinates are not pixels everywhere
+        if (this->size() != size)
+            resize(size);  // screen coordinates differ from pixels on HiDPI displays
         glfwSetWindowUserPointer(window_, this);
         glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** paths) {
             auto& self = *static_cast<WindowScreen*>(glfwGetWindowUserPointer(window));
@@ -99,7 +100,7 @@ class WindowScreen : public Screen {
     std::vector<std::string> take_dropped_files() override { return std::exchange(dropped_, {}); }
 
   private:
-    GlfwLibrary library_;  // goes last
+    GlfwLibrary library_;  // first member: destroyed last
     GLFWwindow* window_ = nullptr;
     std::vector<std::string> dropped_;
 };

@@ -1,4 +1,4 @@
-// script.cpp: the actions there are, and reading them.
+// script.cpp: actions of viewer scripts and their parser.
 #include "script/script.h"
 
 #include <fmt/core.h>
@@ -15,8 +15,8 @@ namespace vog::viewer {
 
 namespace {
 
-/// The form of an action's words: n number, w any word, s "on" or "off", c number or per cent, ?
-/// what follows may be absent, * and more words.
+/// Arguments of an action, one letter each: n number, w any word, s "on" or "off", c coordinate
+/// (number or per cent); ? the rest is optional; * any further words.
 struct Form {
     const char* verb;
     const char* words;
@@ -123,7 +123,8 @@ std::vector<Action> read_script(const std::filesystem::path& file) {
         const auto* form = std::find_if(std::begin(kForms), std::end(kForms),
                                         [&](const Form& f) { return action.verb == f.verb; });
         if (form == std::end(kForms))
-            throw Error(fmt::format("{}:{}: no action '{}'", file.string(), n, action.verb));
+            throw Error(fmt::format("{}:{}: no action '{}' (docs/viewer.md lists them)",
+                                    file.string(), n, action.verb));
         if (!fits(form->words, action.words))
             throw Error(fmt::format("{}:{}: '{}', expected: {}", file.string(), n,
                                     action.verb + " " + joined(action.words), form->usage));

@@ -1,4 +1,4 @@
-// script.h: a session written down: one action a line. docs/viewer.md lists the actions.
+// script.h: parser of viewer scripts, one action per line; docs/viewer.md lists the actions.
 #pragma once
 
 #include <filesystem>
@@ -7,21 +7,23 @@
 
 namespace vog::viewer {
 
-/// One line.
+/// One line of a script.
 struct Action {
-    int line = 0;
+    int line = 0;  ///< from 1
     std::string verb;
-    std::vector<std::string> words;
+    std::vector<std::string> words;  ///< arguments
 };
 
-/// '#' begins a comment. throws vog::Error for a missing file and for every line that is no action,
-/// with its number: nothing of a script is played that cannot be read to its end
+/// Parses a script; '#' begins a comment.
+/// throws vog::Error for a missing file, and for an invalid line, with its number: a script runs only
+///        if all its lines are valid
 std::vector<Action> read_script(const std::filesystem::path& file);
 
-/// The number a word stands for; 0 where it is none.
+/// Value of a word; 0 where it is no number.
 double number(const std::string& text);
+/// Whether a word is a finite number. value  receives it; may be null
 bool is_number(const std::string& text, double* value = nullptr);
-/// "a b c".
+/// Words joined by blanks: "a b c".
 std::string joined(const std::vector<std::string>& words);
 
 }  // namespace vog::viewer

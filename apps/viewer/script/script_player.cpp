@@ -1,4 +1,4 @@
-// script_player.cpp: what each action of a script does.
+// script_player.cpp: effect of each action of a script.
 #include "script/script_player.h"
 
 #include <fmt/core.h>
@@ -19,12 +19,7 @@ namespace {
 
 bool on(const std::string& word) { return word == "on"; }
 
-double now_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-/// "50%" of what a picture measures, or pixels from its corner.
+/// Coordinate of a text: "50%" of the picture's size, or pixels from its corner.
 float place(const std::string& text, float origin, float size) {
     if (!text.ends_with('%')) return origin + static_cast<float>(number(text));
     return origin + size * static_cast<float>(number(text.substr(0, text.size() - 1))) / 100;
@@ -88,13 +83,13 @@ void ScriptPlayer::play(Stage& stage) {
         const Action& action = actions_[next_];
         try {
             if (!stage.session.loading.error.empty()) throw Error(stage.session.loading.error);
-            // What the program was started with comes before the first action.
+            // The files of the command line are opened before the first action.
             if (!started_ && stage.session.opening()) return;
-            // Numbers and names of levels are those of all of them.
+            // A level is selected after all levels are known, as they define the numbers and names.
             if (!started_ && action.verb == "level" && !stage.session.loaded()) return;
             if (!started_) {
                 started_ = true;
-                started_s_ = now_s();
+                started_s_ = steady_clock_s();
                 frames_ = 0;
                 start(action, stage);
             }
@@ -111,22 +106,22 @@ void ScriptPlayer::play(Stage& stage) {
 bool ScriptPlayer::waits(const Action& action, Stage& stage) {
     Session& session = stage.session;
     if (action.verb == "wait") {
-        if (!action.words.empty()) return now_s() - started_s_ < number(action.words[0]);
+        if (!action.words.empty()) return steady_clock_s() - started_s_ < number(action.words[0]);
         return frames_ < 3 || !session.at_rest();
     }
     if (action.verb == "size") {
-        const PixelSize asked{static_cast<int>(number(action.words[0])),
-                              static_cast<int>(number(action.words[1]))};
+        const PixelSize requested{static_cast<int>(number(action.words[0])),
+                                  static_cast<int>(number(action.words[1]))};
         if (frames_ < 3) return true;
-        if (stage.screen.size() == asked) return false;
-        if (now_s() - started_s_ < 5) return true;
+        if (stage.screen.size() == requested) return false;
+        if (steady_clock_s() - started_s_ < 5) return true;
         throw Error(fmt::format("the window has {}x{} pixels, expected {}x{}",
-                                stage.screen.size().width, stage.screen.size().height, asked.width,
-                                asked.height));
+                                stage.screen.size().width, stage.screen.size().height,
+                                requested.width, requested.height));
     }
     if (action.verb == "open") return session.opening();
     if (action.verb == "turntable") return session.turning();
-    // The layout follows a frame later, and the picture one after that.
+    // A change reaches the layout a frame later, and the picture one frame after that.
     return frames_ < 3 && action.verb != "picture" && action.verb != "depth";
 }
 
@@ -135,7 +130,7 @@ void ScriptPlayer::after_frame(const Stage& stage) {
     const PixelSize size = stage.screen.size();
     stage.screen.bind();
     Image image = read_picture(size.width, size.height);
-    for (Rgba& pixel : image.pixel) pixel.a = 1;  // a window has none
+    for (Rgba& pixel : image.pixel) pixel.a = 1;  // a window is opaque
     write_png(screenshot_, image);
     screenshot_.clear();
 }
@@ -226,10 +221,10 @@ bool ScriptPlayer::start_input(const Action& action, Stage& stage) {
             std::string names;
             for (const auto& [known, rect] : stage.gui.widgets)
                 names += (names.empty() ? "" : ", ") + known;
-            throw Error(fmt::format("no widget '{}' is shown (there are: {})", name, names));
+            throw Error(fmt::format("no widget '{}' on screen (there are: {})", name, names));
         }
         const Rect& r = found->second;
-        // Sliders keep clear of their frame's ends by half a handle.
+        // A slider's handle stays half its width inside the frame.
         const auto share = slides ? static_cast<float>(std::clamp(number(w[1]), 0.0, 1.0)) : 0.5f;
         input.x = r.x + 2 + share * (r.width - 4), input.y = r.y + 0.5f * r.height;
         drag(0, input, input.x, input.y);

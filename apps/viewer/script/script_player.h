@@ -1,4 +1,4 @@
-// script_player.h: plays a script through the same input as a hand's.
+// script_player.h: runs a script through the same input path as mouse and keyboard.
 #pragma once
 
 #include <deque>
@@ -14,28 +14,30 @@ struct ImGuiIO;
 
 namespace vog::viewer {
 
-/// What an action may ask of the program around the session.
+/// Parts of the program that actions use.
 struct Stage {
     Session& session;
     Gui& gui;
     Screen& screen;
-    Rect picture;  ///< as last laid out
+    Rect picture;  ///< rectangle of the picture in the latest layout
 };
 
+/// Runs the actions of a script, frame by frame.
 class ScriptPlayer {
   public:
     explicit ScriptPlayer(const std::filesystem::path& file);
 
-    /// Sets the mouse and the keys as the action under way wants them, after the screen has.
+    /// Sets mouse and keys of the current action in `io`; called after Screen::begin_frame.
     void feed(ImGuiIO& io);
-    /// Goes on with the next actions, up to one that needs time. Before a frame is laid out.
+    /// Runs the next actions, up to one that needs further frames; called before a frame's layout.
+    /// throws vog::Error with the line of the action
     void play(Stage& stage);
-    /// Writes what the actions asked for, of the frame that is in the framebuffer now.
+    /// Writes a requested screenshot of the frame in the framebuffer.
     void after_frame(const Stage& stage);
     bool ended() const { return next_ == actions_.size() && input_.empty() && screenshot_.empty(); }
 
   private:
-    /// Mouse and keys for one frame.
+    /// State of mouse and keys in one frame.
     struct Input {
         float x = 0, y = 0, wheel = 0;
         int button = -1, key = -1;
@@ -55,7 +57,7 @@ class ScriptPlayer {
     std::size_t next_ = 0;
     bool started_ = false;
     double started_s_ = 0;
-    int frames_ = 0;  ///< since the action started
+    int frames_ = 0;  ///< since the current action started
     std::deque<Input> input_;
     Input pointer_;
     std::string screenshot_;

@@ -1,4 +1,4 @@
-// look.cpp: one transfer function out of a map, a range, a gamma and opacity points.
+// look.cpp: map, range, gamma, inversion and opacity points to one transfer function.
 #include "session/look.h"
 
 #include <fmt/core.h>
@@ -11,7 +11,7 @@ namespace vog::viewer {
 void load_map(Look& look, const std::string& name_or_file) {
     look.base = load_transfer_function(name_or_file);
     look.map = name_or_file;
-    // Named maps have none: the points that are there stay.
+    // Named maps have no opacity: the look keeps its own.
     if (!look.base.opacity.empty()) look.opacity = look.base.opacity;
 }
 
@@ -29,14 +29,15 @@ TransferFunction transfer_function(const Look& look) {
     for (std::size_t i = 0; i < colors.size(); ++i) {
         const ColorPoint& b = colors[i];
         if (i > 0 && look.gamma != 1 && b.v > colors[i - 1].v) {
-            // Pieces even along whichever of V and the map runs slower: at most 1/200 of it each.
+            // Pieces of equal length along V or along the map, whichever the curve is flatter in: at
+            // most 1/200 each.
             const ColorPoint& a = colors[i - 1];
-            const float even = std::max(1.0f, look.gamma);
+            const float power = std::max(1.0f, look.gamma);
             const int pieces = 4 + static_cast<int>(200 * (b.v - a.v));
             for (int n = 1; n < pieces; ++n) {
                 const float share = static_cast<float>(n) / static_cast<float>(pieces);
                 const float s = std::pow(
-                    std::lerp(std::pow(a.v, 1 / even), std::pow(b.v, 1 / even), share), even);
+                    std::lerp(std::pow(a.v, 1 / power), std::pow(b.v, 1 / power), share), power);
                 const float t = std::clamp((s - a.v) / (b.v - a.v), 0.0f, 1.0f);
                 const float at = std::max(place(s), tf.color.back().v);
                 tf.color.push_back(

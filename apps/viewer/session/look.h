@@ -1,4 +1,4 @@
-// look.h: how T becomes colour, as the editor has it: everything that may change without rendering.
+// look.h: shading settings of the window, from T to colour; changing them renders nothing again.
 #pragma once
 
 #include <string>
@@ -8,30 +8,31 @@
 
 namespace vog::viewer {
 
-/// Range, gamma and inversion move the map's colours along V; opacity points stand at V itself.
+/// Colour map with range, gamma and inversion, which move its colours along V = 1 - exp(-T), and
+/// opacity points at given V.
 struct Look {
-    std::string map = "inferno";  ///< a name, or the JSON file the colours came from
+    std::string map = "inferno";  ///< name of a map, or JSON file of the colours
     TransferFunction base = named_transfer_function("inferno");
     std::vector<OpacityPoint> opacity;  ///< empty: opaque; else sorted by v
     float low = 0, high = 1;            ///< V of the map's first and last colour, low < high
     float gamma = 1;                    ///< colours at ((V - low) / (high - low))^gamma, (0, 10]
     bool invert = false;
     ShadeOptions shading;
-    double extinction = 1;
+    double extinction = 1;  ///< factor on density, > 0
 };
 
-/// Takes the colours of a map by name, or from a file, and that file's opacity with them.
-/// throws vog::Error as load_transfer_function does; the look is then as it was
+/// Sets the colours to those of a named map, or to the colours and opacity of a JSON file.
+/// throws vog::Error as load_transfer_function does, and leaves the look unchanged
 void load_map(Look& look, const std::string& name_or_file);
 
-/// What vog::shade takes for this look: range, gamma and inversion are in the points. With a gamma
-/// other than 1 the curve is drawn in straight pieces, within 1/255 of it.
+/// Transfer function of the look, with range, gamma and inversion applied to its points. A gamma
+/// other than 1 is approximated by linear pieces, within 1/255.
 TransferFunction transfer_function(const Look& look);
 
-/// `--extinction ... --tf ... --background ...` for vog render; `tf_file` where the look is not a
-/// map by name.
+/// The look as options of vog render: `--extinction ... --tf ... --background ...`.
+/// tf_file  value of --tf where the look is not a plain named map
 std::string look_flags(const Look& look, const std::string& tf_file);
-/// Whether the map's name alone says it all.
+/// Whether the map's name describes all colours: no range, gamma, inversion or own opacity.
 bool is_plain(const Look& look);
 
 }  // namespace vog::viewer

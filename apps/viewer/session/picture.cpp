@@ -1,4 +1,4 @@
-// picture.cpp: sub-frames and requests.
+// picture.cpp: accumulation of OpenGL sub-frames, and requests to the background renderer.
 #include "session/picture.h"
 
 #include <tuple>
@@ -25,13 +25,13 @@ void Picture::require_target(PixelSize size) {
 }
 
 void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models) {
-    // Fewer sub-frames than are summed already: a picture of that many.
-    const int begun = key.renderer == Renderer::gl ? subframes_ : rays_asked_ * rays_asked_;
+    // Fewer sub-frames than are summed already: starts again.
+    const int begun = key.renderer == Renderer::gl ? subframes_ : rays_requested_ * rays_requested_;
     if (!(valid_ && key == key_) || begun > subframes) {
         key_ = key;
         valid_ = true;
         complete_ = false;
-        rays_asked_ = 0;
+        rays_requested_ = 0;
         if (key.renderer == Renderer::gl) subframes_ = 0;
     }
     if (key.renderer == Renderer::gl)
@@ -40,7 +40,8 @@ void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat,
         update_cpu(subframes);
 }
 
-/// The cut through the key's model for its camera, made anew for a first sub-frame.
+/// The Gaussians to draw: the level-of-detail cut for the key's camera, chosen at the first
+/// sub-frame, or the whole model.
 const GlModel& Picture::cut_model(GlModels& models) {
     if (!key_.hierarchy || key_.hierarchy->empty()) return models.get(key_.model);
     if (cut_of_ != key_.model) {
@@ -70,7 +71,7 @@ void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
         glClearColor(0, 0, 0, 0);
         glClear(GL_COLOR_BUFFER_BIT);
     }
-    // T of a sum of sub-frames is the sum of their Ts: they add up in one target.
+    // Sub-frames add up in one target; shading divides by their number.
     splat.add(model, key_.camera, jitter_of(subframes_), *target_);
     timer_->end();
     summed_ = ++subframes_;
@@ -78,9 +79,9 @@ void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
     complete_ = subframes_ >= subframes;
 }
 
-void Picture::ask(int rays) {
+void Picture::request(int rays) {
     if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
-    rays_asked_ = rays;
+    rays_requested_ = rays;
     const bool voxels = key_.renderer == Renderer::voxels;
     cpu_->request({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
                    voxels ? nullptr : key_.hierarchy, key_.pixel_error,
@@ -89,7 +90,7 @@ void Picture::ask(int rays) {
 }
 
 void Picture::update_cpu(int subframes) {
-    if (rays_asked_ == 0) ask(1);
+    if (rays_requested_ == 0) request(1);
     if (complete_) return;
     const std::optional<RenderedPicture> picture = cpu_->take();
     if (!picture || picture->key != cpu_key_) return;
@@ -101,17 +102,17 @@ void Picture::update_cpu(int subframes) {
     require_target(key_.size);
     target_->upload(picture->depth.depth);
     subframes_ = picture->rays * picture->rays;
-    summed_ = 1;  // a mean already
+    summed_ = 1;  // already a mean over its rays
     ms_ = picture->ms;
     drawn_ = picture->drawn;
     ms_per_ray_ = ms_ / (double(key_.size.width) * key_.size.height * subframes_);
     ++revision_;
-    // Twice and four times the rays along each side, as far as that many sub-frames are wanted.
-    constexpr std::int64_t kMostRays = std::int64_t{1} << 26;  // 256 MB of T
+    // Refinement by 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
+    constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB of T
     const int rays = 2 * picture->rays;
     const std::int64_t all = std::int64_t{key_.size.width} * key_.size.height * rays * rays;
-    if (rays <= 4 && rays * rays <= subframes && all <= kMostRays)
-        ask(rays);
+    if (rays <= 4 && rays * rays <= subframes && all <= kRayLimit)
+        request(rays);
     else
         complete_ = true;
 }

@@ -1,5 +1,5 @@
-// picture.h: one image of T, kept up to date with the camera: by OpenGL at once, sub-frame by
-// sub-frame while nothing changes; by the CPU as soon as it is ready.
+// picture.h: progressive image of T for the current camera: OpenGL accumulates antialiased sub-frames,
+// other renderers deliver from a background thread.
 #pragma once
 
 #include <limits>
@@ -16,19 +16,19 @@
 
 namespace vog::viewer {
 
-/// What is to be seen. Two equal ones have the same T.
+/// Everything T depends on: pictures with equal keys are equal.
 struct PictureKey {
     Renderer renderer = Renderer::gl;
-    std::shared_ptr<const Gaussians> model;      ///< of all but voxels
-    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: it is drawn whole
-    double pixel_error = 0;                      ///< of gl's and splat's cuts through it
-    std::shared_ptr<DepthRenderer> voxels;       ///< null but for Renderer::voxels
+    std::shared_ptr<const Gaussians> model;      ///< for all renderers but voxels
+    std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: no levels of detail
+    double pixel_error = 0;                 ///< of the level-of-detail cut, pixels; gl and splat
+    std::shared_ptr<DepthRenderer> voxels;  ///< for the voxel renderer
     Camera camera;
     PixelSize size;
     friend bool operator==(const PictureKey& a, const PictureKey& b);
 };
 
-/// Models on the device, made when first drawn.
+/// Models in the device's memory, uploaded when first drawn.
 class GlModels {
   public:
     const GlModel& get(const std::shared_ptr<const Gaussians>& model);
@@ -42,55 +42,58 @@ class GlModels {
     std::map<const Gaussians*, Entry> models_;
 };
 
+/// One half of the split: T of one renderer, accumulated over sub-frames.
 class Picture {
   public:
-    /// Draws the next sub-frame, or asks the CPU for it, until there are `subframes`.
+    /// Renders the next sub-frame, or requests it from the background renderer, until there are
+    /// `subframes`. A changed key starts again.
     void update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models);
 
-    /// Nothing before the first one.
+    /// The accumulated T on the device; empty before the first sub-frame.
     GlDepth depth() const;
-    /// T so far at extinction 1; `depth()` must not be nothing.
+    /// Mean T of the sub-frames at extinction 1; needs a first sub-frame.
     DepthImage read() const;
 
     bool complete() const { return complete_; }
     int subframes() const { return subframes_; }
-    /// Rises whenever what depth() shows has changed.
+    /// Number that increases whenever depth() changes.
     int revision() const { return revision_; }
-    /// Of one sub-frame, or of the CPU's latest picture.
+    /// Time of one OpenGL sub-frame, or of the background renderer's latest picture, ms.
     double ms() const { return ms_; }
-    /// Of the CPU's latest picture; infinite before the first.
+    /// Time per ray of the background renderer's latest picture, ms; infinite before the first.
     double ms_per_ray() const { return ms_per_ray_; }
     PixelSize size() const { return key_.size; }
-    /// Gaussians in the latest picture; 0: not known.
+    /// Gaussians drawn in the latest picture; 0: unknown.
     std::size_t drawn() const { return drawn_; }
-    /// Finished share of what the CPU is at; 0: nothing.
+    /// Finished fraction of the background renderer's work; 0: idle.
     double fraction() { return cpu_ ? cpu_->fraction() : 0; }
-    /// Why there is no picture; told once.
+    /// Error of the renderer, returned once; empty: none.
     std::string take_error() { return std::exchange(error_, {}); }
 
   private:
     void update_gl(int subframes, const GlSplat& splat, GlModels& models);
     const GlModel& cut_model(GlModels& models);
     void update_cpu(int subframes);
-    void ask(int rays);
+    void request(int rays);
     void require_target(PixelSize size);
 
     PictureKey key_;
-    bool valid_ = false;  ///< what target_ holds is of key_
+    bool valid_ = false;  ///< target_ belongs to key_
     bool complete_ = false;
     int subframes_ = 0, revision_ = 0;
-    double summed_ = 0;  ///< pictures that were added up in target_
+    double summed_ = 0;  ///< sub-frames summed in target_
     std::size_t drawn_ = 0;
-    std::shared_ptr<const Gaussians> cut_of_;  ///< the model that cut_ goes through
+    std::shared_ptr<const Gaussians> cut_of_;  ///< model of cut_
     std::optional<ViewCut> cut_;
-    std::optional<GlModel> cut_model_;  ///< on the device, unless the cut is all of the model
+    std::optional<GlModel>
+        cut_model_;  ///< the cut's Gaussians on the device; none: the whole model
     double ms_ = 0, ms_per_ray_ = std::numeric_limits<double>::infinity();
     std::string error_;
     std::optional<GlTarget> target_;
     std::optional<GlTimer> timer_;
     std::unique_ptr<BackgroundRenderer> cpu_;
     std::uint64_t cpu_key_ = 0;
-    int rays_asked_ = 0;
+    int rays_requested_ = 0;  ///< along each side of a pixel
 };
 
 }  // namespace vog::viewer

@@ -1,5 +1,4 @@
-// session.cpp: frame by frame: new data, the level to draw, the pictures, and what is read off
-// them.
+// session.cpp: one frame of the session: new data, level of detail, pictures, histogram and exposure.
 #include "session/session.h"
 
 #include <fmt/core.h>
@@ -15,15 +14,10 @@ namespace vog::viewer {
 
 namespace {
 
-double now_s() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
 /// The camera counts as moving for this long after its last change.
 constexpr double kSettleS = 0.2;
 constexpr double kSlowFrameMs = 45, kQuickFrameMs = 20;
-constexpr double kMostMovingError = 16;  ///< pixels: shapes are still told
+constexpr double kMovingErrorLimit_px = 16;  ///< shapes are still recognisable
 
 bool same(const Camera& a, const Camera& b) {
     const auto tie = [](const Camera& c) {
@@ -32,7 +26,7 @@ bool same(const Camera& a, const Camera& b) {
     return tie(a) == tie(b);
 }
 
-/// Shares of the pixels with T > 0 by V.
+/// Fraction of the pixels with T > 0 by V, in 128 equal bins.
 std::vector<float> histogram_of(const DepthImage& depth, double extinction) {
     constexpr std::size_t kBins = 128;
     std::vector<float> share(kBins);
@@ -50,21 +44,27 @@ std::vector<float> histogram_of(const DepthImage& depth, double extinction) {
 
 }  // namespace
 
-Session::Session(ReadFiles read) : loader_(std::move(read)) {}
+double steady_clock_s() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
+
+Session::Session(ReadFiles read, std::function<double()> clock_s)
+    : loader_(std::move(read)), clock_s_(std::move(clock_s)) {}
 
 void Session::open(const std::vector<std::string>& files) {
     if (files.front().ends_with(".json")) return open_json(files.front());
     loader_.open(files);
     opening_ = true;
-    // Its status is asked for with each frame: errors are told once.
+    // The loader's status is read with each frame, so that an error is shown once.
     loading = {true, {}, 0, {}};
 }
 
-void Session::say(const std::string& text) {
+void Session::show_message(const std::string& text) {
     message = text;
     failed = false;
 }
-void Session::fail(const std::string& text) {
+void Session::show_error(const std::string& text) {
     message = text;
     failed = true;
 }
@@ -78,23 +78,23 @@ double Session::radius() const {
     return radius > 0 ? radius : 1;
 }
 
-void Session::take_scene() {
+void Session::update_scene() {
     loading = loader_.status();
     if (!loading.error.empty()) {
-        fail(loading.error);
+        show_error(loading.error);
         opening_ = false;
     }
     const int opened = scene.opened;
-    const Level* chosen = settings.level < 0 ? nullptr : level_at(settings.level);
-    const std::shared_ptr<const Gaussians> model = chosen ? chosen->model : nullptr;
+    const Level* selected = settings.level < 0 ? nullptr : level_at(settings.level);
+    const std::shared_ptr<const Gaussians> model = selected ? selected->model : nullptr;
     if (!loader_.take(scene)) return;
     if (scene.opened == opened) {
-        // New levels come between the others: the chosen one stays chosen.
+        // New levels are inserted between the others: the selected one stays selected.
         for (std::size_t n = 0; model && n < scene.levels.size(); ++n)
             if (scene.levels[n].model == model) settings.level = static_cast<int>(n);
         return;
     }
-    // Another set of files: another place to look at.
+    // Other files: initial view and settings.
     opening_ = false;
     models_.clear();
     settings.level = -1;
@@ -103,7 +103,7 @@ void Session::take_scene() {
     if (opened > 0) exposure_open_ = true;
     if (!scene.voxels && settings.other == Renderer::voxels) settings.other = Renderer::splat;
     if (scene.voxels && opened == 0) settings.other = Renderer::voxels;
-    say(scene.title);
+    show_message(scene.title);
 }
 
 const Level* Session::level_at(int level) const {
@@ -112,16 +112,17 @@ const Level* Session::level_at(int level) const {
     return &scene.levels[static_cast<std::size_t>(level < 0 ? last : std::min(level, last))];
 }
 
-void Session::choose_moving_error() {
+void Session::update_moving_error() {
     const bool changed = !same(camera, last_camera_);
     last_camera_ = camera;
-    const double now = now_s();
+    const double now = clock_s_();
     if (changed) last_change_s_ = now;
     moving_ = settings.coarse_moving && !turntable_ && now - last_change_s_ < kSettleS;
     if (!moving_ || !changed || scene.levels.empty()) return;
-    // An eighth as many Gaussians after a slow frame, more again while there is time.
+    // Twice the error (about an eighth of the Gaussians) after a slow frame, half of it after a fast
+    // one.
     if (measured.frame_ms > kSlowFrameMs)
-        moving_error_ = std::clamp(2 * moving_error_, 2.0, kMostMovingError);
+        moving_error_ = std::clamp(2 * moving_error_, 2.0, kMovingErrorLimit_px);
     else if (measured.frame_ms < kQuickFrameMs)
         moving_error_ = moving_error_ > 2 ? 0.5 * moving_error_ : 0;
 }
@@ -145,7 +146,7 @@ PictureKey Session::key(Renderer renderer) const {
     }
     key.camera = camera;
     double scale = settings.scale;
-    // What takes the CPU long is drawn with a sixteenth of the rays while the camera moves.
+    // Slow renderers use a sixteenth of the rays while the camera moves.
     const double rays = scale * scale * shown_.width * shown_.height;
     if (moving_ && renderer != Renderer::gl && rays * ms_per_ray(renderer) > kSlowFrameMs)
         scale *= 0.25;
@@ -158,18 +159,18 @@ bool Session::needs_right() const { return settings.split_on || settings.differe
 
 void Session::update(PixelSize shown) {
     shown_ = shown;
-    take_scene();
+    update_scene();
     if (scene.levels.empty()) return;
-    if (!scene.voxels) {  // voxels of a model are not known
+    if (!scene.voxels) {  // a model has no voxels to render
         if (settings.renderer == Renderer::voxels) settings.renderer = Renderer::gl;
         if (settings.other == Renderer::voxels) settings.other = Renderer::splat;
     }
-    choose_moving_error();
+    update_moving_error();
     const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
     left_.update(key(settings.renderer), subframes, splat_, models_);
     if (needs_right()) right_.update(key(settings.other), subframes, splat_, models_);
     for (Picture* picture : {&left_, &right_})
-        if (const std::string error = picture->take_error(); !error.empty()) fail(error);
+        if (const std::string error = picture->take_error(); !error.empty()) show_error(error);
     inspect_depth();
     advance_turntable();
 }
@@ -190,7 +191,7 @@ bool Session::at_rest() const {
 
 void Session::inspect_depth() {
     if (!left_.depth().target) return;
-    // Reading back waits for the device: at the first picture and when one is complete.
+    // Reading back waits for the device, so only the first picture and complete ones are read.
     const bool first = inspected_revision_ < 0;
     if (!first && !(left_.complete() && !moving_ && left_.revision() != inspected_revision_))
         return;
@@ -198,7 +199,7 @@ void Session::inspect_depth() {
     if (exposure_open_ || settings.follow_exposure) {
         look.extinction = automatic_extinction = vog::auto_extinction(inspected_);
         shade_.set_look(look);
-        // The view has been left, or all levels are there.
+        // Ends when the view is left, or when all levels are there.
         exposure_open_ = exposure_open_ && at_first_view() && !(loaded() && left_.complete());
     }
     inspected_revision_ = left_.revision();

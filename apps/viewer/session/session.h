@@ -1,8 +1,8 @@
-// session.h: the state of the window and everything that can be done to it: what the panels, the
-// keys and scripts all call.
+// session.h: state of the window and its operations, called by panels, keys and scripts alike.
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,94 +14,105 @@
 
 namespace vog::viewer {
 
+/// Settings of the picture and the window.
 struct Settings {
-    Renderer renderer = Renderer::gl, other = Renderer::voxels;  ///< left and right of the split
+    Renderer renderer = Renderer::gl,
+             other = Renderer::voxels;  ///< left and right of the split line
     bool split_on = false, difference = false;
-    float split = 0.5f;
-    float difference_limit = 0.02f;  ///< of V
-    int level = -1;                  ///< of the scene; -1: the finest there is
-    bool coarse_moving = true;       ///< larger parts while the camera moves and frames are slow
-    float pixel_error = 1;           ///< parts smaller than this are drawn as one; 0: never
-    double scale = 1;                ///< pixels rendered per pixel shown
-    int subframes = 64;
-    bool follow_exposure = false;  ///< auto exposure whenever the picture is complete
+    float split = 0.5f;              ///< position of the split line, fraction of the width
+    float difference_limit = 0.02f;  ///< |V - V'| at the ends of the difference scale
+    int level = -1;                  ///< level of detail, index into the scene's; -1: the finest
+    bool coarse_moving = true;       ///< coarser cut while the camera moves and frames are slow
+    float pixel_error = 1;  ///< screen-space error of the level-of-detail cut, pixels; 0: none
+    double scale = 1;       ///< rendered pixels per screen pixel, along an edge
+    int subframes = 64;     ///< antialiasing samples per pixel
+    bool follow_exposure = false;  ///< automatic extinction whenever the picture is complete
     bool panels = true, overlay = true, help = false, color_bar = true;
 };
 
+/// Times of the latest frame, ms.
 struct Measured {
     double frame_ms = 0, shade_ms = 0, gui_ms = 0;
 };
 
+/// Seconds of a monotonic clock.
+double steady_clock_s();
+
 class Session {
   public:
-    /// With a current OpenGL context, which must outlive it.
-    explicit Session(ReadFiles read);
+    /// Needs a current OpenGL context, which must outlive it.
+    /// clock_s  current time, seconds: the camera counts as moving for a while after its last change
+    explicit Session(ReadFiles read, std::function<double()> clock_s = steady_clock_s);
 
-    // What may be changed at will between frames.
+    // State that callers may change between frames.
     Settings settings;
     Camera camera;
     Look look;  ///< changes take effect with look_changed()
-    std::function<Camera(const Box&)> first_camera = paper_view;  ///< of every set of files
-    // What is shown.
+    std::function<Camera(const Box&)> first_camera = paper_view;  ///< initial view of opened files
+    // State for display.
     Measured measured;
     Scene scene;
-    std::vector<float> histogram;     ///< shares of the pixels with T > 0 by V
-    double automatic_extinction = 1;  ///< as auto_exposure() last found it
-    std::string message;              ///< the latest thing done, or what failed
-    bool failed = false;              ///< the message is of a failure
+    std::vector<float> histogram;     ///< fraction of the pixels with T > 0 by V, equal bins
+    double automatic_extinction = 1;  ///< latest value of auto_exposure()
+    std::string message;              ///< latest result or error, for the status line
+    bool failed = false;              ///< the message is an error
 
-    /// Data, or a JSON file that is a look or a camera. throws vog::Error if that is neither
+    /// Opens data, or a JSON file with a transfer function or a camera.
+    /// throws vog::Error for a JSON file of neither
     void open(const std::vector<std::string>& files);
-    void say(const std::string& text);
-    void fail(const std::string& text);
+    void show_message(const std::string& text);
+    void show_error(const std::string& text);
 
     void look_changed();
     void auto_exposure();
     void set_view(const std::string& name);
     void fit();
-    /// The camera files are opened with.
+    /// Back to the initial view of the files.
     void reset_view();
-    /// At the first picture, instead of the automatic one.
+    /// Extinction of the first picture, in place of the automatic one.
     void set_first_exposure(double extinction);
     /// Index of a level by "finest", "coarsest", its number from 1, or the start of its name.
-    /// throws vog::Error listing them
+    /// throws vog::Error, with the levels there are
     int level_index(const std::string& name) const;
+    /// Copies the view and the look to the clipboard as options of vog render.
     void copy_flags();
 
-    /// The picture as it is shown, split or difference included; at the size it is rendered.
+    /// The shaded picture, with split or difference, at its rendered size. throws vog::Error before
+    /// the first picture
     Image picture_image();
     void save_picture(const std::filesystem::path& file);
     void save_depth(const std::filesystem::path& file);
     void save_look(const std::filesystem::path& file);
-    /// Frames around the up axis of the first view, as 0001.png and so on in `folder`.
+    /// Saves `frames` pictures of a full turn about the up axis as 0001.png, ... in `folder`.
     void start_turntable(const std::filesystem::path& folder, int frames);
     bool turning() const { return turntable_.has_value(); }
 
-    /// Moves what is under way on by a frame, for a picture shown at this many pixels.
+    /// Advances loading, rendering and the turntable by one frame. shown  size of the picture
     void update(PixelSize shown);
-    /// Shades into the framebuffer that is bound.
+    /// Shades into the bound framebuffer.
     void draw(const Viewport& to);
-    /// Nothing would change if nobody touched anything.
+    /// Whether further frames without input would change nothing.
     bool at_rest() const;
-    /// Every frame brings the picture on.
+    /// Whether OpenGL renders in every frame.
     bool drawing() const;
-    /// Nothing is being read, converted or measured.
+    /// Whether reading, converting and measuring have ended.
     bool loaded() const { return !loading.busy; }
-    /// Files have been asked for and nothing of them is shown yet.
+    /// Whether files are being opened, and none of their data is displayed yet.
     bool opening() const { return opening_; }
     SceneLoader::Status loading;
 
     const Picture& left() const { return left_; }
     const Picture& right() const { return right_; }
-    /// The level that is drawn now; null: none yet.
+    /// The displayed level of detail; null: none yet.
     const Level* shown_level() const { return level_at(settings.level); }
-    /// Of the scene; -1: the finest; null where there is none.
+    /// Level of the scene by index; -1: the finest; null: the scene is empty.
     const Level* level_at(int level) const;
     bool moving() const { return moving_; }
-    double aspect() const;
-    /// Of the data's box; 1 where it has no extent.
+    double aspect() const;  ///< width / height of the picture
+    /// Half the diagonal of the data's box, world units; 1 for a box without extent.
     double radius() const;
-    /// Nearer to what it looks at, the camera pushes that ahead: it must get through the volume.
+    /// Smallest distance from eye to look_at, world units: closer, zooming moves look_at ahead, so that
+    /// the camera gets through the volume.
     double least_distance() const { return 0.05 * radius(); }
 
   private:
@@ -111,8 +122,8 @@ class Session {
         int frames = 0, next = 0;
     };
     void open_json(const std::string& file);
-    void take_scene();
-    void choose_moving_error();
+    void update_scene();
+    void update_moving_error();
     double ms_per_ray(Renderer renderer) const;
     PictureKey key(Renderer renderer) const;
     bool needs_right() const;
@@ -128,13 +139,14 @@ class Session {
     GlTimer shade_timer_;
     Picture left_, right_;
     PixelSize shown_;
+    std::function<double()> clock_s_;
     DepthImage inspected_;  ///< T as last read back
     Camera last_camera_;
-    /// Exposure is still that of the first view, which finer levels may refine.
+    /// The extinction is still the automatic one of the initial view, which finer levels refine.
     bool exposure_open_ = true;
     bool moving_ = false, opening_ = false;
     int inspected_revision_ = -1;
-    double moving_error_ = 0;  ///< pixels; what keeps up with the hand
+    double moving_error_ = 0;  ///< screen-space error of the cut that keeps frames fast, pixels
     double last_change_s_ = 0;
     std::optional<Turntable> turntable_;
 };

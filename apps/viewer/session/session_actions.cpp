@@ -1,4 +1,4 @@
-// session_actions.cpp: views, flags and files.
+// session_actions.cpp: named views, options for the clipboard, and files written by the session.
 #include <fmt/core.h>
 #include <imgui.h>
 
@@ -20,11 +20,11 @@ void Session::open_json(const std::string& file) {
         try {
             camera = read_camera(file);
         } catch (const Error& no_camera) {
-            throw Error(
-                fmt::format("no look and no camera: {}; {}", no_look.what(), no_camera.what()));
+            throw Error(fmt::format("neither a transfer function ({}) nor a camera ({})",
+                                    no_look.what(), no_camera.what()));
         }
     }
-    say("opened " + file);
+    show_message("opened " + file);
 }
 
 void Session::set_view(const std::string& name) {
@@ -54,8 +54,8 @@ void Session::copy_flags() {
     if (!is_plain(look)) file = "LOOK.json";
     const std::string flags = camera_flags(camera) + " " + look_flags(look, file);
     ImGui::SetClipboardText(flags.c_str());
-    say(file.empty() ? "copied: " + flags
-                     : "copied, with the colours as LOOK.json: save them: " + flags);
+    show_message(file.empty() ? "copied: " + flags
+                              : "copied; save the colours as LOOK.json: " + flags);
 }
 
 Image Session::picture_image() {
@@ -69,7 +69,7 @@ Image Session::picture_image() {
 
 void Session::save_picture(const fs::path& file) {
     write_png(file, picture_image());
-    say("wrote " + file.string());
+    show_message("wrote " + file.string());
 }
 
 void Session::save_depth(const fs::path& file) {
@@ -77,21 +77,21 @@ void Session::save_depth(const fs::path& file) {
     DepthImage depth = left_.read();
     set_extinction(depth, look.extinction);
     write_exr(file, depth);
-    say("wrote " + file.string());
+    show_message("wrote " + file.string());
 }
 
 void Session::save_look(const fs::path& file) {
     write_transfer_function(file, transfer_function(look));
-    say("wrote " + file.string());
+    show_message("wrote " + file.string());
 }
 
 void Session::start_turntable(const fs::path& folder, int frames) {
     if (frames < 1 || frames > 9999)
-        throw Error(fmt::format("a turntable of {} frames, expected 1 to 9999", frames));
+        throw Error(fmt::format("turntable: {} pictures, expected 1 to 9999", frames));
     std::error_code code;
     fs::create_directories(folder, code);
     if (!fs::is_directory(folder))
-        throw Error(fmt::format("{}: cannot make this folder", folder.string()));
+        throw Error(fmt::format("{}: cannot create this folder", folder.string()));
     turntable_ = Turntable{folder, camera, frames, 0};
 }
 
@@ -109,10 +109,10 @@ void Session::advance_turntable() {
             turntable_.reset();
             throw;
         }
-        say(fmt::format("turntable: {} of {}", t.next, t.frames));
+        show_message(fmt::format("turntable: {} of {}", t.next, t.frames));
         if (t.next == t.frames) {
             camera = t.start;
-            say(fmt::format("wrote {} pictures to {}", t.frames, t.folder.string()));
+            show_message(fmt::format("wrote {} pictures to {}", t.frames, t.folder.string()));
             turntable_.reset();
             return;
         }

@@ -1,4 +1,4 @@
-// input.cpp: mouse and keys to motions of the camera and changes of the settings.
+// input.cpp: camera motions and settings by mouse and keyboard.
 #include "ui/input.h"
 
 #include <fmt/core.h>
@@ -17,25 +17,25 @@ namespace {
 constexpr KeyHelp kHelp[] = {
     {"left drag", "turn around the centre"},
     {"middle or Shift + left drag", "pan"},
-    {"wheel", "zoom to the pointer, through the volume if need be"},
+    {"wheel", "zoom towards the pointer, also through the volume"},
     {"right drag", "zoom"},
-    {"Ctrl + left drag", "look around from where you are"},
+    {"Ctrl + left drag", "look around from the eye's position"},
     {"Alt + left drag", "roll"},
     {"drag the split line", "compare two renderers"},
-    {"W S A D, PageUp PageDown", "fly ahead, back, left, right, up, down"},
+    {"W S A D, PageUp PageDown", "move forward, back, left, right, up, down"},
     {"Q E", "roll"},
     {"arrows", "turn by 5 degrees"},
     {"1 2 3, with Shift", "view from +x +y +z, from -x -y -z"},
-    {"P  Home  F", "paper view, first view, fit"},
+    {"P  Home  F", "paper view, initial view, fit to the window"},
     {"[ ]", "coarser, finer level of detail"},
-    {"- =  0", "exposure down, up, automatic"},
+    {"- =  0", "extinction down, up, automatic"},
     {"M  Shift + M", "next, previous colour map"},
     {"I  B", "invert the map, blend"},
     {"N", "next renderer"},
-    {"V  X", "split line, difference"},
-    {"C", "copy the view as command-line flags"},
-    {"F2  F3  F4", "screenshot, picture alone (PNG), T (EXR)"},
-    {"Tab  O  L", "panels, figures, colour bar"},
+    {"V  X", "split line, difference of two renderers"},
+    {"C", "copy the view as command-line options"},
+    {"F2  F3  F4", "save screenshot, picture (PNG), optical depth T (EXR)"},
+    {"Tab  O  L", "show or hide panels, figures, colour bar"},
     {"F1 or H", "this help"},
     {"Ctrl + Q", "quit"},
 };
@@ -46,45 +46,46 @@ ScreenPoint place(const Rect& picture, ImVec2 at) {
             (picture.y + 0.5 * picture.height - at.y) / half};
 }
 
-Hand::Grip grip_of(const Session& session, const Rect& picture, const ImGuiIO& io, float ui) {
+Drag::Grip grip_of(const Session& session, const Rect& picture, const ImGuiIO& io, float ui) {
     const float line = picture.x + session.settings.split * picture.width;
     if (io.MouseDown[0]) {
         if (session.settings.split_on && !session.settings.difference &&
             std::abs(io.MousePos.x - line) < 6 * ui)
-            return Hand::Grip::split;
-        return io.KeyShift  ? Hand::Grip::pan
-               : io.KeyCtrl ? Hand::Grip::look
-               : io.KeyAlt  ? Hand::Grip::roll
-                            : Hand::Grip::rotate;
+            return Drag::Grip::split;
+        return io.KeyShift  ? Drag::Grip::pan
+               : io.KeyCtrl ? Drag::Grip::look
+               : io.KeyAlt  ? Drag::Grip::roll
+                            : Drag::Grip::rotate;
     }
-    return io.MouseDown[1] ? Hand::Grip::zoom : Hand::Grip::pan;
+    return io.MouseDown[1] ? Drag::Grip::zoom : Drag::Grip::pan;
 }
 
-void drag(Session& session, Hand& hand, const Rect& picture, ScreenPoint at, float mouse_x) {
-    const ScreenPoint from = hand.last;
-    hand.last = at;
+void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoint at,
+                   float mouse_x) {
+    const ScreenPoint from = state.last;
+    state.last = at;
     const double dx = at.x - from.x, dy = at.y - from.y;
     if (dx == 0 && dy == 0) return;
     Camera& camera = session.camera;
     const double half_fov = camera.fov_degrees * std::numbers::pi / 360;
-    switch (hand.grip) {
-        case Hand::Grip::rotate:
+    switch (state.grip) {
+        case Drag::Grip::rotate:
             camera = rotated(camera, from, at);
             break;
-        case Hand::Grip::pan:
+        case Drag::Grip::pan:
             camera = panned(camera, from, at);
             break;
-        case Hand::Grip::zoom:
+        case Drag::Grip::zoom:
             camera = zoomed(camera, {}, std::exp(-2 * dy), session.least_distance());
             break;
-        case Hand::Grip::look:  // what is under the pointer follows it
+        case Drag::Grip::look:  // the point under the pointer follows it
             camera = looked_around(camera, -dx * half_fov, -dy * half_fov);
             break;
-        case Hand::Grip::roll:
+        case Drag::Grip::roll:
             camera = rolled(
                 camera, std::atan2(from.y * at.x - from.x * at.y, from.x * at.x + from.y * at.y));
             break;
-        case Hand::Grip::split:
+        case Drag::Grip::split:
             session.settings.split = std::clamp((mouse_x - picture.x) / picture.width, 0.0f, 1.0f);
             break;
         default:
@@ -92,7 +93,7 @@ void drag(Session& session, Hand& hand, const Rect& picture, ScreenPoint at, flo
     }
 }
 
-void apply_mouse(Session& session, Hand& hand, const Rect& picture) {
+void apply_mouse(Session& session, Drag& state, const Rect& picture) {
     const ImGuiIO& io = ImGui::GetIO();
     const float ui = ImGui::GetFontSize() / 15;
     const ScreenPoint at = place(picture, io.MousePos);
@@ -101,17 +102,17 @@ void apply_mouse(Session& session, Hand& hand, const Rect& picture) {
     const bool pressed =
         ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1) || ImGui::IsMouseClicked(2);
     if (!down) {
-        hand.grip = Hand::Grip::none;
-    } else if (pressed && over && hand.grip == Hand::Grip::none) {
-        hand.grip = grip_of(session, picture, io, ui);
-        hand.last = at;
-    } else if (hand.grip != Hand::Grip::none) {
-        drag(session, hand, picture, at, io.MousePos.x);
+        state.grip = Drag::Grip::none;
+    } else if (pressed && over && state.grip == Drag::Grip::none) {
+        state.grip = grip_of(session, picture, io, ui);
+        state.last = at;
+    } else if (state.grip != Drag::Grip::none) {
+        continue_drag(session, state, picture, at, io.MousePos.x);
     }
     const bool on_line =
         session.settings.split_on &&
         std::abs(io.MousePos.x - picture.x - session.settings.split * picture.width) < 6 * ui;
-    if ((over && on_line) || hand.grip == Hand::Grip::split)
+    if ((over && on_line) || state.grip == Drag::Grip::split)
         ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
     if (over && io.MouseWheel != 0)
         session.camera =
@@ -119,13 +120,13 @@ void apply_mouse(Session& session, Hand& hand, const Rect& picture) {
                    session.least_distance());
 }
 
-/// The keys that move for as long as they are held.
+/// Keys that move the camera while they are held.
 void fly(Session& session) {
     const ImGuiIO& io = ImGui::GetIO();
     if (io.KeyCtrl || session.scene.levels.empty()) return;
     const auto held = [&](int key) { return io.KeysDown[key] ? 1.0 : 0.0; };
     const double seconds = std::min(0.05, static_cast<double>(io.DeltaTime));
-    const double step = 0.6 * seconds * session.radius();  // radii a second
+    const double step = 0.6 * seconds * session.radius();  // 0.6 radii per second
     const double right = held(GLFW_KEY_D) - held(GLFW_KEY_A);
     const double up = held(GLFW_KEY_PAGE_UP) - held(GLFW_KEY_PAGE_DOWN);
     const double forward = held(GLFW_KEY_W) - held(GLFW_KEY_S);
@@ -175,7 +176,7 @@ void apply_view_keys(Session& session) {
     if (pressed(GLFW_KEY_DOWN)) session.camera = orbited(session.camera, 0, -kTurn);
 }
 
-void apply_setting_keys(Session& session, Wishes& wishes) {
+void apply_setting_keys(Session& session, Requests& requests) {
     const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
     const auto toggle = [&](int key, bool& setting) {
         if (pressed(key)) setting = !setting;
@@ -193,9 +194,9 @@ void apply_setting_keys(Session& session, Wishes& wishes) {
     if (pressed(GLFW_KEY_RIGHT_BRACKET)) change_level(session, 1);
     if (pressed(GLFW_KEY_N)) next_renderer(session);
     if (pressed(GLFW_KEY_C)) session.copy_flags();
-    wishes.screenshot |= pressed(GLFW_KEY_F2);
-    wishes.picture |= pressed(GLFW_KEY_F3);
-    wishes.depth |= pressed(GLFW_KEY_F4);
+    requests.screenshot |= pressed(GLFW_KEY_F2);
+    requests.picture |= pressed(GLFW_KEY_F3);
+    requests.depth |= pressed(GLFW_KEY_F4);
 
     const double extinction = session.look.extinction;
     if (pressed(GLFW_KEY_MINUS)) session.look.extinction /= 1.1;
@@ -244,16 +245,16 @@ int key_number(const std::string& name) {
         name));
 }
 
-void apply_input(Session& session, Hand& hand, const Rect& picture, Wishes& wishes) {
-    apply_mouse(session, hand, picture);
+void apply_input(Session& session, Drag& state, const Rect& picture, Requests& requests) {
+    apply_mouse(session, state, picture);
     const ImGuiIO& io = ImGui::GetIO();
     if (io.WantTextInput) return;
     if (io.KeyCtrl) {
-        wishes.quit |= ImGui::IsKeyPressed(GLFW_KEY_Q, false);
+        requests.quit |= ImGui::IsKeyPressed(GLFW_KEY_Q, false);
         return;
     }
     fly(session);
-    apply_setting_keys(session, wishes);
+    apply_setting_keys(session, requests);
     if (!session.scene.levels.empty()) apply_view_keys(session);
 }
 

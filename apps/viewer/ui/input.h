@@ -1,4 +1,4 @@
-// input.h: what the mouse and the keys do.
+// input.h: mouse and keyboard controls.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace vog::viewer {
 
-/// In ImGui's coordinates.
+/// Rectangle in ImGui's coordinates.
 struct Rect {
     float x = 0, y = 0, width = 0, height = 0;
     bool holds(float px, float py) const {
@@ -16,29 +16,31 @@ struct Rect {
     }
 };
 
-/// What a drag that began in the picture does until the button is let go.
-struct Hand {
+/// Drag that began in the picture, until the button is released.
+struct Drag {
     enum class Grip { none, rotate, pan, zoom, look, roll, split } grip = Grip::none;
     ScreenPoint last;
 };
 
-/// Things that only the program around the session can do.
-struct Wishes {
+/// Requests to the program around the session.
+struct Requests {
     bool quit = false;
     bool screenshot = false;  ///< of the whole window
     bool picture = false, depth = false;
 };
 
-/// Moves the camera and the settings as ImGui's input says, where no panel wants it.
-void apply_input(Session& session, Hand& hand, const Rect& picture, Wishes& wishes);
+/// Applies ImGui's input to camera and settings, unless a panel uses it.
+void apply_input(Session& session, Drag& state, const Rect& picture, Requests& requests);
 
+/// Keys or buttons, and their effect.
 struct KeyHelp {
     const char* keys;
-    const char* what;
+    const char* effect;
 };
-/// Every key and button, for the help panel.
+/// All controls, for the help panel.
 std::span<const KeyHelp> key_help();
-/// GLFW's number of a key: "a", "7", "f1", "space", "left", "[". throws vog::Error
+/// GLFW's number of a key by name: "a", "7", "f1", "space", "left", "[". throws vog::Error for an
+/// unknown name
 int key_number(const std::string& name);
 
 }  // namespace vog::viewer

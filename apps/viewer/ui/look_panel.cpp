@@ -1,4 +1,4 @@
-// look_panel.cpp: the transfer function editor. What it changes is shaded anew, never rendered.
+// look_panel.cpp: transfer function editor; its changes are shaded, not rendered again.
 #include <fmt/core.h>
 #include <imgui.h>
 #include <imgui_stdlib.h>
@@ -16,7 +16,7 @@ ImU32 color_u32(const Rgba& c, float alpha = 1) {
     return ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, alpha});
 }
 
-/// The colours along V, as one strip.
+/// Draws the colours along V as a strip.
 void draw_strip(const TransferFunction& tf, ImVec2 at, ImVec2 size) {
     ImDrawList& list = *ImGui::GetWindowDrawList();
     constexpr std::size_t kPieces = 64;
@@ -49,8 +49,8 @@ bool choose_map(Session& session, Gui& gui) {
     return changed;
 }
 
-/// Opacity points over the histogram of V: drag them, double-click for a new one, right-click to
-/// remove one.
+/// Editor of opacity points over the histogram of V: drag moves, double-click adds, right-click
+/// removes.
 class OpacityEditor {
   public:
     OpacityEditor(Session& session, Gui& gui, ImVec2 at, ImVec2 size, float ui)
@@ -66,7 +66,7 @@ class OpacityEditor {
         if (!ImGui::IsMouseDown(0)) gui_.dragged_point = -1;
         if (over && ImGui::IsMouseClicked(1) && near >= 0) {
             points.erase(points.begin() + near);
-            if (points.size() < 2) points.clear();  // opaque again
+            if (points.size() < 2) points.clear();  // fewer than two points: opaque
             return true;
         }
         const int dragged = gui_.dragged_point;
@@ -85,7 +85,7 @@ class OpacityEditor {
         const std::vector<float>& share = session_.histogram;
         const auto bins = static_cast<float>(share.size());
         for (std::size_t n = 0; n < share.size(); ++n) {
-            // Logarithmic: from one pixel in a hundred thousand to all of them.
+            // Logarithmic scale from 1e-5 of the pixels to all.
             const float height =
                 std::clamp(1 + std::log10(std::max(share[n], 1e-30f)) / 5, 0.0f, 1.0f);
             const float x0 = at_.x + size_.x * static_cast<float>(n) / bins;
@@ -149,8 +149,8 @@ bool edit_opacity(Session& session, Gui& gui, float ui) {
     editor.draw();
     if (ImGui::IsItemHovered() && gui.dragged_point < 0)
         ImGui::SetTooltip(
-            "opacity over V, with its histogram (log)\n"
-            "double-click: new point, drag, right-click: remove");
+            "Opacity over V = 1 - exp(-T), with the histogram of V (log scale)\n"
+            "double-click: add a point; drag: move; right-click: remove");
     const ImVec2 strip = ImGui::GetCursorScreenPos();
     ImGui::Dummy({size.x, 12 * ui});
     draw_strip(transfer_function(session.look), strip, {size.x, 12 * ui});
@@ -159,7 +159,7 @@ bool edit_opacity(Session& session, Gui& gui, float ui) {
 
 bool edit_exposure(Session& session, Gui& gui) {
     bool changed = false;
-    // In stops from the automatic value: data come in all units.
+    // In stops (powers of 2) from the automatic value, as densities come in any unit.
     Look& look = session.look;
     auto stops = static_cast<float>(std::log2(look.extinction / session.automatic_extinction));
     const std::string text = fmt::format("extinction {:.4g}", look.extinction);
@@ -172,7 +172,8 @@ bool edit_exposure(Session& session, Gui& gui) {
     mark(gui, "auto");
     ImGui::SameLine();
     ImGui::Checkbox("follow", &session.settings.follow_exposure);
-    if (ImGui::IsItemHovered()) ImGui::SetTooltip("automatic exposure for every view");
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Set the extinction automatically for every view");
     ImGui::SameLine();
     return changed;
 }

@@ -1,4 +1,4 @@
-// overlay.cpp: figures, colour bar, split labels and help, over the picture.
+// overlay.cpp: figures, colour bar, split labels and help over the picture.
 #include <fmt/core.h>
 #include <imgui.h>
 
@@ -18,7 +18,7 @@ constexpr ImGuiWindowFlags kGlass =
 void draw_figures(Session& session, const Gui& gui, const Layout& layout) {
     ImGui::SetNextWindowPos({layout.picture.x + 10 * layout.ui, layout.picture.y + 10 * layout.ui});
     ImGui::SetNextWindowBgAlpha(0.65f);
-    // Its width follows the text a frame late: wide enough for any figures.
+    // Minimum width: the window follows its text a frame late.
     ImGui::SetNextWindowSizeConstraints({390 * layout.ui, 0}, {390 * layout.ui, 200 * layout.ui});
     ImGui::Begin("figures", nullptr, kGlass);
     const Measured& m = session.measured;
@@ -42,7 +42,7 @@ void draw_figures(Session& session, const Gui& gui, const Layout& layout) {
     ImGui::End();
 }
 
-/// Text over the picture, readable on any of its colours.
+/// Draws text that is legible on any colour.
 void draw_text(ImVec2 at, const std::string& text) {
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
@@ -105,7 +105,7 @@ void draw_split(Session& session, const Layout& layout) {
                  IM_COL32(255, 255, 255, 200), 2 * ui);
     const float middle = layout.picture.y + 0.5f * layout.picture.height;
     list.AddCircleFilled({x, middle}, 7 * ui, IM_COL32(255, 255, 255, 230));
-    // Below the figures, which are at the top left.
+    // Below the figures at the top left.
     const float y = layout.picture.y + layout.picture.height - 1.6f * ImGui::GetFontSize();
     const std::string left = name_of(s.renderer), right = name_of(s.other);
     const float w = ImGui::CalcTextSize(left.c_str()).x;
@@ -130,7 +130,7 @@ void draw_help(Session& session, const Layout& layout) {
             ImGui::TableNextColumn();
             ImGui::TextColored({1, 0.85f, 0.5f, 1}, "%s  ", help.keys);
             ImGui::TableNextColumn();
-            ImGui::TextUnformatted(help.what);
+            ImGui::TextUnformatted(help.effect);
         }
         ImGui::EndTable();
     }

@@ -1,4 +1,4 @@
-// panels.cpp: the column on the right and the line at the bottom.
+// panels.cpp: the panel on the right and the status line.
 #include "ui/panels.h"
 
 #include <fmt/core.h>
@@ -19,7 +19,7 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_N
                                     ImGuiWindowFlags_NoSavedSettings |
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
-/// A combo of the renderers that can show what is open.
+/// Selector of the renderers that support the open data.
 void choose_renderer(Session& session, Gui& gui, const char* label, Renderer& renderer) {
     if (ImGui::BeginCombo(label, name_of(renderer))) {
         for (const Renderer r : renderers()) {
@@ -45,7 +45,7 @@ void draw_level(Session& session, Gui& gui) {
     int level = s.level < 0 ? last : std::min(s.level, last);
     const Level& now = levels[static_cast<std::size_t>(level)];
     if (last > 0) {
-        std::string format = now.name;  // a format: its % must not be one
+        std::string format = now.name;  // used as a format string: its % is doubled
         if (const std::size_t at = format.find('%'); at != std::string::npos)
             format.insert(at, 1, '%');
         if (ImGui::SliderInt("level", &level, 0, last, format.c_str(),
@@ -57,9 +57,9 @@ void draw_level(Session& session, Gui& gui) {
     }
     ImGui::TextUnformatted(level_text(now, session.scene.unit).c_str());
     if (std::isinf(now.psnr_db))
-        ImGui::Text("no 8-bit V differs from the %s", session.scene.unit.c_str());
+        ImGui::Text("V equals that of the %s in 8 bits", session.scene.unit.c_str());
     else if (!std::isnan(now.psnr_db))
-        ImGui::Text("%.1f dB of V against the %s", now.psnr_db, session.scene.unit.c_str());
+        ImGui::Text("PSNR of V %.1f dB against the %s", now.psnr_db, session.scene.unit.c_str());
     else if (levels.size() > 1)
         ImGui::TextDisabled("not measured yet");
 }
@@ -75,7 +75,8 @@ void draw_picture_section(Session& session, Gui& gui) {
     ImGui::SameLine();
     ImGui::Checkbox("coarse moving", &s.coarse_moving);
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("larger parts while the camera moves and frames are slow");
+        ImGui::SetTooltip(
+            "Draw fewer, larger Gaussians while the camera moves and frames are slow");
     if (s.split_on || s.difference) choose_renderer(session, gui, "against", s.other);
     if (s.difference)
         ImGui::SliderFloat("ends at", &s.difference_limit, 0.001f, 1, "%.3f of V",
@@ -83,7 +84,9 @@ void draw_picture_section(Session& session, Gui& gui) {
     draw_level(session, gui);
     ImGui::SliderFloat("parts", &s.pixel_error, 0, 16, "%.2g pixels", ImGuiSliderFlags_AlwaysClamp);
     if (ImGui::IsItemHovered())
-        ImGui::SetTooltip("what is smaller is drawn as one (OpenGL and CPU splat); 0: nothing is");
+        ImGui::SetTooltip(
+            "Level of detail: groups of Gaussians smaller than this on screen are drawn as one\n"
+            "(OpenGL and CPU splat); 0: every Gaussian is drawn");
     mark(gui, "parts");
     ImGui::SetNextItemWidth(0.3f * ImGui::GetContentRegionAvail().x);
     ImGui::SliderInt("sub-frames", &s.subframes, 1, 256, "%d", ImGuiSliderFlags_Logarithmic);
@@ -123,16 +126,16 @@ void draw_camera_section(Session& session, Gui& gui, float ui) {
     ImGui::SameLine(0, 4 * ui);
     button("save##camera", [&] {
         write_camera(gui.camera_path, session.camera);
-        session.say("wrote " + gui.camera_path);
+        session.show_message("wrote " + gui.camera_path);
     });
 }
 
-void draw_file_section(Session& session, Gui& gui, float ui, Wishes& wishes) {
-    if (ImGui::Button("screenshot")) wishes.screenshot = true;
+void draw_file_section(Session& session, Gui& gui, float ui, Requests& requests) {
+    if (ImGui::Button("screenshot")) requests.screenshot = true;
     ImGui::SameLine(0, 4 * ui);
-    if (ImGui::Button("picture")) wishes.picture = true;
+    if (ImGui::Button("picture")) requests.picture = true;
     ImGui::SameLine(0, 4 * ui);
-    if (ImGui::Button("T as EXR")) wishes.depth = true;
+    if (ImGui::Button("T as EXR")) requests.depth = true;
     const float width = ImGui::GetContentRegionAvail().x;
     ImGui::SetNextItemWidth(0.34f * width);
     ImGui::InputText("##turntable", &gui.turntable_path);
@@ -144,7 +147,7 @@ void draw_file_section(Session& session, Gui& gui, float ui, Wishes& wishes) {
     if (ImGui::Button(session.turning() ? "turning" : "turntable") && !session.turning())
         attempt(session,
                 [&] { session.start_turntable(gui.turntable_path, gui.turntable_frames); });
-    ImGui::InputTextWithHint("##open", "a file, or drop one here", &gui.open_path);
+    ImGui::InputTextWithHint("##open", "file to open, or drop one here", &gui.open_path);
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button("open") && !gui.open_path.empty())
         attempt(session, [&] { session.open({gui.open_path}); });
@@ -203,7 +206,7 @@ void set_style(float ui) {
     style.ScaleAllSizes(ui);
 }
 
-void draw_panels(Session& session, Gui& gui, const Layout& layout, Wishes& wishes) {
+void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests) {
     gui.widgets.clear();
     draw_overlays(session, gui, layout);
     if (layout.panel.width <= 0) return;
@@ -218,7 +221,7 @@ void draw_panels(Session& session, Gui& gui, const Layout& layout, Wishes& wishe
     if (section("Picture")) draw_picture_section(session, gui);
     if (section("Colour")) draw_look(session, gui, layout.ui);
     if (section("Camera")) draw_camera_section(session, gui, layout.ui);
-    if (section("Files")) draw_file_section(session, gui, layout.ui, wishes);
+    if (section("Files")) draw_file_section(session, gui, layout.ui, requests);
     ImGui::PopItemWidth();
     ImGui::End();
     draw_status(session, layout);

@@ -1,4 +1,4 @@
-// panels.h: everything that is drawn over and beside the picture with Dear ImGui.
+// panels.h: user interface beside and over the picture, by Dear ImGui.
 #pragma once
 
 #include <map>
@@ -9,42 +9,43 @@
 
 namespace vog::viewer {
 
+/// Rectangles of the window, in ImGui's coordinates.
 struct Layout {
     Rect picture, panel, status;
-    float ui = 1;  ///< size of text and controls
+    float ui = 1;  ///< scale of text and controls
 };
-/// Without panels the picture has the whole window.
+/// Layout of a window of this size; without panels the picture fills it.
 Layout layout_of(float width, float height, float ui, bool panels);
 
-/// What the panels remember between frames.
+/// State of the panels between frames.
 struct Gui {
-    std::map<std::string, Rect> widgets;  ///< by the names that scripts use, as last laid out
+    std::map<std::string, Rect> widgets;  ///< latest rectangles, by the names of scripts
     std::string open_path, look_path = "look.json", camera_path = "camera.json";
     std::string turntable_path = "turntable";
     int turntable_frames = 120;
-    int dragged_point = -1;  ///< opacity point under the pointer
-    double fps = 0;          ///< smoothed
+    int dragged_point = -1;  ///< index of the dragged opacity point; -1: none
+    double fps = 0;          ///< frames per second, smoothed
 };
 
 void set_style(float ui);
-/// Panel, status line, figures, colour bar, split labels and help. Failures of what the user asks
-/// for become the session's message.
-void draw_panels(Session& session, Gui& gui, const Layout& layout, Wishes& wishes);
+/// Draws panel, status line, figures, colour bar, split labels and help. Errors of the user's actions
+/// become the session's message.
+void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests);
 
-/// The colour section of the panel: map, opacity over the histogram, range, gamma, exposure.
+/// Draws the colour section: map, opacity over the histogram, range, gamma, extinction.
 void draw_look(Session& session, Gui& gui, float ui);
-/// What lies over the picture.
+/// Draws figures, colour bar, split labels and help over the picture.
 void draw_overlays(Session& session, Gui& gui, const Layout& layout);
 
-/// Lets scripts find the item that was just laid out.
+/// Names ImGui's latest item for scripts.
 void mark(Gui& gui, const std::string& name);
-/// Runs what the user asked for; a failure becomes the session's message.
+/// Runs an action of the user; an error becomes the session's message.
 template <class Action>
 void attempt(Session& session, const Action& action) {
     try {
         action();
     } catch (const std::exception& error) {
-        session.fail(error.what());
+        session.show_error(error.what());
     }
 }
 

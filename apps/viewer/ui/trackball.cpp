@@ -1,4 +1,4 @@
-// trackball.cpp: rotations and moves of the camera.
+// trackball.cpp: rotations and translations of the camera.
 #include "ui/trackball.h"
 
 #include <fmt/core.h>
@@ -26,13 +26,13 @@ double half_tangent(const Camera& camera) {
 }
 double distance_of(const Camera& camera) { return length(camera.look_at - camera.eye); }
 
-/// Rodrigues' formula; axis of unit length.
+/// Rotation by Rodrigues' formula; axis of unit length, angle in radians.
 Vec3d turned(Vec3d v, Vec3d axis, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
     return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
 }
 
-/// Eye and up turned around look_at.
+/// Rotates eye and up about look_at.
 Camera turned_around(const Camera& camera, Vec3d axis, double angle) {
     Camera result = camera;
     result.eye = camera.look_at + turned(camera.eye - camera.look_at, axis, angle);
@@ -40,7 +40,7 @@ Camera turned_around(const Camera& camera, Vec3d axis, double angle) {
     return result;
 }
 
-/// The ball's surface under the pointer, in camera axes (right, up, towards the eye).
+/// Direction to the trackball's surface under the pointer, in camera axes (right, up, backward).
 Vec3d on_ball(ScreenPoint p) {
     constexpr double kRadius = 0.8;  // of half the picture's height
     const double r2 = p.x * p.x + p.y * p.y, inner = 0.5 * kRadius * kRadius;
@@ -57,8 +57,8 @@ Camera rotated(const Camera& camera, ScreenPoint from, ScreenPoint to) {
     const Axes axes = axes_of(camera);
     const Vec3d axis =
         normalized(across.x * axes.right + across.y * axes.up - across.z * axes.forward);
-    // The ball turns with the pointer, so the camera the other way; twice the angle, as on a
-    // quaternion ball: half a turn from rim to rim.
+    // The ball turns with the pointer, hence the camera in the opposite sense; twice the angle, as in
+    // Shoemake's arcball: half a turn from rim to rim.
     return turned_around(camera, axis, -2 * std::atan2(sine, dot(a, b)));
 }
 
@@ -81,7 +81,7 @@ Camera looked_around(const Camera& camera, double right_rad, double up_rad) {
 Camera rolled(const Camera& camera, double angle_rad) {
     const Axes axes = axes_of(camera);
     Camera result = camera;
-    // The picture turns clockwise when the camera turns the other way.
+    // The picture turns clockwise when the camera turns counterclockwise.
     result.up = normalized(turned(axes.up, axes.forward, -angle_rad));
     return result;
 }

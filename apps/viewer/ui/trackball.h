@@ -1,5 +1,4 @@
-// trackball.h: how a hand moves a camera. Every motion is a function of a camera: no state, no
-// window.
+// trackball.h: camera motions of mouse and keys, as functions from camera to camera without state.
 #pragma once
 
 #include <string>
@@ -8,37 +7,37 @@
 
 namespace vog::viewer {
 
-/// A place in the picture: right and up of its middle, in half heights.
+/// Point in the picture: right and up of its centre, in units of half its height.
 struct ScreenPoint {
     double x = 0, y = 0;
 };
 
-/// Turns around look_at as if a ball there were dragged from one place to another: Bell's
-/// trackball, a sphere that runs out into a hyperbola, so that no place is off the ball.
+/// Rotates about look_at by a virtual trackball dragged from one point to another: Bell's trackball, a
+/// sphere that continues as a hyperbola, so that it covers the whole picture.
 Camera rotated(const Camera& camera, ScreenPoint from, ScreenPoint to);
-/// Turns around look_at: rightwards about the camera's up, then upwards about its right; radians.
+/// Rotates the eye about look_at: right about the camera's up axis, then up about its right axis.
 Camera orbited(const Camera& camera, double right_rad, double up_rad);
-/// Turns the eye's view in place.
+/// Rotates the view direction about the eye.
 Camera looked_around(const Camera& camera, double right_rad, double up_rad);
-/// Turns about the line of sight, clockwise as the picture is seen.
+/// Rotates about the view direction; the picture turns clockwise.
 Camera rolled(const Camera& camera, double angle_rad);
-/// Moves so that what lies at look_at's depth follows the pointer.
+/// Translates so that points at look_at's depth follow the pointer.
 Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to);
-/// Moves towards what is under the pointer at look_at's depth, which stays there: the distance
-/// times `factor`. Never stops before the volume: closer than `least_distance`, look_at is pushed
-/// ahead.
+/// Scales the distance to the point under the pointer, at look_at's depth, by `factor`; the point stays
+/// under the pointer. Closer than `least_distance` (world units), look_at moves ahead, so that the
+/// camera passes through the volume.
 Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance);
-/// Moves eye and look_at along the camera's axes, world units.
+/// Translates eye and look_at along the camera's axes, world units.
 Camera flown(const Camera& camera, double right, double up, double forward);
 
-/// The same direction, from where the whole box is seen: its bounding sphere fits the picture.
+/// The same view direction, at the distance where the box's bounding sphere fits the picture.
 /// aspect  width / height
 Camera fitted(const Camera& camera, const Box& box, double aspect);
-/// "paper", "+x", "-x", "+y", ...: fitted, from that side of the box; y up, or x for "+y" and "-y".
-/// throws vog::Error listing the names if there is none such
+/// View by name: "paper", or "+x", "-x", "+y", ... from that side of the box, fitted; up is y, or x for
+/// "+y" and "-y". throws vog::Error for other names, with the valid ones
 Camera named_view(const std::string& name, const Box& box, double aspect, double fov_degrees);
 
-/// `--eye ... --look-at ... --up ... --fov ...`, digit for digit.
+/// The camera as options, `--eye ... --look-at ... --up ... --fov ...`, with all digits.
 std::string camera_flags(const Camera& camera);
 
 }  // namespace vog::viewer
