@@ -1,4 +1,4 @@
-// arrays.cpp: NumPy arrays in and out.
+// arrays.cpp: conversion from and to NumPy arrays.
 #include "arrays.h"
 
 #include <algorithm>
@@ -11,33 +11,34 @@ std::string shape_text(const py::array& array) {
     return py::str(array.attr("shape")).cast<std::string>();
 }
 
-py::array numbers_of(const py::handle& data, const std::string& what) {
+py::array numbers_of(const py::handle& data, const std::string& name) {
     const py::module_ numpy = py::module_::import("numpy");
     if (py::isinstance(data, numpy.attr("ma").attr("MaskedArray")))
-        throw Error(what +
-                    ": a masked array, expected a plain one (array.filled(0), and active= "
+        throw Error(name +
+                    ": masked array, expected a plain array (array.filled(0), and active= "
                     "for voxels)");
     const py::array array = py::array::ensure(data);
     if (!array) {
         PyErr_Clear();
-        throw Error(what + ": cannot be a NumPy array");
+        throw Error(name +
+                    ": cannot be converted to a NumPy array, expected an array of real numbers");
     }
     const char kind = array.dtype().kind();
     if (kind != 'f' && kind != 'i' && kind != 'u' && kind != 'b')
-        throw Error(what + ": dtype " + py::str(array.dtype()).cast<std::string>() +
+        throw Error(name + ": dtype " + py::str(array.dtype()).cast<std::string>() +
                     ", expected real numbers");
     return array;
 }
 
 namespace {
 
-/// Converted to the scalar and to rows that lie one after the other, if they do not already.
+/// The array as contiguous scalars; a copy only if it is not that already.
 template <class Scalar>
-py::array_t<Scalar> contiguous(const py::array& array, const std::string& what) {
+py::array_t<Scalar> contiguous(const py::array& array, const std::string& name) {
     auto result = py::array_t<Scalar, py::array::c_style | py::array::forcecast>::ensure(array);
     if (!result) {
         PyErr_Clear();
-        throw Error(what + ": cannot be converted to numbers");
+        throw Error(name + ": cannot be converted to numbers");
     }
     return result;
 }
@@ -45,33 +46,33 @@ py::array_t<Scalar> contiguous(const py::array& array, const std::string& what) 
 }  // namespace
 
 template <class Scalar>
-py::array_t<Scalar> rows_of(const py::handle& data, const std::string& what, int columns) {
-    const py::array array = numbers_of(data, what);
+py::array_t<Scalar> rows_of(const py::handle& data, const std::string& name, int columns) {
+    const py::array array = numbers_of(data, name);
     if (array.ndim() != 2 || array.shape(1) != columns)
-        throw Error(what + ": shape " + shape_text(array) + ", expected (N, " +
+        throw Error(name + ": shape " + shape_text(array) + ", expected (N, " +
                     std::to_string(columns) + ")");
-    return contiguous<Scalar>(array, what);
+    return contiguous<Scalar>(array, name);
 }
 
 template <class Scalar>
-py::array_t<Scalar> row_of(const py::handle& data, const std::string& what) {
-    const py::array array = numbers_of(data, what);
-    if (array.ndim() != 1) throw Error(what + ": shape " + shape_text(array) + ", expected (N,)");
-    return contiguous<Scalar>(array, what);
+py::array_t<Scalar> row_of(const py::handle& data, const std::string& name) {
+    const py::array array = numbers_of(data, name);
+    if (array.ndim() != 1) throw Error(name + ": shape " + shape_text(array) + ", expected (N,)");
+    return contiguous<Scalar>(array, name);
 }
 
 template <class Scalar, class Item>
-void assign(BigVector<Item>& items, const py::handle& data, const std::string& what) {
+void assign(BigVector<Item>& items, const py::handle& data, const std::string& name) {
     constexpr int kColumns = sizeof(Item) / sizeof(Scalar);
     py::array_t<Scalar> from;
     if constexpr (kColumns == 1)
-        from = row_of<Scalar>(data, what);
+        from = row_of<Scalar>(data, name);
     else
-        from = rows_of<Scalar>(data, what, kColumns);
+        from = rows_of<Scalar>(data, name, kColumns);
     if (static_cast<std::size_t>(from.shape(0)) != items.size())
-        throw Error(what + ": " + std::to_string(from.shape(0)) + " rows, expected " +
+        throw Error(name + ": " + std::to_string(from.shape(0)) + " rows, expected " +
                     std::to_string(items.size()));
-    // In place: views that Python holds stay where they are. They may be what is assigned.
+    // In place: views that Python holds stay where they are. They may be name is assigned.
     const auto* first = reinterpret_cast<const Item*>(from.data());
     if (first != items.data()) std::copy(first, first + items.size(), items.begin());
 }

@@ -1,4 +1,4 @@
-// arrays.h: NumPy arrays in and out. Errors of shape and kind are vog.Error in one line:
+// arrays.h: conversion from and to NumPy arrays. Wrong shapes and dtypes raise vog.Error:
 // "position: shape (5, 2), expected (N, 3)".
 #pragma once
 
@@ -12,26 +12,27 @@
 
 namespace vog::python {
 
-/// Any array-like of real numbers, in its own type; refuses text, objects, complex numbers and
-/// masked arrays, whose mask would be lost.
-py::array numbers_of(const py::handle& data, const std::string& what);
-/// [N, columns] of float or double, contiguous; copied only where it is anything else.
+/// An array-like of real numbers as an array of its own dtype.
+/// name    of the argument, for errors
+/// throws  vog::Error for text, objects, complex numbers, and masked arrays, whose mask would be lost
+py::array numbers_of(const py::handle& data, const std::string& name);
+/// [N, columns] of float or double, contiguous; copied only if it is not that already.
 template <class Scalar>
-py::array_t<Scalar> rows_of(const py::handle& data, const std::string& what, int columns);
-/// [N], contiguous.
+py::array_t<Scalar> rows_of(const py::handle& data, const std::string& name, int columns);
+/// [N] of float or double, contiguous; copied only if it is not that already.
 template <class Scalar>
-py::array_t<Scalar> row_of(const py::handle& data, const std::string& what);
+py::array_t<Scalar> row_of(const py::handle& data, const std::string& name);
 
-/// A copy of [N, sizeof(Item) / sizeof(Scalar)] as the library holds it.
+/// Copy of an array [N, sizeof(Item) / sizeof(Scalar)] as items of the library.
 template <class Item, class Scalar>
-BigVector<Item> vector_of(const py::handle& data, const std::string& what) {
+BigVector<Item> vector_of(const py::handle& data, const std::string& name) {
     constexpr int kColumns = sizeof(Item) / sizeof(Scalar);
-    const py::array_t<Scalar> rows = rows_of<Scalar>(data, what, kColumns);
+    const py::array_t<Scalar> rows = rows_of<Scalar>(data, name, kColumns);
     const auto* first = reinterpret_cast<const Item*>(rows.data());
     return {first, first + rows.shape(0)};
 }
 
-/// [N, columns] in the memory of `owner`, which it keeps alive.
+/// View [N, columns] of the items, in the memory of `owner`, which the view keeps alive.
 template <class Scalar, class Item>
 py::array view_of(BigVector<Item>& items, const py::object& owner) {
     constexpr py::ssize_t kColumns = sizeof(Item) / sizeof(Scalar);
@@ -41,15 +42,15 @@ py::array view_of(BigVector<Item>& items, const py::object& owner) {
     return py::array_t<Scalar>({n, kColumns}, data, owner);
 }
 
-/// Writes data of the same shape over items. throws vog::Error for another number of rows
+/// Overwrites items with data of the same shape. throws vog::Error for another number of rows
 template <class Scalar, class Item>
-void assign(BigVector<Item>& items, const py::handle& data, const std::string& what);
+void assign(BigVector<Item>& items, const py::handle& data, const std::string& name);
 
-/// "(3, 4)".
+/// Shape as text: "(3, 4)".
 std::string shape_text(const py::array& array);
-/// [2, 3]: lower and upper corner; None for an empty box.
+/// Lower and upper corner as an array [2, 3]; None for an empty box.
 py::object box_array(const Box& box);
-/// From [2, 3]; None: empty.
+/// Box of an array [2, 3]; None: empty.
 Box box_of(const py::object& corners);
 
 }  // namespace vog::python

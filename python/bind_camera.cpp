@@ -1,4 +1,4 @@
-// bind_camera.cpp: Camera and the views of data.
+// bind_camera.cpp: Camera, and views that frame data.
 #include "arrays.h"
 #include "data.h"
 #include "vog/camera.h"
@@ -10,7 +10,7 @@ namespace {
 
 Camera make_camera(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double fov_degrees) {
     const Camera camera{eye, look_at, up, fov_degrees};
-    (void)frame_of(camera, 1, 1);  // throws for one that sees nothing
+    (void)frame_of(camera, 1, 1);  // throws for a degenerate camera
     return camera;
 }
 
@@ -38,18 +38,24 @@ Box box_to_view(const py::object& data, const std::string& call) {
 }
 
 void bind_camera(py::module_& m) {
-    py::class_<Camera>(m, "Camera", R"(A pinhole camera in world space.
+    py::class_<Camera>(m, "Camera", R"(Pinhole camera in world space.
 
-eye, look_at, up  (x, y, z)
-fov_degrees       full vertical angle, (0, 180))")
+eye          position (x, y, z), world units
+look_at      point (x, y, z) at the centre of the picture; default the origin
+up           direction (x, y, z) that points up in the picture; default y
+fov_degrees  full vertical field of view, degrees, (0, 180)
+
+Raises vog.Error where eye and look_at coincide, or up is parallel to the view direction.)")
         .def(py::init(&make_camera), py::arg("eye"), py::arg("look_at") = Vec3d{},
              py::arg("up") = Vec3d{0, 1, 0}, py::arg("fov_degrees") = kPaperFovDegrees)
         .def_static(
             "paper_view",
             [](const py::object& data) { return paper_view(box_to_view(data, "paper_view")); },
             py::arg("data"),
-            R"(The view that tables are made from, of a model, a volume, levels, particles or corners [2, 3]:
-azimuth 0.6, elevation 0.35, 3 bounding radii away, half angle atan(0.35).)")
+            R"(The standard view of docs/evaluation.md: azimuth 0.6 rad, elevation 0.35 rad, distance 3 bounding
+radii, half the field of view atan(0.35). Returns a Camera.
+
+data  Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space)")
         .def_static(
             "orbit",
             [](const py::object& data, double azimuth, double elevation, double distance,
@@ -60,21 +66,25 @@ azimuth 0.6, elevation 0.35, 3 bounding radii away, half angle atan(0.35).)")
             py::arg("data"), py::arg("azimuth") = kPaperAzimuthRad,
             py::arg("elevation") = kPaperElevationRad, py::arg("distance") = kPaperDistanceRadii,
             py::arg("fov_degrees") = kPaperFovDegrees,
-            R"(A view from the sphere around the data's box, y up.
+            R"(A view of the data's bounding box from a sphere around it, with y up. Returns a Camera.
 
-azimuth, elevation  radians
-distance            in bounding radii: half the box's diagonal)")
+data         Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space
+azimuth      angle of the eye about the y axis, from x towards z, radians
+elevation    angle of the eye above the xz plane, radians
+distance     from the box's centre, in bounding radii (half the box's diagonal)
+fov_degrees  full vertical field of view, degrees)")
         .def_static(
             "load", [](const std::filesystem::path& file) { return read_camera(file); },
-            py::arg("file"), "Reads JSON, as `vog render --save-camera` writes it.")
+            py::arg("file"), "Reads a camera from JSON, as `vog render --save-camera` writes it.")
         .def(
             "save",
             [](const Camera& self, const std::filesystem::path& file) { write_camera(file, self); },
-            py::arg("file"), "Writes JSON, for `vog render --camera`.")
-        .def_readwrite("eye", &Camera::eye, "(x, y, z), world units.")
-        .def_readwrite("look_at", &Camera::look_at, "(x, y, z): the middle of the picture.")
-        .def_readwrite("up", &Camera::up, "(x, y, z): what is up in the picture.")
-        .def_readwrite("fov_degrees", &Camera::fov_degrees, "Full vertical angle.")
+            py::arg("file"), "Writes the camera as JSON, for `vog render --camera`.")
+        .def_readwrite("eye", &Camera::eye, "Position (x, y, z), world units.")
+        .def_readwrite("look_at", &Camera::look_at,
+                       "Point (x, y, z) at the centre of the picture, world units.")
+        .def_readwrite("up", &Camera::up, "Direction (x, y, z) that points up in the picture.")
+        .def_readwrite("fov_degrees", &Camera::fov_degrees, "Full vertical field of view, degrees.")
         .def("__eq__",
              [](const Camera& self, const py::object& other) {
                  return py::isinstance<Camera>(other) &&

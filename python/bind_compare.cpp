@@ -1,4 +1,4 @@
-// bind_compare.cpp: how far one picture is from another.
+// bind_compare.cpp: error metrics between images.
 #include <memory>
 
 #include "arrays.h"
@@ -23,7 +23,7 @@ std::string repr(const DepthDifference& d) {
            text("relative_l2", d.relative_l2) + ", " + text("bias", d.bias) + ">";
 }
 
-/// Calls work(a, b) for two of a kind.
+/// Calls work(a, b) for two DepthImages or two Images. throws TypeError for others
 template <class Work>
 py::object of_kind(const py::object& reference, const py::object& image, const std::string& call,
                    const Work& work) {
@@ -40,17 +40,20 @@ py::object of_kind(const py::object& reference, const py::object& image, const s
 
 void bind_differences(py::module_& m) {
     py::class_<PictureDifference>(
-        m, "PictureDifference", "Of two pictures, 8 bits a channel. Formulas: docs/evaluation.md.")
+        m, "PictureDifference",
+        "Error metrics of a picture against a reference, both with 8 bits per channel.\n\n"
+        "Formulas: docs/evaluation.md.")
         .def_readonly("psnr_db", &PictureDifference::psnr_db,
-                      "Peak signal-to-noise ratio, dB; inf: no value differs.")
-        .def_readonly("ssim", &PictureDifference::ssim,
-                      "Structural similarity of the grey values; 1: equal; nan below 11 pixels.")
+                      "Peak signal-to-noise ratio, dB; inf: equal pictures.")
+        .def_readonly(
+            "ssim", &PictureDifference::ssim,
+            "Structural similarity (SSIM) of the grey values; 1: equal; nan below 11 x 11 pixels.")
         .def_readonly("share_off_1", &PictureDifference::share_off_1,
-                      "Share of pixels with a channel off by more than 1 of 255.")
+                      "Fraction of the pixels with a channel that differs by more than 1 of 255.")
         .def_readonly("share_off_4", &PictureDifference::share_off_4,
-                      "Share of pixels with a channel off by more than 4 of 255.")
+                      "Fraction of the pixels with a channel that differs by more than 4 of 255.")
         .def_readonly("largest", &PictureDifference::largest,
-                      "Largest difference of a channel, of 255.")
+                      "Largest difference of a channel, 0 to 255.")
         .def_property_readonly(
             "largest_at",
             [](const PictureDifference& d) {
@@ -58,10 +61,11 @@ void bind_differences(py::module_& m) {
             },
             "(row, column) of the largest difference.")
         .def("__repr__", py::overload_cast<const PictureDifference&>(&repr));
-    py::class_<DepthDifference>(m, "DepthDifference",
-                                "Of two depth images, both at the extinction of the reference.")
+    py::class_<DepthDifference>(
+        m, "DepthDifference",
+        "Error metrics of a depth image against a reference, both at the reference's extinction.")
         .def_readonly("grey", &DepthDifference::grey,
-                      "PictureDifference of V = 1 - exp(-T) as grey pictures.")
+                      "PictureDifference of the opacity V = 1 - exp(-T) as grey pictures.")
         .def_property_readonly(
             "psnr_db", [](const DepthDifference& d) { return d.grey.psnr_db; },
             "Peak signal-to-noise ratio of V as a grey picture, dB.")
@@ -69,7 +73,7 @@ void bind_differences(py::module_& m) {
                       "|T - T_ref| / |T_ref|, Euclidean norms.")
         .def_readonly("bias", &DepthDifference::bias, "Mean T / mean T_ref.")
         .def_readonly("largest_dt", &DepthDifference::largest_dt,
-                      "T - T_ref where it is largest in magnitude, signed.")
+                      "T - T_ref of largest magnitude, with its sign.")
         .def_property_readonly(
             "largest_at",
             [](const DepthDifference& d) {
@@ -77,8 +81,8 @@ void bind_differences(py::module_& m) {
             },
             "(row, column) of largest_dt.")
         .def_readonly("extinction", &DepthDifference::extinction,
-                      "The reference's: what T and V above are at.")
-        .def_readonly("identical", &DepthDifference::identical, "Whether every T is the same.")
+                      "Extinction of the reference, at which T and V are compared.")
+        .def_readonly("identical", &DepthDifference::identical, "Whether all T are equal.")
         .def("__repr__", py::overload_cast<const DepthDifference&>(&repr));
 }
 
@@ -94,9 +98,11 @@ void bind_compare(py::module_& m) {
             });
         },
         py::arg("reference"), py::arg("image"),
-        R"(How far an image is from the reference: both DepthImages, or both Images.
+        R"(Error metrics of an image against a reference of the same size.
 
-Returns a DepthDifference or a PictureDifference.)");
+reference, image  two DepthImages or two Images
+
+Returns a DepthDifference or a PictureDifference. Raises vog.Error for different sizes.)");
     m.def(
         "compare_shaded",
         [](const DepthImage& reference, const DepthImage& image, const py::object& tf) {
@@ -104,8 +110,9 @@ Returns a DepthDifference or a PictureDifference.)");
             return unlocked([&] { return compare_shaded(reference, image, map); });
         },
         py::arg("reference"), py::arg("image"), py::arg("tf") = "inferno",
-        "PictureDifference of two DepthImages, shaded alike on black at the reference's "
-        "extinction.");
+        R"(PictureDifference of two DepthImages after shading on black at the reference's extinction.
+
+tf  transfer function: a TransferFunction or anything it accepts)");
     m.def(
         "difference_map",
         [](const py::object& reference, const py::object& image, double limit, bool bar) {
@@ -116,10 +123,11 @@ Returns a DepthDifference or a PictureDifference.)");
             });
         },
         py::arg("reference"), py::arg("image"), py::arg("limit") = 0.0, py::arg("bar") = true,
-        R"(A heat map, as an Image: of V - V_ref (blue: too little, red: too much), or of pictures.
+        R"(Heat map of the differences, as an Image: of opacity V - V_ref for DepthImages (blue: too low, red:
+too high), of the channel that differs most for Images.
 
-limit  end of the colour scale, in 1/255; 0: the largest difference, rounded up
-bar    with the colour scale on the right)");
+limit  difference at the end of the colour scale, in units of 1/255; 0: the largest one, rounded up
+bar    True: draws the colour scale on the right)");
 }
 
 }  // namespace vog::python

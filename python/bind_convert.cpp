@@ -1,4 +1,4 @@
-// bind_convert.cpp: convert(): one call for volumes, levels and particles.
+// bind_convert.cpp: convert(), for volumes, levels and particles.
 #include <algorithm>
 #include <memory>
 #include <type_traits>
@@ -16,16 +16,16 @@ namespace {
 
 using Model = std::shared_ptr<Gaussians>;
 
-/// What convert() was given, by name; None: not given. An option that the conversion does not have
-/// is an error: none is ignored.
+/// Keyword arguments of convert(); None: not given. An option without effect on the conversion is an
+/// error.
 class Options {
   public:
     explicit Options(py::dict given) : given_(std::move(given)) {}
 
-    /// Writes the option over `value` if it was given.
+    /// Sets `value` to the option if it is given. throws TypeError for another type
     template <class T>
     void take(const char* name, T& value) {
-        taken_.emplace_back(name);
+        known_.emplace_back(name);
         const py::object option = given_[name];
         if (option.is_none()) return;
         constexpr const char* kExpected = std::is_same_v<T, std::string> ? "a text"
@@ -34,7 +34,7 @@ class Options {
                                                                          : "a number";
         value = cast_to<T>(option, std::string("convert: ") + name, kExpected);
     }
-    /// The same for a number whose 0 would mean that it was not given.
+    /// The same for numbers > 0. throws vog::Error for others
     template <class T>
     void take_positive(const char* name, T& value) {
         take(name, value);
@@ -42,12 +42,13 @@ class Options {
             throw Error(std::string("convert: ") + name + " " +
                         py::str(given_[name]).cast<std::string>() + ", expected above 0");
     }
+    /// throws vog::Error for a given option that take() has not read
     void refuse_others(const std::string& conversion) const {
         for (const auto& [name, option] : given_) {
             const auto text = name.cast<std::string>();
-            if (option.is_none() || std::ranges::count(taken_, text)) continue;
+            if (option.is_none() || std::ranges::count(known_, text)) continue;
             std::string list;
-            for (const std::string& known : taken_) list += (list.empty() ? "" : ", ") + known;
+            for (const std::string& known : known_) list += (list.empty() ? "" : ", ") + known;
             throw Error("convert: " + text + " does not go with " + conversion +
                         " (there are: " + list + ")");
         }
@@ -55,7 +56,7 @@ class Options {
 
   private:
     py::dict given_;
-    std::vector<std::string> taken_;
+    std::vector<std::string> known_;
 };
 
 CellChoice cut_of(Options& options) {
@@ -119,13 +120,14 @@ PointOptions point_options(Options& options) {
     return points;
 }
 
-/// Fills the caller's dict, and says where the error that was asked for is out of reach.
-void tell(const py::object& into, const MomentReport& report, double asked_error) {
-    if (asked_error > 0 && report.measured_error > asked_error)
-        warn({"measured error " + std::to_string(report.measured_error) +
-              ": the finest cut does not reach " + std::to_string(asked_error)});
-    if (into.is_none()) return;
-    py::dict dict = into;
+/// Fills the caller's dict with the report, and warns where the measured error is above the target.
+/// target_error  relative L2 of T; 0: none
+void fill(const py::object& caller_dict, const MomentReport& report, double target_error) {
+    if (target_error > 0 && report.measured_error > target_error)
+        warn({"convert: measured error " + std::to_string(report.measured_error) +
+              " of the finest cut, expected at most " + std::to_string(target_error)});
+    if (caller_dict.is_none()) return;
+    py::dict dict = caller_dict;
     dict["mass_ratio"] = report.mass_ratio;
     dict["dropped_mass_share"] = report.dropped_mass_share;
     dict["dropped_cells"] = report.dropped_cells;
@@ -137,22 +139,23 @@ void tell(const py::object& into, const MomentReport& report, double asked_error
 }
 
 Model by_moments(const py::object& data, Options& options, const py::object& progress,
-                 const py::object& report) {
+                 const py::object& report_dict) {
     MomentOptions moments = moment_options(options);
     moments.progress = progress_of(progress);
-    MomentReport told;
+    MomentReport report;
     Model model;
     if (py::isinstance<Volume>(data)) {
         const auto& volume = data.cast<const Volume&>();
         model = unlocked(
-            [&] { return std::make_shared<Gaussians>(convert_moments(volume, moments, &told)); });
+            [&] { return std::make_shared<Gaussians>(convert_moments(volume, moments, &report)); });
     } else {
         const auto levels = levels_of(data);
         model = unlocked([&] {
-            return std::make_shared<Gaussians>(convert_moments(composite(*levels), moments, &told));
+            return std::make_shared<Gaussians>(
+                convert_moments(composite(*levels), moments, &report));
         });
     }
-    tell(report, told, moments.block_voxels || moments.budget ? 0 : moments.error);
+    fill(report_dict, report, moments.block_voxels || moments.budget ? 0 : moments.error);
     return model;
 }
 
@@ -169,7 +172,7 @@ Model by_paper(const py::object& data, Options& options, const py::object& progr
 }
 
 Model of_points(const Points& points, const std::string& method, Options& options,
-                const py::object& progress, const py::object& report) {
+                const py::object& progress, const py::object& report_dict) {
     if (method == "paper") {
         std::string value = "speed";
         double radius = 0;
@@ -182,12 +185,12 @@ Model of_points(const Points& points, const std::string& method, Options& option
             return std::make_shared<Gaussians>(convert_points_paper(points, value, radius, kappa));
         });
     }
-    PointOptions chosen = point_options(options);
-    chosen.progress = progress_of(progress);
-    MomentReport told;
+    PointOptions point = point_options(options);
+    point.progress = progress_of(progress);
+    MomentReport report;
     Model model = unlocked(
-        [&] { return std::make_shared<Gaussians>(convert_points(points, chosen, &told)); });
-    tell(report, told, chosen.error);
+        [&] { return std::make_shared<Gaussians>(convert_points(points, point, &report)); });
+    fill(report_dict, report, point.error);
     return model;
 }
 
@@ -209,7 +212,7 @@ Model convert(const py::object& data, const std::string& method, const py::objec
 }  // namespace
 
 void bind_convert(py::module_& m) {
-    // One keyword a line, in the order of the stub; None everywhere: the conversion's own default.
+    // Keywords in the order of the stub; None: the conversion's default.
     const auto none = py::none();
     m.def(
         "convert",
@@ -244,30 +247,44 @@ void bind_convert(py::module_& m) {
         py::arg("minimum_radius") = none, py::arg("variance_threshold") = none,
         py::arg("similarity") = none, py::arg("tree_depth") = none, py::arg("progress") = none,
         py::arg("report") = none,
-        R"(Turns voxels or particles into 3D Gaussians, directly, without training.
+        R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
 
-data      a Volume; Levels or a list of Volumes: levels of one mesh, the finest counts; Points
-method    'moments': mass, mean and covariance of what each Gaussian replaces; 'paper': the paper's
+data      a Volume; Levels or a list of Volumes: levels of one mesh, where finer ones hide coarser; Points
+method    'moments': each Gaussian has the mass, mean and covariance of its cell, the voxels or particles
+          it replaces; 'paper': the method of Sharma and Schmalstieg
 
-How many, by moments (one of them):
-block     uniform cells of so many voxels along an edge, a power of two, 1 to 128
-budget    the best model of at most so many Gaussians
-error     the smallest model whose measured error (relative L2 of T, 8 views) is at most this, (0, 1).
-          Default for volumes: 0.03; for particles none of these: one Gaussian each
-lod       level of detail, 1 (finest) to 5
+Number of Gaussians, for method 'moments' (at most one of these):
+block     one Gaussian per occupied cube of this edge, voxels: a power of two, 1 to 128
+budget    the best model with at most this many Gaussians, > 0
+error     the smallest model whose measured error, relative L2 of optical depth T over 8 views, is at most
+          this, in (0, 1). Default for volumes: 0.03. Default for particles: one Gaussian each
+lod       level of detail, 1 (finest) to 5 (coarsest)
 
-By moments: soft_steps, spread, mass_threshold (drop the lightest, up to this share of the mass),
-          refine_seconds, axis_aligned (no rotations), measure (the error of any cut)
-Particles: value (what a particle weighs: 'count', 'speed', an attribute), radius (standard deviation,
-          world units; default half the distance to the neighbour number `neighbours`)
-The paper's: lod, strategy ('smart', 'strict', 'single', 'variance', 'neighbours', 'tree'),
-          dense_block, amplitude ('mean', 'mass'), kappa, opacity_threshold, minimum_radius,
-          variance_threshold, similarity, tree_depth
+Volumes and Levels, method 'moments':
+soft_steps      steps of expectation-maximisation from hard cells (a voxel counts for one Gaussian) to soft
+                cells (it is divided among several), 0 to 1000
+spread          factor on every standard deviation at constant mass, [0.5, 2]; default 1
+mass_threshold  fraction of the total mass that may be dropped with the lightest cells, [0, 1)
+refine_seconds  time for splitting and merging Gaussians by the error of pictures; not reproducible
+axis_aligned    True: no rotations
+measure         True: measure the error with block, budget and lod too
 
-progress  is called with the finished fraction, [0, 1]
-report    a dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error, stage_ms
+Points:
+value       mass of a particle's Gaussian: 'count' (1 each), 'speed' or the name of an attribute
+radius      standard deviation, world units; default: half the distance to the nearest neighbour number
+            `neighbours`
+mass_threshold, axis_aligned and measure as above
 
-The same bytes for any number of threads. The interpreter's lock is released; Ctrl-C ends it.)");
+Method 'paper', volumes: lod, strategy ('smart', 'strict', 'single', 'variance', 'neighbours', 'tree'),
+dense_block (edge, voxels: 2, 4, 8), amplitude ('mean', 'mass'), kappa (fraction of the peak where kernels
+are truncated), opacity_threshold (density), minimum_radius (voxels), variance_threshold, similarity,
+tree_depth (1 to 3). Points: value, radius (world units), kappa.
+
+progress  called with the finished fraction, [0, 1]
+report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error, stage_ms
+
+Raises vog.Error for an option out of range or without effect, and for data without mass. The result is the
+same bytes for any number of threads. The interpreter lock is released; Ctrl-C interrupts the call.)");
 }
 
 }  // namespace vog::python

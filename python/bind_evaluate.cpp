@@ -1,4 +1,4 @@
-// bind_evaluate.cpp: the paper's tables and plots.
+// bind_evaluate.cpp: evaluate(): the paper's tables and plots.
 #include <memory>
 #include <tuple>
 
@@ -37,7 +37,7 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     } else {
         refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
     }
-    // What the file says is what the call says.
+    // The result is read from the file, so that both have the same form.
     const py::object text =
         py::module_::import("pathlib").attr("Path")(folder / "results.json").attr("read_text")();
     return py::module_::import("json").attr("loads")(text);
@@ -51,19 +51,19 @@ void bind_evaluate(py::module_& m) {
         py::arg("size") = 512, py::arg("repeats") = 5, py::arg("extinction") = "auto",
         py::arg("tf") = "inferno", py::arg("conversions") = "all", py::arg("resume") = false,
         py::arg("progress") = py::none(),
-        R"(Makes models in many ways, renders seven views of each and holds them against the voxels.
+        R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels.
 
 data         a Volume, Levels or a list of Volumes
-folder       made if absent: results.json, results.md, index.html, pictures/
-size         pixels, 512 or (width, height)
-repeats      timed renders a view, after one that does not count
-extinction   'auto': of each view's reference; or a number
-tf           name or JSON file: of the pictures and the RGB figures
+folder       output folder, created if absent: results.json, results.md, index.html, pictures/
+size         size of the pictures in pixels, 512 or (width, height)
+repeats      timed renders per view, after one warm-up
+extinction   factor on density, or 'auto': by the reference of each view
+tf           transfer function of the pictures and the RGB figures: a name or a JSON file
 conversions  'all', 'paper' or 'moments'
-resume       keeps the finished rows of an evaluation that was interrupted
-progress     is called with the finished fraction
+resume       True: continues an interrupted evaluation with its finished conversions
+progress     called with the finished fraction, [0, 1]
 
-Returns what results.json holds, as a dict.)");
+Returns the contents of results.json as a dict (docs/evaluation.md).)");
 }
 
 }  // namespace vog::python

@@ -1,4 +1,4 @@
-// bind_gaussians.cpp: Gaussians: arrays without copies, parts, joins, files.
+// bind_gaussians.cpp: Gaussians: array views, selection, concatenation, files.
 #include <memory>
 #include <numeric>
 
@@ -28,7 +28,7 @@ Model from_arrays(const py::object& mean, const py::object& scale, const py::obj
     return model;
 }
 
-/// Of an axis-aligned model: N times (1, 0, 0, 0) in the memory of one, read only.
+/// Rotations as a view; for an axis-aligned model, a read-only broadcast of (1, 0, 0, 0).
 py::array rotation_of(const py::object& self) {
     auto& model = self.cast<Gaussians&>();
     if (!model.axis_aligned()) return view_of<float>(model.rotation, self);
@@ -44,17 +44,18 @@ void set_rotation(Gaussians& model, const py::object& data) {
         throw Error("rotation: " + std::to_string(rotation.size()) + " rows, expected " +
                     std::to_string(model.size()));
     if (model.axis_aligned())
-        model.rotation = std::move(rotation);  // there was no view of it
+        model.rotation = std::move(rotation);  // no view of it exists
     else
         std::copy(rotation.begin(), rotation.end(), model.rotation.begin());
 }
 
-/// Whatever NumPy takes as an index of the first axis: a slice, a mask, numbers, one number.
+/// The Gaussians of an index as NumPy's: a slice, a mask, numbers, one number.
 Model part_of(const Gaussians& model, const py::object& index) {
     py::object every = py::module_::import("numpy").attr("arange")(model.size());
     py::object chosen = every[index];
     if (py::isinstance<py::tuple>(index))
-        throw py::type_error("Gaussians: expected one index: a number, slice, mask or numbers");
+        throw py::type_error(
+            "Gaussians: got a tuple, expected one index: a number, slice, mask or numbers");
     chosen = py::module_::import("numpy").attr("atleast_1d")(chosen);
     const auto numbers =
         py::array_t<std::size_t, py::array::c_style | py::array::forcecast>(chosen);
@@ -95,7 +96,7 @@ void bind_arrays(py::class_<Gaussians, Model>& c) {
          "mean",
          [](const py::object& self) { return view_of<float>(self.cast<Gaussians&>().mean, self); },
          [](Gaussians& self, const py::object& data) { assign<float>(self.mean, data, "mean"); },
-         "[N, 3] float32 view: centres, world units.")
+         "[N, 3] float32 view: centres in world space.")
         .def_property(
             "scale",
             [](const py::object& self) {
@@ -104,11 +105,12 @@ void bind_arrays(py::class_<Gaussians, Model>& c) {
             [](Gaussians& self, const py::object& data) {
                 assign<float>(self.scale, data, "scale");
             },
-            "[N, 3] float32 view: standard deviations along the own axes, > 0, world units.")
-        .def_property("rotation", &rotation_of, &set_rotation,
-                      R"([N, 4] float32: quaternions w, x, y, z that take own axes to world axes.
+            "[N, 3] float32 view: standard deviations along the principal axes, > 0, world units.")
+        .def_property(
+            "rotation", &rotation_of, &set_rotation,
+            R"([N, 4] float32: unit quaternions (w, x, y, z) that rotate principal axes to world axes.
 
-A view; where axis_aligned, a read-only array of (1, 0, 0, 0).)")
+A view; of an axis-aligned model a read-only array of (1, 0, 0, 0).)")
         .def_property(
             "density",
             [](const py::object& self) {
@@ -117,65 +119,75 @@ A view; where axis_aligned, a read-only array of (1, 0, 0, 0).)")
             [](Gaussians& self, const py::object& data) {
                 assign<float>(self.density, data, "density");
             },
-            "[N] float32 view: peaks, >= 0, per world unit of length.")
-        .def_property_readonly("axis_aligned", &Gaussians::axis_aligned,
-                               "Whether every own axis is a world axis: no rotations are stored.")
+            "[N] float32 view: peak densities, >= 0, per world unit of length.")
+        .def_property_readonly(
+            "axis_aligned", &Gaussians::axis_aligned,
+            "Whether all principal axes are world axes: no rotations are stored.")
         .def_property_readonly(
             "box", [](const Gaussians& self) { return box_array(view_box(self)); },
-            "[2, 3] lower and upper corner of the data it came from: gives it the same views.")
+            "[2, 3] float64: lower and upper corner of the source data in world space; views frame "
+            "it.")
         .def_property_readonly(
             "mass", [](const Gaussians& self) { return mass(self); },
-            "Sum over the Gaussians, cut where they are cut; compare with Volume.mass.");
+            "Sum of the masses of the truncated Gaussians; compare with Volume.mass.");
 }
 
 }  // namespace
 
 void bind_gaussians(py::module_& m) {
-    py::class_<Gaussians, Model> c(m, "Gaussians",
-                                   R"(A model: N truncated 3D Gaussians in world space.
+    py::class_<Gaussians, Model> c(
+        m, "Gaussians",
+        R"(Model: a density that is the sum of N truncated 3D Gaussians in world space.
 
-sigma(x) = sum of density[i] exp(-|W (x - mean[i])|^2 / 2) where |W (x - mean[i])| <= cutoff, with
-W = diag(1 / scale[i]) R(rotation[i])^T.
+sigma(x) = sum_i density[i] exp(-|W_i (x - mean[i])|^2 / 2)   for |W_i (x - mean[i])| <= cutoff
+W_i = diag(1 / scale[i]) R(rotation[i])^T                     R: rotation matrix of the quaternion
 
-mean, scale, rotation and density are NumPy arrays in the model's own memory: writing to them changes
-the model. model[index] is a model of some (a slice, a mask, numbers); a + b has all of both.)");
+mean, scale, rotation and density are NumPy views of the model's memory: writing to them changes the
+model. model[index] selects Gaussians (a slice, a mask, numbers); a + b concatenates two models.)");
     c.def(py::init(&from_arrays), py::arg("mean"), py::arg("scale"), py::arg("density"),
           py::arg("rotation") = py::none(), py::kw_only(), py::arg("cutoff") = 2.25f,
-          py::arg("box") = py::none(), R"(A model of arrays; they are copied.
+          py::arg("box") = py::none(), R"(Creates a model from arrays, which are copied.
 
-mean      [N, 3] world units
+mean      [N, 3] centres, world units
 scale     [N, 3] standard deviations, > 0, world units
-density   [N] peaks, >= 0, per world unit
-rotation  [N, 4] quaternions w, x, y, z; None: all axis-aligned
-cutoff    where kernels end, in standard deviations, (0, 8]
-box       [2, 3] corners that views look at; None: those of the Gaussians)")
+density   [N] peak densities, >= 0, per world unit
+rotation  [N, 4] quaternions (w, x, y, z); None: all axis-aligned
+cutoff    truncation radius of the kernels, standard deviations, (0, 8]
+box       [2, 3] corners that views frame; None: bounding box of the Gaussians
+
+Raises vog.Error for other shapes and values out of range.)")
         .def_static(
             "load",
             [](const std::filesystem::path& file) {
                 return std::make_shared<Gaussians>(unlocked([&] { return read_ply(file); }));
             },
-            py::arg("file"), "Reads a PLY model: vog's, 3DGS's or volprim's.")
+            py::arg("file"), "Reads a PLY model in the layout of vog, 3DGS or volprim.")
         .def(
             "save",
             [](const Gaussians& self, const std::filesystem::path& file) {
                 unlocked([&] { write_ply(file, self); });
             },
-            py::arg("file"), "Writes a binary PLY; it reads back bit for bit.")
+            py::arg("file"), "Writes a binary PLY file, which load() reads back bit for bit.")
         .def_readwrite("cutoff", &Gaussians::cutoff,
-                       "Where kernels end, in standard deviations, (0, 8].")
-        .def_readwrite("source", &Gaussians::source, "'smoke.vdb density'.")
+                       "Truncation radius of the kernels, standard deviations, (0, 8].")
+        .def_readwrite("source", &Gaussians::source, "Source of the model: 'smoke.vdb density'.")
         .def_readonly("source_voxels", &Gaussians::source_voxels,
-                      "Active voxels or particles it stands for; 0: unknown.")
-        .def_readonly("method", &Gaussians::method, "'moments', 'paper', 'particles', ...")
-        .def_readonly("options", &Gaussians::options, "What the conversion was asked for.")
-        .def_readonly("summary", &Gaussians::summary, "What it reached, in words.")
+                      "Number of active voxels or particles that the model replaces; 0: unknown.")
+        .def_readonly("method", &Gaussians::method,
+                      "Conversion method: 'moments', 'paper', 'particles', ...")
+        .def_readonly("options", &Gaussians::options,
+                      "Options of the conversion, as flags of vog convert.")
+        .def_readonly("summary", &Gaussians::summary,
+                      "Result of the conversion in one line: count, mass ratio, measured error.")
         .def(
             "coarsen",
             [](const Gaussians& self, std::size_t budget) {
                 return std::make_shared<Gaussians>(unlocked([&] { return coarsen(self, budget); }));
             },
             py::arg("budget"),
-            "A model of at most so many: neighbours joined, mass, mean and covariance conserved.")
+            "A coarser model with at most `budget` Gaussians: neighbours are joined, which "
+            "conserves mass, "
+            "mean and covariance.")
         .def("__len__", &Gaussians::size)
         .def("__getitem__", &part_of, py::arg("index"))
         .def("__add__", &join, py::arg("other"), py::is_operator())

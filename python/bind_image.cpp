@@ -1,4 +1,4 @@
-// bind_image.cpp: DepthImage and Image: buffers for NumPy, files, and how notebooks show them.
+// bind_image.cpp: DepthImage and Image: NumPy buffers, files, display in notebooks.
 #include <algorithm>
 #include <memory>
 
@@ -53,7 +53,7 @@ Depth depth_from_numpy(const py::object& data, double extinction) {
                                               static_cast<int>(array.shape(0)));
     std::copy(values.data(), values.data() + values.size(), depth->depth.begin());
     depth->extinction = extinction;
-    (void)auto_extinction(*depth);  // throws for a T that is none
+    (void)auto_extinction(*depth);  // throws for negative or non-finite T
     return depth;
 }
 
@@ -65,32 +65,34 @@ py::array depth_view(const py::object& self) {
 void bind_depth(py::module_& m) {
     py::class_<DepthImage, Depth>(
         m, "DepthImage", py::buffer_protocol(),
-        R"(Optical depth T along the ray of each pixel, rows from the top; 0: the ray met nothing.
+        R"(Image of optical depth T: the integral of density along each pixel's ray, times the extinction.
 
-np.asarray(image) is [height, width] float32 in the image's own memory. T includes the factor
-`extinction`; setting it rescales T. V = 1 - exp(-T). Notebooks show it shaded by 'inferno'.)")
+Rows from the top; T is 0 where the ray meets no density. Opacity is V = 1 - exp(-T). np.asarray(image) is
+a view [height, width] float32. Setting `extinction` rescales T. Notebooks display it shaded by 'inferno'.)")
         .def_buffer([](DepthImage& self) {
             return py::buffer_info(
                 self.depth.data(), {self.height, self.width},
                 {sizeof(float) * static_cast<std::size_t>(self.width), sizeof(float)});
         })
         .def_static("from_numpy", &depth_from_numpy, py::arg("depth"), py::arg("extinction") = 1.0,
-                    R"(Of an array [height, width] of T, finite and >= 0; it is copied.
+                    R"(Creates a DepthImage from an array, which is copied.
 
-extinction  the factor on density that T includes)")
+depth       [height, width] optical depths T, finite and >= 0
+extinction  factor on density that T includes, > 0)")
         .def_static(
             "load",
             [](const std::filesystem::path& file) {
                 return std::make_shared<DepthImage>(unlocked([&] { return read_depth(file); }));
             },
-            py::arg("file"), "Reads an EXR with the one channel Y = T.")
+            py::arg("file"), "Reads an EXR file with one channel Y, the optical depth T.")
         .def(
             "save",
             [](const DepthImage& self, const std::filesystem::path& file) {
                 unlocked([&] { write_exr(file, self); });
             },
-            py::arg("file"), "Writes an EXR with the one float32 channel Y = T.")
-        .def_property_readonly("depth", &depth_view, "[height, width] float32 view of T.")
+            py::arg("file"), "Writes an EXR file with one float32 channel Y, the optical depth T.")
+        .def_property_readonly("depth", &depth_view,
+                               "[height, width] float32 view of the optical depth T.")
         .def_property_readonly(
             "shape", [](const DepthImage& self) { return py::make_tuple(self.height, self.width); },
             "(height, width) in pixels.")
@@ -100,16 +102,17 @@ extinction  the factor on density that T includes)")
                 const std::optional<double> number = extinction_of(value);
                 set_extinction(self, number ? *number : auto_extinction(self));
             },
-            R"(The factor on density that T includes. Setting it rescales T: nothing is rendered anew.
+            R"(Factor on density that T includes. Setting it rescales T without rendering again.
 
 'auto' sets the value at which the 99th percentile of the non-zero T is 4.)")
-        .def("shade", &shaded, py::arg("tf") = kDefaultMap, py::arg("background") = "black",
-             py::arg("blend") = false,
-             R"(Colours: tf(V) where T > 0, the background elsewhere: an Image.
+        .def(
+            "shade", &shaded, py::arg("tf") = kDefaultMap, py::arg("background") = "black",
+            py::arg("blend") = false,
+            R"(Maps opacity V = 1 - exp(-T) to colour: tf(V) where T > 0, the background elsewhere. Returns an Image.
 
-tf          a TransferFunction or whatever makes one: a name, a file, a Matplotlib map, colours
-background  (r, g, b) in [0, 1], 'black', 'white' or 'transparent'
-blend       the map fades into the background as V goes to 0)")
+tf          transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours
+background  (r, g, b) or (r, g, b, a) in [0, 1], 'black', 'white' or 'transparent'
+blend       True: colours fade into the background as V goes to 0)")
         .def("_repr_png_",
              [](const DepthImage& self) {
                  return png_of(shaded(self, py::str(kDefaultMap), py::str("black"), false).image);
@@ -128,7 +131,7 @@ blend       the map fades into the background as V goes to 0)")
             }));
 }
 
-/// uint8 of [0, 255], or floats of [0, 1].
+/// Picture from an array of uint8 in [0, 255] or of floats in [0, 1].
 Picture picture_from_numpy(const py::object& data) {
     const py::array array = numbers_of(data, "image");
     if (array.ndim() != 3 || (array.shape(2) != 3 && array.shape(2) != 4))
@@ -150,10 +153,10 @@ Picture picture_from_numpy(const py::object& data) {
 
 void bind_picture(py::module_& m) {
     py::class_<Picture>(m, "Image", py::buffer_protocol(),
-                        R"(A picture: what DepthImage.shade makes.
+                        R"(Picture, as DepthImage.shade returns it.
 
-np.asarray(image) is [height, width, 3] uint8 in the image's own memory, [height, width, 4] where a
-pixel is not opaque; `rgba` has the floats they were rounded from. Notebooks show it.)")
+np.asarray(image) is a read-only view [height, width, 3] uint8, or [height, width, 4] if any pixel is not
+opaque; `rgba` has the unrounded floats. Notebooks display it.)")
         .def_buffer([](Picture& self) {
             const std::size_t channels = self.with_alpha ? 4 : 3;
             const std::size_t width = static_cast<std::size_t>(self.image.width);
@@ -162,19 +165,21 @@ pixel is not opaque; `rgba` has the floats they were rounded from. Notebooks sho
                                    {width * channels, channels, std::size_t{1}}, true);
         })
         .def_static("from_numpy", &picture_from_numpy, py::arg("image"),
-                    "Of [height, width, 3 or 4] uint8, or floats in [0, 1]; it is copied.")
+                    "Creates an Image from an array [height, width, 3 or 4] of uint8, or of floats "
+                    "in [0, 1]; copied.")
         .def_static(
             "load",
             [](const std::filesystem::path& file) {
                 return unlocked([&] { return Picture(read_image(file)); });
             },
-            py::arg("file"), "Reads a PNG, or an EXR with R, G, B.")
+            py::arg("file"), "Reads a PNG file, or an EXR file with channels R, G, B.")
         .def(
             "save",
             [](const Picture& self, const std::filesystem::path& file) {
                 unlocked([&] { write_image(file, self.image); });
             },
-            py::arg("file"), "Writes .png of 8 bits a channel, or .exr of floats.")
+            py::arg("file"),
+            "Writes a .png file with 8 bits per channel, or an .exr file with floats.")
         .def_property_readonly(
             "rgba",
             [](const py::object& self) {
@@ -184,7 +189,7 @@ pixel is not opaque; `rgba` has the floats they were rounded from. Notebooks sho
                 view.attr("flags").attr("writeable") = false;
                 return view;
             },
-            "[height, width, 4] float32 view in [0, 1], read only; straight alpha.")
+            "[height, width, 4] float32 view in [0, 1], read-only, with straight alpha.")
         .def_property_readonly(
             "shape",
             [](const Picture& self) {

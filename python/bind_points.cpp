@@ -1,4 +1,4 @@
-// bind_points.cpp: Points: from files and arrays, as arrays.
+// bind_points.cpp: Points: particles from files and arrays, with array views.
 #include <memory>
 
 #include "arrays.h"
@@ -42,9 +42,9 @@ py::object velocity_of(const py::object& self) {
 void bind_points(py::module_& m) {
     py::class_<Points, std::shared_ptr<Points>>(
         m, "Points",
-        R"(Particles in world space, with velocities and one-number attributes where they have them.
+        R"(Particles in world space, with optional velocities and scalar attributes.
 
-The arrays are views of the particles' own memory: writing to them changes the particles.)")
+The arrays are views of the particles' memory: writing to them changes the particles.)")
         .def_static(
             "load",
             [](const std::filesystem::path& file, const std::vector<std::string>& columns,
@@ -55,40 +55,46 @@ The arrays are views of the particles' own memory: writing to them changes the p
             },
             py::arg("file"), py::kw_only(), py::arg("columns") = std::vector<std::string>{},
             py::arg("grid") = "",
-            R"(Reads particles: .xyz, .txt, .dat, .csv, .tsv, or the PointDataGrid of a .vdb.
+            R"(Reads particles from text (.xyz, .txt, .dat, .csv, .tsv) or a PointDataGrid (.vdb). Returns Points.
 
-columns  of text: which ones are x, y, z and, if six, the velocity; names, or numbers from 1 as
-         text. Default: by their names, else the first ones. All others that hold numbers become
-         attributes
-grid     of .vdb: its name; default: the only one)")
+columns  text files: the columns of x, y, z, or of x, y, z, vx, vy, vz: names, or numbers from 1 as text.
+         Default: columns of these names, else the first ones. Other numeric columns become attributes
+grid     .vdb files: name of the grid; default: the only one
+
+Raises vog.Error for an unreadable file, with the line.)")
         .def_static("from_numpy", &from_numpy, py::arg("position"),
                     py::arg("velocity") = py::none(), py::arg("attributes") = py::dict(),
-                    py::kw_only(), py::arg("source") = "", R"(Particles of arrays; they are copied.
+                    py::kw_only(), py::arg("source") = "",
+                    R"(Creates particles from arrays, which are copied.
 
 position    [N, 3] world units, any real dtype
 velocity    [N, 3], or None
-attributes  {name: [N]}, like {'mass': m})")
+attributes  {name: [N]}, such as {'mass': m}
+source      name for messages and models)")
         .def(
             "save",
             [](const Points& self, const std::filesystem::path& file) {
                 unlocked([&] { write_points(file, self); });
             },
-            py::arg("file"), "Writes .xyz, .csv or .tsv text, or a PointDataGrid (.vdb).")
+            py::arg("file"), "Writes text (.xyz, .csv, .tsv) or a PointDataGrid (.vdb).")
         .def_property_readonly(
             "position",
             [](const py::object& self) {
                 return view_of<double>(self.cast<Points&>().position, self);
             },
-            "[N, 3] float64 view, world units.")
-        .def_property_readonly("velocity", &velocity_of, "[N, 3] float32 view, or None.")
-        .def_property_readonly("attributes", &attributes_of, "{name: [N] float32 view}.")
-        .def_readwrite("source", &Points::source, "Where they come from, for messages and models.")
+            "[N, 3] float64 view: positions, world units.")
+        .def_property_readonly("velocity", &velocity_of,
+                               "[N, 3] float32 view: velocities, or None.")
+        .def_property_readonly("attributes", &attributes_of,
+                               "{name: [N] float32 view}: scalar attributes.")
+        .def_readwrite("source", &Points::source,
+                       "Source of the particles, for messages and models.")
         .def_property_readonly(
             "value_names", [](const Points& self) { return point_value_names(self); },
-            "What convert(points, value=...) takes: 'count', 'speed', attributes.")
+            "Valid values of convert(points, value=...): 'count', 'speed', names of attributes.")
         .def_property_readonly(
             "box", [](const Points& self) { return box_array(bounds(self)); },
-            "[2, 3] lower and upper corner in world space.")
+            "[2, 3] float64: lower and upper corner in world space.")
         .def("__len__", &Points::size)
         .def("__repr__",
              [](const Points& self) {

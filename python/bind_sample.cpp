@@ -1,4 +1,4 @@
-// bind_sample.cpp: volumes and particles from nothing.
+// bind_sample.cpp: procedural volumes and particles.
 #include <memory>
 
 #include "bindings.h"
@@ -26,16 +26,17 @@ void define(py::module_& m, const char* name, const Make& make, const char* text
 void bind_sample(py::module_& m) {
     define(
         m, "sample_cloud", [](const SampleOptions& o) { return sample_cloud(o); },
-        "A cumulus, `size` voxels (64 to 1024) along its longest axis: a Volume.");
+        "Procedural cumulus cloud as a Volume. size: voxels along its longest axis, 64 to 1024.");
     define(
         m, "sample_explosion", [](const SampleOptions& o) { return sample_explosion(o); },
-        "A fireball with a turbulent shell, `size` voxels (64 to 1024) across: a Volume.");
+        "Procedural fireball with a turbulent shell as a Volume. size: voxels across, 64 to 1024.");
     define(
         m, "sample_levels",
         [](const SampleOptions& o) {
             return Levels{sample_levels(o), {}};
         },
-        "A small universe on three nested levels; `size` counts the finest's cells: Levels.");
+        "Procedural halos and filaments on three nested Levels. size: voxels along an edge of the "
+        "finest level, 64 to 1024.");
     m.def(
         "sample_particles",
         [](int size, std::uint32_t seed) {
@@ -44,7 +45,9 @@ void bind_sample(py::module_& m) {
         },
         py::arg("size") = ParticleSampleOptions{}.size,
         py::arg("seed") = ParticleSampleOptions{}.seed,
-        "size^3 particles (size 8 to 512) of a box of a universe, with velocities: Points.");
+        "Procedural box of a cosmological simulation as Points, size^3 particles with velocities. "
+        "size: "
+        "8 to 512.");
 }
 
 }  // namespace vog::python

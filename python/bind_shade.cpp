@@ -1,4 +1,4 @@
-// bind_shade.cpp: TransferFunction, from names, files, arrays and Matplotlib.
+// bind_shade.cpp: TransferFunction: names, files, arrays, Matplotlib maps.
 #include <algorithm>
 
 #include "arrays.h"
@@ -25,7 +25,7 @@ bool is_colormap(const py::object& object) {
            py::hasattr(object, "name");
 }
 
-/// Its table, entry by entry: an integer index gives the entry itself.
+/// Transfer function of a Matplotlib map's table, which integer indices read entry by entry.
 TransferFunction from_matplotlib(const py::object& map) {
     py::object colormap = map;
     if (py::isinstance<py::str>(map))
@@ -70,11 +70,11 @@ TransferFunction from_points(const std::string& name, const py::object& color,
         const auto of = o.unchecked<2>();
         for (py::ssize_t i = 0; i < o.shape(0); ++i) tf.opacity.push_back({of(i, 0), of(i, 1)});
     }
-    (void)color_at(tf, 0);  // throws for one that is not valid
+    (void)color_at(tf, 0);  // throws for invalid points
     return tf;
 }
 
-/// [N, 4] colours at V, whatever the shape of v.
+/// Colours [..., 4] at v [...].
 py::array_t<float> call(const TransferFunction& tf, const py::object& v) {
     const py::array given = numbers_of(v, "v");
     const auto values = py::array_t<float, py::array::c_style | py::array::forcecast>(given);
@@ -103,28 +103,32 @@ TransferFunction transfer_function_of(const py::object& tf) {
 }
 
 void bind_shade(py::module_& m) {
-    py::class_<TransferFunction>(m, "TransferFunction",
-                                 R"(Colour and opacity over visibility V = 1 - exp(-T), V in [0, 1].
+    py::class_<TransferFunction>(
+        m, "TransferFunction",
+        R"(Transfer function: colour and opacity as functions of V = 1 - exp(-T), the opacity of a ray, in [0, 1].
 
-TransferFunction('inferno')      by name; names() lists them
-TransferFunction('map.json')     vog's JSON or a ParaView colour map
+TransferFunction('inferno')      a built-in map; names() lists them
+TransferFunction('map.json')     a JSON file of vog or a ParaView colour map
 TransferFunction(cmap)           a Matplotlib colour map
-TransferFunction(colors)         [N, 3 or 4] colours in [0, 1] at even steps of V; alpha is opacity
+TransferFunction(colors)         [N, 3 or 4] colours in [0, 1] at equal steps of V; alpha is opacity
 
-Whatever this takes is taken wherever a transfer function is. tf(v) is its colour [..., 4] at V.)")
+Parameters called tf accept all of these. tf(v) is the colour [..., 4] at V = v.)")
         .def(py::init(&transfer_function_of), py::arg("tf"))
-        .def_static("names", &transfer_function_names, "Names of the built-in ones.")
+        .def_static("names", &transfer_function_names, "Names of the built-in transfer functions.")
         .def_static(
             "load", [](const std::filesystem::path& file) { return read_transfer_function(file); },
-            py::arg("file"), "Reads vog's JSON or a ParaView colour map (its first preset).")
+            py::arg("file"),
+            "Reads a JSON file of vog or a ParaView colour map (its first preset).")
         .def_static("from_matplotlib", &from_matplotlib, py::arg("colormap"),
-                    "Of a Matplotlib colour map, or the name of one.")
-        .def_static("from_colors", &from_colors, py::arg("colors"), py::arg("name") = "colors",
-                    "Of [N, 3 or 4] colours in [0, 1] at even steps of V from 0 to 1.")
+                    "Converts a Matplotlib colour map, given as an object or by name.")
+        .def_static(
+            "from_colors", &from_colors, py::arg("colors"), py::arg("name") = "colors",
+            "Creates one from [N, 3 or 4] colours in [0, 1] at equal steps of V from 0 to 1.")
         .def_static("from_points", &from_points, py::arg("name"), py::arg("color"),
                     py::arg("opacity") = py::none(),
-                    R"(Piecewise linear.
+                    R"(Creates a piecewise linear transfer function.
 
+name     for messages and files
 color    [N, 4] rows v, r, g, b, sorted by v
 opacity  [N, 2] rows v, opacity, sorted by v; None: opaque)")
         .def(
@@ -132,12 +136,14 @@ opacity  [N, 2] rows v, opacity, sorted by v; None: opaque)")
             [](const TransferFunction& self, const std::filesystem::path& file) {
                 write_transfer_function(file, self);
             },
-            py::arg("file"), "Writes JSON, for `vog render --tf`.")
-        .def_readwrite("name", &TransferFunction::name, "Its name.")
-        .def_property_readonly("color", &colors_of, "[N, 4] float32 copy: rows v, r, g, b.")
-        .def_property_readonly("opacity", &opacities_of,
-                               "[N, 2] float32 copy: rows v, opacity; [0, 2]: opaque.")
-        .def("__call__", &call, py::arg("v"), "Colours [..., 4] r, g, b, opacity at v in [0, 1].")
+            py::arg("file"), "Writes a JSON file, for `vog render --tf`.")
+        .def_readwrite("name", &TransferFunction::name, "Name, for messages and files.")
+        .def_property_readonly("color", &colors_of,
+                               "[N, 4] float32 copy: colour points, rows v, r, g, b.")
+        .def_property_readonly(
+            "opacity", &opacities_of,
+            "[N, 2] float32 copy: opacity points, rows v, opacity; [0, 2]: opaque.")
+        .def("__call__", &call, py::arg("v"), "Colours [..., 4]: r, g, b, opacity at v in [0, 1].")
         .def("__repr__",
              [](const TransferFunction& self) {
                  return "<vog.TransferFunction '" + self.name +

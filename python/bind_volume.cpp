@@ -1,4 +1,4 @@
-// bind_volume.cpp: Volume and Levels: from files, from arrays, back to arrays.
+// bind_volume.cpp: Volume and Levels: files, NumPy arrays, pickles.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -17,13 +17,14 @@ namespace {
 Vec3i index_of(const std::array<int, 3>& i) { return {i[0], i[1], i[2]}; }
 py::tuple tuple_of(Vec3i v) { return py::make_tuple(v.x, v.y, v.z); }
 
-/// Strides in elements; an array whose strides are no whole elements is copied first.
+/// Strides in elements, of an array of whole_strides().
 std::array<std::ptrdiff_t, 3> strides_of(const py::array& array) {
     std::array<std::ptrdiff_t, 3> strides{};
     for (int axis = 0; axis < 3; ++axis)
         strides[static_cast<std::size_t>(axis)] = array.strides(axis) / array.itemsize();
     return strides;
 }
+/// The array itself, or a copy where strides or address are no multiples of the element size.
 py::array whole_strides(py::array array) {
     bool whole = true;
     for (int axis = 0; axis < array.ndim(); ++axis)
@@ -33,7 +34,7 @@ py::array whole_strides(py::array array) {
     return array.attr("copy")();
 }
 
-/// An array of voxels and, if there is one, of what is active; both stay alive with it.
+/// Dense densities and, optionally, active flags; keeps both arrays alive.
 struct Block {
     py::array value, active;
     DenseBlock dense;
@@ -144,7 +145,7 @@ py::array_t<double> matrix_of(const Affine& map) {
 
 // ---- pickles
 
-/// Nodes as they lie in memory, of a type without pointers.
+/// Bytes of nodes, of a trivially copyable type without pointers.
 template <class Nodes>
 py::bytes bytes_of(const Nodes& nodes) {
     return {reinterpret_cast<const char*>(nodes.data()),
@@ -186,10 +187,10 @@ std::string repr(const Volume& volume) {
 void bind_volume_class(py::module_& m) {
     py::class_<Volume, std::shared_ptr<Volume>> c(
         m, "Volume",
-        R"(A sparse density volume: active voxels and, outside them, nothing.
+        R"(Sparse density volume of active voxels; the density outside them is 0.
 
-Voxel (i, j, k) = (x, y, z) is centred on matrix @ (i, j, k, 1) in world space. Densities are >= 0, per
-world unit of length. Made by Volume.load, Volume.from_numpy and vog.sample_*.)");
+The centre of voxel (i, j, k) = (x, y, z) is at matrix @ (i, j, k, 1) in world space. Densities are >= 0,
+per world unit of length. Created by Volume.load, Volume.from_numpy and vog.sample_*.)");
     c.def_static(
          "load",
          [](const std::filesystem::path& file, const std::string& grid, bool level_set_to_fog,
@@ -202,71 +203,80 @@ world unit of length. Made by Volume.load, Volume.from_numpy and vog.sample_*.)"
              return volume;
          },
          py::arg("file"), py::arg("grid") = "", py::kw_only(), py::arg("level_set_to_fog") = false,
-         py::arg("mask") = false, R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file.
+         py::arg("mask") = false,
+         R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file. Returns a Volume.
 
-grid  its name; '': the only scalar grid, else 'density'
-level_set_to_fog  takes the inside of a level set as fog
-mask  takes values above 0 as 1)")
-        .def_static("from_numpy", &from_numpy, py::arg("array"), py::arg("voxel_size") = py::none(),
-                    py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
-                    py::arg("active") = py::none(), py::arg("first") = std::array<int, 3>{0, 0, 0},
-                    py::arg("name") = "density", R"(A volume of a dense array: the voxels above 0.
+grid              name of the grid; '': the only scalar grid, else 'density'
+level_set_to_fog  converts a level set to fog: density inside its surface
+mask              reads values > 0 as 1
 
-array       [X, Y, Z] densities, finite and >= 0, any real dtype and order of memory; float32 is not
-            copied. array[i, j, k] is the voxel at x = i, y = j, z = k: give array.T for [z, y, x]
-voxel_size  world units: a number or (x, y, z); default 1
+Raises vog.Error for an unreadable file or an unknown grid; warns of replaced values.)")
+        .def_static(
+            "from_numpy", &from_numpy, py::arg("array"), py::arg("voxel_size") = py::none(),
+            py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
+            py::arg("active") = py::none(), py::arg("first") = std::array<int, 3>{0, 0, 0},
+            py::arg("name") = "density",
+            R"(Creates a Volume from a dense array; by default the voxels with a density > 0 are active.
+
+array       [X, Y, Z] densities, finite and >= 0, per world unit; any real dtype and memory order; float32
+            is read in place. array[i, j, k] is the voxel at x = i, y = j, z = k: pass array.T for [z, y, x]
+voxel_size  edge of a voxel, world units: a number or (x, y, z); default 1
 origin      world position of the centre of voxel (0, 0, 0); default (0, 0, 0)
-matrix      instead of both: [4, 4], world = matrix @ (i, j, k, 1)
-active      [X, Y, Z] bool: which voxels are active; default: those above 0
-first       index of array[0, 0, 0]; default (0, 0, 0))")
-        .def_static("from_blocks", &from_blocks, py::arg("blocks"),
-                    py::arg("voxel_size") = py::none(), py::arg("origin") = py::none(),
-                    py::kw_only(), py::arg("matrix") = py::none(), py::arg("all_active") = false,
-                    py::arg("name") = "density",
-                    R"(A volume of several dense arrays: the patches of a mesh's level.
+matrix      in place of voxel_size and origin: [4, 4], world = matrix @ (i, j, k, 1)
+active      [X, Y, Z] bool: active voxels; default: those with a density > 0
+first       index (i, j, k) of array[0, 0, 0]; default (0, 0, 0)
 
-blocks      pairs ((i, j, k), array [X, Y, Z]): the index of array[0, 0, 0], and densities; where they
-            overlap the later one counts
-all_active  takes every voxel as active, those of 0 too: they hide coarser levels
-The rest as in from_numpy.)")
+Raises vog.Error for another shape or dtype and for negative or non-finite densities.)")
+        .def_static(
+            "from_blocks", &from_blocks, py::arg("blocks"), py::arg("voxel_size") = py::none(),
+            py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
+            py::arg("all_active") = false, py::arg("name") = "density",
+            R"(Creates a Volume from several dense arrays, such as the patches of one AMR level.
+
+blocks      pairs ((i, j, k), array [X, Y, Z]): index of array[0, 0, 0], and densities; where blocks
+            overlap, the last one is used
+all_active  True: voxels of density 0 are active too, and hide coarser levels
+Other parameters as in from_numpy.)")
         .def("to_numpy", &to_numpy, py::arg("first") = py::none(), py::arg("shape") = py::none(),
-             R"(The densities as a dense array [X, Y, Z] of float32; 0 where no voxel is active.
+             R"(Densities as a dense float32 array [X, Y, Z], per world unit; 0 at inactive voxels.
 
-first  index of its first voxel; default: the lower corner of index_box
-shape  (X, Y, Z); default: up to the upper corner of index_box)")
+first  index (i, j, k) of the array's first voxel; default: the lower corner of index_box
+shape  (X, Y, Z) in voxels; default: up to the upper corner of index_box)")
         .def(
             "save",
             [](const Volume& self, const std::filesystem::path& file, bool half) {
                 unlocked([&] { write_vdb(file, self, half); });
             },
             py::arg("file"), py::arg("half") = false,
-            "Writes an OpenVDB file, as a fog volume; half: values as 16-bit floats.")
+            "Writes an OpenVDB fog volume. half: stores values as 16-bit floats.")
         .def_readwrite("name", &Volume::name, "Name of the grid.")
-        .def_readonly("source", &Volume::source, "File it was read from, or ''.")
+        .def_readonly("source", &Volume::source, "File that the volume was read from, or ''.")
         .def_property_readonly(
             "matrix", [](const Volume& self) { return matrix_of(self.world_from_index); },
             "[4, 4] float64: world position = matrix @ (i, j, k, 1) of a voxel's centre.")
         .def_property_readonly("active_voxels", py::overload_cast<const Volume&>(&active_voxels),
-                               "How many voxels are active, tiles by the voxels they stand for.")
+                               "Number of active voxels, including those of tiles.")
         .def_property_readonly(
             "leaves", [](const Volume& self) { return self.leaves.size(); },
-            "How many leaves of 8 x 8 x 8 voxels there are.")
+            "Number of leaves: nodes of 8 x 8 x 8 voxels.")
         .def_property_readonly(
             "tiles", [](const Volume& self) { return self.tiles.size(); },
-            "How many tiles there are: cubes of 8, 128 or 4096 voxels of one value.")
-        .def_property_readonly("voxel_volume", &voxel_volume, "World volume of a voxel.")
+            "Number of tiles: cubes with an edge of 8, 128 or 4096 voxels of one value.")
+        .def_property_readonly("voxel_volume", &voxel_volume,
+                               "Volume of one voxel, world units cubed.")
         .def_property_readonly("mass", py::overload_cast<const Volume&>(&mass),
-                               "Sum of density times voxel volume.")
+                               "Sum over the voxels of density times voxel volume.")
         .def_property_readonly(
             "index_box",
             [](const Volume& self) {
                 const IndexBox box = active_box(self);
                 return py::make_tuple(tuple_of(box.lower), tuple_of(box.upper));
             },
-            "((i, j, k), (i, j, k)): the least box around all active voxels, both included.")
+            "((i, j, k), (i, j, k)): bounding box of the active voxels, both corners inclusive.")
         .def_property_readonly(
             "box", [](const Volume& self) { return box_array(world_box(self)); },
-            "[2, 3] lower and upper corner in world space, of whole leaves: what views look at.")
+            "[2, 3] float64: lower and upper corner in world space, padded to whole leaves; views "
+            "frame it.")
         .def("__repr__", &repr)
         .def(py::pickle(&volume_state, &volume_from_state));
 }
@@ -275,10 +285,13 @@ void bind_levels_class(py::module_& m) {
     constexpr const char* kVolume = "a Volume";
     py::class_<Levels, std::shared_ptr<Levels>>(
         m, "Levels",
-        R"(An adaptive mesh: volumes of several voxel sizes, the finest of which counts everywhere.
+        R"(Adaptive mesh (AMR): volumes of several voxel sizes, where finer ones hide coarser ones.
 
-A plain list of volumes means the same wherever levels are taken.
-masks  one for each volume: where it counts, and hides coarser ones; default: where it is active)")
+A list of Volumes is accepted wherever Levels are.
+
+volumes  Volumes, in any order
+masks    one Volume per volume: where its values are > 0, the level is valid and hides coarser ones;
+         default: its active voxels)")
         .def(py::init([](const py::iterable& volumes, const py::iterable& masks) {
                  auto levels = std::make_shared<Levels>();
                  for (const py::handle volume : volumes)
@@ -306,10 +319,12 @@ masks  one for each volume: where it counts, and hides coarser ones; default: wh
                 return levels;
             },
             py::arg("files"), py::arg("grid") = "", py::arg("mask") = "", py::kw_only(),
-            py::arg("level_set_to_fog") = false, R"(Reads levels from one file or several.
+            py::arg("level_set_to_fog") = false,
+            R"(Reads levels from one or several .vdb or .nvdb files. Returns Levels.
 
-grid  name, or a pattern with * and ?: all grids that match, 'density_L*'
-mask  name of the grids that are masks; its * is what the * of grid stands for)")
+grid  name, or a pattern with * and ? for all grids that match: 'density_L*'
+mask  name of the mask grids; a * stands for the match of the * in grid
+level_set_to_fog  converts level sets to fog)")
         .def(
             "__getitem__",
             [](const std::shared_ptr<Levels>& self, py::ssize_t i) {
@@ -327,7 +342,7 @@ mask  name of the grids that are masks; its * is what the * of grid stands for)"
                 for (const Volume& volume : self.volumes) box.include(world_box(volume));
                 return box_array(box);
             },
-            "[2, 3] lower and upper corner in world space.")
+            "[2, 3] float64: lower and upper corner in world space.")
         .def("__repr__",
              [](const Levels& self) {
                  return "<vog.Levels: " + std::to_string(self.volumes.size()) + " volumes, " +
@@ -374,7 +389,7 @@ void bind_volume(py::module_& m) {
     bind_levels_class(m);
     m.def(
         "grid_names", [](const std::filesystem::path& file) { return grid_names(file); },
-        py::arg("file"), "Names of the grids of a .vdb or .nvdb file, in file order.");
+        py::arg("file"), "Names of the grids in a .vdb or .nvdb file, in file order.");
 }
 
 }  // namespace vog::python

@@ -1,4 +1,4 @@
-// bind_web.cpp: models as one page for a browser.
+// bind_web.cpp: export_html(): models to a self-contained HTML page.
 #include <memory>
 
 #include "bindings.h"
@@ -50,33 +50,35 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
             entries.push_back({name, detail_levels(*model, static_cast<std::size_t>(levels))});
         return write_html(file, entries, options);
     });
-    py::dict told;
-    told["bytes"] = report.bytes;
-    told["viewer_bytes"] = report.viewer_bytes;
-    told["gaussians"] = report.gaussians;
-    return told;
+    py::dict result;
+    result["bytes"] = report.bytes;
+    result["viewer_bytes"] = report.viewer_bytes;
+    result["gaussians"] = report.gaussians;
+    return result;
 }
 
 }  // namespace
 
 void bind_web(py::module_& m) {
-    m.def("export_html", &export_html, py::arg("file"), py::arg("models"), py::kw_only(),
-          py::arg("title") = "", py::arg("description") = "", py::arg("levels") = 8,
-          py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = "inferno",
-          py::arg("background") = "black", py::arg("blend") = false,
-          R"(Writes models as one page for a browser: no server, no network, no other file.
+    m.def(
+        "export_html", &export_html, py::arg("file"), py::arg("models"), py::kw_only(),
+        py::arg("title") = "", py::arg("description") = "", py::arg("levels") = 8,
+        py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = "inferno",
+        py::arg("background") = "black", py::arg("blend") = false,
+        R"(Writes models to one self-contained HTML page, which needs no server, network or other file.
 
-models       Gaussians, or {name: Gaussians}: what the page's switch offers
-title        default: the first name
-description  a sentence or more below the title
-levels       levels of detail to offer at most: the model, then a quarter as many each time
-camera       first view; None: Camera.paper_view of the first model
-extinction   factor on density; 'auto': by the first view of each model
-tf           transfer function to begin with
-background   as of DepthImage.shade; 'system': black or white, as the reader's system is
-blend        the map fades into the background as V goes to 0
+file         page to write
+models       Gaussians, or {name: Gaussians}: the page lets its reader select one
+title        title of the page; default: the first name
+description  text below the title
+levels       largest number of levels of detail: the model, then a quarter as many Gaussians each time
+camera       initial view; None: Camera.paper_view of each model
+extinction   factor on density, or 'auto': by the initial view of each model
+tf           initial transfer function
+background   as in DepthImage.shade; 'system': black or white by the reader's colour scheme
+blend        True: colours fade into the background as V goes to 0
 
-Returns a dict: bytes of the file, viewer_bytes of it without the models, gaussians.)");
+Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.)");
 }
 
 }  // namespace vog::python

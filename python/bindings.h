@@ -1,5 +1,5 @@
-// bindings.h: what the parts of the Python module share. Nothing here computes: arguments are
-// checked for their kind and shape, then the library is called.
+// bindings.h: shared declarations of the Python module. Bindings check types and shapes of arguments and
+// call the library; they compute nothing.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -17,7 +17,7 @@
 #include "vog/progress.h"
 #include "vog/shade.h"
 
-/// Three numbers: a tuple, a list, a NumPy array.
+/// Vec3d from any sequence of three numbers: a tuple, a list, a NumPy array.
 template <>
 struct pybind11::detail::type_caster<vog::Vec3d> {
     PYBIND11_TYPE_CASTER(vog::Vec3d, const_name("tuple[float, float, float]"));
@@ -54,12 +54,13 @@ void bind_compare(py::module_& m);
 void bind_evaluate(py::module_& m);
 void bind_web(py::module_& m);
 
+/// Whether the caller is on Python's main thread, where signals are handled.
 bool on_main_thread();
-/// Runs Python's signal handlers; throws what they raise.
+/// Runs Python's signal handlers. throws the exception that a handler raises
 void run_signal_handlers();
 
-/// Calls the library without the interpreter's lock, so that other Python threads run meanwhile. On
-/// the main thread, where Python handles signals, Ctrl-C ends the call.
+/// Calls work() without the interpreter lock, so that other Python threads run meanwhile. On the main
+/// thread, Ctrl-C interrupts the call.
 template <class Work>
 auto unlocked(const Work& work) {
     const bool interruptible = on_main_thread();
@@ -70,37 +71,39 @@ auto unlocked(const Work& work) {
     return work();
 }
 
-/// A Python callable that is told the finished fraction; None: nothing. The caller keeps it alive.
+/// Progress callback that calls a Python callable with the finished fraction; None: no callback. The
+/// caller keeps the callable alive.
 Progress progress_of(const py::object& callable);
 
-/// A Python warning for each text.
+/// Issues a Python UserWarning for each text.
 void warn(const std::vector<std::string>& texts);
 
-/// What pybind11 makes of an object; a TypeError that says what was expected where it cannot.
+/// Converts a Python object. throws TypeError: "NAME: got ..., expected ..."
 template <class T>
-T cast_to(const py::handle& object, const std::string& what, const std::string& expected) {
+T cast_to(const py::handle& object, const std::string& name, const std::string& expected) {
     try {
         return object.cast<T>();
     } catch (const py::cast_error&) {
-        throw py::type_error(what + ": got " + py::repr(object).cast<std::string>() +
+        throw py::type_error(name + ": got " + py::repr(object).cast<std::string>() +
                              ", expected " + expected);
     }
 }
 
-/// A number for people: six digits.
+/// A number with six significant digits.
 std::string short_text(double number);
 
-/// 512 or (640, 480): width, height in pixels.
+/// Width and height in pixels, from 512 or (640, 480). throws vog::Error for other objects
 std::pair<int, int> size_of(const py::object& size);
-/// "auto": nothing; or a number.
+/// A number; none for "auto". throws vog::Error for other objects
 std::optional<double> extinction_of(const py::object& extinction);
-/// A TransferFunction, a name, a JSON file, a Matplotlib colour map, or colours [N, 3 or 4].
+/// Transfer function from a TransferFunction, a name, a JSON file, a Matplotlib colour map, or colours
+/// [N, 3 or 4]. throws TypeError for other objects
 TransferFunction transfer_function_of(const py::object& tf);
 
-/// (r, g, b), (r, g, b, a) in [0, 1], or a name.
+/// Colour from (r, g, b) or (r, g, b, a) in [0, 1], or a name.
 Rgba background_of(const py::object& background);
 
-/// An image as it was shaded, and the 8-bit values that are shown.
+/// A shaded image with its 8-bit values for display.
 struct Picture {
     Image image;
     bool with_alpha = false;

@@ -1,4 +1,4 @@
-// data.h: what a Python object holds, where several kinds are taken.
+// data.h: dispatch of Python arguments that accept several kinds of data.
 #pragma once
 
 #include <memory>
@@ -12,13 +12,13 @@
 
 namespace vog::python {
 
-/// A Levels object or a sequence of Volumes; null for anything else.
+/// Levels from a Levels object or a sequence of Volumes; null for other objects.
 std::shared_ptr<const Levels> levels_of(const py::object& data);
 
-/// What views of anything look at.
+/// World box of data, which views frame. call  name of the Python function, for errors
 Box box_to_view(const py::object& data, const std::string& call);
 
-/// throws TypeError: "convert: got int, expected a Volume, ..."
+/// Throws TypeError: "convert: got int, expected a Volume, ..."
 [[noreturn]] void refuse_data(const py::object& data, const std::string& call,
                               const std::string& expected);
 

@@ -1,5 +1,4 @@
-// module.cpp: the module vog._vog: errors, signals, threads, and the parts in the order of the
-// data.
+// module.cpp: the module vog._vog: errors, signals, threads, and the bindings in the order of the data.
 #include <cstdio>
 #include <vector>
 
@@ -10,10 +9,10 @@ namespace vog::python {
 
 namespace {
 
-/// Of threading.main_thread(); 0 until the module is imported.
+/// Identifier of threading.main_thread(); 0 until the module is imported.
 unsigned long main_thread = 0;
 
-/// `with vog.threads(2):`
+/// Context manager of `with vog.threads(2):`.
 struct Threads {
     explicit Threads(int threads) : count(threads) {
         if (count < 0) throw Error("threads: " + std::to_string(count) + ", expected 0 or more");
@@ -23,13 +22,17 @@ struct Threads {
 };
 
 void bind_threads(py::module_& m) {
-    m.def("thread_count", &thread_count, "Threads that vog's loops use now: an int.");
-    py::class_<Threads>(m, "threads", R"(Limits the threads of vog's loops, in the whole process:
+    m.def("thread_count", &thread_count, "Number of threads that vog's parallel loops use now.");
+    py::class_<Threads>(
+        m, "threads",
+        R"(Context manager that limits the threads of vog's parallel loops, in the whole process:
 
     with vog.threads(2):
         model = vog.convert(volume)
 
-Results are the same bytes for any number. 0: all cores.)")
+count  number of threads; 0: one per core
+
+Results are the same bytes for any number. Raises vog.Error for a negative count.)")
         .def(py::init<int>(), py::arg("count"))
         .def("__enter__",
              [](Threads& self) -> Threads& {
@@ -52,7 +55,7 @@ Progress progress_of(const py::object& callable) {
     if (callable.is_none()) return {};
     if (!PyCallable_Check(callable.ptr()))
         throw py::type_error("progress: expected a callable that takes the finished fraction");
-    // A borrowed reference: copies of the function are made and dropped without the lock.
+    // A borrowed reference, as copies of the function are made and destroyed without the lock.
     return [function = py::handle(callable)](double fraction) {
         const py::gil_scoped_acquire acquire;
         function(fraction);
@@ -81,7 +84,7 @@ std::pair<int, int> size_of(const py::object& size) {
                     ", expected pixels: 512 or (640, 480), width first");
     };
     if (!PySequence_Check(size.ptr())) return {edge(size), edge(size)};
-    if (py::len(size) != 2) return {edge(size), 0};  // says what is expected
+    if (py::len(size) != 2) return {edge(size), 0};  // edge() throws for a sequence
     return {edge(size[py::int_(0)]), edge(size[py::int_(1)])};
 }
 
@@ -98,13 +101,13 @@ std::optional<double> extinction_of(const py::object& extinction) {
 
 PYBIND11_MODULE(_vog, m) {
     using namespace vog::python;
-    // Classes are the package's to their users: in messages, in help(), in pickles.
+    // Classes appear as vog.X, not vog._vog.X, in messages, help() and pickles.
     m.attr("__name__") = "vog";
     m.attr("__version__") = VOG_VERSION;
     main_thread =
         py::module_::import("threading").attr("main_thread")().attr("ident").cast<unsigned long>();
     py::register_exception<vog::Error>(m, "Error").attr("__doc__") =
-        "A bad input, file, option or device; one line: what, where, got, expected.";
+        "Error in an input, file, option or device. One line: subject, problem, got, expected.";
     bind_threads(m);
     bind_camera(m);
     bind_shade(m);

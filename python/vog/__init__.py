@@ -6,8 +6,9 @@
     image = vog.render(model, size=512).shade("inferno")
     image.save("picture.png")
 
-load -> convert -> render -> shade -> compare. Arrays are [x, y, z]; images are [row, column], rows from
-the top. Lengths are world units, densities per world unit. docs/python.md is the tutorial.
+Data flow: load -> convert -> render -> shade -> compare. Volumes are arrays [x, y, z]; images are
+[row, column] with rows from the top. Lengths are in world units, densities per world unit of length.
+Tutorial: docs/python.md.
 """
 from ._vog import *
 from ._vog import __version__ as __version__

@@ -1,5 +1,5 @@
-# Types of the compiled module; the docstrings (shapes, units) are in it. Checked against it by
-# tests/python/test_stubs.py.
+# Type stubs of the compiled module vog._vog. Its docstrings have shapes, units and errors.
+# tests/python/test_stubs.py checks the stubs against the module.
 import os
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, SupportsFloat, SupportsIndex, Union, overload
@@ -245,7 +245,7 @@ class Gaussians:
     @property
     def options(self) -> str: ...
     @property
-    def reached(self) -> str: ...
+    def summary(self) -> str: ...
     @property
     def mean(self) -> NDArray[np.float32]: ...
     @mean.setter
