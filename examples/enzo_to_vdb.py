@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""AMR data that yt reads (Enzo, FLASH, Athena, Boxlib, RAMSES, ...) as one OpenVDB file a level.
+"""Converts AMR data that yt reads (Enzo, FLASH, Athena, Boxlib, RAMSES, ...) to one OpenVDB file per level.
 
     apt install python3-yt python3-openvdb          # Debian 12
     examples/enzo_to_vdb.py DD0010/DD0010 -o out    # out/level0.vdb, out/level1.vdb, ...
     vog render out/level*.vdb -o picture.png --tf jet
 
-Every cell of a level is written, also where a finer level lies over it: vog lets the finest count.
-Cells are voxels of the whole domain's lattice, so that all levels share one world: the domain is the
-unit cube along its longest edge. Ghost cells are not written.
+Every cell of a level is written, also where finer levels cover it: in vog, finer levels hide coarser ones.
+All levels share one world space, in which the longest edge of the domain has length 1. Ghost cells are
+not written.
 """
 import argparse
 import os
@@ -23,7 +23,7 @@ except ImportError as error:
 
 
 def blocks_of_grids(ds, field, level):
-    """(first index, values) of each patch of a level: codes whose mesh is made of grids."""
+    """(index of the first cell, values) of each patch of a level, for patch-based codes."""
     left = ds.domain_left_edge.in_units("code_length")
     for grid in ds.index.select_grids(level):
         first = np.rint(((grid.LeftEdge.in_units("code_length") - left) / grid.dds.in_units("code_length")).d)
@@ -31,7 +31,7 @@ def blocks_of_grids(ds, field, level):
 
 
 def blocks_of_cells(ds, field, level):
-    """The same for octree codes, where a block is one cell. Only leaf cells exist there."""
+    """The same for octree codes, where a block is one leaf cell."""
     data = ds.all_data()
     here = data["index", "grid_level"].d.astype(int) == level
     left = ds.domain_left_edge.in_units("code_length").d
@@ -44,14 +44,14 @@ def blocks_of_cells(ds, field, level):
 
 
 def level_grid(ds, field, units, level, has_grids):
-    """One level as a FloatGrid in world units; None if it has no cells."""
+    """One level as a FloatGrid in world units, and its number of cells; None without cells."""
     grid = vdb.FloatGrid()
     cells = 0
     for first, values in (blocks_of_grids if has_grids else blocks_of_cells)(ds, field, level):
-        # The code's own units keep numbers within a float's range: g/cm^3 would not.
+        # In code units, as values in g/cm^3 are below the range of single precision.
         values = np.ascontiguousarray((values.in_units(units) if units else values.in_base("code")).d, np.float32)
         if values.min() > 0:
-            # copyFromArray leaves values equal to the background inactive: 0, which is none here.
+            # copyFromArray leaves voxels of the background value 0 inactive; there are none here.
             grid.copyFromArray(values, ijk=tuple(int(i) for i in first))
         else:
             accessor = grid.getAccessor()
@@ -64,7 +64,7 @@ def level_grid(ds, field, units, level, has_grids):
     width = ds.domain_width.in_units("code_length").d
     across = ds.domain_dimensions * ds.refine_by**level
     edge = width / width.max() / across
-    # Voxel i is centred on i in OpenVDB: the first cell's centre is half a cell into the domain.
+    # OpenVDB centres voxel i on index i: the first cell's centre lies half a cell inside the domain.
     matrix = np.diag([*edge, 1.0])
     matrix[3, :3] = 0.5 * edge
     grid.transform = vdb.createLinearTransform(matrix.tolist())
@@ -74,11 +74,11 @@ def level_grid(ds, field, units, level, has_grids):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("dataset", help="what yt.load takes: a parameter file or a folder")
-    parser.add_argument("-o", "--output", default=".", help="folder for level0.vdb, level1.vdb, ...")
-    parser.add_argument("--field", default="density", help="a yt field (default: density)")
-    parser.add_argument("--field-type", default="", help="its type: gas (the default), enzo, flash, ...")
-    parser.add_argument("--units", default="", help="units of the values; default: the code's own")
+    parser.add_argument("dataset", help="data set for yt.load: a parameter file or a folder")
+    parser.add_argument("-o", "--output", default=".", help="folder to write level0.vdb, level1.vdb, ... into (default: the current one)")
+    parser.add_argument("--field", default="density", help="name of a yt field (default: density)")
+    parser.add_argument("--field-type", default="", help="type of the field: gas (the default), enzo, flash, ...")
+    parser.add_argument("--units", default="", help="units of the values; default: code units")
     arguments = parser.parse_args()
 
     yt.set_log_level("error")
@@ -91,7 +91,7 @@ def main():
         known = sorted({name for _, name in ds.derived_field_list})
         sys.exit(f"enzo_to_vdb: {arguments.dataset}: no field {field} (it has: {', '.join(known)})")
     if not arguments.units and ds.field_info[field].is_alias:
-        field = ds.field_info[field].alias_name  # as it was stored: no units to and fro
+        field = ds.field_info[field].alias_name  # the stored field: no conversion of units
     os.makedirs(arguments.output, exist_ok=True)
     has_grids = len(getattr(ds.index, "grids", ())) > 0
     for level in range(ds.index.max_level + 1):

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""A CSV of particles: read by vog, or by whatever reads yours, weighed, and thinned out.
+"""Converts particles of a CSV file to a model with a given number of Gaussians, and renders it.
 
-    examples/from_csv.py                          # particles made here
+    examples/from_csv.py                          # sample particles: a spiral galaxy
     examples/from_csv.py halo.csv -o out.png --value mass --budget 20000
 """
 import argparse
@@ -15,7 +15,7 @@ import vog
 
 
 def spiral(file, count=20000):
-    """Stars of two spiral arms: x, y, z, mass."""
+    """Writes stars of two spiral arms: x, y, z, mass."""
     random = np.random.default_rng(1)
     radius = random.exponential(0.3, count)
     angle = 6 * np.sqrt(radius) + np.pi * random.integers(0, 2, count) + random.normal(0, 0.25, count)
@@ -28,10 +28,10 @@ def spiral(file, count=20000):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", nargs="?", help="CSV with a line of names; default: one made here")
+    parser.add_argument("file", nargs="?", help="CSV file with a header line; default: sample particles")
     parser.add_argument("-o", "--output", default="csv.png", help="picture to write")
-    parser.add_argument("--value", default="mass", help="the column that a particle weighs, or count")
-    parser.add_argument("--budget", type=int, default=4000, help="most Gaussians")
+    parser.add_argument("--value", default="mass", help="column with the mass of a particle, or count (1 each)")
+    parser.add_argument("--budget", type=int, default=4000, help="largest number of Gaussians")
     arguments = parser.parse_args()
 
     with tempfile.TemporaryDirectory() as folder:
@@ -39,15 +39,15 @@ def main():
         if not arguments.file:
             spiral(file)
         points = vog.Points.load(file)
-        # The same by hand, where another program reads the file:
+        # The same from arrays, for data that another library reads:
         table = np.genfromtxt(file, delimiter=",", names=True)
-        by_hand = vog.Points.from_numpy(
+        from_arrays = vog.Points.from_numpy(
             np.stack([table["x"], table["y"], table["z"]], axis=1), attributes={arguments.value: table[arguments.value]}
         )
-    assert np.array_equal(points.position, by_hand.position)
+    assert np.array_equal(points.position, from_arrays.position)
 
     model = vog.convert(points, value=arguments.value, budget=arguments.budget)
-    print(points, model.reached)
+    print(points, model.summary)
     camera = vog.Camera.orbit(points, elevation=0.9, distance=2)
     vog.render(model, camera).shade("magma").save(arguments.output)
 

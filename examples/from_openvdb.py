@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""A grid of pyopenvdb's, as it is in memory: sparse, with its tiles and transform.
+"""Converts a grid of pyopenvdb in memory, sparse, with its tiles and transform.
 
     apt install python3-openvdb                   # Debian 12
-    examples/from_openvdb.py                      # a grid made here
+    examples/from_openvdb.py                      # sample grid: a ball of fog
     examples/from_openvdb.py smoke.vdb -o out.png --grid density
 
-What is in a file already needs no pyopenvdb: vog.Volume.load reads it. This is for grids that a script
-has changed.
+Grids in files need no pyopenvdb: vog.Volume.load reads them. This example is for grids that a script
+computes or changes.
 """
 import argparse
 import pathlib
@@ -22,7 +22,7 @@ except ImportError as error:
 
 
 def volume_of(grid):
-    """A FloatGrid as a Volume. Through a file in memory: the two modules share no types."""
+    """A FloatGrid as a Volume, by way of a file in memory, as the two modules share no types."""
     grid.gridClass = vdb.GridClass.FOG_VOLUME
     shm = pathlib.Path("/dev/shm")
     with tempfile.TemporaryDirectory(dir=shm if shm.is_dir() else None) as folder:
@@ -32,7 +32,7 @@ def volume_of(grid):
 
 
 def ball(radius=40):
-    """Fog that thins towards the edge of a ball."""
+    """A ball of fog whose density falls towards its surface."""
     grid = vdb.createLevelSetSphere(radius=radius, halfWidth=radius - 1)
     grid.mapOn(lambda distance: max(-distance, 0.0))
     return grid
@@ -40,16 +40,16 @@ def ball(radius=40):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", nargs="?", help=".vdb to read with pyopenvdb; default: a grid made here")
+    parser.add_argument("file", nargs="?", help=".vdb file to read with pyopenvdb; default: a ball of fog")
     parser.add_argument("-o", "--output", default="openvdb.png", help="picture to write")
-    parser.add_argument("--grid", default="density", help="its grid")
+    parser.add_argument("--grid", default="density", help="name of the grid (default: density)")
     arguments = parser.parse_args()
 
     grid = vdb.read(arguments.file, arguments.grid) if arguments.file else ball()
-    grid.mapOn(lambda value: value * value)  # something that only a script does
+    grid.mapOn(lambda value: value * value)  # any change that a script makes
     volume = volume_of(grid)
     model = vog.convert(volume, budget=5000)
-    print(volume, model.reached)
+    print(volume, model.summary)
     vog.render(model).shade("blue-white", blend=True).save(arguments.output)
 
 

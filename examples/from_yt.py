@@ -1,12 +1,12 @@
 #!/usr/bin/python3
-"""A data set that yt reads, all its levels as one model, without a file between.
+"""Converts all levels of an AMR data set that yt reads to one model, without intermediate files.
 
     apt install python3-yt                        # Debian 12
-    examples/from_yt.py                           # an AMR data set made here
+    examples/from_yt.py                           # sample data: two levels
     examples/from_yt.py DD0010/DD0010 -o out.png --field density
 
-Codes whose mesh is made of patches (Enzo, FLASH, Athena, Boxlib). For octree codes, and for files that
-other programs read too: examples/enzo_to_vdb.py.
+For patch-based codes (Enzo, FLASH, Athena, Boxlib). examples/enzo_to_vdb.py handles octree codes too, and
+writes files.
 """
 import argparse
 import sys
@@ -22,7 +22,7 @@ except ImportError as error:
 
 
 def blobs():
-    """Two levels: a coarse cloud, and a finer one in its middle."""
+    """Two levels: a coarse cloud with a refined centre."""
 
     def density(left, right, cells):
         axes = [np.linspace(l, r, n, endpoint=False) + (r - l) / n / 2 for l, r, n in zip(left, right, cells)]
@@ -38,31 +38,31 @@ def blobs():
 
 
 def levels_of(ds, field):
-    """Every level as a Volume. All cells of a level go in: where a finer one is, it counts."""
+    """Every level as a Volume with all its cells; in vog, finer levels hide coarser ones."""
     left = ds.domain_left_edge.in_units("code_length").d
     for level in range(ds.index.max_level + 1):
         edge = ds.domain_width.in_units("code_length").d / ds.domain_dimensions / ds.refine_by**level
         blocks = []
         for grid in ds.index.select_grids(level):
             first = np.rint((grid.LeftEdge.in_units("code_length").d - left) / edge).astype(int)
-            # In the code's own units: grams a cubic centimetre are too small for single precision.
+            # In code units, as values in g/cm^3 are below the range of single precision.
             blocks.append((first, grid[field].in_base("code").d))
-        # A voxel's centre lies half a cell into the domain.
+        # The centre of the first voxel lies half a cell inside the domain.
         yield vog.Volume.from_blocks(blocks, voxel_size=edge, origin=left + edge / 2, all_active=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("dataset", nargs="?", help="what yt.load takes; default: one made here")
+    parser.add_argument("dataset", nargs="?", help="data set for yt.load; default: a sample with two levels")
     parser.add_argument("-o", "--output", default="yt.png", help="picture to write")
-    parser.add_argument("--field", default="density", help="a field of yt's")
+    parser.add_argument("--field", default="density", help="name of a yt field (default: density)")
     arguments = parser.parse_args()
 
     yt.set_log_level("error")
     ds = yt.load(arguments.dataset) if arguments.dataset else blobs()
     levels = vog.Levels(levels_of(ds, ("gas", arguments.field)))
     model = vog.convert(levels)
-    print(levels, model.reached)
+    print(levels, model.summary)
     vog.render(model).shade("jet").save(arguments.output)
 
 

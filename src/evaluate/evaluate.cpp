@@ -1,4 +1,4 @@
-// evaluate.cpp: the evaluation itself: reference views, then row by row convert, render, compare.
+// evaluate.cpp: evaluation of conversions: reference images, then convert, render and compare row by row.
 #include "vog/evaluate.h"
 
 #include <fmt/core.h>
@@ -40,7 +40,8 @@ double milliseconds(const Work& work) {
         .count();
 }
 
-/// Rows of an earlier run of the same evaluation.
+/// Rows of an interrupted run with the same data and settings; none without options.resume.
+/// throws vog::Error for results of other data or settings
 std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now,
                                      const EvaluateOptions& options) {
     if (!options.resume || !fs::exists(file)) return {};
@@ -50,21 +51,21 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
                            e.title, e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction);
     };
     if (settings(earlier) != settings(now))
-        throw Error(
-            fmt::format("{}: results of {}, expected {}; without resuming they are replaced",
-                        file.string(), settings(earlier), settings(now)));
+        throw Error(fmt::format("{}: results of {}, expected {} (without resume they are replaced)",
+                                file.string(), settings(earlier), settings(now)));
     return std::move(earlier.rows);
 }
 
-/// What every row is compared with.
+/// Images of the voxels that every row is compared with, one per view.
 struct References {
-    std::vector<DepthImage> depth;  ///< one a view
+    std::vector<DepthImage> depth;
     std::vector<Image> shaded;
 };
 
+/// One evaluation: its references, its rows and its files.
 class Run {
   public:
-    /// levels: those whose volumes these are, or null: volumes that add up
+    /// levels  levels of a mesh with these volumes; null: the volumes' densities add up
     Run(std::span<const Volume> volumes, const Levels* levels, fs::path folder,
         const EvaluateOptions& options)
         : volumes_(volumes),
@@ -76,8 +77,9 @@ class Run {
         if (levels) {
             mesh_ = composite(*levels);
             if (mesh_.parts.empty())
-                throw Error(fmt::format("{}: nothing is seen, expected active voxels inside masks",
-                                        evaluation_.title));
+                throw Error(
+                    fmt::format("{}: no visible voxel, expected active voxels inside the masks",
+                                evaluation_.title));
             volumes_ = mesh_.parts;
             evaluation_.active_voxels = mesh_.voxels;
             evaluation_.mass = 0;
@@ -90,10 +92,10 @@ class Run {
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
     }
 
-    Evaluation all() {
+    Evaluation run() {
         const std::vector<EvaluationRow> kept =
             kept_rows(folder_ / "results.json", evaluation_, options_);
-        if (writes()) fs::create_directories(folder_ / "pictures");
+        if (is_root()) fs::create_directories(folder_ / "pictures");
         render_references();
         for (const Conversion& conversion : options_.conversions) {
             const auto same = [&](const EvaluationRow& row) {
@@ -106,18 +108,18 @@ class Run {
                 evaluation_.rows.push_back(*found);
                 advance(evaluation_.views.size());
             }
-            if (writes()) write_results(folder_ / "results.json", evaluation_);
+            if (is_root()) write_results(folder_ / "results.json", evaluation_);
         }
-        if (!writes()) return evaluation_;
+        if (!is_root()) return evaluation_;
         write_markdown(folder_ / "results.md", evaluation_);
         write_report(folder_ / "index.html", evaluation_, folder_ / "pictures");
         return evaluation_;
     }
 
   private:
-    bool writes() const { return collective_or_single(options_.collective).is_root(); }
+    bool is_root() const { return collective_or_single(options_.collective).is_root(); }
 
-    /// Of the slowest part.
+    /// Time of the slowest process, ms.
     template <class Work>
     double shared_ms(const Work& work) const {
         double ms = milliseconds(work);
@@ -125,7 +127,7 @@ class Run {
         return ms;
     }
 
-    /// Runs `work` once without counting it, then as often as asked.
+    /// Times options.repeats runs of `work`, after one warm-up.
     template <class Work>
     Timing time_repeated(const Work& work) const {
         work();
@@ -134,8 +136,8 @@ class Run {
         return timing_of(std::move(ms));
     }
 
-    /// T of all parts.
-    void add_up_depth(DepthImage& depth) const {
+    /// Sums T over all processes.
+    void sum_depth(DepthImage& depth) const {
         if (!collective_or_single(options_.collective).shared()) return;
         std::vector<double> sum(depth.depth.begin(), depth.depth.end());
         collective_or_single(options_.collective).sum(sum);
@@ -157,7 +159,7 @@ class Run {
         std::vector<VoxelGrid> grids;
         for (const Volume& volume : volumes_) grids.push_back(voxel_grid(volume));
         for (const VoxelGrid& grid : grids) evaluation_.reference_bytes += grid.memory_bytes();
-        add_up(collective_or_single(options_.collective), evaluation_.reference_bytes);
+        allreduce_sum(collective_or_single(options_.collective), evaluation_.reference_bytes);
         render_references_of(grids);
     }
 
@@ -168,7 +170,7 @@ class Run {
             view.reference = time_repeated([&] {
                 depth = render_reference(grids, view.camera, options_.width, options_.height);
             });
-            add_up_depth(depth);
+            sum_depth(depth);
             view.extinction =
                 options_.extinction > 0 ? options_.extinction : auto_extinction(depth);
             const auto covered = std::count_if(depth.depth.begin(), depth.depth.end(),
@@ -177,7 +179,7 @@ class Run {
             set_extinction(depth, view.extinction);
             references_.shaded.push_back(shade(depth, tf_));
             references_.depth.push_back(std::move(depth));
-            if (writes() && keeps_picture(view.name))
+            if (is_root() && keeps_picture(view.name))
                 write_png(folder_ / "pictures" / picture_name(nullptr, view.name, false),
                           references_.shaded.back());
             advance(1);
@@ -189,19 +191,19 @@ class Run {
                std::end(kPictureViews);
     }
 
-    /// Gaussians of the row whose count the conversion is to keep to.
+    /// Budget of a conversion: the count of Gaussians of the row it names; 0: none.
     std::size_t budget_of(const Conversion& conversion) const {
         if (conversion.budget_series.empty()) return 0;
         for (const EvaluationRow& row : evaluation_.rows)
             if (row.series == conversion.budget_series && row.step == conversion.budget_step)
                 return row.gaussians;
         throw Error(fmt::format(
-            "evaluate: row {} {} takes its budget from {} {}, expected that one "
-            "among the rows before it",
+            "evaluate: the budget of row {} {} is the count of row {} {}, expected that row before "
+            "it",
             conversion.series, conversion.step, conversion.budget_series, conversion.budget_step));
     }
 
-    /// All data as one model.
+    /// Converts all volumes to one model; several volumes share the budget by active voxels.
     Gaussians converted(const Conversion& conversion, std::size_t budget) const {
         if (levels_ && conversion.convert_levels) return conversion.convert_levels(mesh_, budget);
         std::uint64_t all_voxels = 0;
@@ -220,15 +222,15 @@ class Run {
         return model;
     }
 
-    /// Repeated while it is quick, so that the time of a conversion is a median too.
+    /// Converts, up to three times while it takes less than a second, for a median time.
     Gaussians convert(const Conversion& conversion, Timing& timing) const {
         constexpr double kQuickMs = 1000;
-        constexpr std::size_t kMostRuns = 3;
+        constexpr std::size_t kRuns = 3;
         const std::size_t budget = budget_of(conversion);
         Gaussians model;
         std::vector<double> ms;
         do ms.push_back(shared_ms([&] { model = converted(conversion, budget); }));
-        while (ms.size() < kMostRuns && ms.back() < kQuickMs);
+        while (ms.size() < kRuns && ms.back() < kQuickMs);
         timing = timing_of(std::move(ms));
         model.box = box_;
         return model;
@@ -243,10 +245,10 @@ class Run {
         const Gaussians model = convert(conversion, row.convert);
         row.options = fmt::format("--method {} {}", model.method, model.options);
         row.gaussians = model.size();
-        add_up(collective_or_single(options_.collective), row.gaussians);
-        double rotated = model.axis_aligned() ? 0 : 1;  // of an empty part nothing is known
+        allreduce_sum(collective_or_single(options_.collective), row.gaussians);
+        double rotated = model.axis_aligned() ? 0 : 1;  // an empty part is axis-aligned
         collective_or_single(options_.collective).max(std::span(&rotated, 1));
-        Gaussians about;  // the header's, of the whole
+        Gaussians about;  // header of the whole model
         about.cutoff = model.cutoff, about.box = model.box, about.source = model.source;
         about.method = model.method, about.options = model.options;
         about.summary = model.summary, about.source_voxels = model.source_voxels;
@@ -267,8 +269,8 @@ class Run {
                 renderer.render(evaluation_.views[n].camera, options_.width, options_.height,
                                 depth);
             });
-            add_up_depth(depth);
-            if (writes()) {
+            sum_depth(depth);
+            if (is_root()) {
                 row.views.push_back(compare_view(row, n, depth));
                 row.views.back().render = timing;
             }
@@ -277,7 +279,7 @@ class Run {
         return row;
     }
 
-    /// Figures of one picture of one row; keeps the picture of some views.
+    /// Metrics of one row from one view; writes the pictures of the views of kPictureViews.
     ViewResult compare_view(const EvaluationRow& row, std::size_t n, DepthImage& depth) const {
         const EvaluationView& view = evaluation_.views[n];
         set_extinction(depth, view.extinction);
@@ -292,7 +294,7 @@ class Run {
         ViewResult result;
         result.view = view.name;
         result.psnr_v_db = difference.grey.psnr_db;
-        // Empty pixels have next to no error: the sum of squares is that of the covered ones.
+        // Empty pixels have almost no error: the sum of squares is that of the covered pixels.
         result.psnr_v_covered_db = result.psnr_v_db + 10 * std::log10(view.covered);
         result.psnr_rgb_db = compare(references_.shaded[n], shaded).psnr_db;
         result.ssim = difference.grey.ssim;
@@ -304,7 +306,7 @@ class Run {
         return result;
     }
 
-    std::span<const Volume> volumes_;  ///< what is converted; of levels, the parts of mesh_
+    std::span<const Volume> volumes_;  ///< volumes to convert; for levels the parts of mesh_
     const Levels* levels_;
     Composite mesh_;
     fs::path folder_;
@@ -333,15 +335,15 @@ Evaluation evaluate(std::span<const Volume> volumes, const fs::path& folder,
     for (const Volume& volume : volumes) {
         validate(volume);
         if (volume.empty() && !collective_or_single(options.collective).shared())
-            throw Error(fmt::format("{}: nothing active, expected a volume", volume.source));
+            throw Error(fmt::format("{}: no active voxel, expected at least one", volume.source));
     }
-    return Run(volumes, nullptr, folder, options).all();
+    return Run(volumes, nullptr, folder, options).run();
 }
 
 Evaluation evaluate(const Levels& levels, const fs::path& folder, const EvaluateOptions& options) {
     check(options);
     validate(levels);
-    return Run(levels.volumes, &levels, folder, options).all();
+    return Run(levels.volumes, &levels, folder, options).run();
 }
 
 }  // namespace vog

@@ -1,4 +1,4 @@
-// evaluated_volumes.cpp: the figures of the data itself, of all parts collective.
+// evaluated_volumes.cpp: statistics of the evaluated data.
 #include "evaluate/evaluated_volumes.h"
 
 #include <fmt/core.h>
@@ -12,7 +12,7 @@ namespace vog::evaluation {
 
 namespace {
 
-/// Linux tells the processor's name; elsewhere it stays unknown.
+/// Name of the processor by Linux's /proc; unknown elsewhere.
 std::string processor_name() {
     std::ifstream in("/proc/cpuinfo");
     for (std::string line; std::getline(in, line);)
@@ -20,7 +20,7 @@ std::string processor_name() {
     return "unknown processor";
 }
 
-/// Voxels of the box around the active voxels, of all parts: what the paper counts against.
+/// Voxels in the bounding box of all processes' active voxels: the paper's measure of size.
 std::uint64_t box_voxels(const Volume& volume, const Collective& collective) {
     std::array<std::int64_t, 3> lower, upper;
     lower.fill(std::numeric_limits<std::int64_t>::max());
@@ -37,7 +37,7 @@ std::uint64_t box_voxels(const Volume& volume, const Collective& collective) {
         for (int n = 0; n < kLeafVoxels; ++n)
             if (leaf.active(n)) include(leaf.origin, n >> 6, n >> 3 & 7, n & 7, 1);
     for (const Tile& tile : volume.tiles) include(tile.origin, 0, 0, 0, tile.edge);
-    // Indices are exact in doubles, but for those of an empty part, which count for nothing.
+    // Indices are exact in doubles, except for the limits of an empty part, which change no maximum.
     std::array<double, 6> bounds;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         bounds[axis] = -static_cast<double>(lower[axis]);
@@ -51,7 +51,7 @@ std::uint64_t box_voxels(const Volume& volume, const Collective& collective) {
 
 }  // namespace
 
-void add_up(const Collective& collective, std::uint64_t& count) {
+void allreduce_sum(const Collective& collective, std::uint64_t& count) {
     auto sum = static_cast<double>(count);
     collective.sum(sum);
     count = static_cast<std::uint64_t>(sum);
@@ -83,10 +83,10 @@ Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptio
         evaluation.tiles += volume.tiles.size();
         evaluation.mass += mass(volume);
     }
-    add_up(collective_or_single(options.collective), evaluation.active_voxels);
-    add_up(collective_or_single(options.collective), evaluation.leaves);
-    add_up(collective_or_single(options.collective), evaluation.dense_leaves);
-    add_up(collective_or_single(options.collective), evaluation.tiles);
+    allreduce_sum(collective_or_single(options.collective), evaluation.active_voxels);
+    allreduce_sum(collective_or_single(options.collective), evaluation.leaves);
+    allreduce_sum(collective_or_single(options.collective), evaluation.dense_leaves);
+    allreduce_sum(collective_or_single(options.collective), evaluation.tiles);
     collective_or_single(options.collective).sum(evaluation.mass);
     evaluation.width = options.width;
     evaluation.height = options.height;

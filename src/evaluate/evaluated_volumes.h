@@ -1,5 +1,4 @@
-// evaluated_volumes.h: what an evaluation is of: voxels, boxes and mass of all parts
-// (vog/distributed.h).
+// evaluated_volumes.h: statistics of the evaluated data: voxels, boxes, mass; summed over processes.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +9,11 @@
 
 namespace vog::evaluation {
 
-/// Counts are exact in doubles.
-void add_up(const Collective& collective, std::uint64_t& count);
-/// The box around the volumes, of all parts.
+/// Sums a count over all processes; exact, as counts are below 2^53.
+void allreduce_sum(const Collective& collective, std::uint64_t& count);
+/// Bounding box of the volumes of all processes, world units.
 Box box_of(std::span<const Volume> volumes, const Collective& collective);
-/// What the evaluation is of and how it is made: all but its views and rows.
+/// An evaluation with data and settings filled in, without views and rows.
 Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptions& options);
 
 }  // namespace vog::evaluation

@@ -1,4 +1,4 @@
-// evaluation_html.cpp: index.html, one page without scripts that needs no other file.
+// evaluation_html.cpp: index.html: the report as one self-contained page without scripts.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -102,7 +102,7 @@ std::string table_html(const ReportTable& table) {
     return out;
 }
 
-/// The steps of the paper's two figures, and what stands below them.
+/// Steps along the x axis of the paper's two plots, with their labels ('|': line break).
 struct PlotStep {
     const char *step, *category;
 };
@@ -112,7 +112,7 @@ constexpr PlotStep kPlotSteps[] = {
     {"sigma2", "σ = 2"},        {"sigma3", "σ = 3"},
 };
 
-/// One of the paper's figures: a value over its levels of detail and box extents.
+/// One of the paper's plots: a value over its levels of detail and box extents.
 template <class Value, class PaperValue>
 Plot step_plot(const Evaluation& evaluation, const char* title, const char* y_label, bool log_y,
                const Value& value, const PaperValue& paper_value) {
@@ -144,7 +144,7 @@ Plot step_plot(const Evaluation& evaluation, const char* title, const char* y_la
     return plot;
 }
 
-/// Quality over what it costs, for all rows but those of the box extents.
+/// Quality over a cost, for all rows except those of the box extents.
 template <class Cost>
 Plot rate_plot(const Evaluation& evaluation, const char* title, const char* x_label,
                const Cost& cost) {
@@ -174,7 +174,7 @@ std::string plots_html(const Evaluation& evaluation) {
             [](const ViewResult& view) { return view.psnr_v_db; },
             [](const PaperFigures& figures) { return figures.psnr_db; }),
         step_plot(
-            evaluation, "Speed over the levels of detail", "frames a second", true,
+            evaluation, "Speed over the levels of detail", "frames per second", true,
             [](const ViewResult& view) { return frames_per_second(view.render); },
             [](const PaperFigures& figures) { return figures.frames_per_second; }),
         rate_plot(evaluation, "Quality over Gaussians", "Gaussians",
@@ -183,9 +183,11 @@ std::string plots_html(const Evaluation& evaluation) {
                   [](const EvaluationRow& row) { return static_cast<double>(row.bytes); }),
     };
     std::string out =
-        "<h2>Plots</h2>\n<p>From the view <i>paper</i>. The first two are the paper's "
-        "figures over levels of detail and box extents, the others show what quality "
-        "costs.</p>\n<div class=\"plots\">\n";
+        "<h2>Plots</h2>\n<p>All plots are from the view <i>paper</i>. The first two repeat the "
+        "paper's "
+        "plots over levels of detail and box extents; the others show quality over the size of the "
+        "model. PSNR is of the opacity V = 1 - exp(-T) as a grey picture.</p>\n<div "
+        "class=\"plots\">\n";
     for (const Plot& plot : plots) out += svg(plot);
     return out + "</div>\n";
 }
@@ -199,7 +201,7 @@ std::string figure_html(const fs::path& picture, const std::string& kind,
         kind, escaped(caption), base64(read_bytes(picture)), escaped(caption));
 }
 
-/// The reference is shown in every strip but stored once, as a background.
+/// Style of the reference pictures, which every strip shows: stored once, as backgrounds.
 std::string reference_style(const Evaluation& evaluation, const fs::path& pictures) {
     std::string out;
     for (const char* view : kPictureViews) {
@@ -213,7 +215,8 @@ std::string reference_style(const Evaluation& evaluation, const fs::path& pictur
     return out;
 }
 
-/// One step of all series from one view: reference, then each model and, if asked, its difference.
+/// Pictures of one step from one view: the reference, then each series' model.
+/// differences  adds the difference map of each model
 std::string strip_html(const Evaluation& evaluation, const std::string& step,
                        const std::string& view, bool differences, const fs::path& pictures) {
     std::string label, out;
@@ -227,7 +230,7 @@ std::string strip_html(const Evaluation& evaluation, const std::string& step,
             fmt::format("{}, {} dB", series_title(series), decibel_text(result->psnr_v_db)));
         if (!differences) continue;
         out += figure_html(pictures / picture_name(row, view, true), "difference",
-                           fmt::format("its difference, bias {:.3f}", result->bias));
+                           fmt::format("difference, bias of T {:.3f}", result->bias));
     }
     if (out.empty()) return "";
     return fmt::format(
@@ -239,7 +242,7 @@ std::string strip_html(const Evaluation& evaluation, const std::string& step,
 }
 
 std::string gallery_html(const Evaluation& evaluation, const fs::path& pictures) {
-    // The scale of the maps, as a gradient of a few of its colours.
+    // Colour scale of the difference maps, as a gradient of nine of its colours.
     const TransferFunction colors = named_transfer_function("coolwarm");
     std::string stops;
     for (int n = 0; n <= 8; ++n) {
@@ -247,15 +250,17 @@ std::string gallery_html(const Evaluation& evaluation, const fs::path& pictures)
         stops += fmt::format(", rgb({:.0f} {:.0f} {:.0f})", 255 * c.r, 255 * c.g, 255 * c.b);
     }
     std::string out = fmt::format(
-        "<h2>Pictures</h2>\n<p>Differences are of V, model minus reference, on one scale for all "
-        "rows:</p>\n<p class=\"scale\">−{0:.0f}/255 <i style=\"background: linear-gradient(to "
+        "<h2>Pictures</h2>\n<p>Difference maps show the opacity V of the model minus that of the "
+        "reference, on one scale for all rows:</p>\n<p class=\"scale\">−{0:.0f}/255 <i "
+        "style=\"background: linear-gradient(to "
         "right{1})\"></i> +{0:.0f}/255</p>\n",
         kMapLimit, stops);
     for (const std::string& step : steps_of(evaluation))
         out += strip_html(evaluation, step, "paper", true, pictures);
     out +=
-        "<h2>From inside</h2>\n<p>The eye half way between the centre and the face of the bounding "
-        "box, looking at the centre, 60° wide.</p>\n";
+        "<h2>Pictures from inside</h2>\n<p>The eye lies half way between the centre and the face "
+        "of "
+        "the bounding box and looks at the centre, with a field of view of 60°.</p>\n";
     for (const std::string& step : steps_of(evaluation))
         if (!step.starts_with("sigma"))
             out += strip_html(evaluation, step, "inside", false, pictures);
@@ -282,7 +287,8 @@ void write_report(const fs::path& file, const Evaluation& evaluation, const fs::
     write_beside_and_rename(file, [&](const fs::path& path) {
         std::ofstream out(path, std::ios::binary);
         out << page;
-        if (!out.flush()) throw Error(fmt::format("{}: cannot be written", file.string()));
+        if (!out.flush())
+            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
     });
 }
 

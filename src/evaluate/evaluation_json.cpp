@@ -1,4 +1,4 @@
-// evaluation_json.cpp: results as JSON. Infinite and undefined figures are null.
+// evaluation_json.cpp: evaluation results as JSON; infinite and undefined numbers are null.
 #include "evaluate/evaluation_json.h"
 
 #include <fmt/core.h>
@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kFormat = "vog evaluation 1";
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The figures of a view, by their names in the file, and what null stands for.
+/// Metrics of a view: key in the file, member, and the value that null stands for.
 struct Figure {
     const char* name;
     double ViewResult::*member;
@@ -105,7 +105,7 @@ Json to_json(const EvaluationRow& row) {
                  {"bytes", row.bytes},
                  {"mass_ratio", row.mass_ratio},
                  {"convert_ms", to_json(row.convert)}};
-    // The summary that the tables show, so that readers of the file need not derive it.
+    // Mean and worst over the views, as the tables show them.
     const Spread psnr = spread(row, &ViewResult::psnr_v_db, true);
     const Spread l2 = spread(row, &ViewResult::relative_l2, false);
     json["psnr_v_db"] = {{"mean", number(psnr.mean)}, {"worst", number(psnr.worst)}};

@@ -1,4 +1,4 @@
-// evaluation_json.h: results.json, written after every row and read to resume.
+// evaluation_json.h: results.json: written after every row, read to resume an evaluation.
 #pragma once
 
 #include <filesystem>
@@ -7,9 +7,10 @@
 
 namespace vog::evaluation {
 
+/// Writes the evaluation so far, beside the file and renamed when complete.
 void write_results(const std::filesystem::path& file, const Evaluation& evaluation);
 
-/// throws vog::Error naming the file and the key for anything but results of write_results
+/// Reads a file of write_results. throws vog::Error, with file and key, for other contents
 Evaluation read_results(const std::filesystem::path& file);
 
 }  // namespace vog::evaluation

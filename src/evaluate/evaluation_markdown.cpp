@@ -1,4 +1,4 @@
-// evaluation_markdown.cpp: results.md, the tables for reading in a terminal or a repository.
+// evaluation_markdown.cpp: results.md: the report's tables in Markdown.
 #include <fmt/core.h>
 
 #include <fstream>
@@ -43,7 +43,8 @@ void write_markdown(const std::filesystem::path& file, const Evaluation& evaluat
     write_beside_and_rename(file, [&](const std::filesystem::path& path) {
         std::ofstream out(path, std::ios::binary);
         out << text;
-        if (!out.flush()) throw Error(fmt::format("{}: cannot be written", file.string()));
+        if (!out.flush())
+            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
     });
 }
 

@@ -1,4 +1,4 @@
-// evaluation_report.cpp: the words and number formats that the Markdown and the HTML page share.
+// evaluation_report.cpp: texts and number formats shared by the Markdown and the HTML report.
 #include "evaluate/evaluation_report.h"
 
 #include <fmt/core.h>
@@ -24,8 +24,8 @@ std::vector<std::string> distinct(const Evaluation& evaluation, Member member) {
 }  // namespace
 
 std::string picture_name(const EvaluationRow* row, const std::string& view, bool difference) {
-    const std::string whose = row ? row->series + "-" + row->step : "reference";
-    return fmt::format("{}-{}{}.png", whose, view, difference ? "-difference" : "");
+    const std::string subject = row ? row->series + "-" + row->step : "reference";
+    return fmt::format("{}-{}{}.png", subject, view, difference ? "-difference" : "");
 }
 
 bool is_paper_series(const std::string& series) { return series == "mean" || series == "mass"; }
@@ -82,22 +82,22 @@ std::vector<std::string> report_facts(const Evaluation& evaluation) {
         static_cast<double>(std::max<std::uint64_t>(evaluation.bounding_voxels, 1));
     return {
         fmt::format(
-            "{}: {} active voxels ({:.1f} % of the {} in the bounding box), {} leaves, {} of "
-            "them dense, {} tiles.",
+            "{}: {} active voxels ({:.1f} % of the {} in the bounding box), {} leaves (8³ voxels), "
+            "{} of them dense (all voxels active), {} tiles.",
             evaluation.title, count_text(evaluation.active_voxels), sparse,
             count_text(evaluation.bounding_voxels), count_text(evaluation.leaves),
             count_text(evaluation.dense_leaves), count_text(evaluation.tiles)),
-        fmt::format("{}×{} pixels, {} threads of {}. Frames a second: the median time to make T on "
-                    "the processor, without loading and shading, from the view named.",
+        fmt::format("{}×{} pixels, {} threads of {}. Frames per second: 1 / median time of "
+                    "rendering the optical depth T on the CPU, without loading and shading.",
                     evaluation.width, evaluation.height, evaluation.threads, evaluation.machine),
         fmt::format(
-            "Reference: the voxels themselves, traversed exactly in a NanoVDB tree of {}. "
-            "Extinction: {}, the same for both pictures of a view. RGB figures and pictures: "
-            "{} on V = 1 - exp(-T).",
+            "Reference: the voxels, integrated exactly in a NanoVDB tree of {}. Extinction (factor "
+            "on density): {}, the same for both pictures of a view. RGB figures and pictures: "
+            "transfer function {} of the opacity V = 1 - exp(-T).",
             bytes_text(evaluation.reference_bytes),
-            evaluation.extinction == "auto"
-                ? "for each view so that the 99th percentile of the reference's non-zero T is 4"
-                : evaluation.extinction,
+            evaluation.extinction == "auto" ? "in each view the value at which the 99th percentile "
+                                              "of the reference's non-zero T is 4"
+                                            : evaluation.extinction,
             evaluation.tf),
     };
 }

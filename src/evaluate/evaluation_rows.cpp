@@ -1,4 +1,4 @@
-// evaluation_rows.cpp: what an evaluation consists of: its conversions and its views.
+// evaluation_rows.cpp: conversions and views of an evaluation.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace vog {
 
 namespace {
 
-/// From the centre of the box, where a ray of this direction leaves it: distance to the face.
+/// Distance from the centre of the box to its surface along a unit direction, world units.
 double distance_to_face(const Box& box, Vec3d direction) {
     double distance = std::numeric_limits<double>::infinity();
     const Vec3d half = 0.5 * (box.upper - box.lower);
@@ -52,7 +52,7 @@ std::vector<Conversion> paper_conversions() {
 
 std::vector<Conversion> moment_conversions() {
     std::vector<Conversion> conversions;
-    /// options_of(budget): what is asked of convert_moments.
+    /// options_of(budget)  options of convert_moments
     const auto add = [&](const char* series, const std::string& step, const std::string& label,
                          const auto& options_of) -> Conversion& {
         Conversion row{series, step, label, 0, {}};
@@ -101,7 +101,7 @@ std::vector<Conversion> all_conversions() {
 std::vector<EvaluationView> evaluation_views(const Box& box) {
     std::vector<EvaluationView> views;
     views.push_back({"paper", paper_view(box), 1, 0, {}});
-    // Sixths of a turn from the paper's azimuth on; from below, level, above and steeply above.
+    // Azimuths in steps of 60 degrees from the paper's; elevations from below to steeply above.
     const double elevations[] = {0, 0.7, -0.35, 1.2, -0.7};
     for (int n = 0; n < 5; ++n) {
         const double azimuth = kPaperAzimuthRad + (n + 1) * std::numbers::pi / 3;
@@ -113,7 +113,7 @@ std::vector<EvaluationView> evaluation_views(const Box& box) {
              {}});
     }
     // Half way from the centre to the face of the box, on the paper's line of sight; wide, so that
-    // what is beside the eye is seen too.
+    // density beside the eye is in view.
     constexpr double kInsideFovDegrees = 60;
     const Vec3d sight = normalized(views[0].camera.eye - box.center());
     const double radii = 0.5 * distance_to_face(box, sight) / box.radius();

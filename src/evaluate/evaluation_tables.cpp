@@ -1,4 +1,4 @@
-// evaluation_tables.cpp: the tables of the report, as text cells: once for Markdown and HTML.
+// evaluation_tables.cpp: tables of the report as text cells, for Markdown and HTML.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,21 +12,21 @@ namespace vog::evaluation {
 
 namespace {
 
-/// One of the paper's tables 1 to 3: which steps it shows.
+/// One of the paper's tables 1 to 3, with the steps of its rows.
 struct PaperTable {
     const char *title, *about;
     std::array<const char*, 3> steps;
 };
 constexpr PaperTable kPaperTables[] = {
     {"1. Dense leaves: block size",
-     "The block in dense leaves varies; sparse leaves by smart grouping.",
+     "The block size in dense leaves varies; sparse leaves use smart grouping.",
      {"lod1", "lod2", "lod3"}},
     {"2. Sparse leaves: strategy",
      "The strategy in sparse leaves varies; a dense leaf is one block of 8³ voxels.",
      {"lod3", "lod4", "lod5"}},
     {"3. Extent of the bounding boxes",
-     "LOD 3. A ray counts a Gaussian only if it meets the box of σ times the paper's radii around "
-     "its mean.",
+     "LOD 3. A Gaussian contributes to a ray only if the ray meets the box of σ times the paper's "
+     "radii around its mean.",
      {"sigma1", "sigma2", "sigma3"}},
 };
 constexpr const char* kLevels[] = {"lod1", "lod2", "lod3", "lod4", "lod5"};
@@ -52,7 +52,7 @@ const std::vector<std::string> kQualityColumns = {"",
                                                   "frames/s",
                                                   "convert, ms"};
 
-/// Cells of kQualityColumns for a row; of the view `paper` where nothing else is said.
+/// Cells of kQualityColumns for a row; from the view `paper` unless the column names mean or worst.
 std::vector<std::string> quality_cells(const Evaluation& evaluation, const EvaluationRow& row) {
     const ViewResult* paper = find_view(row, "paper");
     if (!paper) return {};
@@ -91,7 +91,7 @@ ReportTable quality_table(const Evaluation& evaluation, const PaperTable& paper)
             const EvaluationRow* row = find_row(evaluation, series, step);
             if (!row) continue;
             std::vector<std::string> cells = quality_cells(evaluation, *row);
-            // The paper has one amplitude: its figures stand beside that one only.
+            // The paper has one amplitude: its figures stand beside the series of that amplitude.
             const PaperFigures* figures =
                 series == "mean" ? paper_figures(evaluation, step) : nullptr;
             if (figures)
@@ -105,11 +105,12 @@ ReportTable quality_table(const Evaluation& evaluation, const PaperTable& paper)
     return table;
 }
 
-/// The paper's table 4. Both series have the same Gaussians: one set of rows.
+/// The paper's table 4. Both amplitudes have the same Gaussians, hence one set of rows.
 ReportTable count_table(const Evaluation& evaluation) {
     ReportTable table{"4. Gaussians against voxels",
-                      "The paper counts against the voxels of the bounding box; against the active "
-                      "voxels, which are what the file stores, the saving is smaller.",
+                      "The paper compares with the number of voxels in the bounding box. Compared "
+                      "with the active voxels, which are the ones that the file stores, the saving "
+                      "is smaller.",
                       {"", "Gaussians", "of active voxels", "of bounding-box voxels", "size"},
                       {},
                       0};
@@ -133,12 +134,13 @@ ReportTable count_table(const Evaluation& evaluation) {
     return table;
 }
 
-/// Uniform cells, then the adaptive cut at their counts and at the paper's.
+/// Uniform cells, then adaptive cuts with the counts of the uniform cells and of the paper.
 ReportTable moment_table(const Evaluation& evaluation) {
     ReportTable table{"5. Moments",
                       "Each Gaussian has the mass, mean and covariance of a cell of voxels. The "
-                      "adaptive cut chooses the cells for a number of Gaussians: that of the "
-                      "uniform cells above, or of the paper's recipe.",
+                      "adaptive cut chooses cells of several sizes for a given number of "
+                      "Gaussians: that of the uniform cells above, or that of the paper's "
+                      "conversion.",
                       kQualityColumns,
                       {},
                       0};
@@ -158,12 +160,12 @@ ReportTable series_table(const Evaluation& evaluation, const std::string& series
     return table;
 }
 
-/// The views, the speed of the reference in each, and how the first row of every series does.
+/// The views, with the reference's speed and the first row of every series from each.
 ReportTable view_table(const Evaluation& evaluation) {
     ReportTable table{
         "The views",
-        "V in dB of the finest level from every view: the others of the tables are of "
-        "`paper`, or the mean and the worst of all.",
+        "PSNR of V in dB of each series' finest level, from every view. The other tables show the "
+        "view `paper`, or the mean and the worst over all views.",
         {"view", "covered", "extinction", "reference, frames/s"},
         {},
         0};

@@ -1,4 +1,4 @@
-// paper_figures.cpp: the column "smoke" of the paper's tables 1 to 4.
+// paper_figures.cpp: the paper's tables 1 to 4, column "smoke".
 #include "evaluate/paper_figures.h"
 
 namespace vog::evaluation {
@@ -12,7 +12,8 @@ constexpr PaperFigures kSmoke[] = {
     {"sigma2", 22.00, 285, "868 K", ""},       {"sigma3", 19.23, 254, "868 K", ""},
 };
 
-/// The paper's smoke is OpenVDB's sample "smoke1": told by its counts, whatever the file is called.
+/// Whether the data is the paper's smoke, OpenVDB's sample "smoke1": identified by its counts, as the
+/// file may have any name.
 bool is_smoke(const Evaluation& evaluation) {
     return evaluation.active_voxels == 1049275 && evaluation.leaves == 3117;
 }

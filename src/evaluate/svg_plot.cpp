@@ -26,7 +26,7 @@ struct Axis {
     std::vector<double> ticks;
 };
 
-/// Ticks of 1, 2 or 5 times a power of ten, at most six, around [low, high].
+/// At most six ticks at 1, 2 or 5 times a power of ten that cover [low, high].
 Axis round_axis(double low, double high) {
     if (!(high > low)) {
         const double pad = std::max(std::abs(high) * 0.1, 1e-9);
@@ -46,7 +46,7 @@ Axis round_axis(double low, double high) {
     return axis;
 }
 
-/// Ticks at powers of ten, and at 2 and 5 times them where these are few. In log10.
+/// Ticks at powers of ten, and at 2 and 5 times them where those are few; as log10.
 Axis log_axis(double low, double high) {
     Axis axis{std::log10(low), std::log10(high), {}};
     const double pad = std::max(0.04 * (axis.high - axis.low), 0.05);
@@ -62,7 +62,7 @@ Axis log_axis(double low, double high) {
     return axis;
 }
 
-/// 20000 -> "20 k".
+/// Tick label: 20000 -> "20 k".
 std::string short_number(double value) {
     const char* units[] = {"", " k", " M", " G", " T"};
     std::size_t unit = 0;
@@ -75,7 +75,7 @@ bool drawable(const Plot& plot, const PlotPoint& point) {
            (!plot.log_y || point.y > 0);
 }
 
-/// Plot coordinates to picture coordinates.
+/// Map from plot coordinates to SVG coordinates.
 struct Frame {
     Axis x, y;
     double top = 0;
@@ -91,13 +91,14 @@ struct Frame {
     }
 };
 
-/// Legend entries flow into lines; this is where each begins.
+/// Positions of the legend's entries, which are wrapped into lines.
 struct LegendEntry {
     double x = 0;
     int line = 0;
 };
 std::vector<LegendEntry> legend_of(const Plot& plot) {
-    constexpr double kCharacter = 6.2, kSample = 28, kGap = 14;  // at 12 pixels, on the wide side
+    constexpr double kCharacter = 6.2, kSample = 28,
+                     kGap = 14;  // of a character at 12 pixels, rounded up
     std::vector<LegendEntry> entries;
     LegendEntry at{kLeft, 0};
     for (const PlotSeries& series : plot.series) {
@@ -154,7 +155,7 @@ std::string axes(const Plot& plot, const Frame& frame) {
         out += text(x, bottom + 17, "middle", short_number(value));
     }
     for (std::size_t n = 0; n < plot.categories.size(); ++n) {
-        // Two lines: what comes after '|' stands below.
+        // '|' separates two lines.
         const std::string& name = plot.categories[n];
         const std::size_t bar = name.find('|');
         const double x = frame.px(static_cast<double>(n));

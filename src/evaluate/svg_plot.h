@@ -1,4 +1,4 @@
-// svg_plot.h: line plots as SVG, for pages that need no scripts. Text sizes suit a phone's width.
+// svg_plot.h: line plots as SVG, for pages without scripts; legible at the width of a phone.
 #pragma once
 
 #include <string>
@@ -8,24 +8,25 @@ namespace vog::evaluation {
 
 struct PlotPoint {
     double x = 0, y = 0;
-    std::string tooltip;  ///< shown when the pointer rests on it
+    std::string tooltip;  ///< shown while the pointer is over the point
 };
 
 struct PlotSeries {
     std::string name;
-    std::vector<PlotPoint> points;  ///< drawn in order; one that is not finite breaks the line
-    bool dashed = false;            ///< figures of others
+    std::vector<PlotPoint> points;  ///< in drawing order; a non-finite one interrupts the line
+    bool dashed = false;            ///< drawn dashed: figures from other sources
 };
 
 struct Plot {
     std::string title, x_label, y_label;
-    std::vector<std::string> categories;  ///< names of x = 0, 1, ...; empty: x is a number
+    std::vector<std::string> categories;  ///< labels of x = 0, 1, ...; empty: a numeric axis
     bool log_x = false, log_y = false;
     std::vector<PlotSeries> series;  ///< at most six
     bool lines = true;               ///< join the points of a series
 };
 
-/// An <svg> element, coloured for colour-blind eyes, with axes, round ticks and a legend.
+/// The plot as an <svg> element, with axes, ticks at round values, a legend, and colours that
+/// colour-blind readers can tell apart.
 std::string svg(const Plot& plot);
 
 }  // namespace vog::evaluation

@@ -1,4 +1,4 @@
-// evaluate_test.cpp: the evaluation's rows and views, its files, and going on after a break.
+// evaluate_test.cpp: rows, views and files of an evaluation, and its resumption.
 #include "vog/evaluate.h"
 
 #include <gtest/gtest.h>

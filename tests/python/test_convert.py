@@ -78,7 +78,7 @@ def test_report_and_progress_are_told(cloud):
     report, fractions = {}, []
     model = vog.convert(cloud, error=0.1, progress=fractions.append, report=report)
     assert 0 < report["measured_error"] <= 0.1 and report["mass_ratio"] == pytest.approx(1, abs=1e-5)
-    assert report["stage_ms"]["search"] > 0 and f"{report['measured_error']:.4g}" in model.reached
+    assert report["stage_ms"]["search"] > 0 and f"{report['measured_error']:.4g}" in model.summary
     assert fractions and all(0 <= f <= 1 for f in fractions) and fractions == sorted(fractions)
     vog.convert(cloud, block=4, report=report)
     assert report["measured_error"] is None
