@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""Prints a Markdown table of each evaluation, as docs/evaluation.md holds them.
+"""Prints one Markdown table per evaluation, in the form of docs/evaluation.md.
 
-usage: bench/evaluation_table.py [--all] FOLDER...      folders that vog evaluate wrote
---all: every row; else the paper's finest and coarsest levels, and moments at the counts of 2, 4 and 8 voxels
+usage: bench/evaluation_table.py [--all] FOLDER...      output folders of vog evaluate
+--all: prints every row; default: the paper's finest and coarsest levels, and moments with the counts of
+2, 4 and 8 voxels
 """
 import json
 import pathlib

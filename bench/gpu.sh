@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# The GPU renderers, checked and then timed: one table on standard output, one JSON file.
-# bench/gpu.sh [FOLDER, default gpu-data] [OUT.json, default gpu-bench.json]; needs what
-# tests/gpu/run.sh needs.
+# Checks, then times the GPU renderers: a table on standard output and a JSON file.
+# usage: bench/gpu.sh [FOLDER, default gpu-data] [OUT.json, default gpu-bench.json]
+# Requirements: those of tests/gpu/run.sh.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Strong and weak scaling of vog-mpi, one thread a rank: bench/mpi.sh [folder for data] [largest size].
-# On a machine that is not idle, at real-time priority: chrt -r 5 bench/mpi.sh. Prints a table in Markdown:
-# median of three runs, load apart. Models and T of every run are held to those of one rank.
+# Strong and weak scaling of vog-mpi with one thread per rank, as Markdown tables of median times of three
+# runs. Fails unless models and T of every run equal those of one rank.
+# usage: bench/mpi.sh [FOLDER for data] [SIZE, largest]
+# On a machine with other load: chrt -r 5 bench/mpi.sh (real-time priority).
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,13 +14,13 @@ export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 run() { mpirun --oversubscribe -n "$1" "$vog_mpi" "${@:2}" --threads 1 --json; }
 sample() { [[ -f $1.vdb ]] || "$vog" sample cloud "$1.vdb" --size "$1"; }
 
-# value JSON KEY...: a number of a report
+# value FILE KEY...: one number of a JSON report
 value() { python3 -c 'import json, sys
 at = json.load(open(sys.argv[1]))
 for key in sys.argv[2:]: at = at[key]
 print(at)' "$@"; }
 
-measure() {  # ranks, volume: times in ms of load, convert, save and render
+measure() {  # ranks, volume; prints a row: times of load, convert, save and render, ms
     local ranks=$1 volume=$2 n
     for n in 1 2 3; do
         run "$ranks" convert "$volume.vdb" -o "m$ranks.ply" --block 4 --no-hierarchy >"c$n.json"
@@ -31,7 +32,7 @@ measure() {  # ranks, volume: times in ms of load, convert, save and render
     rm -f ./*.ms
 }
 
-echo "cloud $size, strong scaling; ms of the first rank"
+echo "Strong scaling, cloud of size $size; times of the root rank in ms"
 echo '| ranks | size | active voxels | load | convert | save | render |'
 echo '|---|---|---|---|---|---|---|'
 sample "$size"
@@ -44,11 +45,11 @@ for ranks in 1 2 4; do
         { echo "T of $ranks ranks differs" >&2; exit 1; }
 done
 echo
-echo 'weak scaling: as many voxels a rank'
+echo 'Weak scaling: equal voxels per rank; times of the root rank in ms'
 echo '| ranks | size | active voxels | load | convert | save | render |'
 echo '|---|---|---|---|---|---|---|'
 for ranks in 1 2 4; do
-    # The voxels of a cloud grow with the cube of its size.
+    # The number of voxels grows with the cube of the size.
     edge=$(python3 -c 'import sys; print(round(int(sys.argv[1]) * (int(sys.argv[2]) / 4) ** (1 / 3) / 8) * 8)' "$size" "$ranks")
     sample "$edge"
     measure "$ranks" "$edge"

@@ -1,8 +1,8 @@
 #!/bin/sh
-# quality.sh: the table of docs/moments.md, through the command line: each volume converted by uniform
-# cells and by budgets, its T at 512x512 from the paper's view held against the exact one.
+# quality.sh: the table of docs/moments.md: every volume converted by uniform cells and by budgets, its T at
+# 512x512 in the paper view measured against that of the voxels.
 #
-# usage: bench/quality.sh VOG DATA_FOLDER [OPTION...]     further options go to every --budget
+# usage: bench/quality.sh VOG DATA_FOLDER [OPTION...]     further options are passed to every --budget
 set -eu
 if [ $# -lt 2 ]; then
     echo "usage: $0 VOG DATA_FOLDER [OPTION...]" >&2

@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
-# Runs every bench in one go, prints one table with ratios made in this run, and writes the tables of
-# docs/performance.md. Keep the machine otherwise idle.
-# --quick: a small picture of everything in under two minutes; docs stay as they are. Fails on a wrong
-# picture or model, never on a time.
+# Runs all benches, prints tables with ratios within this run, and writes them to docs/performance.md. Needs an
+# otherwise idle machine. Fails on a wrong picture or model, never on a time.
+# --quick: small sizes, under two minutes; docs are not changed.
 #
 # usage: bench/run.sh [--quick] [BUILD_FOLDER]     default: build/release
 set -euo pipefail
@@ -18,7 +17,7 @@ results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
 commit=$(git describe --always --dirty 2>/dev/null || echo unknown)
 
-bench() {  # name, arguments: JSON to $results/name.json
+bench() {  # name, arguments; writes $results/name.json
     local name=$1
     shift
     echo "bench: $name" >&2
@@ -46,7 +45,7 @@ else
     bench lod --benchmark_filter='size:(128|256|512)/'
 fi
 
-# Other people's renderers, where they are installed.
+# Other renderers, where installed.
 data=${VOG_DATA:-../shared/data}
 if [[ ${#quick[@]} -gt 0 ]]; then
     :

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Tables of one bench run: printed, and written between the markers of docs/performance.md.
+"""Prints the tables of one bench run and writes them between the markers of docs/performance.md.
 
 usage: bench/tables.py [--quick] RESULTS_FOLDER docs/performance.md
 
---quick prints only. Exits with 1 if a bench found its picture or model wrong.
+--quick: prints only. Exits with 1 if a bench reports a wrong picture or model.
 """
 import json
 import pathlib
@@ -54,8 +54,8 @@ def table(head, rows):
 
 
 def splat_tables(runs, verified):
-    """verified: reference_bench's runs, whose time counts where it has this size: it checks its picture
-    and warms up; the same call as the first of splat_bench has been seen to take twice as long."""
+    """Tables of splat_bench. verified: runs of reference_bench, whose time is used where it has this size: it
+    checks its picture and warms up; the first call of splat_bench was measured to take twice as long."""
     reference = runs.matching("reference/")[0]
     size = reference.split("/")[1]
     same = f"render/constant/size:{size.split('x')[0]}/threads:0"
@@ -82,16 +82,16 @@ def splat_tables(runs, verified):
                "(min / median / max).\n\n" +
                table(("model", "Gaussians", "splat, ms: min / median / max", "faster than the reference",
                       "two threads over one", "rows of 16 px", "ns per row, one thread"), rows))
-    out.append(f"One thread, {size}: median ms, and how many times faster than one lane.\n\n" +
+    out.append(f"One thread, {size}: median ms, and the speedup over one SIMD lane.\n\n" +
                table(["model"] + targets, speedups))
     scales = [name for name in runs.matching("splat/") if name.endswith("threads:0") and
               (f"/{size}/" not in name or "/screen/" in name)]
-    out.append("Every scale, all threads.\n\n" + table(
+    out.append("All scenes, all threads.\n\n" + table(
         ("model", "size", "Gaussians", "splats", "rows of 16 px", "ms: min / median / max", "peak MiB"),
         [(name.split("/")[1], name.split("/")[3], f"{runs.field(name, 'gaussians'):,.0f}",
           f"{runs.field(name, 'splats'):,.0f}", f"{runs.field(name, 'rows'):,.0f}", runs.spread(name),
           f"{runs.field(name, 'peak_mib'):.0f}") for name in scales]))
-    out.append("The stages alone, one thread: projection of block2, and the inner loop in the first "
+    out.append("Single stages, one thread: projection of block2, and the inner loop with data in the first-level "
                "cache.\n\n" + table(
                    ("target", "ns per Gaussian projected", "ns per row of 16 px"),
                    [(target,) + tuple(f"{1e9 / runs.field(f'{stage}/{target}', 'items_per_second'):.2f}"
@@ -144,10 +144,10 @@ def main():
                               ("trace", "The ray tracer, 1024x1024.", "items_per_second"),
                               ("convert", "The paper's conversion, without reading the file.", "items_per_second"),
                               ("moments", "Moments, without reading the file.", "items_per_second"),
-                              ("io", "Files, from the system's cache.", "bytes_per_second"),
+                              ("io", "Files, cached by the operating system.", "bytes_per_second"),
                               ("points", "A million particles (`points_bench` alone: also 10 million).",
                                "items_per_second"),
-                              ("lod", "Ever finer clouds, and cuts through their hierarchy "
+                              ("lod", "Clouds of increasing size, and level-of-detail cuts through their hierarchies "
                                       "([scaling.md](scaling.md)).", "items_per_second")):
         tables.append(plain_table(title, Runs(results / f"{name}.json"), rate))
     text = (f"`bench/run.sh` at commit {context['commit']}: {cpu_name()}, {context['num_cpus']} cores; "

@@ -1,8 +1,8 @@
 #!/bin/sh
-# vdb_render.sh: the reference renderer beside OpenVDB's own vdb_render, same volume, view and size,
-# one after the other in one run, with one thread and with all. Loading and writing are left out.
-# vdb_render also shades: it marches a shadow ray from every sample of density, and stops where
-# nothing shines through. The reference integrates every voxel exactly and does not shade.
+# vdb_render.sh: times of the reference renderer and of OpenVDB's vdb_render, with the same volume, view and
+# size, in one run, with one thread and with all; without loading and writing. vdb_render also shades: it
+# marches a shadow ray from every sample and stops rays of low transmittance. The reference integrates every
+# voxel exactly and does not shade.
 #
 # usage: bench/vdb_render.sh BUILD_FOLDER VOLUME.vdb [GRID]
 set -eu

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""VTK's CPU volume mapper (vtkFixedPointVolumeRayCastMapper) on the dense array of a VDB grid.
+"""Times VTK's CPU volume mapper (vtkFixedPointVolumeRayCastMapper) on the dense array of a VDB grid.
 
 usage: xvfb-run -a bench/vtk_render.py VOLUME.vdb GRID CAMERA.json SIZE [PICTURE.png]
 
-CAMERA.json is what `vog render --save-camera` writes. Prints one JSON object: render_ms {min, median,
-max} of 5 frames after a warm-up, loading apart. The mapper samples once a voxel, interpolates, maps
-values to colour and opacity, composites front to back and stops where a pixel is opaque; it needs a
-window for the last copy, which is in the time. Debian: python3-vtk9 python3-openvdb xvfb.
+CAMERA.json is a file of `vog render --save-camera`. Prints one JSON object: render_ms {min, median, max}
+of 5 frames after a warm-up, without loading. The mapper takes one sample per voxel edge, interpolates,
+maps values to colour and opacity, composites front to back and stops at opaque pixels. The time includes
+its final copy to a window. Debian: python3-vtk9 python3-openvdb xvfb.
 """
 import json
 import os
@@ -16,8 +16,8 @@ import time
 
 import numpy
 import pyopenvdb
-import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  the window's implementation
-import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401  the copy to the window
+import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  implements the window
+import vtkmodules.vtkRenderingVolumeOpenGL2  # noqa: F401  implements the copy to it
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPiecewiseFunction
 from vtkmodules.vtkRenderingCore import (vtkColorTransferFunction, vtkRenderer, vtkRenderWindow,
@@ -26,7 +26,8 @@ from vtkmodules.vtkRenderingVolume import vtkFixedPointVolumeRayCastMapper
 
 
 def dense_image(path, name):
-    """The grid's active box as vtkImageData in world units. Uniform voxels only."""
+    """The grid's active bounding box as vtkImageData in world units, for cubic voxels. Also returns the
+    largest value and the edge of a voxel."""
     grid = pyopenvdb.read(path, name)
     low, high = grid.evalActiveVoxelBoundingBox()
     shape = [b - a + 1 for a, b in zip(low, high)]
@@ -87,7 +88,7 @@ def main():
     grab = vtkWindowToImageFilter()
     grab.SetInput(window)
     grab.Update()
-    # A black picture has been rendered fast, and wrong.
+    # A black picture would be a wrong one, rendered fast.
     covered = grab.GetOutput().GetScalarRange()[1]
     if covered < 16:
         sys.exit("vtk_render: the picture is black")

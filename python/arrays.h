@@ -14,7 +14,8 @@ namespace vog::python {
 
 /// An array-like of real numbers as an array of its own dtype.
 /// name    of the argument, for errors
-/// throws  vog::Error for text, objects, complex numbers, and masked arrays, whose mask would be lost
+/// throws  vog::Error for text, objects, complex numbers, and masked arrays, whose mask would be
+///         lost
 py::array numbers_of(const py::handle& data, const std::string& name);
 /// [N, columns] of float or double, contiguous; copied only if it is not that already.
 template <class Scalar>

@@ -16,8 +16,8 @@ namespace {
 
 using Model = std::shared_ptr<Gaussians>;
 
-/// Keyword arguments of convert(); None: not given. An option without effect on the conversion is an
-/// error.
+/// Keyword arguments of convert(); None: not given. An option without effect on the conversion is
+/// an error.
 class Options {
   public:
     explicit Options(py::dict given) : given_(std::move(given)) {}

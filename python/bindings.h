@@ -1,5 +1,5 @@
-// bindings.h: shared declarations of the Python module. Bindings check types and shapes of arguments and
-// call the library; they compute nothing.
+// bindings.h: shared declarations of the Python module. Bindings check types and shapes of
+// arguments and call the library; they compute nothing.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -59,8 +59,8 @@ bool on_main_thread();
 /// Runs Python's signal handlers. throws the exception that a handler raises
 void run_signal_handlers();
 
-/// Calls work() without the interpreter lock, so that other Python threads run meanwhile. On the main
-/// thread, Ctrl-C interrupts the call.
+/// Calls work() without the interpreter lock, so that other Python threads run meanwhile. On the
+/// main thread, Ctrl-C interrupts the call.
 template <class Work>
 auto unlocked(const Work& work) {
     const bool interruptible = on_main_thread();
@@ -71,8 +71,8 @@ auto unlocked(const Work& work) {
     return work();
 }
 
-/// Progress callback that calls a Python callable with the finished fraction; None: no callback. The
-/// caller keeps the callable alive.
+/// Progress callback that calls a Python callable with the finished fraction; None: no callback.
+/// The caller keeps the callable alive.
 Progress progress_of(const py::object& callable);
 
 /// Issues a Python UserWarning for each text.
@@ -96,8 +96,8 @@ std::string short_text(double number);
 std::pair<int, int> size_of(const py::object& size);
 /// A number; none for "auto". throws vog::Error for other objects
 std::optional<double> extinction_of(const py::object& extinction);
-/// Transfer function from a TransferFunction, a name, a JSON file, a Matplotlib colour map, or colours
-/// [N, 3 or 4]. throws TypeError for other objects
+/// Transfer function from a TransferFunction, a name, a JSON file, a Matplotlib colour map, or
+/// colours [N, 3 or 4]. throws TypeError for other objects
 TransferFunction transfer_function_of(const py::object& tf);
 
 /// Colour from (r, g, b) or (r, g, b, a) in [0, 1], or a name.

@@ -1,4 +1,5 @@
-// module.cpp: the module vog._vog: errors, signals, threads, and the bindings in the order of the data.
+// module.cpp: the module vog._vog: errors, signals, threads, and the bindings in the order of the
+// data.
 #include <cstdio>
 #include <vector>
 

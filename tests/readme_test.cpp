@@ -1,5 +1,4 @@
-// readme_test.cpp: every snippet of the README runs: its command lines here, its C++ as the
-// consumer.
+// readme_test.cpp: every snippet of the README runs: command lines here, C++ in tests/consumer.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -19,7 +18,7 @@ std::string source_text(const std::string& file) {
     return text.str();
 }
 
-/// The fenced blocks of one language, without their fences.
+/// Contents of the fenced code blocks of one language.
 std::vector<std::string> blocks(const std::string& markdown, const std::string& language) {
     std::vector<std::string> all;
     const std::string fence = "```" + language + "\n";

@@ -24,14 +24,14 @@ struct VolumesPart {
 
     bool is_mesh() const { return overlap == Overlap::hide; }
 };
-/// Reads this rank's part; parts are aligned to cubes of `align_voxels`. Notes about replaced values
-/// go to the root's standard error.
+/// Reads this rank's part; parts are aligned to cubes of `align_voxels`. Notes about replaced
+/// values go to the root's standard error.
 VolumesPart read_volumes_part(const std::vector<std::string>& files,
                               const cli::VolumeInputOptions& options, const Ranks& ranks,
                               int align_voxels = kLeafEdge);
 
-/// This rank's part of the particles, one Gaussian each, with the box of the whole. Every rank reads
-/// all particles, as adaptive widths depend on neighbours.
+/// This rank's part of the particles, one Gaussian each, with the box of the whole. Every rank
+/// reads all particles, as adaptive widths depend on neighbours.
 Gaussians read_particles_part(const std::vector<std::string>& files,
                               const cli::PointInputOptions& options, const std::string& grid,
                               const Ranks& ranks);

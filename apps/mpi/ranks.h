@@ -2,9 +2,9 @@
 //
 // A rank that throws must not leave the others blocked in a collective call. Every operation here
 // therefore begins with agree(): the ranks exchange their exit codes, and if one has failed, all
-// throw its message. A rank that throws elsewhere unwinds to main(), whose last call is agree() too,
-// and so meets the others there, whichever operation they were about to begin. The one condition
-// for callers: all ranks make the same operations in the same order.
+// throw its message. A rank that throws elsewhere unwinds to main(), whose last call is agree()
+// too, and so meets the others there, whichever operation they were about to begin. The one
+// condition for callers: all ranks make the same operations in the same order.
 #pragma once
 
 #include <cstddef>

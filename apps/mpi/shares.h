@@ -11,8 +11,8 @@
 
 namespace vog::mpi {
 
-/// Files assigned to this rank where each goes whole to one rank: greedy by size, the largest first,
-/// to the rank with the fewest bytes so far.
+/// Files assigned to this rank where each goes whole to one rank: greedy by size, the largest
+/// first, to the rank with the fewest bytes so far.
 /// returns  one flag per file
 std::vector<bool> whole_files_of(std::span<const std::string> files, const Ranks& ranks);
 

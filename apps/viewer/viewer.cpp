@@ -70,8 +70,8 @@ class Program {
           session_(options.read) {
         if (!options.script.empty()) script_.emplace(options.script);
         session_.settings.scale = options.scale;
-        // On software OpenGL the CPU splat is about fifty times as fast. Scripts start with OpenGL on
-        // every machine.
+        // On software OpenGL the CPU splat is about fifty times as fast. Scripts start with OpenGL
+        // on every machine.
         if (options.script.empty() && is_software_gl())
             session_.settings.renderer = Renderer::splat;
         session_.look = options.look;
@@ -95,8 +95,8 @@ class Program {
   private:
     /// Rebuilds style and font for another scale of the user interface.
     void fit_ui(PixelSize size, float points_scale) {
-        // Scale of the display; on large frames at least 0.5 per 540 rows, so that text stays legible
-        // where the display does not report its density.
+        // Scale of the display; on large frames at least 0.5 per 540 rows, so that text stays
+        // legible where the display does not report its density.
         const double by_rows = std::clamp(std::floor(size.height / 540.0) / 2, 1.0, 3.0);
         const double pixels =
             options_.ui_scale > 0 ? options_.ui_scale : std::max(screen_->content_scale(), by_rows);

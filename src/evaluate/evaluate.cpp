@@ -1,4 +1,5 @@
-// evaluate.cpp: evaluation of conversions: reference images, then convert, render and compare row by row.
+// evaluate.cpp: evaluation of conversions: reference images, then convert, render and compare row
+// by row.
 #include "vog/evaluate.h"
 
 #include <fmt/core.h>
@@ -65,7 +66,7 @@ struct References {
 /// One evaluation: its references, its rows and its files.
 class Run {
   public:
-    /// levels  levels of a mesh with these volumes; null: the volumes' densities add up
+    /// levels: those whose volumes these are, or null: volumes that add up
     Run(std::span<const Volume> volumes, const Levels* levels, fs::path folder,
         const EvaluateOptions& options)
         : volumes_(volumes),
@@ -306,7 +307,7 @@ class Run {
         return result;
     }
 
-    std::span<const Volume> volumes_;  ///< volumes to convert; for levels the parts of mesh_
+    std::span<const Volume> volumes_;  ///< what is converted; of levels, the parts of mesh_
     const Levels* levels_;
     Composite mesh_;
     fs::path folder_;

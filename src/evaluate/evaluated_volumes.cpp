@@ -37,7 +37,8 @@ std::uint64_t box_voxels(const Volume& volume, const Collective& collective) {
         for (int n = 0; n < kLeafVoxels; ++n)
             if (leaf.active(n)) include(leaf.origin, n >> 6, n >> 3 & 7, n & 7, 1);
     for (const Tile& tile : volume.tiles) include(tile.origin, 0, 0, 0, tile.edge);
-    // Indices are exact in doubles, except for the limits of an empty part, which change no maximum.
+    // Indices are exact in doubles, except for the limits of an empty part, which change no
+    // maximum.
     std::array<double, 6> bounds;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         bounds[axis] = -static_cast<double>(lower[axis]);

@@ -1,4 +1,5 @@
-// evaluated_volumes.h: statistics of the evaluated data: voxels, boxes, mass; summed over processes.
+// evaluated_volumes.h: statistics of the evaluated data: voxels, boxes, mass; summed over
+// processes.
 #pragma once
 
 #include <cstdint>

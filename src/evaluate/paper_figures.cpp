@@ -12,8 +12,8 @@ constexpr PaperFigures kSmoke[] = {
     {"sigma2", 22.00, 285, "868 K", ""},       {"sigma3", 19.23, 254, "868 K", ""},
 };
 
-/// Whether the data is the paper's smoke, OpenVDB's sample "smoke1": identified by its counts, as the
-/// file may have any name.
+/// Whether the data is the paper's smoke, OpenVDB's sample "smoke1": identified by its counts, as
+/// the file may have any name.
 bool is_smoke(const Evaluation& evaluation) {
     return evaluation.active_voxels == 1049275 && evaluation.leaves == 3117;
 }

@@ -1,4 +1,4 @@
-// command_line_test.cpp: the command as a user runs it: exit codes, outputs, one clear line for every error.
+// command_line_test.cpp: the vog command as a user runs it: exit codes, outputs, one-line errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -73,7 +73,7 @@ TEST_F(cli, views_agree_however_they_are_given) {
     EXPECT_EQ(picture, read_text(dir_ / "eye.png"));
 }
 
-TEST_F(cli, json_is_all_there_is_on_standard_output) {
+TEST_F(cli, json_is_the_only_standard_output) {
     must("sample cloud c.vdb --size 64");
     const auto info = nlohmann::json::parse(must("info c.vdb --json").out);
     EXPECT_EQ(info["files"][0]["grids"][0]["name"], "density");
@@ -85,7 +85,7 @@ TEST_F(cli, json_is_all_there_is_on_standard_output) {
     EXPECT_EQ(timing["render_ms"]["repeats"], 3);
 }
 
-TEST_F(cli, particles_are_told_converted_and_rendered) {
+TEST_F(cli, particles_are_listed_converted_and_rendered) {
     std::string text = "x,y,z,vx,vy,vz,mass\n";
     for (int n = 0; n < 500; ++n)
         text += std::to_string(n % 7) + "," + std::to_string(n % 11) + "," +
@@ -107,7 +107,7 @@ TEST_F(cli, particles_are_told_converted_and_rendered) {
     must("convert p.csv -o paper.ply --method paper --radius 0.5 --kappa 0.1");
     EXPECT_EQ(read_ply(dir_ / "paper.ply").size(), 500u);
 
-    // Rendered as they are: the picture of one Gaussian each.
+    // Particles render like their model of one Gaussian each.
     must("render p.csv -o p.png --value mass --size 48");
     must("render p.ply -o q.png --size 48");
     EXPECT_EQ(read_text(dir_ / "p.png"), read_text(dir_ / "q.png"));
@@ -115,7 +115,7 @@ TEST_F(cli, particles_are_told_converted_and_rendered) {
     must("convert p.xyz p.csv -o both.ply");
     EXPECT_EQ(read_ply(dir_ / "both.ply").size(), 1000u);
 
-    // Through a PointDataGrid the same particles come back in another order.
+    // A PointDataGrid holds the same particles in another order.
     must("convert p.csv -o p.vdb");
     EXPECT_EQ(
         nlohmann::json::parse(must("info p.vdb --json").out)["files"][0]["grids"][0]["points"],
@@ -215,7 +215,7 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
         must("render m.ply --depth-out model.exr --size 48 --extinction 5");
         EXPECT_NEAR(mean("model.exr") / mean("levels.exr"), 1, 0.01) << method;
     }
-    // A mask by name: the levels are their own masks here, but for the coarsest.
+    // Masks by name: here the levels themselves.
     must(
         "render amr.vdb --grid 'density_L*' --mask 'density_L*' --depth-out masked.exr --size 48 "
         "--extinction 5");
@@ -223,7 +223,7 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
     must("evaluate amr.vdb --grid 'density_L*' -o report --size 32 --repeat 1");
 }
 
-TEST_F(cli, levels_that_cannot_be_are_refused) {
+TEST_F(cli, invalid_levels_are_refused) {
     must("sample amr amr.vdb --size 64");
     must_fail(1, "render amr.vdb -o p.png", "3 scalar grids");
     must_fail(1, "render amr.vdb --grid 'rho*' -o p.png", "no grid matches 'rho*'");
@@ -256,7 +256,7 @@ TEST_F(cli, traces_the_picture_it_splats) {
         "--extinction 100 -o early.png");
 }
 
-TEST_F(cli, a_renderer_that_cannot_be_here_says_why_in_one_line) {
+TEST_F(cli, an_absent_renderer_fails_with_one_line) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply");
     for (const std::string what : {"cloud.ply --renderer cuda", "cloud.ply --renderer optix",
@@ -283,7 +283,7 @@ TEST_F(cli, views_from_afar_draw_coarser_gaussians) {
         return nlohmann::json::parse(must("render " + options + " -o a.png --json").out)["cut"];
     };
     const std::size_t all = facts["gaussians"];
-    // Voxels of 10 pixels, then of a quarter of one.
+    // A voxel covers 10 pixels, then a quarter of one.
     EXPECT_EQ(cut("cloud.ply --size 1024")["gaussians"], all);
     const auto small = cut("cloud.ply --size 24");
     EXPECT_LT(small["drawn"], all / 20);
@@ -291,7 +291,7 @@ TEST_F(cli, views_from_afar_draw_coarser_gaussians) {
     EXPECT_EQ(cut("cloud.ply --size 24 --pixel-error 0")["drawn"], all);
     EXPECT_TRUE(cut("plain.ply --size 24").is_null());
     EXPECT_EQ(cut("plain.ply --size 24 --pixel-error 4")["drawn"].get<std::size_t>() < all, true);
-    // A kernel cut further out reaches further: what is left out must still be out of sight.
+    // A smaller kappa widens the supports: Gaussians outside the view must still not overlap it.
     const std::string close = " --size 64 --fov 3 --kappa 0.001 -o ";
     must("render cloud.ply --pixel-error 0" + close + "cut.png");
     must("render plain.ply" + close + "plain.png");

@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A ball of 16 voxels in three sizes of leaf: some dense, most partly filled.
+/// A ball of 16 voxels: some leaves dense, most partly filled.
 Volume ball() {
     Volume volume;
     volume.name = "density";
@@ -123,7 +123,7 @@ TEST(evaluate, adaptive_rows_keep_to_the_count_of_the_row_they_are_held_against)
         EXPECT_GT(adaptive->gaussians, uniform->gaussians / 2) << step;
         EXPECT_NEAR(uniform->mass_ratio, 1, 1e-3) << step;
     }
-    // A budget taken from a row that is not there.
+    // A budget that refers to a missing row.
     options.conversions = {moment_conversions()[4]};
     EXPECT_THROW((void)evaluate(volumes, dir / "none", options), Error);
 }
@@ -138,7 +138,7 @@ TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
     std::erase_if(options.conversions, [](const Conversion& c) { return c.step != "block4"; });
     const Evaluation evaluation = evaluate(levels, dir / "out", options);
     EXPECT_EQ(evaluation.active_voxels, data.voxels);
-    // Levels are cut under one budget, which parts converted apart would not give these counts.
+    // All levels share one budget: separate conversions would give other counts.
     MomentOptions uniform;
     uniform.block_voxels = 4;
     const std::size_t cells = convert_moments(data, uniform).size();
@@ -147,7 +147,7 @@ TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
     EXPECT_EQ(find_row(evaluation, "uniform", "block4")->gaussians, cells);
     EXPECT_EQ(find_row(evaluation, "adaptive", "block4")->gaussians,
               convert_moments(data, adaptive).size());
-    // The extinction comes from the reference: that of the levels, each piece of a ray once.
+    // The extinction is the reference's, in which every piece of a ray belongs to one level.
     const EvaluationView& paper = evaluation.views.front();
     const DepthImage depth =
         render_reference(level_grids(levels), paper.camera, options.width, options.height);
@@ -156,7 +156,7 @@ TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
         EXPECT_NEAR(row.mass_ratio, 1, 1e-3) << row.series;
         EXPECT_GT(find_view(row, "paper")->psnr_v_db, 25) << row.series;
     }
-    // Masks that hide everything leave nothing to evaluate.
+    // Masks without an active voxel inside are an error.
     levels.masks.resize(levels.volumes.size());
     for (std::size_t n = 0; n < levels.masks.size(); ++n)
         levels.masks[n].world_from_index = levels.volumes[n].world_from_index;
@@ -175,7 +175,7 @@ TEST(evaluate, results_hold_every_row_and_view_and_the_pages_stand_alone) {
             EXPECT_GT(view.render.median_ms, 0);
         }
     }
-    // Mass is conserved where it is asked for, and the paper's amplitude loses some.
+    // Amplitude `mass` conserves the mass; the paper's `mean` loses some.
     EXPECT_NEAR(find_row(evaluation, "mass", "lod1")->mass_ratio, 1, 1e-4);
     EXPECT_LT(find_row(evaluation, "mean", "lod1")->mass_ratio, 0.8);
     EXPECT_NEAR(find_view(*find_row(evaluation, "mass", "lod1"), "paper")->bias, 1, 0.02);
@@ -213,7 +213,7 @@ TEST(evaluate, finished_rows_are_kept_when_interrupted_and_not_made_again) {
     const std::vector<Volume> volumes = {ball()};
     EvaluateOptions options = quick();
     options.conversions.resize(3);
-    // The third conversion fails, as a user would interrupt it.
+    // The third conversion fails, as if interrupted.
     const auto third = options.conversions[2].convert;
     options.conversions[2].convert = [](const Volume&, std::size_t) -> Gaussians {
         throw Error("stop");

@@ -1,4 +1,4 @@
-// enzo_test.cpp: the paper's AMR data: from what Enzo wrote to levels, pictures and models.
+// enzo_test.cpp: the paper's AMR data set: Enzo's output converted to levels, pictures and models.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -54,7 +54,8 @@ TEST(enzo, mass_of_the_composite_is_that_of_the_uncovered_cells) {
     VOG_NEEDS_DATA("enzo/level2.vdb");
     const Levels levels = enzo_levels();
     const Composite data = composite(levels);
-    // Two to one, aligned: a cell is covered if the finer one at twice its index is there.
+    // Refinement is 2:1 and aligned: a cell is covered if the finer level has the cell at twice its
+    // index.
     double expected = 0;
     std::uint64_t cells = 0;
     for (std::size_t n = 0; n < 3; ++n) {

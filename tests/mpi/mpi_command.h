@@ -13,8 +13,8 @@ namespace vog::test {
 /// Command line tests of vog-mpi.
 class Mpi : public CommandLine {
   protected:
-    /// Runs mpirun. apps  its arguments: `-n 2 COMMAND a b : -n 1 COMMAND c`, where COMMAND stands for
-    /// vog-mpi
+    /// Runs mpirun. apps  its arguments: `-n 2 COMMAND a b : -n 1 COMMAND c`, where COMMAND stands
+    /// for vog-mpi
     Result mpi(const std::string& apps) const {
         std::string all = apps;
         for (std::size_t at; (at = all.find("COMMAND")) != std::string::npos;)

@@ -34,8 +34,8 @@ TEST_F(mpi_failure, wrong_usage_is_reported_once) {
     must_fail_mpi(2, "-n 2 COMMAND", "subcommand");
 }
 
-/// A killed rank reports nothing: mpirun ends the others. The work would take hours, and the kill may
-/// come at any point of it.
+/// A killed rank reports nothing: mpirun ends the others. The work would take hours, and the kill
+/// may come at any point of it.
 TEST_F(mpi_failure, killed_rank_ends_all) {
     must("sample cloud c.vdb --size 64");
     const std::string work = "COMMAND render c.vdb --size 512 --repeat 100000 --threads 1";

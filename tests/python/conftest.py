@@ -1,4 +1,4 @@
-"""What the tests of the Python package share. They run on the installed package (CMakeLists.txt here)."""
+"""Fixtures of the Python tests, which run on the installed package (CMakeLists.txt here)."""
 import os
 import pathlib
 import subprocess

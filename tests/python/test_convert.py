@@ -1,4 +1,4 @@
-"""convert(): the same models as the command's, every option passed on or refused."""
+"""convert(): the models of vog convert; every option is passed on or refused."""
 import numpy as np
 import pytest
 

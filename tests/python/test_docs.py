@@ -1,4 +1,4 @@
-"""The tutorial's code and the README's run; the examples make pictures of what people have."""
+"""The code of tutorial and README runs; the examples convert and render their inputs."""
 import re
 import subprocess
 import sys
@@ -41,7 +41,7 @@ def run_example(name, *arguments, cwd):
 
 
 def covered(file):
-    """Share of pixels that are not background."""
+    """Fraction of the pixels that are not background."""
     return (np.asarray(vog.Image.load(file)).max(axis=2) > 0).mean()
 
 

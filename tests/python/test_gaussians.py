@@ -1,4 +1,4 @@
-"""Models: arrays in their own memory, parts, joins, files, pickles."""
+"""Gaussians: array views, selection, concatenation, files, pickles."""
 import copy
 import gc
 import pickle

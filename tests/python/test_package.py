@@ -1,4 +1,4 @@
-"""The package as a package: its versions agree, and what pip would configure configures."""
+"""Packaging: versions agree, and the configuration of pip works."""
 import pathlib
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""Particles: arrays, files, what a conversion makes of them."""
+"""Points: arrays, files, conversion."""
 import pickle
 
 import numpy as np
@@ -35,7 +35,7 @@ def test_models_have_the_mass_asked_for(arrays):
     assert len(vog.convert(points)) == 200
     few = vog.convert(points, value="mass", budget=20)
     assert len(few) <= 20 and few.mass == pytest.approx(mass.sum(), rel=1e-4)
-    assert vog.convert(points, radius=0.1).scale.min() == pytest.approx(0.1 * 1.1863, rel=1e-4)  # as it is cut
+    assert vog.convert(points, radius=0.1).scale.min() == pytest.approx(0.1 * 1.1863, rel=1e-4)  # after truncation
     paper = vog.convert(vog.Points.from_numpy(position, position), method="paper")
     assert paper.method == "paper"
 

@@ -1,4 +1,4 @@
-"""render(), shade(), compare(): the command's pictures byte for byte; buffers, notebooks, transfer functions."""
+"""render(), shade(), compare(): pictures equal to the command's, buffers, notebooks, transfer functions."""
 import json
 import pickle
 import zlib
@@ -122,7 +122,7 @@ def test_images_are_uint8_and_show_themselves(tmp_path, model):
     assert depth._repr_png_() == depth.shade("inferno")._repr_png_()
     for back in (vog.Image.load(tmp_path / "a.png"), vog.Image.from_numpy(array), pickle.loads(pickle.dumps(image))):
         assert vog.compare(image, back).psnr_db == np.inf
-    # The picture by PNG's own rules: 8 bits, RGB.
+    # Decoded by the PNG specification: 8 bits, RGB.
     png = image._repr_png_()
     assert png[:8] == b"\x89PNG\r\n\x1a\n" and png[24:26] == b"\x08\x02" and zlib.crc32(png[12:29]).to_bytes(4, "big") == png[29:33]
 

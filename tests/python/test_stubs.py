@@ -1,4 +1,4 @@
-"""The stub file says what the module is: names by mypy's stubtest, parameters by the docstrings, and by use."""
+"""The stub file matches the module: names by mypy's stubtest, parameters by the docstrings, types by use."""
 import ast
 import inspect
 import pathlib
@@ -99,7 +99,7 @@ def test_stubtest_finds_every_name(tmp_path):
         [sys.executable, "-m", "mypy.stubtest", "vog", "--concise"],
         cwd=tmp_path, capture_output=True, text=True,
     )
-    # What every class of pybind11 has and no stub writes: its metaclass, its way to pickle, to be built.
+    # Differences of all pybind11 classes that stubs leave out: metaclass, pickling, construction.
     ours = [
         line
         for line in done.stdout.splitlines()

@@ -1,4 +1,4 @@
-"""Volumes and levels: files, arrays, transforms, and what is refused."""
+"""Volume and Levels: files, arrays, transforms, errors."""
 import pickle
 
 import numpy as np

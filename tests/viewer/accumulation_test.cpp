@@ -1,5 +1,5 @@
-// accumulation_test.cpp: progressive pictures: which changes start them again, and coarse frames of a
-// moving camera. Time is a clock of the tests: no test depends on the machine's speed.
+// accumulation_test.cpp: progressive pictures: which changes start them again, and coarse frames of
+// a moving camera. Time is a clock of the tests: no test depends on the machine's speed.
 #include <thread>
 
 #include "session/session.h"

@@ -1,4 +1,5 @@
-// headless.h: fixture with a headless OpenGL context; tests skip, with a message, where there is none.
+// headless.h: fixture with a headless OpenGL context; tests skip, with a message, where there is
+// none.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// shade_gl_test.cpp: colours drawn by OpenGL against vog::shade.
+// shade_gl_test.cpp: shading in OpenGL against vog::shade.
 #include "gl/shade_gl.h"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using namespace viewer;
 
 namespace {
 
-/// Every V from 0 on, some without anything, and depths beyond what V tells apart.
+/// Depths for V from 0 to 1, empty pixels, and depths so large that V is 1 in 8 bits.
 DepthImage all_depths() {
     DepthImage depth(256, 64);
     for (std::size_t i = 0; i < depth.depth.size(); ++i)
@@ -47,7 +47,7 @@ class shade_gl : public headless {
         const Image drawn = draw(depth, look);
         for (std::size_t i = 0; i < drawn.pixel.size(); ++i) {
             const Rgba &a = expected.pixel[i], &b = drawn.pixel[i];
-            // Half a step of rounding to 8 bits, and half a step of the sampled map.
+            // Half a step of the rounding to 8 bits, plus half a step of the sampled map.
             for (const float difference : {a.r - b.r, a.g - b.g, a.b - b.b, a.a - b.a})
                 ASSERT_LE(std::abs(difference), 1.01f / 255)
                     << "pixel " << i << ", T " << scaled.depth[i];

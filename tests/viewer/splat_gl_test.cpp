@@ -1,5 +1,5 @@
-// splat_gl_test.cpp: the OpenGL renderer over every scene against the closed form, and over models
-// as users have them against the splat on the CPU.
+// splat_gl_test.cpp: the OpenGL renderer against the closed form for every scene, and against the
+// CPU splat for typical models.
 #include "gl/splat_gl.h"
 
 #include <algorithm>
@@ -20,7 +20,7 @@ using viewer::render_gl;
 
 class splat_gl : public headless {
   protected:
-    /// What the window must not differ from the command line by.
+    /// Largest allowed difference between window and command line.
     static void expect_like_the_cpu(const Gaussians& model, const Camera& camera, int size) {
         DepthImage cpu = render_splat(model, camera, size, size);
         set_extinction(cpu, auto_extinction(cpu));
@@ -29,7 +29,7 @@ class splat_gl : public headless {
         EXPECT_LE(difference.grey.largest, 2);
         EXPECT_LE(difference.relative_l2, 1e-4);
     }
-    /// From outside, from its middle, and close to its side.
+    /// Views from outside, from the centre, and close to a side.
     static void expect_like_the_cpu_from_everywhere(const Gaussians& model, int size) {
         expect_like_the_cpu(model, paper_view(view_box(model)), size);
         Camera inside = paper_view(view_box(model));
@@ -98,7 +98,7 @@ TEST_F(splat_gl, a_shifted_ray_sees_what_a_shifted_pixel_sees) {
 }
 
 TEST_F(splat_gl, accumulating_removes_aliasing) {
-    // Gaussians narrower than a pixel: one ray a pixel misses most of them.
+    // Gaussians narrower than a pixel: one ray per pixel misses most of them.
     const Gaussians model = random_gaussians(400, 0.004, 0.012, 33);
     const Camera camera = paper_view(view_box(model));
     constexpr int kSize = 64, kFactor = 16;

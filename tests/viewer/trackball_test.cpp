@@ -1,4 +1,4 @@
-// trackball_test.cpp: what each motion of the camera keeps and changes.
+// trackball_test.cpp: invariants and effects of the camera motions.
 #include "ui/trackball.h"
 
 #include <gtest/gtest.h>
@@ -24,8 +24,8 @@ Camera some_camera() {
 
 double distance(const Camera& camera) { return length(camera.look_at - camera.eye); }
 
-/// Where a world point is seen: right and up of the middle, in half heights.
-ScreenPoint seen(const Camera& camera, Vec3d point) {
+/// Projection of a world point: right and up of the centre, in half heights.
+ScreenPoint projected(const Camera& camera, Vec3d point) {
     const CameraFrame f = frame_of(camera, 100, 100);
     const Vec3d p = point - f.eye;
     const double scale = f.pixels_per_unit / (50 * dot(p, f.forward));
@@ -67,7 +67,7 @@ TEST(trackball, a_drag_and_back_is_nothing) {
 TEST(trackball, panning_follows_the_pointer) {
     const Camera camera = some_camera();
     const Camera moved = panned(camera, {0.1, -0.2}, {0.5, 0.3});
-    const ScreenPoint at = seen(moved, camera.look_at);
+    const ScreenPoint at = projected(moved, camera.look_at);
     EXPECT_NEAR(at.x, 0.4, 1e-9);
     EXPECT_NEAR(at.y, 0.5, 1e-9);
 }
@@ -81,8 +81,8 @@ TEST(trackball, zooming_keeps_what_is_under_the_pointer) {
                                                     (pointer.y * scale) * f.up);
     for (const double factor : {0.5, 0.9, 1.7}) {
         const Camera closer = zoomed(camera, pointer, factor, 1e-6);
-        EXPECT_NEAR(seen(closer, under).x, pointer.x, 1e-9);
-        EXPECT_NEAR(seen(closer, under).y, pointer.y, 1e-9);
+        EXPECT_NEAR(projected(closer, under).x, pointer.x, 1e-9);
+        EXPECT_NEAR(projected(closer, under).y, pointer.y, 1e-9);
         EXPECT_NEAR(distance(closer), factor * distance(camera), 1e-9);
     }
 }
@@ -100,8 +100,8 @@ TEST(trackball, rolling_turns_the_picture_clockwise) {
     const CameraFrame f = frame_of(camera, 10, 10);
     const Vec3d above = camera.look_at + 0.1 * f.up;
     const Camera turned = rolled(camera, std::numbers::pi / 2);
-    EXPECT_GT(seen(turned, above).x, 0);  // what was above is right
-    EXPECT_NEAR(seen(turned, above).y, 0, 1e-9);
+    EXPECT_GT(projected(turned, above).x, 0);  // what was above is right
+    EXPECT_NEAR(projected(turned, above).y, 0, 1e-9);
     EXPECT_EQ(turned.eye, camera.eye);
 }
 
@@ -109,8 +109,8 @@ TEST(trackball, looking_around_keeps_the_eye) {
     const Camera camera = some_camera();
     const Camera right = looked_around(camera, 0.3, 0);
     EXPECT_EQ(right.eye, camera.eye);
-    EXPECT_LT(seen(right, camera.look_at).x, 0);  // what was ahead is left
-    EXPECT_LT(seen(looked_around(camera, 0, 0.3), camera.look_at).y, 0);
+    EXPECT_LT(projected(right, camera.look_at).x, 0);  // what was ahead is left
+    EXPECT_LT(projected(looked_around(camera, 0, 0.3), camera.look_at).y, 0);
 }
 
 TEST(trackball, fitting_shows_all_corners_and_fills_the_picture) {
@@ -118,9 +118,9 @@ TEST(trackball, fitting_shows_all_corners_and_fills_the_picture) {
         const Camera camera = fitted(some_camera(), kBox, aspect);
         double reach = 0;
         for (int corner = 0; corner < 8; ++corner) {
-            const ScreenPoint p = seen(camera, {corner & 1 ? kBox.lower.x : kBox.upper.x,
-                                                corner & 2 ? kBox.lower.y : kBox.upper.y,
-                                                corner & 4 ? kBox.lower.z : kBox.upper.z});
+            const ScreenPoint p = projected(camera, {corner & 1 ? kBox.lower.x : kBox.upper.x,
+                                                     corner & 2 ? kBox.lower.y : kBox.upper.y,
+                                                     corner & 4 ? kBox.lower.z : kBox.upper.z});
             reach = std::max({reach, std::abs(p.x) / std::min(1.0, aspect),
                               std::abs(p.y) / std::min(1.0, aspect)});
         }

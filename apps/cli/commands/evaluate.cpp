@@ -1,4 +1,5 @@
-// evaluate.cpp: vog evaluate: load -> every conversion from every view -> tables, plots and pictures.
+// evaluate.cpp: vog evaluate: load -> every conversion from every view -> tables, plots and
+// pictures.
 #include <fmt/core.h>
 
 #include <fstream>

@@ -1,5 +1,5 @@
-// export.cpp: vog export: models to an HTML page for a browser, one page per input, or one PLY; volumes
-// and particles are converted first.
+// export.cpp: vog export: models to an HTML page for a browser, one page per input, or one PLY;
+// volumes and particles are converted first.
 #include <fmt/core.h>
 
 #include <filesystem>
@@ -41,8 +41,8 @@ struct ExportArguments {
 
 std::string stem_of(const std::string& file) { return std::filesystem::path(file).stem().string(); }
 
-/// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion of
-/// its own, about 4 dB better than coarsening the finest one (docs/web.md).
+/// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion
+/// of its own, about 4 dB better than coarsening the finest one (docs/web.md).
 /// most  number of levels of detail at most
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
                                        const Progress& progress) {
@@ -51,7 +51,8 @@ std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::si
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
-    if (set.is_mesh() && mesh.parts.empty()) throw Error("--mask: no active voxel lies inside the masks");
+    if (set.is_mesh() && mesh.parts.empty())
+        throw Error("--mask: no active voxel lies inside the masks");
     const auto convert = [&](std::size_t budget) {
         MomentOptions options;
         options.budget = budget;

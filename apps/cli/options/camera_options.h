@@ -18,8 +18,8 @@ struct ViewArguments {
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
 /// The camera of the options. It looks at the centre of `box` unless they name a point.
-/// throws  vog::Error for an unreadable --camera file, CLI::ValidationError for options that exclude
-///         each other or cannot be parsed
+/// throws  vog::Error for an unreadable --camera file, CLI::ValidationError for options that
+///         exclude each other or cannot be parsed
 Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box);
 
 }  // namespace vog::cli

@@ -52,11 +52,12 @@ void add_point_options(CLI::App& command, PointInputOptions& options);
 /// Reads the particles of all files as one set.
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
                    const std::string& grid);
-/// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError for
-/// a radius that is neither a number > 0 nor adaptive
+/// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError
+/// for a radius that is neither a number > 0 nor adaptive
 PointOptions point_options(const PointInputOptions& options);
 /// Refuses options that would have no effect.
-/// throws CLI::ValidationError for a given option of this group: "--radius does not go with volumes"
+/// throws CLI::ValidationError for a given option of this group: "--radius does not go with
+/// volumes"
 void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
 
 /// Files of models, with each index (.json) replaced by the files it names.

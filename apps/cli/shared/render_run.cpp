@@ -107,8 +107,8 @@ void print(const RenderedPicture& picture, bool repeated) {
                    picture.median_ms(), picture.extinction, 100 * picture.covered);
     if (picture.cut)
         fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
-                   grouped(picture.cut->leaves), grouped(picture.cut->nodes),
-                   grouped(picture.cut->visited));
+                   count_text(picture.cut->leaves), count_text(picture.cut->nodes),
+                   count_text(picture.cut->visited));
     if (!picture.depth_output.empty())
         fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", picture.depth_output, picture.mean_t,
                    picture.max_t);

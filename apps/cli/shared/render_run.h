@@ -1,4 +1,5 @@
-// render_run.h: one run of the renderer, load -> render -> shade -> image; shared by vog and vog-mpi.
+// render_run.h: one run of the renderer, load -> render -> shade -> image; shared by vog and
+// vog-mpi.
 #pragma once
 
 #include <CLI/CLI.hpp>

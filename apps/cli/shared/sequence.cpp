@@ -109,7 +109,8 @@ void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,
         for (const Frame& frame : frames) most = std::max(most, need(frame));
     const std::uint64_t fit = memory > 0 ? std::max<std::uint64_t>(1, memory / most) : 1;
     const auto at_once = std::min<std::uint64_t>(fit, static_cast<std::uint64_t>(thread_count()));
-    // Threads outside of TBB: a TBB worker that waits in one frame's loop would begin another frame.
+    // Threads outside of TBB: a TBB worker that waits in one frame's loop would begin another
+    // frame.
     std::atomic<std::size_t> next{0};
     std::mutex mutex;
     std::exception_ptr first_error;

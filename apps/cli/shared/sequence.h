@@ -29,8 +29,8 @@ std::vector<Frame> frames_of(const std::vector<std::string>& inputs, const std::
 /// Whether the output exists and is newer than its input.
 bool is_fresh(const Frame& frame);
 
-/// Runs work(frame) for every frame, concurrently as far as memory allows. The first error stops it,
-/// after the frames that have begun.
+/// Runs work(frame) for every frame, concurrently as far as memory allows. The first error stops
+/// it, after the frames that have begun.
 /// memory  bytes; 0: one frame at a time
 /// need    need(frame): estimated memory of one frame, bytes
 void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,

@@ -22,8 +22,8 @@ class Stages {
   public:
     explicit Stages(bool verbose) : verbose_(verbose) {}
 
-    /// Runs `work` as a stage; shows a progress bar after a second on a terminal, and its time where
-    /// verbose.
+    /// Runs `work` as a stage; shows a progress bar after a second on a terminal, and its time
+    /// where verbose.
     template <class Work>
     auto run(const std::string& name, const Work& work) {
         begin(name);

@@ -46,7 +46,8 @@ using GlFramebuffer = GlName<delete_framebuffer>;
 GlBuffer make_buffer();
 GlVertexArray make_vertex_array();
 
-/// throws vog::Error unless the context supports OpenGL 3.3 with additive blending into 32-bit floats
+/// throws vog::Error unless the context supports OpenGL 3.3 with additive blending into 32-bit
+/// floats
 void require_gl();
 /// Whether OpenGL is rendered in software (llvmpipe and the like).
 bool is_software_gl();

@@ -1,5 +1,5 @@
-// gui_gl.h: renders Dear ImGui's draw lists in the viewer's OpenGL context. ImGui's own OpenGL backend
-// loads libGL by itself, for the context of a window only.
+// gui_gl.h: renders Dear ImGui's draw lists in the viewer's OpenGL context. ImGui's own OpenGL
+// backend loads libGL by itself, for the context of a window only.
 #pragma once
 
 #include "gl/gl_objects.h"

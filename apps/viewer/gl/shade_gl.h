@@ -27,8 +27,8 @@ struct ShadeView {
 class GlShade {
   public:
     GlShade();
-    /// Sets the look of later draws. Its transfer function is sampled at 4096 values of V: steps in it
-    /// move by up to 1/2048.
+    /// Sets the look of later draws. Its transfer function is sampled at 4096 values of V: steps in
+    /// it move by up to 1/2048.
     void set_look(const Look& look);
     /// b  second image; may be `a` where only that is shown
     void draw(const GlDepth& a, const GlDepth& b, const ShadeView& view, const Viewport& to) const;

@@ -1,4 +1,5 @@
-// splat_gl.cpp: vertex buffers and one draw call; the integral is in shaders/splat.vert and splat.frag.
+// splat_gl.cpp: vertex buffers and one draw call; the integral is in shaders/splat.vert and
+// splat.frag.
 #include "gl/splat_gl.h"
 
 #include <algorithm>
@@ -79,7 +80,8 @@ void GlSplat::add(const GlModel& model, const Camera& camera, Jitter jitter,
     glBlendFunc(GL_ONE, GL_ONE);
 
     program_.use();
-    // Along the camera's axes, in double precision: large distances cost no precision in the pixels.
+    // Along the camera's axes, in double precision: large distances cost no precision in the
+    // pixels.
     const Vec3d eye = (1 / model.unit()) * (frame.eye - model.center());
     program_.set("eye", Vec3d{dot(eye, frame.right), dot(eye, frame.up), dot(eye, frame.forward)});
     program_.set("right", frame.right);

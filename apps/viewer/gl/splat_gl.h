@@ -1,5 +1,6 @@
-// splat_gl.h: splatting in OpenGL: one quad per Gaussian with its exact projected bounds, the exact line
-// integral per fragment, additive blending. T is a sum, so there is no sorting and no depth buffer.
+// splat_gl.h: splatting in OpenGL: one quad per Gaussian with its exact projected bounds, the exact
+// line integral per fragment, additive blending. T is a sum, so there is no sorting and no depth
+// buffer.
 #pragma once
 
 #include "gl/gl_objects.h"
@@ -11,8 +12,9 @@ namespace vog::viewer {
 /// Model in the device's memory.
 class GlModel {
   public:
-    /// Uploads a model, with positions relative to its box's centre (subtracted in double precision)
-    /// and lengths in units of the box's radius, so that floats suffice anywhere in the world.
+    /// Uploads a model, with positions relative to its box's centre (subtracted in double
+    /// precision) and lengths in units of the box's radius, so that floats suffice anywhere in the
+    /// world.
     explicit GlModel(const Gaussians& gaussians);
 
     std::size_t size() const { return size_; }
@@ -34,8 +36,8 @@ class GlModel {
 struct Jitter {
     double x = 0, y = 0;
 };
-/// Offset of sub-frame n: 0 is the centre, then the low-discrepancy sequence R2. Source: M. Roberts,
-/// "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
+/// Offset of sub-frame n: 0 is the centre, then the low-discrepancy sequence R2. Source: M.
+/// Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
 Jitter jitter_of(int subframe);
 
 class GlSplat {

@@ -1,5 +1,5 @@
-// screen.h: display and source of input: a window, or memory only (headless). Each has a current OpenGL
-// context of its own. All input goes through ImGuiIO, so that a script can drive both.
+// screen.h: display and source of input: a window, or memory only (headless). Each has a current
+// OpenGL context of its own. All input goes through ImGuiIO, so that a script can drive both.
 #pragma once
 
 #include <memory>
@@ -26,7 +26,8 @@ class Screen {
     virtual void resize(PixelSize pixels) = 0;
     /// The display's scale of text and controls, in framebuffer pixels: 1, or 2 on HiDPI.
     virtual double content_scale() const = 0;
-    /// Handles events; sets size, pointer and keys in `io`. Waits for an event up to `wait_s` seconds.
+    /// Handles events; sets size, pointer and keys in `io`. Waits for an event up to `wait_s`
+    /// seconds.
     virtual void begin_frame(ImGuiIO& io, double wait_s) = 0;
     /// Binds the whole framebuffer for drawing.
     virtual void bind() const = 0;

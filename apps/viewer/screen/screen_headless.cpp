@@ -16,8 +16,8 @@ namespace vog::viewer {
 
 namespace {
 
-/// EGL context on Mesa's surfaceless platform; failing that on the default display, with a surface of
-/// one pixel.
+/// EGL context on Mesa's surfaceless platform; failing that on the default display, with a surface
+/// of one pixel.
 class EglContext {
   public:
     EglContext() {
@@ -76,8 +76,8 @@ class EglContext {
         eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
         if (surface_ != EGL_NO_SURFACE) eglDestroySurface(display_, surface_);
         if (context_ != EGL_NO_CONTEXT) eglDestroyContext(display_, context_);
-        // The display is shared by the process: terminating it would take it from other contexts, and
-        // would unload Mesa's driver before that has freed its memory.
+        // The display is shared by the process: terminating it would take it from other contexts,
+        // and would unload Mesa's driver before that has freed its memory.
         display_ = EGL_NO_DISPLAY;
         surface_ = EGL_NO_SURFACE;
         context_ = EGL_NO_CONTEXT;

@@ -15,8 +15,8 @@ struct Action {
 };
 
 /// Parses a script; '#' begins a comment.
-/// throws vog::Error for a missing file, and for an invalid line, with its number: a script runs only
-///        if all its lines are valid
+/// throws vog::Error for a missing file, and for an invalid line, with its number: a script runs
+///        only if all its lines are valid
 std::vector<Action> read_script(const std::filesystem::path& file);
 
 /// Value of a word; 0 where it is no number.

@@ -29,8 +29,8 @@ TransferFunction transfer_function(const Look& look) {
     for (std::size_t i = 0; i < colors.size(); ++i) {
         const ColorPoint& b = colors[i];
         if (i > 0 && look.gamma != 1 && b.v > colors[i - 1].v) {
-            // Pieces of equal length along V or along the map, whichever the curve is flatter in: at
-            // most 1/200 each.
+            // Pieces of equal length along V or along the map, whichever the curve is flatter in:
+            // at most 1/200 each.
             const ColorPoint& a = colors[i - 1];
             const float power = std::max(1.0f, look.gamma);
             const int pieces = 4 + static_cast<int>(200 * (b.v - a.v));

@@ -1,5 +1,5 @@
-// picture.h: progressive image of T for the current camera: OpenGL accumulates antialiased sub-frames,
-// other renderers deliver from a background thread.
+// picture.h: progressive image of T for the current camera: OpenGL accumulates antialiased
+// sub-frames, other renderers deliver from a background thread.
 #pragma once
 
 #include <limits>

@@ -1,4 +1,5 @@
-// session.cpp: one frame of the session: new data, level of detail, pictures, histogram and exposure.
+// session.cpp: one frame of the session: new data, level of detail, pictures, histogram and
+// exposure.
 #include "session/session.h"
 
 #include <fmt/core.h>
@@ -119,8 +120,8 @@ void Session::update_moving_error() {
     if (changed) last_change_s_ = now;
     moving_ = settings.coarse_moving && !turntable_ && now - last_change_s_ < kSettleS;
     if (!moving_ || !changed || scene.levels.empty()) return;
-    // Twice the error (about an eighth of the Gaussians) after a slow frame, half of it after a fast
-    // one.
+    // Twice the error (about an eighth of the Gaussians) after a slow frame, half of it after a
+    // fast one.
     if (measured.frame_ms > kSlowFrameMs)
         moving_error_ = std::clamp(2 * moving_error_, 2.0, kMovingErrorLimit_px);
     else if (measured.frame_ms < kQuickFrameMs)

@@ -41,7 +41,8 @@ double steady_clock_s();
 class Session {
   public:
     /// Needs a current OpenGL context, which must outlive it.
-    /// clock_s  current time, seconds: the camera counts as moving for a while after its last change
+    /// clock_s  current time, seconds: the camera counts as moving for a while after its last
+    ///          change
     explicit Session(ReadFiles read, std::function<double()> clock_s = steady_clock_s);
 
     // State that callers may change between frames.
@@ -111,8 +112,8 @@ class Session {
     double aspect() const;  ///< width / height of the picture
     /// Half the diagonal of the data's box, world units; 1 for a box without extent.
     double radius() const;
-    /// Smallest distance from eye to look_at, world units: closer, zooming moves look_at ahead, so that
-    /// the camera gets through the volume.
+    /// Smallest distance from eye to look_at, world units: closer, zooming moves look_at ahead, so
+    /// that the camera gets through the volume.
     double least_distance() const { return 0.05 * radius(); }
 
   private:

@@ -28,8 +28,8 @@ struct Gui {
 };
 
 void set_style(float ui);
-/// Draws panel, status line, figures, colour bar, split labels and help. Errors of the user's actions
-/// become the session's message.
+/// Draws panel, status line, figures, colour bar, split labels and help. Errors of the user's
+/// actions become the session's message.
 void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests);
 
 /// Draws the colour section: map, opacity over the histogram, range, gamma, extinction.

@@ -57,8 +57,8 @@ Camera rotated(const Camera& camera, ScreenPoint from, ScreenPoint to) {
     const Axes axes = axes_of(camera);
     const Vec3d axis =
         normalized(across.x * axes.right + across.y * axes.up - across.z * axes.forward);
-    // The ball turns with the pointer, hence the camera in the opposite sense; twice the angle, as in
-    // Shoemake's arcball: half a turn from rim to rim.
+    // The ball turns with the pointer, hence the camera in the opposite sense; twice the angle, as
+    // in Shoemake's arcball: half a turn from rim to rim.
     return turned_around(camera, axis, -2 * std::atan2(sine, dot(a, b)));
 }
 

@@ -12,8 +12,8 @@ struct ScreenPoint {
     double x = 0, y = 0;
 };
 
-/// Rotates about look_at by a virtual trackball dragged from one point to another: Bell's trackball, a
-/// sphere that continues as a hyperbola, so that it covers the whole picture.
+/// Rotates about look_at by a virtual trackball dragged from one point to another: Bell's
+/// trackball, a sphere that continues as a hyperbola, so that it covers the whole picture.
 Camera rotated(const Camera& camera, ScreenPoint from, ScreenPoint to);
 /// Rotates the eye about look_at: right about the camera's up axis, then up about its right axis.
 Camera orbited(const Camera& camera, double right_rad, double up_rad);
@@ -23,9 +23,9 @@ Camera looked_around(const Camera& camera, double right_rad, double up_rad);
 Camera rolled(const Camera& camera, double angle_rad);
 /// Translates so that points at look_at's depth follow the pointer.
 Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to);
-/// Scales the distance to the point under the pointer, at look_at's depth, by `factor`; the point stays
-/// under the pointer. Closer than `least_distance` (world units), look_at moves ahead, so that the
-/// camera passes through the volume.
+/// Scales the distance to the point under the pointer, at look_at's depth, by `factor`; the point
+/// stays under the pointer. Closer than `least_distance` (world units), look_at moves ahead, so
+/// that the camera passes through the volume.
 Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance);
 /// Translates eye and look_at along the camera's axes, world units.
 Camera flown(const Camera& camera, double right, double up, double forward);
@@ -33,8 +33,8 @@ Camera flown(const Camera& camera, double right, double up, double forward);
 /// The same view direction, at the distance where the box's bounding sphere fits the picture.
 /// aspect  width / height
 Camera fitted(const Camera& camera, const Box& box, double aspect);
-/// View by name: "paper", or "+x", "-x", "+y", ... from that side of the box, fitted; up is y, or x for
-/// "+y" and "-y". throws vog::Error for other names, with the valid ones
+/// View by name: "paper", or "+x", "-x", "+y", ... from that side of the box, fitted; up is y, or x
+/// for "+y" and "-y". throws vog::Error for other names, with the valid ones
 Camera named_view(const std::string& name, const Box& box, double aspect, double fov_degrees);
 
 /// The camera as options, `--eye ... --look-at ... --up ... --fov ...`, with all digits.

@@ -116,8 +116,8 @@ std::vector<Cell> border_cells(const Volume& volume, const std::vector<Cell>& ce
             cells.begin(), cells.end(), block,
             [](const Cell& cell, Vec3i origin) { return node_order(cell.origin, origin); });
         const bool occupied = (found != cells.end() && found->origin == block) ||
-                           covers(lower, aligned(block, kLowerEdge)) ||
-                           covers(upper, aligned(block, kUpperEdge));
+                              covers(lower, aligned(block, kLowerEdge)) ||
+                              covers(upper, aligned(block, kUpperEdge));
         if (!occupied) border.push_back({block});
     }
     return border;

@@ -66,7 +66,9 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
 
 void check_ray(Vec3d origin, Vec3d direction) {
     if (!finite(origin) || !finite(direction) || length(direction) == 0)
-        throw Error("optical_depth: origin or direction is not finite or the direction is 0, expected a ray");
+        throw Error(
+            "optical_depth: origin or direction is not finite or the direction is 0, expected a "
+            "ray");
 }
 
 }  // namespace

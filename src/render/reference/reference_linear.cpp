@@ -28,15 +28,13 @@ Values find_block(const NanoRoot& root, const nanovdb::Coord& index) {
     const NanoUpper& upper = *root.data()->getChild(cell);
     const std::uint32_t in_upper = NanoUpper::CoordToOffset(index);
     if (!upper.childMask().isOn(in_upper))
-        return {
-            upper.valueMask().isOn(in_upper) ? &upper.data()->mTable[in_upper].value : &kEmpty,
-            0};
+        return {upper.valueMask().isOn(in_upper) ? &upper.data()->mTable[in_upper].value : &kEmpty,
+                0};
     const NanoLower& lower = *upper.data()->getChild(in_upper);
     const std::uint32_t in_lower = NanoLower::CoordToOffset(index);
     if (!lower.childMask().isOn(in_lower))
-        return {
-            lower.valueMask().isOn(in_lower) ? &lower.data()->mTable[in_lower].value : &kEmpty,
-            0};
+        return {lower.valueMask().isOn(in_lower) ? &lower.data()->mTable[in_lower].value : &kEmpty,
+                0};
     return {lower.data()->getChild(in_lower)->data()->mValues, kLeafVoxels - 1};
 }
 

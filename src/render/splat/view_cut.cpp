@@ -83,7 +83,7 @@ void add_run(std::vector<Run>& runs, std::uint32_t first, std::uint32_t last) {
 
 /// Runs of the indices below `all` in none of the runs first[n] ... first[n] + count[n] - 1.
 std::vector<Run> not_in_runs(std::size_t all, const std::vector<std::uint32_t>& first,
-                           const std::vector<std::uint8_t>& count) {
+                             const std::vector<std::uint8_t>& count) {
     std::vector<bool> contained(all);
     for (std::size_t n = 0; n < first.size(); ++n)
         std::fill_n(contained.begin() + first[n], count[n], true);

@@ -20,10 +20,12 @@ void check_trace_options(const TraceOptions& options) {
                                 options.stop_transmittance));
     if (options.stop_transmittance > 0 && options.anyhit != AnyHit::collect)
         throw Error(
-            "trace: a stop transmittance with any-hit accumulate, expected collect: rays end in the "
+            "trace: a stop transmittance with any-hit accumulate, expected collect: rays end in "
+            "the "
             "order of hits");
     if (!(options.extinction > 0 && std::isfinite(options.extinction)))
-        throw Error(fmt::format("trace: extinction {}, expected a finite number > 0", options.extinction));
+        throw Error(
+            fmt::format("trace: extinction {}, expected a finite number > 0", options.extinction));
 }
 
 double stop_depth(const TraceOptions& options) {

@@ -66,8 +66,9 @@ TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
     const auto& c = whole.covariance;
     const double edge = 2 * std::sqrt(c[0] + c[3] + c[5]), column = whole.mass / (edge * edge);
     const double base = squares * std::pow(edge, 2.5);
-    EXPECT_NEAR(split_gain(whole, a, b, DepthPower::three_quarters) / (base / std::pow(column, 0.75)), 1,
-                1e-6);
+    EXPECT_NEAR(
+        split_gain(whole, a, b, DepthPower::three_quarters) / (base / std::pow(column, 0.75)), 1,
+        1e-6);
     EXPECT_NEAR(split_gain(whole, a, b, DepthPower::quarter) / (base / std::pow(column, 0.25)), 1,
                 1e-6);
 }
@@ -117,7 +118,8 @@ TEST(binary_splits, at_any_price_no_other_cut_is_worth_more) {
         if (!splits.occupied) continue;
         std::array<Subtree, 8> octants;
         for (std::size_t o = 0; o < 8; ++o)
-            if (splits.occupied >> o & 1) octants[o] = {uniform(random, 0, 1) < 0.5 ? 0.0 : 0.02, 1};
+            if (splits.occupied >> o & 1)
+                octants[o] = {uniform(random, 0, 1) < 0.5 ? 0.0 : 0.02, 1};
         const double lambda = std::exp(uniform(random, -6, 2));
         std::uint8_t splits = 0;
         const Subtree best = pruned(splits, octants, lambda, splits);

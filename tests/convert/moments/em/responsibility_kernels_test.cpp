@@ -41,7 +41,8 @@ TEST(moment_share, values_are_those_of_a_gaussian_cut_at_its_reach) {
         const double u = double{k.xx} * d.x * d.x + double{k.yy} * d.y * d.y +
                          double{k.zz} * d.z * d.z + double{k.xy} * d.x * d.y +
                          double{k.xz} * d.x * d.z + double{k.yz} * d.y * d.z;
-        const bool reached = 32 * u < kSupportDeviations * kSupportDeviations && n >> 6 >= 1 && n >> 6 <= 6;
+        const bool reached =
+            32 * u < kSupportDeviations * kSupportDeviations && n >> 6 >= 1 && n >> 6 <= 6;
         const double exact = reached ? double{k.peak} * std::exp(-16 * u) : 0;
         // exp(-u) to the second order: u³/6 too much, sixteen times.
         EXPECT_NEAR(data.sum[static_cast<std::size_t>(n)], 0.25 + exact,
