@@ -1,4 +1,4 @@
-// build_hierarchy.cpp: the nodes' Gaussians, from the leaves up: moments, balls, errors.
+// build_hierarchy.cpp: Gaussian, bounding ball and geometric error of each node, bottom up.
 #include "vog/lod.h"
 
 #include <fmt/core.h>
@@ -25,12 +25,12 @@ std::string name_of(const Gaussians& model) {
     return model.source.empty() ? "model" : model.source;
 }
 
-/// What a cut leaves of a kernel: mass of density 1 and scales 1, and share of the variance.
+/// Truncated kernel of unit density and scales: its mass, and variance over that before truncation.
 struct Kernel {
     double mass = 1, variance = 1;
 };
 
-/// Of one Gaussian, after the cut.
+/// Moments of Gaussian i after truncation.
 Moments moments_of(const Gaussians& model, std::size_t i, const Kernel& kernel) {
     const Vec3d s = vec_cast<double>(model.scale[i]);
     Moments moments{kernel.mass * model.density[i] * s.x * s.y * s.z,
@@ -39,7 +39,7 @@ Moments moments_of(const Gaussians& model, std::size_t i, const Kernel& kernel) 
     return moments;
 }
 
-/// Moments of a sum. Parts without any mass count alike: they still have a place.
+/// Moments of a sum of distributions. If none has mass, the mean is that of their means.
 Moments sum_of(std::span<const Moments> parts) {
     Moments sum;
     for (const Moments& part : parts) sum.mass += part.mass;
@@ -57,16 +57,16 @@ Moments sum_of(std::span<const Moments> parts) {
     return sum;
 }
 
-/// What the nodes are made from.
+/// State of the construction.
 struct Growth {
     const Gaussians& model;
     Hierarchy& tree;
     MomentFrame frame;
     Kernel kernel;
-    std::vector<Moments> moments{};  ///< of the nodes
+    std::vector<Moments> moments{};  ///< of each node
 };
 
-/// Radius of the ball around node n's mean that holds its own support and all below.
+/// Radius of the ball around node n's mean that contains its support and those of all below.
 double radius_of(const Growth& growth, std::size_t n) {
     const Gaussians& model = growth.model;
     const Hierarchy& tree = growth.tree;
@@ -77,9 +77,10 @@ double radius_of(const Growth& growth, std::size_t n) {
     };
     const auto distance = [&](Vec3f mean) { return length(vec_cast<double>(mean) - center); };
     double radius = reach(tree.nodes, n);
-    // Balls in balls grow with each level; small nodes can afford to ask all that is below, which
-    // on each level is a run.
-    constexpr std::size_t kFew = 64;  // nodes of a level, of some 8 leaves each
+    // Balls around balls would grow with each level. Down to the first level with more than kFew
+    // nodes the supports themselves are enclosed: the nodes and leaves below a node are contiguous
+    // in each level.
+    constexpr std::size_t kFew = 64;  // nodes of one level
     for (std::size_t first = n, last = n + 1; first < last;) {
         const std::size_t end = last - 1;
         for (std::size_t i = tree.first_leaf[first];
@@ -99,12 +100,13 @@ double radius_of(const Growth& growth, std::size_t n) {
     return radius * (1 + kRounding);
 }
 
-/// Makes node n from its children, nodes among them made before.
+/// Sets node n from its children, of which the nodes are complete.
 void make_node(Growth& growth, std::size_t n) {
     Hierarchy& tree = growth.tree;
     Moments parts[kMostChildren];
     std::size_t count = 0;
-    // A child that is no smaller than the cell, as where several share a place, is what is lost.
+    // The error is at least half the edge of the box with the variance of the widest child, which
+    // may exceed the cell, as where several Gaussians share a place.
     double error = tree.error[n], largest_variance = 0;
     const auto include = [&](const Moments& part) {
         parts[count++] = part;

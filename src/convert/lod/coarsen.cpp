@@ -1,4 +1,4 @@
-// coarsen.cpp: the tree that particles have, over the Gaussians of a model.
+// coarsen.cpp: coarser models by pruning a tree of moments over the Gaussians of a model.
 #include "vog/lod.h"
 
 #include <fmt/core.h>
@@ -16,15 +16,15 @@ using namespace particles;
 
 namespace {
 
-/// About this many are drawn in no time anywhere: a coarser level would save nothing.
+/// Gaussians below which drawing time no longer depends on the count: no coarser level is made.
 constexpr std::size_t kCoarsest = 1000;
 constexpr std::size_t kLevelRatio = 4;
 
-/// Where the tree has its places, and its units.
+/// Origin and units of the tree.
 struct Lattice {
     Vec3d origin;
-    double length = 1;  ///< world units per unit of the tree: about one Gaussian's share of space
-    double mass = 1;    ///< per unit of the tree: the mean mass
+    double length = 1;  ///< world units per unit of length: the mean spacing
+    double mass = 1;    ///< per unit of mass: the mean of the Gaussians
 };
 
 Lattice lattice_of(const Gaussians& model) {
@@ -33,7 +33,7 @@ Lattice lattice_of(const Gaussians& model) {
     Lattice lattice;
     lattice.origin = means.lower;
     const auto count = static_cast<double>(model.size());
-    // Gaussians in one place have no spacing: their own size serves.
+    // The largest scale, if all Gaussians lie in one place.
     double extent = 2 * means.radius();
     for (const Vec3f& s : model.scale)
         extent = std::max({extent, double{s.x}, double{s.y}, double{s.z}});
@@ -43,7 +43,7 @@ Lattice lattice_of(const Gaussians& model) {
     return lattice;
 }
 
-/// Mean, mass and covariance after the cut; those without mass are left out.
+/// Mass, mean and covariance after truncation of each Gaussian with mass, in the tree's units.
 BigVector<Particle> particles_of(const Gaussians& model, const Lattice& lattice) {
     const double variance_share = variance_within(model.cutoff) / (lattice.length * lattice.length);
     BigVector<Particle> all(model.size());
@@ -58,6 +58,7 @@ BigVector<Particle> particles_of(const Gaussians& model, const Lattice& lattice)
     return all;
 }
 
+/// Gaussians of the cells, with the description of `source`.
 Gaussians model_of(const Gaussians& source, const BigVector<Moments>& cells,
                    const Lattice& lattice) {
     const double edge = lattice.length;

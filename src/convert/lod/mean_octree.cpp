@@ -1,5 +1,5 @@
-// mean_octree.cpp: Morton codes of the means, sorted; each cell of the octree is then a run of
-// them, found by bisection, level by level.
+// mean_octree.cpp: octree from sorted Morton codes of the means: every cell is a run of codes,
+// divided by bisection, level by level.
 #include "convert/lod/mean_octree.h"
 
 #include <tbb/parallel_sort.h>
@@ -18,7 +18,7 @@ namespace vog::lod {
 
 namespace {
 
-/// Place on the curve, and which Gaussian: what is sorted.
+/// Morton code of a mean, and the index of its Gaussian.
 struct Place {
     std::uint64_t code = 0;
     std::uint32_t index = 0;
@@ -27,7 +27,7 @@ struct Place {
     }
 };
 
-/// From the world to the lattice of the codes, whose coordinates are in [0, 2^21).
+/// Map from world space to the lattice of the codes, coordinates in [0, 2^21).
 Affine code_from_world(const Gaussians& model, const HierarchyOptions& options) {
     constexpr double kSide = 1 << kMortonAxisBits;
     Box means;
@@ -38,7 +38,8 @@ Affine code_from_world(const Gaussians& model, const HierarchyOptions& options) 
     double scale = 1;
     Vec3d shift;
     if (options.index_from_world && edge < 0.25 * kSide) {
-        // Cells of 2^n voxels begin at multiples of 2^n: so may the codes, shifted by a large one.
+        // Cells of 2^n voxels begin at multiples of 2^n voxels. A shift by multiples of a large
+        // power of two keeps the octree aligned with them.
         constexpr double kCoarsest = 0.25 * kSide, kVoxelEdge = 0.5;
         for (int axis = 0; axis < 3; ++axis)
             shift[axis] = kVoxelEdge - kCoarsest * std::floor(means.lower[axis] / kCoarsest);
@@ -71,7 +72,7 @@ std::vector<Place> sorted_places(const Gaussians& model, const Affine& code_from
         places[i] = {morton_code(cell(at.x), cell(at.y), cell(at.z)),
                      static_cast<std::uint32_t>(i)};
     });
-    // Cells of a conversion come in this order.
+    // Models of uniform conversions are in this order already.
     if (!std::is_sorted(places.begin(), places.end()))
         tbb::parallel_sort(places.begin(), places.end());
     return places;
@@ -85,17 +86,17 @@ void reorder(BigVector<T>& values, const std::vector<std::uint32_t>& order) {
     values = std::move(ordered);
 }
 
-/// Gaussians first ... last - 1 of the order.
+/// Sorted Gaussians [first, last).
 struct Run {
     std::uint32_t first, last;
     std::uint32_t size() const { return last - first; }
 };
 
-/// Calls visit(run) for the parts of a cell, of which there are at least two.
+/// Calls visit(run) for each occupied octant of the smallest cube around a cell: at least two.
 template <class Visit>
 void divide(std::span<const Place> places, Run cell, const Visit& visit) {
     const std::uint64_t differing = places[cell.first].code ^ places[cell.last - 1].code;
-    if (differing == 0) {  // all in one place: any halves will do
+    if (differing == 0) {  // coincident means: parts of equal size
         for (std::uint32_t part = 0, first = cell.first; part < kMostChildren; ++part) {
             const auto last = static_cast<std::uint32_t>(
                 cell.first + std::uint64_t{cell.size()} * (part + 1) / kMostChildren);
@@ -104,7 +105,7 @@ void divide(std::span<const Place> places, Run cell, const Visit& visit) {
         return;
     }
     const int shift = (static_cast<int>(std::bit_width(differing)) - 1) / 3 *
-                      3;  // of the digit that tells octants
+                      3;  // highest octal digit that differs
     for (std::uint32_t first = cell.first; first < cell.last;) {
         const std::uint64_t octant = places[first].code >> shift;
         const auto after =
@@ -115,8 +116,8 @@ void divide(std::span<const Place> places, Run cell, const Visit& visit) {
     }
 }
 
-/// Half the edge of the smallest cell of the octree that holds a run, where a step of the codes is
-/// `unit`; 0 where all are in one place.
+/// Half the edge of the smallest octree cell around a run, world units; 0 for coincident means.
+/// unit  world length of a step of the codes
 float half_edge(std::span<const Place> places, Run run, double unit) {
     const std::uint64_t differing = places[run.first].code ^ places[run.last - 1].code;
     if (differing == 0) return 0;
@@ -124,13 +125,13 @@ float half_edge(std::span<const Place> places, Run run, double unit) {
         std::ldexp(unit, (static_cast<int>(std::bit_width(differing)) - 1) / 3));
 }
 
-/// What a run of nodes of one level has for children, in their order.
+/// Children of a run of nodes of one level, in order.
 struct Children {
-    std::vector<Run> nodes;             ///< that are cells of the next level,
-    std::vector<std::uint32_t> leaves;  ///< and single Gaussians, which are no nodes
+    std::vector<Run> nodes;             ///< cells of the next level
+    std::vector<std::uint32_t> leaves;  ///< single Gaussians
 };
 
-/// Adds the children of one cell, and counts them.
+/// Appends the children of one cell and counts them.
 void divide_node(std::span<const Place> places, Run cell, Children& children,
                  std::uint8_t& node_count, std::uint8_t& leaf_count) {
     const auto add = [&](Run part) {
@@ -148,7 +149,7 @@ void divide_node(std::span<const Place> places, Run cell, Children& children,
         for (std::uint32_t i = cell.first; i < cell.last; ++i) add({i, i + 1});
 }
 
-/// Adds the nodes of one level, which are these cells, and their leaves.
+/// Appends one node for each cell of a level, and their leaves.
 /// returns  the cells of the next level
 std::vector<Run> add_level(std::span<const Place> places, std::span<const Run> cells, double unit,
                            Hierarchy& tree, std::vector<std::uint32_t>& leaves) {
@@ -181,13 +182,13 @@ MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options) {
     if (model.size() < 2) return tree;
     const Affine code_from = code_from_world(model, options);
     const std::vector<Place> places = sorted_places(model, code_from);
-    // World length of a code's step, the longest of the three.
+    // World length of a step of the codes, the longest of the three axes.
     const Mat3 world_from_code = inverse(code_from.linear);
     const double unit =
         std::max({length(world_from_code.column(0)), length(world_from_code.column(1)),
                   length(world_from_code.column(2))});
 
-    std::vector<std::uint32_t> leaves;  // places, in the order of the tree
+    std::vector<std::uint32_t> leaves;  // indices into places, in the order of the tree
     leaves.reserve(places.size());
     std::vector<Run> cells{{0, static_cast<std::uint32_t>(places.size())}};
     while (!cells.empty()) {

@@ -1,4 +1,4 @@
-// mean_octree.h: which Gaussians of a model belong together: an octree over the means.
+// mean_octree.h: octree over the means of a model's Gaussians.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,16 @@
 
 namespace vog::lod {
 
-/// Cells with no more Gaussians than this are not divided: a node is to save more than it costs.
+/// Most children of a node. Cells with no more Gaussians are not divided: their nodes would cost
+/// more than they save.
 inline constexpr std::uint32_t kMostChildren = 8;
 
+/// Nodes by level, without Gaussians of their own.
 struct MeanOctree {
-    Hierarchy hierarchy;              ///< counts, and half the edges of the cells as errors
-    std::vector<std::size_t> levels;  ///< first node of each, and where the last one ends
+    Hierarchy hierarchy;              ///< counts of children; error: half the edge of the cell
+    std::vector<std::size_t> levels;  ///< index of each level's first node, and the end
 };
-/// Puts the Gaussians into the order of the tree.
+/// Builds the octree and reorders the Gaussians by it.
 MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options);
 
 }  // namespace vog::lod

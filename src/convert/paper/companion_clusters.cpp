@@ -1,6 +1,6 @@
-// companion_clusters.cpp: the companion's three clusterings: by variance inside a leaf, across
-// neighbouring leaves, and by the nodes of the tree. Source: arXiv 2504.04857, section 4; what its
-// text leaves open is decided in docs/paper_conversion.md.
+// companion_clusters.cpp: the companion paper's three clusterings: by variance inside a leaf,
+// across neighbouring leaves, by nodes of the tree. Source: arXiv 2504.04857, section 4; docs/
+// paper_conversion.md has the choices that its text leaves open.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
@@ -24,7 +24,7 @@ constexpr std::array<int, 3> kDepthEdge = {4096, kLowerEdge, kLeafEdge};
 
 double cube(double edge) { return edge * edge * edge; }
 
-/// Nodes of one size are ordered by origin: x, then y, then z.
+/// Origin of a node; nodes of one size are sorted by x, then y, then z.
 using NodeOrigin = std::array<std::int32_t, 3>;
 NodeOrigin node_origin(Vec3i voxel, int edge) {
     return {voxel.x & -edge, voxel.y & -edge, voxel.z & -edge};
@@ -35,7 +35,7 @@ Group tile_group(const Tile& tile) {
     return {tile.origin, {tile.edge, tile.edge, tile.edge}, count * tile.value, count};
 }
 
-/// Extends `group` by another one's voxels; its box becomes the box around both.
+/// Adds the voxels of `other`; the box becomes the union.
 void join(Group& group, const Group& other) {
     if (other.count == 0) return;
     if (group.count == 0) {
@@ -52,7 +52,7 @@ void join(Group& group, const Group& other) {
     group.count += other.count;
 }
 
-/// The recursion of add_variance_clusters over the cubes of one leaf.
+/// Octree subdivision of one leaf by the variance of its values.
 struct VarianceSplit {
     const GroupFit& fit;
     const Leaf& leaf;
@@ -74,7 +74,7 @@ struct VarianceSplit {
         const double voxels = static_cast<double>(box.size.x * box.size.y * box.size.z);
         const double sum = cube_sum(value, cube), mean = sum / voxels;
         const double mean_square = cube_sum(square, cube) / voxels;
-        // Sums of 512 doubles are rounded at about 1e-13 of themselves.
+        // The rounding error of sums of 512 doubles is about 1e-13, relatively.
         const double rounding = 1e-12 * mean_square;
         if (mean_square - mean * mean <= variance + rounding) {
             accept(sum, active_count(leaf, cube));
@@ -87,7 +87,7 @@ struct VarianceSplit {
     }
 };
 
-/// The leaves of one lower node that are not yet in a cluster, by their place; -1 elsewhere.
+/// Grid of the 16^3 leaves of a lower node: indices of leaves not yet in a cluster, -1 elsewhere.
 struct LeafTable {
     std::array<std::int64_t, kLowerLeaves * kLowerLeaves * kLowerLeaves> leaf;
 
@@ -98,12 +98,13 @@ struct LeafTable {
     }
 };
 
+/// Grid position of a leaf in its lower node.
 Vec3i place_in_node(Vec3i leaf_origin) {
     const auto place = [](std::int32_t origin) { return (origin & (kLowerEdge - 1)) / kLeafEdge; };
     return {place(leaf_origin.x), place(leaf_origin.y), place(leaf_origin.z)};
 }
 
-/// Whether every place of the box [lower, upper] holds a leaf that `joins` accepts.
+/// Whether every position of the box [lower, upper] has a leaf that `joins` accepts.
 template <class Joins>
 bool all_join(LeafTable& table, Vec3i lower, Vec3i upper, const Joins& joins) {
     for (int x = lower.x; x <= upper.x; ++x)
@@ -114,8 +115,9 @@ bool all_join(LeafTable& table, Vec3i lower, Vec3i upper, const Joins& joins) {
     return true;
 }
 
-/// Grows a box of leaves from `lower` on, a layer at a time along X, Y and Z in turn, while whole
-/// layers join. returns the last leaf's place
+/// Grows a box of leaves from `lower` in the positive directions, a layer along x, y and z in turn,
+/// as long as `joins` accepts whole layers.
+/// returns  position of the last leaf
 template <class Joins>
 Vec3i grow(LeafTable& table, Vec3i lower, const Joins& joins) {
     Vec3i upper = lower;
@@ -133,7 +135,7 @@ Vec3i grow(LeafTable& table, Vec3i lower, const Joins& joins) {
     return upper;
 }
 
-/// Takes the leaves of the box [lower, upper] out of the table, as one group.
+/// Removes the leaves of the box [lower, upper] from the table and joins them in one group.
 Group take_box(LeafTable& table, Vec3i lower, Vec3i upper, const std::vector<Group>& leaves) {
     Group group;
     for (int x = lower.x; x <= upper.x; ++x)

@@ -1,5 +1,4 @@
-// convert_paper.cpp: the paper's conversion from volume to model: options, the loop over leaves,
-// tiles.
+// convert_paper.cpp: the paper's conversion: option checks, parallel loops over leaves, tiles.
 // Source: Sharma & Schmalstieg, section 3.
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
@@ -44,7 +43,7 @@ void check(const PaperOptions& options) {
            "opacity threshold", options.opacity_threshold, "a density of 0 or more");
     expect(options.minimum_radius_voxels >= 0 && options.minimum_radius_voxels <= 1e6f,
            "minimum radius", options.minimum_radius_voxels, "0 to 1e6 voxels");
-    // The cutoff k = sqrt(-2 ln kappa) is to lie within (0, 8].
+    // The cutoff k = sqrt(-2 ln kappa) lies within (0, 8].
     expect(options.kappa >= 1.3e-14f && options.kappa < 1, "kappa", options.kappa,
            "1.3e-14 to less than 1");
     expect(options.variance_threshold >= 0 && std::isfinite(options.variance_threshold),
@@ -55,7 +54,8 @@ void check(const PaperOptions& options) {
            "1, 2 or 3");
 }
 
-/// One pass in parallel over the values; the message, if one is due, comes from validate().
+/// Checks all values in one parallel pass; validate() throws with the position of the first bad
+/// one.
 void check(const Volume& volume) {
     const std::string source = volume.source.empty() ? "volume" : volume.source;
     if (volume.empty())
@@ -85,7 +85,7 @@ void check(const Volume& volume) {
     if (!usable || !tiles_usable || !std::isfinite(det) || det == 0) validate(volume);
 }
 
-/// The flags of `vog convert` that make the same model.
+/// The options as flags of `vog convert`.
 std::string flags(const PaperOptions& options) {
     std::string text = fmt::format("--strategy {}", strategy_name(options.strategy));
     switch (options.strategy) {
@@ -107,7 +107,8 @@ std::string flags(const PaperOptions& options) {
     return text;
 }
 
-/// Makes room for `count` Gaussians more. returns the place of the first
+/// Appends `count` uninitialised Gaussians.
+/// returns  index of the first
 std::size_t extend(Gaussians& model, std::size_t count, const GroupFit& fit) {
     const std::size_t first = model.size();
     model.mean.resize(first + count);
@@ -117,6 +118,7 @@ std::size_t extend(Gaussians& model, std::size_t count, const GroupFit& fit) {
     return first;
 }
 
+/// Copies Gaussians into the model from index `place` on.
 void store(std::span<const FittedGaussian> fitted, std::size_t place, Gaussians& model) {
     for (const FittedGaussian& gaussian : fitted) {
         model.mean[place] = gaussian.mean;
@@ -127,9 +129,9 @@ void store(std::span<const FittedGaussian> fitted, std::size_t place, Gaussians&
     }
 }
 
-/// Calls add_leaf(leaf, buffer) for every leaf, one leaf a task, and appends what it adds to the
-/// model in leaf order. The paper's threads write under a mutex, in any order; here each leaf's
-/// place follows from the counts of those before it.
+/// Calls add_leaf(leaf, buffer) for every leaf, one leaf a task, and appends the buffers to the
+/// model in leaf order. The paper's threads append under a mutex, in any order; here prefix sums of
+/// the counts give each leaf its place.
 template <class AddLeaf>
 void append_leaves(std::span<const Leaf> leaves, const GroupFit& fit, const Progress& progress,
                    const AddLeaf& add_leaf, Gaussians& model) {
@@ -163,10 +165,52 @@ void append_leaves(std::span<const Leaf> leaves, const GroupFit& fit, const Prog
     }
 }
 
+/// Appends one Gaussian for each group above the opacity threshold.
 void append_groups(const GroupFit& fit, const std::vector<Group>& groups, Gaussians& model) {
     std::vector<FittedGaussian> fitted;
     for (const Group& group : groups) add_group(fit, group, fitted);
     store(fitted, extend(model, fitted.size(), fit), model);
+}
+
+/// Appends the Gaussians of all leaves; with Strategy::tree_mirror also those of the tiles.
+void append_by_strategy(const Volume& volume, const PaperOptions& options, const GroupFit& fit,
+                        Gaussians& model) {
+    const auto each_leaf = [&](const auto& add_leaf) {
+        append_leaves(volume.leaves, fit, options.progress, add_leaf, model);
+    };
+    // Dense leaves are divided into blocks under each of the paper's strategies.
+    const auto each_sparse_leaf = [&](const auto& add_leaf) {
+        each_leaf([&](const Leaf& leaf, std::vector<FittedGaussian>& out) {
+            if (leaf.dense())
+                add_dense_blocks(fit, leaf, options.dense_block, out);
+            else
+                add_leaf(fit, leaf, out);
+        });
+    };
+    switch (options.strategy) {
+        case Strategy::smart_grouping:
+            each_sparse_leaf(add_smart_groups);
+            break;
+        case Strategy::strict_blocks:
+            each_sparse_leaf(add_strict_blocks);
+            break;
+        case Strategy::single_per_leaf:
+            each_sparse_leaf(add_single);
+            break;
+        case Strategy::variance_clusters:
+            each_leaf([&, variance = options.variance_threshold * leaf_value_variance(volume)](
+                          const Leaf& leaf, std::vector<FittedGaussian>& out) {
+                add_variance_clusters(fit, leaf, variance, out);
+            });
+            break;
+        case Strategy::leaf_clusters:
+            append_groups(fit, join_neighbours(volume, leaf_groups(volume), options.similarity),
+                          model);
+            break;
+        case Strategy::tree_mirror:
+            append_groups(fit, mirror_tree(volume, leaf_groups(volume), options.tree_depth), model);
+            break;
+    }
 }
 
 }  // namespace
@@ -211,50 +255,16 @@ Gaussians convert_paper(const Volume& volume, const PaperOptions& options) {
     model.options = flags(options);
 
     const GroupFit fit = make_group_fit(volume, options, model.cutoff);
-    const auto each_leaf = [&](const auto& add_leaf) {
-        append_leaves(volume.leaves, fit, options.progress, add_leaf, model);
-    };
-    // A dense leaf is divided into blocks whichever way the sparse ones are.
-    const auto each_sparse_leaf = [&](const auto& add_leaf) {
-        each_leaf([&](const Leaf& leaf, std::vector<FittedGaussian>& out) {
-            if (leaf.dense())
-                add_dense_blocks(fit, leaf, options.dense_block, out);
-            else
-                add_leaf(fit, leaf, out);
-        });
-    };
-    switch (options.strategy) {
-        case Strategy::smart_grouping:
-            each_sparse_leaf(add_smart_groups);
-            break;
-        case Strategy::strict_blocks:
-            each_sparse_leaf(add_strict_blocks);
-            break;
-        case Strategy::single_per_leaf:
-            each_sparse_leaf(add_single);
-            break;
-        case Strategy::variance_clusters:
-            each_leaf([&, variance = options.variance_threshold * leaf_value_variance(volume)](
-                          const Leaf& leaf, std::vector<FittedGaussian>& out) {
-                add_variance_clusters(fit, leaf, variance, out);
-            });
-            break;
-        case Strategy::leaf_clusters:
-            append_groups(fit, join_neighbours(volume, leaf_groups(volume), options.similarity),
-                          model);
-            break;
-        case Strategy::tree_mirror:
-            append_groups(fit, mirror_tree(volume, leaf_groups(volume), options.tree_depth), model);
-            break;
-    }
-    // Tiles, of any level, are boxes of one value; the mirrored tree has its own use for them.
+    append_by_strategy(volume, options, fit, model);
+    // Tiles are boxes of one value, whatever their level.
     if (options.strategy != Strategy::tree_mirror) append_groups(fit, tile_groups(volume), model);
     if (options.progress) options.progress(1);
     return model;
 }
 
 Gaussians convert_paper(const Composite& data, const PaperOptions& options) {
-    if (data.parts.empty()) throw Error("no voxel is seen, expected one within the masks");
+    if (data.parts.empty())
+        throw Error("convert: no voxel is left, expected one or more within the masks");
     Gaussians model;
     for (const Volume& part : data.parts) append(model, convert_paper(part, options));
     model.box = data.box;

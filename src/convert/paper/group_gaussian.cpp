@@ -1,4 +1,4 @@
-// group_gaussian.cpp: the Gaussian of a box of voxels, under the paper's conventions.
+// group_gaussian.cpp: shapes and peaks of Gaussians of boxes of voxels, by the paper's conventions.
 #include "convert/paper/group_gaussian.h"
 
 #include <fmt/core.h>
@@ -18,8 +18,9 @@ GroupShape group_shape(const GroupFit& fit, Vec3i size) {
         deviation[axis] = radius / std::numbers::sqrt2;
     }
     const WorldShape world = world_shape(fit.frame, deviation);
-    // Mass in world units is sum * |det|, and the product of the world scales is |det| times that
-    // of the deviations: the determinant cancels.
+    // Mass is sum * |det|, and the product of the world scales is |det| times that of the
+    // deviations:
+    // the determinant cancels.
     const double unit_peak_mass = std::pow(2 * std::numbers::pi, 1.5) * mass_within(fit.cutoff) *
                                   deviation.x * deviation.y * deviation.z;
     return {vec_cast<float>(world.scale), world.rotation, 1 / unit_peak_mass};

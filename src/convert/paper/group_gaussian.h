@@ -1,5 +1,5 @@
-// group_gaussian.h: the step all strategies of the paper share: a group of voxels and the index box
-// around it become one Gaussian, or nothing where the group is too thin to see.
+// group_gaussian.h: from a group of voxels and its index box to one Gaussian, the step that all
+// strategies of the paper share.
 #pragma once
 
 #include <array>
@@ -11,15 +11,15 @@
 
 namespace vog::paper {
 
-/// Voxels of one group: its index box, and the sum and number of its values.
+/// A group of voxels: index box, sum and number of the active values.
 struct Group {
     Vec3i lower;       ///< index of the box's first voxel
     Vec3i size;        ///< voxels along each axis
     double sum = 0;    ///< of the active values
-    double count = 0;  ///< of active voxels; a tile may stand for 4096^3
+    double count = 0;  ///< of active voxels; double, as a tile may have 4096^3
 };
 
-/// One Gaussian on its way to the model's arrays.
+/// One Gaussian, before it is copied to the model's arrays.
 struct FittedGaussian {
     Vec3f mean;
     float density = 0;
@@ -27,14 +27,14 @@ struct FittedGaussian {
     Quat rotation;
 };
 
-/// What boxes of one size become, wherever they lie.
+/// Shape of the Gaussians of all boxes of one size.
 struct GroupShape {
     Vec3f scale;
     Quat rotation;
-    double peak_per_sum = 0;  ///< Amplitude::mass: peak density over the sum of the group's values
+    double peak_per_sum = 0;  ///< Amplitude::mass: peak density per sum of values
 };
 
-/// All that the groups of one conversion have in common.
+/// Constants that all groups of one conversion share.
 struct GroupFit {
     WorldFrame frame;
     Amplitude amplitude = Amplitude::mean;
@@ -44,14 +44,15 @@ struct GroupFit {
     std::array<GroupShape, kLeafVoxels> leaf_shape;  ///< boxes up to 8^3, at leaf_offset(size - 1)
 };
 
-/// throws vog::Error if the scales of a voxel are no positive float32
+/// throws vog::Error unless the scales of a single voxel are within 1e-37 and 1e30
 GroupFit make_group_fit(const Volume& volume, const PaperOptions& options, float cutoff);
 
-/// The paper's radius is half the box, at least the minimum radius; its kernel
-/// exp(-d^T diag(r^2)^-1 d) has the standard deviation r / sqrt 2.
+/// Shape for a box of `size` voxels. The paper's radius r is half the box, at least the minimum
+/// radius;
+/// its kernel exp(-d^T diag(r^2)^-1 d) has the standard deviation r / sqrt 2.
 GroupShape group_shape(const GroupFit& fit, Vec3i size);
 
-/// Appends the group's Gaussian, unless its mean is at or below the opacity threshold.
+/// Appends the group's Gaussian, unless its mean value is at or below the opacity threshold.
 inline void add_group(const GroupFit& fit, const Group& group, std::vector<FittedGaussian>& out) {
     const double mean = group.sum / group.count;
     if (!(mean > fit.opacity_threshold)) return;

@@ -1,4 +1,4 @@
-// leaf_blocks.h: sums, counts and bounds of cubes inside a leaf, eight voxels of a row to a byte.
+// leaf_blocks.h: sums, counts and bounds of cubes inside a leaf, by operations on its bit mask.
 //
 // Word x of a leaf's mask holds slice x: bit 8 y + z is voxel (x, y, z).
 #pragma once
@@ -11,28 +11,28 @@
 
 namespace vog::paper {
 
-/// Bits of the voxels of a slice with y and z in [y, y + edge) x [z, z + edge). Edge 1 to 8.
+/// Mask of the square [y, y + edge) x [z, z + edge) of a slice.
+/// edge  1 to 8
 constexpr std::uint64_t slice_square(int y, int z, int edge) {
     const std::uint64_t row = ((std::uint64_t{1} << edge) - 1) << z;
     const std::uint64_t first_bits = 0x0101010101010101u >> (8 * (8 - edge));
     return (row * first_bits) << (8 * y);
 }
 
-/// The edge^3 voxels of a leaf from (x, y, z) on; the whole leaf unless said otherwise.
+/// The edge^3 voxels of a leaf whose first is (x, y, z); the whole leaf by default.
 struct LeafCube {
     int x = 0, y = 0, z = 0, edge = kLeafEdge;
 };
 
-/// An index box: its first voxel and the voxels along each axis.
+/// An index box: first voxel, and voxels along each axis.
 struct VoxelBox {
     Vec3i lower, size;
 };
 
-/// Tight box around the active voxels of the cube, in indices of the leaf; size 0 if there are
-/// none.
+/// Bounding box of the active voxels of a cube, relative to the leaf; size 0 if there are none.
 inline VoxelBox active_box(const Leaf& leaf, LeafCube cube) {
     const std::uint64_t square = slice_square(cube.y, cube.z, cube.edge);
-    std::uint64_t shadow = 0;  // of all slices, along x
+    std::uint64_t shadow = 0;  // union of the slices
     int first = cube.x + cube.edge, last = cube.x;
     for (int x = cube.x; x < cube.x + cube.edge; ++x) {
         const std::uint64_t bits = leaf.mask[static_cast<std::size_t>(x)] & square;
@@ -50,6 +50,7 @@ inline VoxelBox active_box(const Leaf& leaf, LeafCube cube) {
     return {lower, upper - lower + Vec3i{1, 1, 1}};
 }
 
+/// Active voxels in a cube.
 inline int active_count(const Leaf& leaf, LeafCube cube) {
     const std::uint64_t square = slice_square(cube.y, cube.z, cube.edge);
     int count = 0;
@@ -58,10 +59,11 @@ inline int active_count(const Leaf& leaf, LeafCube cube) {
     return count;
 }
 
-/// Sums over the aligned 2^3 blocks of a leaf: block (x, y, z) of 4^3 at 16 x + 4 y + z.
+/// Sums over the aligned 2^3 blocks of a leaf; block (x, y, z) at 16 x + 4 y + z.
 using BlockSums = std::array<double, 64>;
 
-/// Inactive voxels hold zero and need no mask. `power` 2 sums the squares.
+/// Inactive voxels hold 0 and need no mask.
+/// power  1: sums of values; 2: sums of their squares
 template <int power = 1>
 BlockSums block_sums(const Leaf& leaf) {
     const auto term = [](float value) {
@@ -72,7 +74,7 @@ BlockSums block_sums(const Leaf& leaf) {
     for (std::size_t x = 0; x < 4; ++x) {
         const float* slice = leaf.value.data() + 128 * x;
         for (std::size_t y = 0; y < 4; ++y) {
-            // Four rows of z meet in one, then neighbours in z.
+            // Adds the four rows along z of a block, then neighbours in z.
             const float* row = slice + 16 * y;
             std::array<double, 8> column;
             for (std::size_t z = 0; z < 8; ++z)
@@ -85,7 +87,8 @@ BlockSums block_sums(const Leaf& leaf) {
     return sums;
 }
 
-/// Sum over the blocks of a cube of 2, 4 or 8 voxels that starts at even indices.
+/// Sum over a cube.
+/// cube  edge 2, 4 or 8, at even indices
 inline double cube_sum(const BlockSums& sums, LeafCube cube) {
     const int edge = cube.edge / 2;
     double sum = 0;

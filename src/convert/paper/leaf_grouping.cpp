@@ -1,4 +1,4 @@
-// leaf_grouping.cpp: the paper's four ways to divide one leaf (section 3.3), on bit masks.
+// leaf_grouping.cpp: the paper's four divisions of one leaf (section 3.3), on bit masks.
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -16,6 +16,7 @@ constexpr std::uint64_t kEvenYEvenZ = 0x0055005500550055u;
 constexpr std::uint64_t kLastY = 0xff00000000000000u;
 constexpr std::uint64_t kLastZ = 0x8080808080808080u;
 
+/// Index of the voxel at an offset of the leaf.
 Vec3i voxel_index(const Leaf& leaf, int offset) {
     return leaf.origin + Vec3i{offset >> 6, (offset >> 3) & 7, offset & 7};
 }
@@ -24,14 +25,15 @@ double value_at(const Leaf& leaf, int offset) {
     return static_cast<double>(leaf.value[static_cast<std::size_t>(offset)]);
 }
 
-/// Adds the aligned 2^3 blocks whose voxels are all active and returns the voxels left.
+/// Appends the aligned 2^3 blocks whose voxels are all active.
+/// returns  mask of the other active voxels
 Mask add_full_blocks(const GroupFit& fit, const Leaf& leaf, std::vector<FittedGaussian>& out) {
     Mask left = leaf.mask;
     const BlockSums sums = block_sums(leaf);
     for (int x = 0; x < kLeafEdge; x += 2) {
         std::uint64_t& near = left[static_cast<std::size_t>(x)];
         std::uint64_t& far = left[static_cast<std::size_t>(x) + 1];
-        // Fold eight voxels onto the first of their block.
+        // Conjunction of the eight voxels of a block, in the bit of its first.
         std::uint64_t full = near & far;
         full &= full >> 1;
         full &= full >> 8;
@@ -72,8 +74,8 @@ void add_smart_groups(const GroupFit& fit, const Leaf& leaf, std::vector<FittedG
         const double sum = value_at(leaf, offset) + value_at(leaf, offset + step);
         add_group(fit, {voxel_index(leaf, offset), size, sum, 2}, out);
     };
-    // Memory order: slice by slice, lowest bit first. What comes before a voxel is already grouped,
-    // so that only its three later neighbours can join it.
+    // Memory order: slice by slice, lowest bit first. Voxels before the current one are grouped
+    // already, so that only its three later neighbours can join it.
     for (int x = 0; x < kLeafEdge; ++x) {
         std::uint64_t here = left[static_cast<std::size_t>(x)];
         std::uint64_t none = 0;

@@ -1,4 +1,4 @@
-// world_shape.cpp: index-axis Gaussians under an affine map.
+// world_shape.cpp: scales and rotations of Gaussians under an affine map.
 #include "convert/paper/world_shape.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kAngleTolerance = 1e-6;
 
-/// Finds the world axis each index axis falls on. False if one of them falls between.
+/// Sets index_axis. Returns whether every index axis is parallel to a world axis.
 bool find_axes(WorldFrame& frame) {
     std::array<bool, 3> taken{};
     for (int column = 0; column < 3; ++column) {
@@ -40,7 +40,7 @@ WorldFrame world_frame(const Affine& world_from_index) {
     }
     if (find_axes(frame)) return frame;
 
-    // A Gaussian is the same with an axis reversed: that turns a mirror image into a rotation.
+    // Reversing an axis does not change a Gaussian, but turns a reflection into a rotation.
     const bool perpendicular = std::abs(dot(unit.column(0), unit.column(1))) <= kAngleTolerance &&
                                std::abs(dot(unit.column(1), unit.column(2))) <= kAngleTolerance &&
                                std::abs(dot(unit.column(2), unit.column(0))) <= kAngleTolerance;

@@ -1,5 +1,5 @@
-// convert_points.cpp: the conversion of particles: masses and widths, then one Gaussian each, or
-// cells with the moments of several.
+// convert_points.cpp: particles to Gaussians: one Gaussian each, or cells with the moments of
+// several; the paper's particles.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -28,24 +28,28 @@ using namespace particles;
 
 namespace {
 
-std::string where(const Points& points) { return points.source.empty() ? "points" : points.source; }
+/// Name for error messages.
+std::string name_of(const Points& points) {
+    return points.source.empty() ? "points" : points.source;
+}
 
-/// One conversion: what is asked, and what is to be reported.
-struct PointConversion {
+/// Input, options and report of one conversion.
+struct PointJob {
     const Points& points;
     const PointOptions& options;
     MomentReport& report;
-    BigVector<float> values;   ///< [N] of the particles
+    BigVector<float> values;   ///< [N] mass of each particle
     BigVector<double> radius;  ///< [N] standard deviations, world units
     double total = 0;          ///< sum of the values
-    PointGrid grid{};          ///< where it is needed
+    PointGrid grid{};          ///< of cuts and adaptive radii only
     StageClock clock{report, options.progress};
 
+    /// Whether Gaussians stand for cells of several particles.
     bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
 };
 
 void check(const PointOptions& options) {
-    const auto refuse = [](const std::string& what) { throw Error("particles: " + what); };
+    const auto refuse = [](const std::string& message) { throw Error("particles: " + message); };
     const int block = options.block_voxels;
     if ((block != 0) + (options.budget != 0) + (options.error != 0) > 1)
         refuse("two of block, budget and error, expected one of them or none");
@@ -61,22 +65,23 @@ void check(const PointOptions& options) {
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
 }
 
-/// Values by name, none below zero, not all of them zero.
+/// The named values as masses: none negative, at least one positive.
 BigVector<float> masses(const Points& points, const std::string& name) {
     BigVector<float> values = point_values(points, name);
     bool any = false;
     for (std::size_t n = 0; n < values.size(); ++n) {
         if (values[n] < 0)
             throw Error(fmt::format("{}: '{}' of particle {} is {}, expected 0 or more",
-                                    where(points), name, n, values[n]));
+                                    name_of(points), name, n, values[n]));
         any |= values[n] > 0;
         keep_memory_at(n);
     }
-    if (!any) throw Error(fmt::format("{}: '{}' is 0 for all particles", where(points), name));
+    if (!any) throw Error(fmt::format("{}: '{}' is 0 for all particles", name_of(points), name));
     return values;
 }
 
-/// Distances to the k-th neighbour: each finds those of its share, which are looked for longest.
+/// Distances to the k-th neighbour. Each process searches for its share of the particles, the
+/// slowest step of a conversion; the shares are summed.
 BigVector<float> shared_distances(const BigVector<Vec3f>& places, int k,
                                   const Collective& collective) {
     if (collective.count == 1) return neighbour_distances(places, k);
@@ -87,9 +92,10 @@ BigVector<float> shared_distances(const BigVector<Vec3f>& places, int k,
     return {all.begin(), all.end()};
 }
 
-/// Half the distance to the k-th neighbour. A Gaussian of this width has about as many neighbours
-/// within its support as a particle of smoothed-particle hydrodynamics.
-BigVector<double> adaptive_radii(const PointConversion& job) {
+/// Adaptive standard deviations: half the distance to the k-th neighbour, world units [N]. The
+/// support of such a Gaussian holds about as many neighbours as a kernel of smoothed-particle
+/// hydrodynamics.
+BigVector<double> adaptive_radii(const PointJob& job) {
     constexpr double kShare = 0.5;
     const PointGrid& grid = job.grid;
     BigVector<Vec3f> places;
@@ -108,11 +114,12 @@ BigVector<double> adaptive_radii(const PointConversion& job) {
         throw Error(fmt::format(
             "{}: {}, so there is no spacing for an adaptive radius, expected a constant one "
             "(--radius X)",
-            where(job.points),
+            name_of(job.points),
             job.points.size() == 1
                 ? "one particle"
                 : fmt::format("all {} particles lie in one place", job.points.size())));
-    // Where more than k particles coincide: what single precision resolves in the whole.
+    // Lower bound, for more than k particles in one place: 2^-20 of the data's extent, which
+    // float32 positions resolve.
     const double least = std::ldexp(1.0, grid.root_log2 - 20);
     BigVector<double> radius;
     resize_kept(radius, grid.size());
@@ -123,14 +130,14 @@ BigVector<double> adaptive_radii(const PointConversion& job) {
     return radius;
 }
 
-/// The box of the particles, by which views are taken; empty where it has no size.
+/// Box of the particles, which frames views; empty if it has no extent.
 Box view_box_of(const Points& points) {
     const Box box = bounds(points);
     return box.radius() > 0 ? box : Box{};
 }
 
-/// One Gaussian a particle, those without mass left out.
-Gaussians all_particles(const PointConversion& job) {
+/// One isotropic Gaussian for each particle with mass.
+Gaussians all_particles(const PointJob& job) {
     BigVector<std::uint32_t> kept;
     kept.reserve(job.values.size());
     for (std::size_t n = 0; n < job.values.size(); ++n) {
@@ -154,8 +161,8 @@ Gaussians all_particles(const PointConversion& job) {
     return model;
 }
 
-/// The particles with mass in the grid's order and units, masses by `mass_unit`.
-BigVector<Particle> grid_particles(const PointConversion& job, double mass_unit) {
+/// Particles with mass in the grid's order; lengths in its voxels, masses in `mass_unit`.
+BigVector<Particle> grid_particles(const PointJob& job, double mass_unit) {
     const PointGrid& grid = job.grid;
     BigVector<Particle> particles;
     particles.reserve(grid.size());
@@ -172,8 +179,9 @@ BigVector<Particle> grid_particles(const PointConversion& job, double mass_unit)
     return particles;
 }
 
-/// Cells of block_voxels: particles whose keys agree from there on.
-BigVector<Moments> uniform_cells(const PointConversion& job, double mass_unit) {
+/// Moments of the particles in each cube of block_voxels: those whose Morton keys share the higher
+/// bits.
+BigVector<Moments> uniform_cells(const PointJob& job, double mass_unit) {
     const PointGrid& grid = job.grid;
     const int level =
         kKeyBits - grid.root_log2 + std::countr_zero(unsigned(job.options.block_voxels));
@@ -195,14 +203,15 @@ BigVector<Moments> uniform_cells(const PointConversion& job, double mass_unit) {
     return cells;
 }
 
-Gaussians gaussians_of(PointConversion& job, const BigVector<Moments>& cells, double mass_unit) {
-    MassThreshold light;
+/// Gaussians of the cells above the mass threshold; records the dropped mass in job.report.
+Gaussians thresholded_gaussians(PointJob& job, const BigVector<Moments>& cells, double mass_unit) {
+    MassThreshold threshold;
     for (std::size_t n = 0; n < cells.size(); ++n) {
-        light.add(static_cast<float>(cells[n].mass));
+        threshold.add(static_cast<float>(cells[n].mass));
         keep_memory_at(n);
     }
-    const float least = light.least_mass(job.options.mass_threshold);
-    light.write_to(job.report, job.total / mass_unit);
+    const float least = threshold.least_mass(job.options.mass_threshold);
+    threshold.write_to(job.report, job.total / mass_unit);
     BigVector<std::uint32_t> kept;
     for (std::size_t n = 0; n < cells.size(); ++n) {
         if (static_cast<float>(cells[n].mass) >= least)
@@ -224,14 +233,16 @@ Gaussians gaussians_of(PointConversion& job, const BigVector<Moments>& cells, do
     return model;
 }
 
-/// Cells by size, number or error.
-Gaussians cut_model(PointConversion& job) {
+/// Model of cells: of one size, a budget or an error.
+Gaussians cut_model(PointJob& job) {
     const PointOptions& options = job.options;
     const double mass_unit = job.total / static_cast<double>(job.points.size());
-    if (options.block_voxels) return gaussians_of(job, uniform_cells(job, mass_unit), mass_unit);
+    if (options.block_voxels)
+        return thresholded_gaussians(job, uniform_cells(job, mass_unit), mass_unit);
     const PointTree tree = point_tree(grid_particles(job, mass_unit));
     job.clock.end_stage("tree", 0.6);
-    if (options.budget) return gaussians_of(job, best_cut(tree, options.budget), mass_unit);
+    if (options.budget)
+        return thresholded_gaussians(job, best_cut(tree, options.budget), mass_unit);
 
     const ErrorViews views(all_particles(job));
     job.clock.end_stage("reference", 0.7);
@@ -239,7 +250,7 @@ Gaussians cut_model(PointConversion& job) {
     Gaussians model;
     MomentReport report;  // of that model: each try overwrites the job's
     const auto error_of_budget = [&](std::size_t budget) {
-        Gaussians tried = gaussians_of(job, best_cut(tree, budget), mass_unit);
+        Gaussians tried = thresholded_gaussians(job, best_cut(tree, budget), mass_unit);
         job.report.measured_error = views.relative_l2(tried);
         if (job.report.measured_error <= options.error || budget >= finest) {
             model = std::move(tried);
@@ -252,8 +263,8 @@ Gaussians cut_model(PointConversion& job) {
     return model;
 }
 
-/// What was asked for, as flags, and the error reached.
-std::string option_text(const PointConversion& job) {
+/// The options as flags of `vog convert`, and the measured error.
+std::string option_text(const PointJob& job) {
     const PointOptions& o = job.options;
     std::string text = fmt::format("--value {}", o.value);
     text += o.radius > 0 ? fmt::format(" --radius {}", o.radius)
@@ -269,6 +280,7 @@ std::string option_text(const PointConversion& job) {
     return text;
 }
 
+/// Sets source and count of particles.
 void describe(Gaussians& model, const Points& points, const std::string& value) {
     model.source_voxels = points.size();
     model.source = std::filesystem::path(points.source).filename().string();
@@ -287,8 +299,7 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     MomentReport unwanted;
     check(options);
     validate(points);
-    PointConversion job{
-        points, options, report ? *report : unwanted, masses(points, options.value), {}};
+    PointJob job{points, options, report ? *report : unwanted, masses(points, options.value), {}};
     job.report = {};
     for (std::size_t n = 0; n < points.size(); ++n) {
         job.total += job.values[n];

@@ -1,4 +1,5 @@
-// moment_tree.cpp: halves top down, generation by generation; moments and gains bottom up.
+// moment_tree.cpp: nodes top down, one generation at a time; moments, gains and the optimal pruning
+// bottom up.
 #include "convert/particles/moment_tree.h"
 
 #include <algorithm>
@@ -15,19 +16,19 @@ using namespace moments;
 
 namespace {
 
-/// A half of a node: a node itself, or one particle.
-struct Half {
+/// One side of a node's split: a node, or a single particle.
+struct Side {
     std::uint32_t first, last, node;
     bool is_node() const { return last - first > 1; }
 };
-std::array<Half, 2> halves(const PointNode& node) {
+std::array<Side, 2> sides(const PointNode& node) {
     const std::uint32_t left_is_node = node.middle - node.first > 1;
-    return {Half{node.first, node.middle, node.first_child},
-            Half{node.middle, node.last, node.first_child + left_is_node}};
+    return {Side{node.first, node.middle, node.first_child},
+            Side{node.middle, node.last, node.first_child + left_is_node}};
 }
 
-/// Direction of the largest eigenvalue, by squaring: the 32nd power of the matrix has it in every
-/// column. Not exact where two are close, which does not matter then.
+/// Eigenvector of the largest eigenvalue, not normalised: a column of the 32nd power of the matrix.
+/// Not exact if two eigenvalues are close, but then either axis serves.
 Vec3d longest_axis(Mat3 matrix) {
     constexpr int kSquarings = 5;
     for (int n = 0; n < kSquarings; ++n) {
@@ -42,18 +43,18 @@ Vec3d longest_axis(Mat3 matrix) {
     return matrix.column(axis);
 }
 
-/// Parts the particles of a node at their mean, across their longest axis.
-void part(BigVector<Particle>& particles, PointNode& node) {
+/// Sorts the particles of a node by the side of their mean, across the axis of largest variance.
+void split_at_mean(BigVector<Particle>& particles, PointNode& node) {
     const auto begin = particles.begin() + node.first, end = particles.begin() + node.last;
     node.middle = node.first + 1;
     if (node.last - node.first == 2) return;
     double mass = 0;
     Vec3d mean;
-    std::size_t turns = 0;
+    std::size_t visited = 0;
     for (auto particle = begin; particle != end; ++particle) {
         mass += particle->mass;
         mean = mean + double{particle->mass} * particle->place;
-        keep_memory_at(++turns);
+        keep_memory_at(++visited);
     }
     mean = (1 / mass) * mean;
     std::array<double, 6> c{};
@@ -62,21 +63,21 @@ void part(BigVector<Particle>& particles, PointNode& node) {
         const double m = particle->mass;
         c[0] += m * d.x * d.x, c[1] += m * d.x * d.y, c[2] += m * d.x * d.z;
         c[3] += m * d.y * d.y, c[4] += m * d.y * d.z, c[5] += m * d.z * d.z;
-        keep_memory_at(++turns);
+        keep_memory_at(++visited);
     }
     const Vec3d axis =
         longest_axis({{Vec3d{c[0], c[1], c[2]}, {c[1], c[3], c[4]}, {c[2], c[4], c[5]}}});
     const auto middle = std::partition(begin, end, [&](const Particle& p) {
-        keep_memory_at(++turns);
+        keep_memory_at(++visited);
         return dot(p.place - mean, axis) < 0;
     });
-    // Particles in one place are parted by number.
+    // Coincident particles: two halves by count.
     node.middle = middle == begin || middle == end
                       ? node.first + (node.last - node.first) / 2
                       : static_cast<std::uint32_t>(middle - particles.begin());
 }
 
-/// Nodes of all generations.
+/// Builds the nodes, generation by generation.
 void build_nodes(PointTree& tree) {
     std::vector<std::size_t>& generations = tree.generations;
     if (tree.particles.size() < 2) return;
@@ -86,15 +87,16 @@ void build_nodes(PointTree& tree) {
     tree.nodes.push_back(root);
     while (generations.back() < tree.nodes.size()) {
         const std::size_t begin = generations.back(), end = tree.nodes.size();
-        vog::parallel_for(begin, end, [&](std::size_t n) { part(tree.particles, tree.nodes[n]); });
+        vog::parallel_for(begin, end,
+                          [&](std::size_t n) { split_at_mean(tree.particles, tree.nodes[n]); });
         for (std::size_t n = begin; n < end; ++n) {
             keep_memory_at(n);
             tree.nodes[n].first_child = static_cast<std::uint32_t>(tree.nodes.size());
-            for (const Half& half : halves(tree.nodes[n]))
-                if (half.is_node()) {
+            for (const Side& side : sides(tree.nodes[n]))
+                if (side.is_node()) {
                     PointNode node;
-                    node.first = half.first;
-                    node.last = half.last;
+                    node.first = side.first;
+                    node.last = side.last;
                     tree.nodes.push_back(node);
                 }
         }
@@ -110,15 +112,15 @@ Moments node_moments(const PointTree& tree, const PointNode& node) {
     return moments;
 }
 
-Moments half_moments(const PointTree& tree, const Half& half) {
-    return half.is_node() ? node_moments(tree, tree.nodes[half.node])
-                          : particle_moments(tree.particles[half.first]);
+Moments side_moments(const PointTree& tree, const Side& side) {
+    return side.is_node() ? node_moments(tree, tree.nodes[side.node])
+                          : particle_moments(tree.particles[side.first]);
 }
 
-/// Sets a node's moments and what it is worth to split it, from its halves'.
+/// Sets a node's moments and split gain from its sides'.
 void set_moments(PointTree& tree, PointNode& node) {
-    const auto [left, right] = halves(node);
-    const std::array<Moments, 2> parts{half_moments(tree, left), half_moments(tree, right)};
+    const auto [left, right] = sides(node);
+    const std::array<Moments, 2> parts{side_moments(tree, left), side_moments(tree, right)};
     const Moments sum = joined_moments(parts);
     node.mass = static_cast<float>(sum.mass);
     node.mean = vec_cast<float>(sum.mean - tree.particles[node.first].place);
@@ -126,40 +128,41 @@ void set_moments(PointTree& tree, PointNode& node) {
     node.gain = static_cast<float>(split_gain(sum, parts[0], parts[1], DepthPower::three_quarters));
 }
 
-/// The best cut at a lambda (price_search.h): what each node is worth, 0 where it stays whole.
-class PrunedTree {
+/// Optimal pruning under the multiplier lambda (lagrange_search.h): net gain of each node, 0 if
+/// unsplit.
+class PrunedPoints {
   public:
-    PrunedTree(const PointTree& tree, double lambda) : tree_(tree) {
+    PrunedPoints(const PointTree& tree, double lambda) : tree_(tree) {
         resize_kept(best_, tree.nodes.size());
         for (std::size_t g = tree.generations.size() - 1; g-- > 0;)
             vog::parallel_for(tree.generations[g], tree.generations[g + 1], [&](std::size_t n) {
                 Best best{double{tree.nodes[n].gain} - lambda, 0};
-                for (const Half& half : halves(tree.nodes[n])) {
-                    best.worth += half.is_node() ? best_[half.node].worth : 0;
-                    best.count += half.is_node() ? best_[half.node].count : 1;
+                for (const Side& side : sides(tree.nodes[n])) {
+                    best.net_gain += side.is_node() ? best_[side.node].net_gain : 0;
+                    best.count += side.is_node() ? best_[side.node].count : 1;
                 }
-                best_[n] = best.worth > 0 ? best : Best{0, 1};
+                best_[n] = best.net_gain > 0 ? best : Best{0, 1};
             });
     }
     std::size_t count() const { return best_.front().count; }
     BigVector<Moments> cells() const {
         BigVector<Moments> cut;
         cut.reserve(count());
-        take({tree_.nodes[0].first, tree_.nodes[0].last, 0}, cut);
+        add_cells({tree_.nodes[0].first, tree_.nodes[0].last, 0}, cut);
         return cut;
     }
 
   private:
     struct Best {
-        double worth = 0;
+        double net_gain = 0;
         std::uint32_t count = 0;
     };
-    void take(const Half& part, BigVector<Moments>& cut) const {
+    void add_cells(const Side& split_at_mean, BigVector<Moments>& cut) const {
         keep_memory();
-        if (!part.is_node() || !(best_[part.node].worth > 0))
-            cut.push_back(half_moments(tree_, part));
+        if (!split_at_mean.is_node() || !(best_[split_at_mean.node].net_gain > 0))
+            cut.push_back(side_moments(tree_, split_at_mean));
         else
-            for (const Half& half : halves(tree_.nodes[part.node])) take(half, cut);
+            for (const Side& side : sides(tree_.nodes[split_at_mean.node])) add_cells(side, cut);
     }
 
     const PointTree& tree_;
@@ -192,8 +195,8 @@ BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
         keep_memory_at(n);
     }
     const double lambda = lambda_of_budget(
-        budget, double{most}, [&](double tried) { return PrunedTree(tree, tried).count(); });
-    return PrunedTree(tree, lambda).cells();
+        budget, double{most}, [&](double tried) { return PrunedPoints(tree, tried).count(); });
+    return PrunedPoints(tree, lambda).cells();
 }
 
 }  // namespace vog::particles

@@ -1,7 +1,7 @@
-// nearest_neighbours.cpp: exact k-nearest-neighbour distances. Particles in Morton order are
-// grouped by eights, groups again by eights: a tree of boxes without pointers. Eight neighbouring
-// particles search it together, and begin with those beside them in the order, which are mostly
-// right.
+// nearest_neighbours.cpp: k-nearest-neighbour search in an 8-ary tree of bounding boxes. Particles
+// in Morton order are grouped by eights, groups again by eights. The eight particles of a group
+// search together, beginning with the groups beside them in Morton order, which hold most
+// neighbours.
 #include "convert/particles/nearest_neighbours.h"
 
 #include <tbb/blocked_range.h>
@@ -14,8 +14,8 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 
-// The inner loops, also compiled for AVX2 and chosen at run time: the same operations in the same
-// order, so the same bytes.
+// The inner loops are compiled for AVX2 as well and chosen at run time. Operations and their order
+// are the same, so the bytes are.
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define VOG_WIDE __attribute__((target_clones("avx2", "default")))
@@ -29,10 +29,10 @@ namespace {
 
 constexpr std::size_t kGroup = 8;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-/// Coordinates of the places that fill up the last group: beyond all, and squared still finite.
+/// Coordinate of the padding of the last group: beyond all particles, with a finite square.
 constexpr float kNowhere = 1e18f;
 
-/// Eight places, or eight boxes' faces, by coordinate.
+/// One coordinate of eight positions or eight box faces.
 using Eight = std::array<float, kGroup>;
 struct Group {
     std::array<Eight, 3> at;
@@ -68,10 +68,11 @@ Bounds bounds_of(const Boxes& boxes) {
 struct Tree {
     std::size_t count = 0;
     BigVector<Group> groups;
-    std::vector<BigVector<Boxes>> levels;  ///< [0]: boxes of groups, eight to an entry; ...
+    std::vector<BigVector<Boxes>>
+        levels;  ///< [0]: boxes of the groups, eight an entry; [1]: of those; ...
 };
 
-/// Boxes of the `things`, eight to an entry.
+/// Bounding boxes of `things`, eight an entry.
 template <class Thing>
 BigVector<Boxes> boxes_of(const BigVector<Thing>& things) {
     BigVector<Boxes> boxes;
@@ -104,7 +105,7 @@ Tree tree_of(const BigVector<Vec3f>& places) {
     return tree;
 }
 
-/// Squared distances between boxes; infinite ones have nothing inside.
+/// Squared distances between boxes; infinite for empty ones.
 VOG_WIDE void box_distances2(const Boxes& boxes, const Bounds& to, Eight& distance2) {
     distance2.fill(0);
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -125,7 +126,7 @@ VOG_WIDE void place_distances2(const Group& group, const std::array<float, 3>& t
     }
 }
 
-/// The search of the eight particles of one group.
+/// Nearest neighbours of the eight particles of one group.
 class GroupSearch {
   public:
     GroupSearch(const Tree& tree, std::size_t group, int k)
@@ -137,20 +138,20 @@ class GroupSearch {
         const std::size_t reach = k_ / kGroup + 1;
         first_ = group > reach ? group - reach : 0;
         last_ = std::min(group + reach + 1, tree.groups.size());
-        for (std::size_t other = first_; other < last_; ++other) meet(other);
+        for (std::size_t other = first_; other < last_; ++other) add_group(other);
         visit(tree.levels.size() - 1, 0);
     }
     float distance2(std::size_t lane) const { return nearest_[lane][k_ - 1]; }
 
   private:
-    void meet(std::size_t other) {
-        const Group& mine = tree_.groups[own_];
+    void add_group(std::size_t other) {
+        const Group& own = tree_.groups[own_];
         const std::size_t lanes = std::min(kGroup, tree_.count - own_ * kGroup);
         const std::size_t others = std::min(kGroup, tree_.count - other * kGroup);
         Eight distance2;
         for (std::size_t lane = 0; lane < lanes; ++lane) {
             place_distances2(tree_.groups[other],
-                             {mine.at[0][lane], mine.at[1][lane], mine.at[2][lane]}, distance2);
+                             {own.at[0][lane], own.at[1][lane], own.at[2][lane]}, distance2);
             if (other == own_) distance2[lane] = kInfinity;
             auto& nearest = nearest_[lane];
             for (std::size_t n = 0; n < others; ++n) {
@@ -174,7 +175,7 @@ class GroupSearch {
             if (level > 0)
                 visit(level - 1, child);
             else if (child < first_ || child >= last_)
-                meet(child);
+                add_group(child);
         }
     }
 
