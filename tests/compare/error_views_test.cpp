@@ -27,7 +27,7 @@ TEST(error_views, a_spoiled_gaussian_has_the_largest_error) {
     MomentOptions options;
     options.block_voxels = 8;
     Gaussians model = convert_moments(volume, options);
-    const ErrorViews views(model);  // of itself: no error at first
+    const ErrorViews views(model);  // its own reference: no error yet
     for (const float error : views.error_of_each_gaussian(model)) ASSERT_LT(error, 1e-9f);
     EXPECT_LT(views.visible_rms(model), 1e-6);
     const std::size_t spoiled = model.size() / 2;

@@ -1,4 +1,4 @@
-// coarsen_test.cpp: what fewer Gaussians keep of more.
+// coarsen_test.cpp: moments, counts and pictures of coarsened models.
 #include "vog/lod.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace vog::test {
 
 namespace {
 
-/// Mass, mean and covariance of a whole model, after the cut of its kernels.
+/// Mass, mean and covariance of a whole model, after truncation.
 struct Whole {
     double mass = 0;
     Vec3d mean;
@@ -130,7 +130,7 @@ TEST(coarsen, levels_are_a_quarter_each_and_end_near_a_thousand) {
     EXPECT_EQ(detail_levels(Gaussians{}).size(), 1u);
 }
 
-/// Against what a list cut short would give: every fourth of them, four times as dense.
+/// Compared with thinning: every fourth Gaussian with four times the density.
 TEST(coarsen, pictures_stay_close) {
     const Gaussians model =
         convert_moments(sample_cloud({.size = 96}), {.block_voxels = 2, .soft_steps = 0});

@@ -252,7 +252,7 @@ TEST(moments, the_threshold_drops_no_more_than_its_share_and_says_so) {
     }
 }
 
-TEST(moments, one_way_to_choose_cells_is_taken_and_two_are_refused) {
+TEST(moments, one_choice_of_cells_is_applied_and_two_are_refused) {
     const auto options = [](const CellChoice& cut) {
         MomentOptions chosen;
         set_cut(chosen, cut);
@@ -268,7 +268,7 @@ TEST(moments, one_way_to_choose_cells_is_taken_and_two_are_refused) {
     EXPECT_THROW((void)options({.lod = 6}), Error);
 }
 
-TEST(moments, the_model_says_what_was_reached) {
+TEST(moments, the_summary_reports_counts_mass_and_error) {
     const Volume volume = sample_cloud({.size = 64});
     MomentReport report;
     const Gaussians model =

@@ -1,4 +1,4 @@
-// levels_test.cpp: levels as one model: one octree where lattices allow, no seams, all mass.
+// levels_test.cpp: AMR levels as one model: shared octrees, ripple at seams, mass.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,8 +27,9 @@ double total_mass(const Composite& data) {
     return sum;
 }
 
-/// Root mean square of (T - exact)/exact over rays through the inner half of the outer cube, as far
-/// from its faces as Gaussians reach.
+/// Root mean square of (T - exact) / exact over rays through the inner half of the outer cube,
+/// farther
+/// from its faces than the supports of Gaussians.
 double relative_error(const Gaussians& model, const Volume& outer, int across) {
     test::Random random(5);
     const double middle = 0.5 * (across - 1), upper = across - 0.5;
@@ -37,7 +38,7 @@ double relative_error(const Gaussians& model, const Volume& outer, int across) {
     for (int n = 0; n < kRays; ++n) {
         const Vec3d target =
             outer.world_from_index(Vec3d{middle, middle, middle} + random.in_cube(0.25 * across));
-        // Near an axis, so that the ray leaves by opposite faces.
+        // Nearly along an axis, so that the ray enters and leaves by opposite faces.
         Vec3d tilt = random.in_cube(0.2);
         tilt[n % 3] = 1;
         const Vec3d along = normalized(outer.world_from_index.linear * tilt);
@@ -106,8 +107,9 @@ TEST(moment_levels, coarse_bricks_have_the_moments_of_their_voxels) {
 TEST(moment_levels, constant_field_is_constant_across_seams) {
     MomentOptions options;
     options.budget = 3000;
-    // Kernels cut at 2.25 leave ripples in any constant: of 1 % of the chord, after soft steps.
-    // With one octree the seams add little to them; without, each side is softened alone.
+    // Truncated kernels ripple in any constant field, by 1 % of the chord after EM. In one octree
+    // seams
+    // add little to that; between octrees each side has EM steps of its own.
     constexpr double kPlain = 0.015, kOneOctree = 0.02, kOctreesOfTheirOwn = 0.045;
     const Volume cube = test::cube_of(20, 0.7f, {});
     EXPECT_LT(relative_error(convert_moments(cube, options), cube, 20), kPlain);
@@ -173,7 +175,7 @@ TEST(moment_levels, blocks_count_the_voxels_of_each_level) {
 }
 
 TEST(moment_levels, a_budget_goes_where_gains_are_scaled_up) {
-    // Two fields that are the same: the scale alone tells which is the coarser in the end.
+    // Two equal fields: only the scale of their gains decides which is cut more finely.
     const Volume volume = test::random_volume(3, 0.3);
     const LatticeField field = lattice_field(volume);
     const std::vector<CutTree> trees{cut_tree(field, 1), cut_tree(field, 10)};
@@ -199,7 +201,7 @@ TEST(moment_levels, one_level_is_converted_as_a_volume_is) {
     EXPECT_EQ(alone.box, composed.box);
 }
 
-TEST(moment_levels, an_error_is_reached_over_all_levels) {
+TEST(moment_levels, the_error_holds_over_all_levels) {
     const test::NestedScene scene = test::nested_scenes()[4];
     const Composite data = composite(test::nested_cubes(20, scene.outer, scene.inner));
     MomentOptions options;

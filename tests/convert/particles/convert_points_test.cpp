@@ -1,4 +1,4 @@
-// convert_points_test.cpp: particles to Gaussians: what is conserved, where, how wide, how few.
+// convert_points_test.cpp: particles to Gaussians: masses, radii, cuts, errors.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -124,7 +124,7 @@ TEST(points_convert, a_particle_has_its_value_as_mass_where_it_is) {
     }
 }
 
-TEST(points_convert, the_adaptive_radius_is_half_the_way_to_a_neighbour) {
+TEST(points_convert, the_adaptive_radius_is_half_the_distance_to_a_neighbour) {
     // On a line: the k-th neighbour inside lies (k + 1) / 2 away.
     Points points;
     for (int n = 0; n < 101; ++n) points.position.push_back({3.0 * n, 1, 2});
@@ -236,7 +236,7 @@ TEST(points_convert, a_picture_is_the_sum_of_the_particles_own_gaussians) {
         }
 }
 
-TEST(points_convert, the_error_asked_for_is_reached_with_few) {
+TEST(points_convert, the_requested_error_is_met_with_few) {
     const Points points = clustered(5000);
     PointOptions options;
     options.error = 0.1;
@@ -245,6 +245,9 @@ TEST(points_convert, the_error_asked_for_is_reached_with_few) {
     EXPECT_LE(report.measured_error, 0.1);
     EXPECT_GT(report.measured_error, 0.08);
     EXPECT_LT(model.size(), points.size() / 2);
+    // The report is of this model, not of the last one tried.
+    EXPECT_NEAR(mass(model), static_cast<double>(points.size()) * (1 - report.dropped_mass_share),
+                1e-5 * static_cast<double>(points.size()));
     options.error = 0;
     options.budget = model.size();
     options.measure = true;

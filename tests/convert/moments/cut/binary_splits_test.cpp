@@ -1,5 +1,6 @@
-// binary_splits_test.cpp: gains in closed form, the best cut of a cell against all of its cuts, the
-// lambda of a budget.
+// binary_splits_test.cpp: split gains against numerical integrals, prunings of a cell against all
+// 128 sets
+// of splits, moments of cuts.
 #include "convert/moments/cut/binary_splits.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,8 @@ double uniform(Random& random, double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
 }
 
-/// Octants of a cell of edge 8, each with mass by chance.
+/// Random octants of a cell of edge 8.
+/// share  probability of mass
 Octants random_octants(Random& random, double share) {
     Octants octants;
     for (std::size_t o = 0; o < 8; ++o) {
@@ -53,7 +55,7 @@ TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
     const Octants octants = random_octants(random, 1);
     const Moments a = joined_octants(octants, 0x0F), b = joined_octants(octants, 0xF0),
                   whole = joined_octants(octants, 0xFF);
-    // A sum over a lattice is exact for smooth functions, but for exp(-(2 pi sigma/h)^2/2).
+    // Sums over a lattice equal the integral up to exp(-(2 pi sigma / h)^2 / 2).
     constexpr double kStep = 0.5;
     double squares = 0;
     for (double x = -12; x < 20; x += kStep)
@@ -73,7 +75,7 @@ TEST(binary_splits, a_gain_is_the_integral_of_the_squared_difference) {
                 1e-6);
 }
 
-TEST(binary_splits, splits_part_the_octants_down_to_single_ones) {
+TEST(binary_splits, all_splits_together_separate_the_octants) {
     Random random(11);
     for (int tries = 0; tries < 200; ++tries) {
         const Octants octants = random_octants(random, 0.7);
@@ -96,7 +98,7 @@ TEST(binary_splits, splits_part_the_octants_down_to_single_ones) {
     }
 }
 
-TEST(binary_splits, a_long_cell_is_parted_across_its_length) {
+TEST(binary_splits, a_long_cell_is_split_across_its_length) {
     for (int axis = 0; axis < 3; ++axis) {
         Octants octants;
         for (std::size_t o = 0; o < 8; ++o) {
@@ -111,7 +113,7 @@ TEST(binary_splits, a_long_cell_is_parted_across_its_length) {
     }
 }
 
-TEST(binary_splits, at_any_price_no_other_cut_is_worth_more) {
+TEST(binary_splits, no_other_set_of_splits_has_a_larger_net_gain) {
     Random random(5);
     for (int tries = 0; tries < 100; ++tries) {
         const BinarySplits splits = splits_of(random_octants(random, tries % 2 ? 0.6 : 1), 1);
@@ -121,30 +123,30 @@ TEST(binary_splits, at_any_price_no_other_cut_is_worth_more) {
             if (splits.occupied >> o & 1)
                 octants[o] = {uniform(random, 0, 1) < 0.5 ? 0.0 : 0.02, 1};
         const double lambda = std::exp(uniform(random, -6, 2));
-        std::uint8_t splits = 0;
-        const Subtree best = pruned(splits, octants, lambda, splits);
+        std::uint8_t split_mask = 0;
+        const Subtree best = pruned(splits, octants, lambda, split_mask);
 
-        // What a set of splits is worth, those under a part that stays whole not counting.
-        const auto worth_of = [&](int set) {
-            const std::function<double(int)> worth = [&](int n) -> double {
+        // Net gain of a set of splits. Splits below one that is not made do not count.
+        const auto net_gain_of = [&](int set) {
+            const std::function<double(int)> net_gain = [&](int n) -> double {
                 const auto side = splits.sides(n);
                 const auto below = [&](std::size_t k) {
                     if (!side[k]) return 0.0;
-                    return n < 3 ? worth(2 * n + 1 + int(k))
+                    return n < 3 ? net_gain(2 * n + 1 + int(k))
                                  : octants[std::size_t(std::countr_zero(side[k]))].net_gain;
                 };
                 if (!side[0] || !side[1]) return below(0) + below(1);
                 if (!(set >> n & 1)) return 0.0;
                 return from_bfloat16(splits.gain[std::size_t(n)]) - lambda + below(0) + below(1);
             };
-            return worth(0);
+            return net_gain(0);
         };
         double most = 0;
-        for (int set = 0; set < 128; ++set) most = std::max(most, worth_of(set));
+        for (int set = 0; set < 128; ++set) most = std::max(most, net_gain_of(set));
         EXPECT_NEAR(best.net_gain, most, 1e-12);
-        EXPECT_NEAR(worth_of(splits), most, 1e-12);
+        EXPECT_NEAR(net_gain_of(split_mask), most, 1e-12);
         std::uint32_t parts = 0;
-        for_each_part(splits, splits, [&](std::uint8_t) { ++parts; });
+        for_each_part(splits, split_mask, [&](std::uint8_t) { ++parts; });
         EXPECT_EQ(best.count, parts);
     }
 }

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 
 #include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/octree.h"
 #include "support/moment_volumes.h"
 #include "vog/convert_moments.h"
+#include "vog/splat.h"
 
 namespace vog {
 
@@ -17,20 +19,41 @@ TEST(em_step, voxels_outside_all_supports_are_kept_and_cells_without_voxels_drop
     const Volume volume = test::random_volume(7, 0.3);
     const LatticeField field = lattice_field(volume);
     PackedCells cells(field.bricks);
-    // One cell with voxels in reach, one far from all: the first takes the bricks that neither
-    // reaches.
+    // One cell amid the voxels, one far from all. Voxels outside both supports go to the nearest
+    // cell,
+    // the first.
     const Vec3d middle = index_box(volume).center();
     cells.push_back({1, middle, {4, 0, 0, 4, 0, 4}});
     cells.push_back({1, middle + Vec3d{1e5, 0, 0}, {4, 0, 0, 4, 0, 4}});
-    EmHistory steps;
-    EmSolver(field.bricks).step(cells, steps);
+    EmHistory history;
+    EmSolver(field.bricks).step(cells, history);
     ASSERT_EQ(cells.size(), 1u);
-    EXPECT_EQ(steps.momenta.size(), 1u);
+    EXPECT_EQ(history.momenta.size(), 1u);
     EXPECT_NEAR(cells.mass(0) * voxel_volume(volume) / mass(volume), 1, 1e-6);
 }
 
-TEST(em_step, soft_steps_keep_mass_and_mean_and_flatten_a_constant_box) {
-    // Hard cells of a constant density ripple; soft ones must do so less, inside.
+/// Alone, a Gaussian has responsibility 1 everywhere, so a step gives it the moments of all voxels.
+TEST(em_step, a_single_cell_gets_the_moments_of_all_voxels) {
+    const Volume volume = test::random_volume(8, 0.1);
+    const LatticeField field = lattice_field(volume);
+    const MomentOctree octree = brick_octree(field.bricks);
+    const Moments all = cell_moments(octree.levels.back().cells[0], octree.levels.back().edge_log2);
+    PackedCells cells(field.bricks);
+    cells.push_back({1, index_box(volume).center() + Vec3d{3, -2, 1}, {90, 5, 0, 70, -8, 60}});
+    EmHistory history;
+    EmSolver(field.bricks).step(cells, history);
+    ASSERT_EQ(cells.size(), 1u);
+    const Moments one = cells[0];
+    constexpr double kFloat = 1e-5;  // float32 sums of each brick
+    const double extent = index_box(volume).radius();
+    EXPECT_NEAR(one.mass / all.mass, 1, kFloat);
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_NEAR(one.mean[axis], all.mean[axis], kFloat * extent);
+    for (std::size_t n = 0; n < 6; ++n)
+        EXPECT_NEAR(one.covariance[n], all.covariance[n], kFloat * extent * extent);
+}
+
+TEST(em_step, mass_and_mean_are_kept_and_a_constant_box_ripples_less) {
     test::VolumeMaker maker;
     maker.box({0, 0, 0}, {31, 31, 31}, 1);
     const Volume volume = maker.finish();

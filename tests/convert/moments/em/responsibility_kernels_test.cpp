@@ -1,4 +1,4 @@
-// responsibility_kernels_test.cpp: the SIMD loops of soft cells against sums in double precision.
+// responsibility_kernels_test.cpp: SIMD loops of the E step against sums in double precision.
 #include "convert/moments/em/responsibility_kernels.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ struct alignas(64) Aligned {
     std::array<float, 64 * kRun> values{};
 };
 
-/// A slanted Gaussian near the middle of a brick of points, over some of its runs.
+/// A Gaussian with full covariance near the middle of a brick, over some of its runs.
 RunKernel slanted() {
     RunKernel k;
     k.dx = -3.2f, k.dy = -4.1f, k.dz = -2.7f, k.step = 1;
@@ -26,11 +26,12 @@ RunKernel slanted() {
     return k;
 }
 
+/// Point n relative to the mean.
 Vec3d offset(const RunKernel& k, int n) {
     return {double{k.dx} + (n >> 6), double{k.dy} + (n >> 3 & 7), double{k.dz} + (n & 7)};
 }
 
-TEST(moment_share, values_are_those_of_a_gaussian_cut_at_its_reach) {
+TEST(responsibility_kernels, values_are_those_of_a_truncated_gaussian) {
     const RunKernel k = slanted();
     Aligned data;
     data.sum.fill(0.25f);
@@ -41,18 +42,18 @@ TEST(moment_share, values_are_those_of_a_gaussian_cut_at_its_reach) {
         const double u = double{k.xx} * d.x * d.x + double{k.yy} * d.y * d.y +
                          double{k.zz} * d.z * d.z + double{k.xy} * d.x * d.y +
                          double{k.xz} * d.x * d.z + double{k.yz} * d.y * d.z;
-        const bool reached =
+        const bool inside_support =
             32 * u < kSupportDeviations * kSupportDeviations && n >> 6 >= 1 && n >> 6 <= 6;
-        const double exact = reached ? double{k.peak} * std::exp(-16 * u) : 0;
-        // exp(-u) to the second order: u³/6 too much, sixteen times.
+        const double exact = inside_support ? double{k.peak} * std::exp(-16 * u) : 0;
+        // The second-order polynomial of exp(-u) is too large by u^3/6, sixteen times.
         EXPECT_NEAR(data.sum[static_cast<std::size_t>(n)], 0.25 + exact,
                     exact * 16 * std::exp(u) * u * u * u / 6 + 1e-6);
-        inside += reached;
+        inside += inside_support;
     }
     EXPECT_GT(inside, 100);
 }
 
-TEST(moment_share, shares_have_the_moments_of_what_they_take) {
+TEST(responsibility_kernels, parts_have_the_moments_of_weighted_values) {
     const RunKernel k = slanted();
     Aligned data;
     add_values(std::span(&k, 1), data.values.data(), data.sum);
@@ -65,7 +66,13 @@ TEST(moment_share, shares_have_the_moments_of_what_they_take) {
     MomentSums exact;
     for (int n = 0; n < kLeafVoxels; ++n) {
         const auto at = static_cast<std::size_t>(n);
-        add_shifted(exact, {double{values[at]} * double{weight[at]}, {}, {}}, offset(k, n));
+        const double m = double{values[at]} * double{weight[at]};
+        const Vec3d x = offset(k, n);
+        exact.mass += m;
+        exact.first = exact.first + m * x;
+        std::size_t entry = 0;
+        for (int a = 0; a < 3; ++a)
+            for (int b = a; b < 3; ++b) exact.second[entry++] += m * x[a] * x[b];
     }
     const double tolerance = 1e-5 * exact.mass;
     EXPECT_NEAR(part.mass, exact.mass, tolerance);
@@ -75,13 +82,13 @@ TEST(moment_share, shares_have_the_moments_of_what_they_take) {
         EXPECT_NEAR(part.second[n], exact.second[n], 16 * tolerance);
 }
 
-TEST(moment_share, weights_are_mass_over_sum_and_orphans_are_told) {
+TEST(responsibility_kernels, weights_are_mass_over_sum_and_uncovered_points_are_reported) {
     Aligned data;
     data.sum.fill(2);
     std::array<float, kLeafVoxels> value;
     value.fill(3);
     value[5] = 0;
-    data.sum[5] = 0;  // no mass, reached by none: nothing is lost
+    data.sum[5] = 0;  // neither mass nor a Gaussian: nothing is lost
     BrickFloats sum = data.sum;
     EXPECT_FALSE(responsibility_weights(value.data(), 0.25f, data.sum));
     EXPECT_EQ(data.sum[0], 0.375f);

@@ -37,7 +37,8 @@ TEST(split_merge, splits_the_worst_and_merges_pairs_with_their_moments) {
     for (std::size_t n = 0; n < 6; ++n)
         EXPECT_NEAR(after_all.covariance[n], before_all.covariance[n],
                     1e-5 * before_all.covariance[0]);
-    // The worst have half their mass, of nobody else's pair; most cells stay as they are.
+    // The worst have half their mass; of three cells changed by each exchange all others are the
+    // same.
     const auto parted = static_cast<float>(count - count / 10);
     std::size_t same = 0;
     for (std::size_t i = 0; i < count; ++i) {
