@@ -24,7 +24,7 @@ double WholeError::of(const std::vector<Gaussians>& models) const {
     Gaussians model;
     for (const Gaussians& one : models)
         if (one.size() > 0) append(model, one);
-    double sums[2] = {};  // of (T - T_ref)^2, of T_ref^2
+    double sums[2] = {};  // (T - T_ref)^2, T_ref^2
     SplatRenderer renderer(model);
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
         DepthImage image = renderer.render(cameras_[view], kErrorViewSize_px, kErrorViewSize_px);

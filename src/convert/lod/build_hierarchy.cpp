@@ -63,7 +63,7 @@ struct Growth {
     Hierarchy& tree;
     MomentFrame frame;
     Kernel kernel;
-    std::vector<Moments> moments{};  ///< of each node
+    std::vector<Moments> moments{};  ///< one for each node
 };
 
 /// Radius of the ball around node n's mean that contains its support and those of all below.

@@ -10,7 +10,7 @@ namespace vog::moments {
 
 namespace {
 
-constexpr double kFirstShare = 0.01;                // of the finest cut, where nothing is known
+constexpr double kFirstShare = 0.01;  // share of the finest cut that searches begin with
 constexpr double kSteepest = -1, kFlattest = -0.1;  // powers of the count that are believed
 
 }  // namespace

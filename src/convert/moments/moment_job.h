@@ -20,11 +20,11 @@ using namespace comparison;
 /// Input, options and report of one conversion.
 struct MomentJob {
     std::span<const Volume> parts;  ///< disjoint
-    Box box;                        ///< of the whole data, world space
+    Box box;                        ///< bounds of the whole data, world space
     bool levels = false;  ///< parts are levels of a mesh: several lattices under one budget
     const MomentOptions& options;
     MomentReport& report;
-    double data_mass = 0;  ///< of all parts and processes; density times unit_volume()
+    double data_mass = 0;  ///< all parts and processes; density times unit_volume()
     StageClock clock{report, options.progress};
 
     const Collective& collective() const { return collective_or_single(options.collective); }

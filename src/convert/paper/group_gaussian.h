@@ -15,8 +15,8 @@ namespace vog::paper {
 struct Group {
     Vec3i lower;       ///< index of the box's first voxel
     Vec3i size;        ///< voxels along each axis
-    double sum = 0;    ///< of the active values
-    double count = 0;  ///< of active voxels; double, as a tile may have 4096^3
+    double sum = 0;    ///< sum of the active values
+    double count = 0;  ///< active voxels; double, as a tile may have 4096^3
 };
 
 /// One Gaussian, before it is copied to the model's arrays.

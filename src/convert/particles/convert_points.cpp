@@ -41,7 +41,7 @@ struct PointJob {
     BigVector<float> values;   ///< [N] mass of each particle
     BigVector<double> radius;  ///< [N] standard deviations, world units
     double total = 0;          ///< sum of the values
-    PointGrid grid{};          ///< of cuts and adaptive radii only
+    PointGrid grid{};          ///< for cuts and adaptive radii only
     StageClock clock{report, options.progress};
 
     /// Whether Gaussians stand for cells of several particles.
@@ -248,7 +248,7 @@ Gaussians cut_model(PointJob& job) {
     job.clock.end_stage("reference", 0.7);
     const std::size_t finest = tree.particles.size();
     Gaussians model;
-    MomentReport report;  // of that model: each try overwrites the job's
+    MomentReport report;  // for `model`: each try overwrites job.report
     const auto error_of_budget = [&](std::size_t budget) {
         Gaussians tried = thresholded_gaussians(job, best_cut(tree, budget), mass_unit);
         job.report.measured_error = views.relative_l2(tried);

@@ -34,7 +34,7 @@ struct PointNode {
 };
 
 struct PointTree {
-    BigVector<Particle> particles;  ///< those of a node are contiguous
+    BigVector<Particle> particles;  ///< the particles of a node are contiguous
     BigVector<PointNode> nodes;     ///< root first, then by generation; none for one particle
     std::vector<std::size_t> generations{0};  ///< index of each one's first node, and the end
 };

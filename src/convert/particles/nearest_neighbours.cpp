@@ -1,6 +1,6 @@
-// nearest_neighbours.cpp: k-nearest-neighbour search in an 8-ary tree of bounding boxes. Particles
-// in Morton order are grouped by eights, groups again by eights. The eight particles of a group
-// search together, beginning with the groups beside them in Morton order, which hold most
+// nearest_neighbours.cpp: k-nearest-neighbour search in an 8-ary tree of bounding boxes.
+// Particles in Morton order are grouped by eights, groups again by eights. The eight particles of a
+// group search together, beginning with the groups beside them in Morton order, which hold most
 // neighbours.
 #include "convert/particles/nearest_neighbours.h"
 

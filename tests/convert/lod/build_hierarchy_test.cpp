@@ -193,7 +193,7 @@ TEST(hierarchy, degenerate_models_have_one) {
     const Hierarchy heap = build_hierarchy(together);
     expect_a_tree(together, heap);
     expect_moments_of_leaves(together, heap);
-    // What has a width of its own is no point, though all means agree.
+    // Gaussians with equal means still have widths, which count as error.
     EXPECT_GE(heap.error[0], 0.5 * 0.6);
 
     Gaussians massless = random_gaussians(100, 0.1, 0.2, 9);

@@ -163,7 +163,7 @@ TEST(moments, a_sheet_one_voxel_thick_is_right_from_the_side_and_edge_on) {
         return sum;
     };
     double from_side = 0, edge_on = 0, exact_edge_on = 0;
-    constexpr int kRays = 18;  // of the rows of z, a third meets the sheet
+    constexpr int kRays = 18;  // a third of the rows in z meets the sheet
     for (int row = 0; row < kRays; ++row) {
         for (int column = 0; column < kRays; ++column)
             from_side += depth({28 + 8 * (row + 0.5) / kRays, 28 + 8 * (column + 0.5) / kRays, -50},

@@ -19,7 +19,7 @@ struct Brick {
     Vec3i origin;        ///< index of the first voxel
     double spacing = 1;  ///< voxels: 1 for leaves and small tiles
     const Leaf* leaf = nullptr;
-    float value = 0;  ///< of every sample, if leaf is null
+    float value = 0;  ///< density of every sample, if leaf is null
 
     float sample(int n) const { return leaf ? leaf->value[static_cast<std::size_t>(n)] : value; }
     /// Voxels per sample.

@@ -35,7 +35,7 @@ struct Lattice {
 };
 
 bool is_whole(double number) {
-    constexpr double kRounding = 1e-4;  // of a voxel: transforms are often stored as float32
+    constexpr double kRounding = 1e-4;  // voxels; transforms are often stored as float32
     return std::abs(number - std::round(number)) < kRounding;
 }
 
@@ -173,7 +173,7 @@ class BrickMap {
   private:
     struct Samples {
         const Leaf* leaf;
-        float value;  ///< of every sample, if leaf is null
+        float value;  ///< density of every sample, if leaf is null
     };
 
     static Vec3i around(Vec3i origin, std::size_t size) {

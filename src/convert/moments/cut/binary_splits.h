@@ -1,6 +1,6 @@
 // binary_splits.h: binary splits of an octree cell: across one axis, its halves across a second,
-// their quarters across the third. Seven splits in two instead of one in eight, so that a budget
-// can pay for a single half.
+// their quarters across the third.
+// Seven splits in two instead of one in eight, so that a budget can pay for a single half.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ inline constexpr std::array<std::uint8_t, 3> kUpperOctants{0xF0, 0xCC, 0xAA};
 
 /// The splits of one cell: 0 divides the cell, 1 and 2 its halves, 3 to 6 the quarters.
 struct BinarySplits {
-    std::array<BFloat16, 7> gain{};  ///< of each split; 0 if a side is empty
+    std::array<BFloat16, 7> gain{};  ///< one for each split; 0 if a side is empty
     BFloat16 max_gain = 0;           ///< upper bound on the gains of the cell and all cells inside
     std::uint8_t occupied = 0;       ///< mask of the octants with mass
     /// Bits 0-1: axis of split 0. Bits 2 and 3: whether splits 1 and 2 are across the higher of the

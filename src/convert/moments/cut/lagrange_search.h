@@ -1,8 +1,9 @@
 // lagrange_search.h: the Lagrange multiplier at which the optimal pruning has as many leaves as a
-// budget. Optimal pruning (Chou, Lookabaugh, Gray 1989) maximises the sum over splits of gain -
-// lambda. Bottom up, a subtree is split if its own split and its optimally pruned children are
-// worth more than 0 together, so a split of little gain never hides better ones below it. The count
-// of leaves falls with lambda.
+// budget.
+// Optimal pruning (Chou, Lookabaugh, Gray 1989) maximises the sum over splits of gain - lambda.
+// Bottom up, a subtree is split if its own split and its optimally pruned children are worth more
+// than 0 together, so a split of little gain never hides better ones below it. The count of leaves
+// falls with lambda.
 #pragma once
 
 #include <algorithm>

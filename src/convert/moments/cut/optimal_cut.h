@@ -22,7 +22,7 @@ inline constexpr std::uint32_t kNoBrick = 0xffffffffu;
 /// The octree of a field with the gains of all its splits. Serves cuts of any size.
 struct CutTree {
     MomentOctree octree;            ///< cells of 8^3 voxels and more
-    std::span<const Brick> bricks;  ///< of the field, in Morton order
+    std::span<const Brick> bricks;  ///< all bricks of the field, in Morton order
     std::vector<std::vector<std::uint32_t>>
         brick_of;  ///< [level][cell]: index in bricks, or kNoBrick
     std::vector<std::vector<BinarySplits>> cell_splits;  ///< [level][cell]; empty for bricks

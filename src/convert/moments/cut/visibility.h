@@ -1,7 +1,7 @@
 // visibility.h: visibility weight of a place: mean over 13 lattice directions of exp(-2 T), T the
-// optical depth of the whole column through it, plus a constant. V = 1 - exp(-T) saturates, so an
-// error dT shows as exp(-T) dT: cells in thin columns, silhouettes and wisps, gain more than those
-// in thick ones.
+// optical depth of the whole column through it, plus a constant.
+// V = 1 - exp(-T) saturates, so an error dT shows as exp(-T) dT: cells in thin columns, silhouettes
+// and wisps, gain more than those in thick ones.
 #pragma once
 
 #include <span>
@@ -41,7 +41,7 @@ class VisibilityWeight {
     void set_bins(std::span<const Piece> pieces, Direction& direction, const Affine& map) const;
 
     Vec3i lower_;      ///< lower corner of the field, index space
-    double edge_ = 4;  ///< of a bin, voxels
+    double edge_ = 4;  ///< edge of a bin, voxels
     std::vector<Direction> directions_;
 };
 

@@ -39,7 +39,7 @@ constexpr double kFineVariance = 1;
 /// A lattice with one point in each sample of a brick.
 struct Points {
     Vec3d first;        ///< point of the first sample, index space; spacing as the brick's
-    double volume = 1;  ///< of a point, voxels
+    double volume = 1;  ///< volume that a point stands for, voxels
 };
 
 /// First and last of the integers 0 ... 7 in [low, high].

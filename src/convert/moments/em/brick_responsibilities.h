@@ -29,8 +29,8 @@ struct BrickScratch {
     std::vector<CellKernel> kernels;  ///< whose support overlaps the brick
     std::vector<RunKernel> runs;
     hwy::AlignedFreeUniquePtr<float[]> values;
-    std::size_t capacity = 0;     ///< of `values`, in runs of kRun floats
-    alignas(64) BrickFloats sum;  ///< of all kernels at each sample, then mass over sum
+    std::size_t capacity = 0;     ///< length of `values`, in runs of kRun floats
+    alignas(64) BrickFloats sum;  ///< sum of all kernels at each sample, then mass / sum
     BrickFloats tile;             ///< values of a tile's samples
 };
 

@@ -1,6 +1,6 @@
-// em_step.h: one accelerated step of expectation-maximisation for a Gaussian mixture over voxels. A
-// hard cell owns its voxels, so neighbouring Gaussians leave ripples and steps where they meet. In
-// a soft cell every voxel's mass is divided among the Gaussians by their responsibilities, their
+// em_step.h: one accelerated step of expectation-maximisation for a Gaussian mixture over voxels.
+// A hard cell owns its voxels, so neighbouring Gaussians leave ripples and steps where they meet.
+// In a soft cell every voxel's mass is divided among the Gaussians by their responsibilities, their
 // share of the mixture's density there (E step), and each Gaussian gets the moments of its part (M
 // step). Mass is conserved; the likelihood of the voxels under the mixture grows.
 #pragma once
@@ -54,11 +54,10 @@ class EmSolver {
     };
     /// Batches of bricks that each Gaussian's support overlaps.
     struct Overlaps {
-        BigVector<std::uint64_t> batches;  ///< bit b of cell i: it overlaps batch b
-        std::vector<std::uint64_t>
-            first_batches;            ///< bit b of a chunk: b is the first of some cell
+        BigVector<std::uint64_t> batches;          ///< bit b of cell i: it overlaps batch b
+        std::vector<std::uint64_t> first_batches;  ///< [chunk] bit b: first batch of some cell
         std::vector<Pair> uncovered;  ///< bricks that no support overlaps, with the nearest cell
-        double max_peak = 0;          ///< of all Gaussians
+        double max_peak = 0;          ///< largest peak of all Gaussians
         std::size_t max_active = 0;   ///< most cells between their first and last batch at once
     };
     /// A cell between its first and its last batch.
@@ -68,7 +67,7 @@ class EmSolver {
     struct Batch {
         std::size_t first_brick = 0, end_brick = 0;
         std::vector<ActiveCell> active;        ///< sorted by cell
-        BigVector<MomentSums> sums;            ///< of active cells so far, about their means
+        BigVector<MomentSums> sums;            ///< active cells' sums so far, about their means
         std::vector<std::uint32_t> free_sums;  ///< indices of unused entries of `sums`
         tbb::enumerable_thread_specific<BrickScratch> scratches{};
     };

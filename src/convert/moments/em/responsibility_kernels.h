@@ -1,7 +1,8 @@
 // responsibility_kernels.h: SIMD loops of the E step: values of Gaussians on a brick's samples,
-// sums of responsibilities. Compiled for every SIMD target and chosen at run time (Highway).
-// Without fused multiplications, and with sums in an order that does not depend on the vector
-// width: the same bytes on every target.
+// sums of responsibilities.
+// Compiled for every SIMD target and chosen at run time (Highway). Without fused multiplications,
+// and with sums in an order that does not depend on the vector width: the same bytes on every
+// target.
 #pragma once
 
 #include <array>
