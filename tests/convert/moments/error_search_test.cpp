@@ -81,7 +81,7 @@ TEST(error_search, a_start_is_near_the_target_and_knows_the_power) {
         const auto error = [&](std::size_t budget) {
             return 3 * std::pow(static_cast<double>(budget), power);
         };
-        const double exact = 20000;
+        const double exact = 200000;
         const SearchStart start = search_start(3 * std::pow(exact, power), kFinest, error);
         EXPECT_NEAR(start.count / exact, 1, 0.01);
         EXPECT_NEAR(start.power, power, 0.01);
