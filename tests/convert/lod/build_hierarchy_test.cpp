@@ -1,4 +1,4 @@
-// build_hierarchy_test.cpp: what a node stands for, in what order, and what is no hierarchy.
+// build_hierarchy_test.cpp: moments, balls and order of nodes; refusal of invalid hierarchies.
 #include "vog/lod.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace vog::test {
 
 namespace {
 
-/// Mass, mass times mean and second moments about the origin of Gaussian i, after the cut.
+/// Mass, mass times mean and second moments about the origin, of Gaussians after truncation.
 struct Sums {
     double mass = 0;
     Vec3d first;
@@ -62,7 +62,7 @@ Below below(const Hierarchy& tree, std::size_t n) {
     return all;
 }
 
-/// Moments of every node are those of its leaves; of an axis-aligned model, but for off-diagonals.
+/// Every node has the moments of its leaves; without off-diagonals if the model is axis-aligned.
 void expect_moments_of_leaves(const Gaussians& model, const Hierarchy& tree) {
     double extent = 0;
     for (std::size_t i = 0; i < model.size(); ++i)
@@ -85,7 +85,7 @@ void expect_moments_of_leaves(const Gaussians& model, const Hierarchy& tree) {
     }
 }
 
-/// Everything below a node lies in its ball; every error is at least those below.
+/// The ball of a node contains all supports below; its error is at least those below.
 void expect_balls_that_hold(const Gaussians& model, const Hierarchy& tree) {
     const auto reach = [](const Gaussians& of, std::size_t i) {
         const Vec3f s = of.scale[i];
@@ -106,8 +106,7 @@ void expect_balls_that_hold(const Gaussians& model, const Hierarchy& tree) {
     }
 }
 
-/// No leaf is lost, no node has a single child or too many, and all lie level by level: children of
-/// one node behind those of the node before.
+/// Every leaf belongs to one node, nodes have 2 to 8 children, and the order is breadth-first.
 void expect_a_tree(const Gaussians& model, const Hierarchy& tree) {
     validate(tree, model.size(), model.cutoff, "tree");
     EXPECT_TRUE(in_one_order(tree));
@@ -127,14 +126,14 @@ void expect_a_tree(const Gaussians& model, const Hierarchy& tree) {
 
 }  // namespace
 
-TEST(hierarchy, nodes_have_the_moments_of_what_is_below_for_random_models) {
+TEST(hierarchy, nodes_have_the_moments_of_their_leaves_for_random_models) {
     for (const int count : {2, 3, 9, 100, 3000})
         for (const float cutoff : {1.0f, 2.25f, 4.0f}) {
             Gaussians model = random_gaussians(count, 1e-3, 0.5, 70 + count, cutoff);
             if (count == 9) model.rotation.clear();
             const double before = mass(model);
             const Hierarchy tree = build_hierarchy(model);
-            EXPECT_NEAR(mass(model), before, 1e-12 * before);  // in another order only
+            EXPECT_NEAR(mass(model), before, 1e-12 * before);  // reordered only
             expect_a_tree(model, tree);
             expect_moments_of_leaves(model, tree);
             expect_balls_that_hold(model, tree);
@@ -142,7 +141,7 @@ TEST(hierarchy, nodes_have_the_moments_of_what_is_below_for_random_models) {
 }
 
 TEST(hierarchy, large_models_are_trees_too) {
-    // Levels of more nodes than a task has.
+    // Levels with more nodes than a parallel task has.
     Gaussians model = random_gaussians(90000, 1e-3, 0.01, 5);
     const Hierarchy tree = build_hierarchy(model);
     expect_a_tree(model, tree);
@@ -171,7 +170,7 @@ TEST(hierarchy, nodes_of_uniform_cells_are_the_next_uniform_cells) {
         const auto at = [&](std::size_t c) {
             return length(vec_cast<double>(coarse.mean[c]) - vec_cast<double>(tree.nodes.mean[n]));
         };
-        // Both lie along one curve, but for the levels, of which each begins anew.
+        // Both are in Morton order; that of the nodes starts again with every level.
         for (std::size_t tried = 0; tried < coarse.size() && at(next) > 1e-5; ++tried)
             next = (next + 1) % coarse.size();
         ASSERT_LE(at(next), 1e-5) << "node " << n << " is none of the coarser cells";
@@ -245,7 +244,7 @@ TEST(hierarchy, joined_models_have_joined_hierarchies) {
     expect_balls_that_hold(model, tree);
 }
 
-TEST(hierarchy, what_is_none_is_refused_by_its_first_wrong_node) {
+TEST(hierarchy, invalid_hierarchies_are_refused_by_their_first_wrong_node) {
     Gaussians model = random_gaussians(200, 0.01, 0.1, 30);
     const Hierarchy good = build_hierarchy(model);
     const auto error_of = [&](const auto& spoil) {
@@ -273,7 +272,7 @@ TEST(hierarchy, what_is_none_is_refused_by_its_first_wrong_node) {
                  "2 or more"));
     EXPECT_TRUE(
         contains(error_of([&](Hierarchy& t) { t.leaf_count.assign(t.size(), 0); }), "2 or more"));
-    // Not in one order.
+    // Links checked as they are, without link().
     const auto error_as_it_is = [&](const auto& spoil) {
         Hierarchy tree = good;
         spoil(tree);

@@ -28,8 +28,7 @@ double total_mass(const Composite& data) {
 }
 
 /// Root mean square of (T - exact) / exact over rays through the inner half of the outer cube,
-/// farther
-/// from its faces than the supports of Gaussians.
+/// farther from its faces than the supports of Gaussians.
 double relative_error(const Gaussians& model, const Volume& outer, int across) {
     test::Random random(5);
     const double middle = 0.5 * (across - 1), upper = across - 0.5;
@@ -108,8 +107,7 @@ TEST(moment_levels, constant_field_is_constant_across_seams) {
     MomentOptions options;
     options.budget = 3000;
     // Truncated kernels ripple in any constant field, by 1 % of the chord after EM. In one octree
-    // seams
-    // add little to that; between octrees each side has EM steps of its own.
+    // seams add little to that; between octrees each side has EM steps of its own.
     constexpr double kPlain = 0.015, kOneOctree = 0.02, kOctreesOfTheirOwn = 0.045;
     const Volume cube = test::cube_of(20, 0.7f, {});
     EXPECT_LT(relative_error(convert_moments(cube, options), cube, 20), kPlain);

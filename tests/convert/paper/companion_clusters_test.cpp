@@ -1,4 +1,4 @@
-// companion_clusters_test.cpp: the companion's clusterings: variance, neighbours, tree.
+// companion_clusters_test.cpp: counts and boxes of the companion paper's three clusterings.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -56,7 +56,7 @@ std::size_t tree_count(const Volume& volume, int depth) {
 }
 
 TEST(convert_variance, a_uniform_leaf_is_one_cluster) {
-    // 0.1 is no float: sums of it are rounded.
+    // 0.1 is not representable: its sums are rounded.
     EXPECT_EQ(variance_count(volume_of({constant_leaf({0, 0, 0}, 0.1)}), 0), 1u);
 }
 
@@ -76,7 +76,7 @@ TEST(convert_variance, a_uniform_part_that_fills_its_box_is_one_cluster) {
     Leaf plate;
     for (int n = 0; n < 64; ++n) plate.set(leaf_offset(5, n >> 3, n & 7), 2);
     EXPECT_EQ(variance_count(volume_of({plate}), 0), 1u);
-    // Two far corners leave their box nearly empty: zeros count, and part them.
+    // Two opposite corners: the zeros of their box count, so they are separated.
     Leaf corners;
     corners.set(leaf_offset(0, 0, 0), 2);
     corners.set(leaf_offset(7, 7, 7), 2);
@@ -145,7 +145,7 @@ TEST(convert_tree, each_node_above_is_one_gaussian) {
     EXPECT_EQ(tree_count(volume, 1), 8u + 1u);
 }
 
-TEST(convert_tree, a_node_has_the_tight_box_and_the_mean_of_what_is_below) {
+TEST(convert_tree, a_node_has_the_tight_box_and_the_mean_of_its_voxels) {
     Volume volume = volume_of({constant_leaf({0, 0, 0}, 1), constant_leaf({112, 0, 8}, 2)});
     volume.tiles = {{{64, 64, 64}, 8, 6}};
     PaperOptions options = with(Strategy::tree_mirror);

@@ -27,7 +27,7 @@ constexpr double kMassTolerance = 1e-5;
 /// A group's index box: first voxel and size.
 using IndexBox = std::tuple<int, int, int, int, int, int>;
 
-/// Index boxes of a model made in index units, read back from its means and scales, sorted.
+/// Index boxes recovered from means and scales of a model in index units, sorted.
 std::vector<IndexBox> index_boxes(const Gaussians& model) {
     std::vector<IndexBox> boxes;
     for (std::size_t i = 0; i < model.size(); ++i) {
@@ -44,7 +44,8 @@ std::vector<IndexBox> index_boxes(const Gaussians& model) {
     return boxes;
 }
 
-/// The grouping of a sparse leaf as the text has it, voxel by voxel on an array of flags.
+/// Grouping of a sparse leaf by the paper's text: voxel by voxel, on an array of flags.
+/// pairs  smart grouping; otherwise strict blocks
 std::vector<IndexBox> reference_groups(const Leaf& leaf, bool pairs) {
     std::array<bool, kLeafVoxels> unused{};
     for (int n = 0; n < kLeafVoxels; ++n) unused[static_cast<std::size_t>(n)] = leaf.active(n);
@@ -108,7 +109,7 @@ TEST(convert_paper, strategy_names_round_trip) {
         EXPECT_EQ(strategy_from_name(strategy_name(strategy)), strategy);
     try {
         (void)strategy_from_name("smrt");
-        FAIL() << "an unknown name was taken";
+        FAIL() << "an unknown name was accepted";
     } catch (const Error& error) {
         EXPECT_STREQ(error.what(),
                      "no strategy named 'smrt' (there are: smart, strict, single, variance, "
@@ -178,7 +179,7 @@ TEST(convert_paper, smart_grouping_takes_blocks_then_pairs_along_x_y_z_then_sing
 }
 
 TEST(convert_paper, pairs_do_not_reach_around_the_ends_of_rows_and_slices) {
-    // Neighbours in memory, not in space.
+    // Adjacent in memory but not in space.
     for (const auto& voxels :
          {std::vector<Vec3i>{{0, 0, 7}, {0, 1, 0}}, std::vector<Vec3i>{{0, 7, 3}, {1, 0, 3}},
           std::vector<Vec3i>{{7, 7, 7}, {0, 0, 0}}})

@@ -1,6 +1,5 @@
 // binary_splits_test.cpp: split gains against numerical integrals, prunings of a cell against all
-// 128 sets
-// of splits, moments of cuts.
+// 128 sets of splits, moments of cuts.
 #include "convert/moments/cut/binary_splits.h"
 
 #include <gtest/gtest.h>

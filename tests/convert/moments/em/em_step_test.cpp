@@ -20,8 +20,7 @@ TEST(em_step, voxels_outside_all_supports_are_kept_and_cells_without_voxels_drop
     const LatticeField field = lattice_field(volume);
     PackedCells cells(field.bricks);
     // One cell amid the voxels, one far from all. Voxels outside both supports go to the nearest
-    // cell,
-    // the first.
+    // cell, the first.
     const Vec3d middle = index_box(volume).center();
     cells.push_back({1, middle, {4, 0, 0, 4, 0, 4}});
     cells.push_back({1, middle + Vec3d{1e5, 0, 0}, {4, 0, 0, 4, 0, 4}});
