@@ -1,5 +1,5 @@
-// vog/memory.h: arrays larger than memory. While a MemoryLimit is alive, large BigVectors lie in unnamed
-// files that the system pages in on access; results are the same bytes with and without a limit.
+// vog/memory.h: arrays larger than memory. While a MemoryLimit is alive, large BigVectors lie in
+// unnamed files that the system pages in on access; results are the same bytes without a limit.
 #pragma once
 
 #include <cstddef>

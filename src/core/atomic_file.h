@@ -8,7 +8,7 @@
 namespace vog {
 
 /// Calls write(path) with a path beside `file` and the same extension, then renames it to `file`.
-/// If write throws, the temporary file is removed, `file` is unchanged and the exception propagates.
+/// If write throws, the temporary file is removed, `file` is unchanged, the exception propagates.
 /// throws vog::Error if the folder does not exist or cannot be written
 void write_beside_and_rename(const std::filesystem::path& file,
                              const std::function<void(const std::filesystem::path&)>& write);

@@ -1,4 +1,4 @@
-// memory.cpp: arrays in unnamed mapped files, and the thread that drops their pages under a memory limit.
+// memory.cpp: arrays in unnamed mapped files, and the thread that drops their pages.
 #include "vog/memory.h"
 
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-// morton.h: Morton order (Z-order), in which the voxels of every aligned cube of 2^n are contiguous.
+// morton.h: Morton order (Z-order), in which voxels of every aligned cube of 2^n are contiguous.
 #pragma once
 
 #include <cstdint>

@@ -15,8 +15,8 @@ bool memory_limited();
 /// 50 microseconds; costs one clock read in between, and one load without a limit.
 void keep_memory();
 
-/// keep_memory() every 1024 iterations, for sequential loops on one thread; loops with random access
-/// call keep_memory() in every iteration.
+/// keep_memory() every 1024 iterations, for sequential loops on one thread; loops with random
+/// access call keep_memory() in every iteration.
 /// n  iteration
 inline void keep_memory_at(std::size_t n) {
     constexpr std::size_t kEvery = 1024;

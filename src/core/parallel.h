@@ -11,8 +11,8 @@ namespace vog {
 
 /// Whether an InterruptCheck of this thread or a MemoryLimit is alive.
 bool interruptible();
-/// Calls keep_memory(), and this thread's InterruptCheck if its period has passed. For long loops on
-/// one thread; about 5 ns.
+/// Calls keep_memory(), and this thread's InterruptCheck if its period has passed. For long loops
+/// on one thread; about 5 ns.
 /// throws whatever the check throws
 void check_interrupt();
 

@@ -30,8 +30,8 @@ struct PointGrid {
 /// points  valid, see validate()
 PointGrid point_grid(const Points& points);
 
-/// Particles in the order of OpenVDB's PointDataGrid: by leaf, voxel, then index. The lower corner of
-/// voxel [0, 0, 0] is that of the particles' bounding box.
+/// Particles in the order of OpenVDB's PointDataGrid: by leaf, voxel, then index. The lower corner
+/// of voxel [0, 0, 0] is that of the particles' bounding box.
 struct LeafOrder {
     Vec3d origin;                        ///< world position of the centre of voxel [0, 0, 0]
     BigVector<std::uint64_t> key;        ///< [N], ascending: node of 4096^3, of 128^3, leaf, voxel

@@ -17,8 +17,8 @@ class Occupancy {
         : index_from_world_(inverse(volume.world_from_index)), tiles_(volume.tiles) {
         for (const Leaf& leaf : volume.leaves) leaves_.insert(key(leaf_coordinates(leaf.origin)));
     }
-    /// Whether a node of another volume may overlap a node of this one; touching does not count. The
-    /// test is conservative: it may be true for a node that does not overlap.
+    /// Whether a node of another volume may overlap a node of this one; touching does not count.
+    /// The test is conservative: it may be true for a node that does not overlap.
     bool meets(const Affine& world_from_index, Vec3i origin, std::int32_t edge) const {
         // A rotated node is replaced by its bounding box in this volume's index space.
         constexpr double kHalf = 0.5, kTouching = 1e-7;  // voxels; the latter allows for rounding
@@ -32,8 +32,8 @@ class Occupancy {
     }
 
   private:
-    /// Leaf coordinates, 21 bits per axis. OpenVDB's have 29, so distant leaves may share a key; the
-    /// test then only selects a node too many, which is harmless.
+    /// Leaf coordinates, 21 bits per axis. OpenVDB's have 29, so distant leaves may share a key;
+    /// the test then only selects a node too many, which is harmless.
     static std::uint64_t key(Vec3i leaf) {
         constexpr std::uint64_t kMask = (1 << 21) - 1;
         return (static_cast<std::uint64_t>(leaf.x) & kMask) << 42 |

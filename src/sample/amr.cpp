@@ -1,6 +1,6 @@
-// amr.cpp: synthetic universe on three nested AMR levels: halos, filaments, thin gas. Dense blocks of
-// 4^3 cells are refined, as in Enzo; the coarse cells below a refined block stay in their level, and
-// the finer level hides them.
+// amr.cpp: synthetic universe on three nested AMR levels: halos, filaments, thin gas. Dense blocks
+// of 4^3 cells are refined, as in Enzo; the coarse cells below a refined block stay in their level,
+// and the finer level hides them.
 #include <fmt/core.h>
 
 #include <algorithm>

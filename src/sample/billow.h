@@ -20,9 +20,9 @@ struct Billow {
     float base_roughness = 0.5f;     ///< share of the relief that displaces the base
     Detail detail;
 };
-// Limits are near half the sum of the octaves' amplitudes: octaves rarely peak together, and the full
-// sum would double the leaves to evaluate. They clamp less than one point in 10^4 (of 2 million, with
-// the values of cloud.cpp and explosion.cpp).
+// Limits are near half the sum of the octaves' amplitudes: octaves rarely peak together, and the
+// full sum would double the leaves to evaluate. They clamp less than one point in 10^4 (of 2
+// million, with the values of cloud.cpp and explosion.cpp).
 
 /// Billow at the voxel centres of a leaf.
 struct BillowPoints {

@@ -1,5 +1,5 @@
-// cloud.cpp: synthetic cumulus cloud: lobes from spheres budding on spheres, cauliflower relief from
-// cellular humps, wisps and uneven density from warped gradient noise.
+// cloud.cpp: synthetic cumulus cloud: lobes from spheres budding on spheres, cauliflower relief
+// from cellular humps, wisps and uneven density from warped gradient noise.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -101,7 +101,7 @@ class Cloud final : public DensityField {
                 // Density follows the relief also inside: dense humps, thin creases.
                 const float texture = std::clamp(inner[n] + 14 * at.relief[n], 0.0f, 1.0f);
                 const float fog = 0.03f + 0.97f * texture * texture;
-                // The relief makes the fringe of the core ragged, so that it does not look like a ball.
+                // The relief makes the fringe of the core ragged, unlike a ball.
                 const float fringe = std::max(kCoreFringe + 1.2f * at.relief[n], 0.01f);
                 const float core = std::clamp(1 - to_core(n) / fringe, 0.0f, 1.0f);
                 density[n] = smooth_step(at.depth[n] / kSoftness) * (fog + (1 - fog) * core * core);

@@ -1,5 +1,5 @@
-// density_field.cpp: sampling of a density field: bounds select the leaves that may be occupied, which
-// are evaluated in parallel and kept in order.
+// density_field.cpp: sampling of a density field: bounds select the leaves that may be occupied,
+// which are evaluated in parallel and kept in order.
 #include "sample/density_field.h"
 
 #include <fmt/core.h>
@@ -32,7 +32,7 @@ class Planner {
     Planner(const DensityField& field, const Affine& world_from_index)
         : field_(field), world_from_index_(world_from_index) {}
 
-    /// Drops the cube of edge^3 voxels at `origin`, makes it a tile or a leaf, or divides it in eight.
+    /// Drops the cube of edge^3 voxels at `origin`, makes it a tile or leaf, or divides it.
     void plan(Vec3i origin, int edge, Plan& result) const {
         const Interval range = range_of(origin, edge);
         if (range.upper <= kFaintestDensity) return;

@@ -1,5 +1,5 @@
-// explosion.cpp: synthetic explosion: a fireball with a thick shell around thin constant gas, its rim,
-// a stem, and dust on the ground.
+// explosion.cpp: synthetic explosion: a fireball with a thick shell around thin constant gas, its
+// rim, a stem, and dust on the ground.
 #include <algorithm>
 #include <array>
 #include <vector>
@@ -36,8 +36,8 @@ constexpr float kSoftness = 0.022f;    // depth at which the density has its ful
 constexpr std::array<Octave, 2> kPockets = {
     {{Noise::gradient, 0.12f, 0.6f, 41}, {Noise::gradient, 0.055f, 0.4f, 42}}};
 
-// Hollow of constant thin gas around [0, 1/8]^3, so that the leaf at index 0 is constant from size 64
-// on: the farthest corner (1/8, 0, 1/8) is 0.180 from the centre.
+// Hollow of constant thin gas around [0, 1/8]^3, so that the leaf at index 0 is constant from size
+// 64 on: the farthest corner (1/8, 0, 1/8) is 0.180 from the centre.
 constexpr Sphere kHollow = {kFireball.center, 0.195f};
 constexpr float kHollowFringe = 0.09f;  // width of the transition to the shell, world units
 constexpr float kGas = 0.04f;           // density in the hollow

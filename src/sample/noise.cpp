@@ -27,8 +27,8 @@ inline float flipped(float value, std::uint32_t bits) {
     return std::bit_cast<float>(std::bit_cast<std::uint32_t>(value) ^ (bits & 0x80000000u));
 }
 
-/// Dot product of (x, y, z) with a gradient (+-1, +-1, +-1). Perlin's twelve gradients need selects, and
-/// a loop four times slower without AVX2.
+/// Dot product of (x, y, z) with a gradient (+-1, +-1, +-1). Perlin's twelve gradients need
+/// selects, and a loop four times slower without AVX2.
 inline float gradient_dot(std::uint32_t hash, float x, float y, float z) {
     hash = (hash ^ (hash >> 15)) * 0x2c1b3c6du;
     return flipped(x, hash) + flipped(y, hash << 1) + flipped(z, hash << 2);
@@ -36,8 +36,8 @@ inline float gradient_dot(std::uint32_t hash, float x, float y, float z) {
 
 inline float lerp(float a, float b, float t) { return a + t * (b - a); }
 
-/// Gradient noise in [-1.5, 1.5]: each axis adds at most f + u - 2 u f = 1/2, with u = fade(f), at the
-/// centre of a cell.
+/// Gradient noise in [-1.5, 1.5]: each axis adds at most f + u - 2 u f = 1/2, with u = fade(f), at
+/// the centre of a cell.
 inline float gradient_noise(float x, float y, float z, std::uint32_t seed) {
     const std::int32_t ix = floor_int(x), iy = floor_int(y), iz = floor_int(z);
     const float fx = x - static_cast<float>(ix), fy = y - static_cast<float>(iy),
@@ -143,7 +143,7 @@ void add_humps(const LeafPoints& points, const Octave& octave, LeafValues out) {
     }
 }
 
-/// Octave with its amplitude reduced for the voxel size: unchanged from 6 voxels per cell on, 0 at 3.
+/// Octave with its amplitude reduced for the voxel size: full from 6 voxels per cell on, 0 at 3.
 Octave band_limited(Octave octave, const Detail& detail) {
     octave.amplitude *= std::clamp(octave.cell / (3 * detail.voxel) - 1, 0.0f, 1.0f);
     octave.seed = mixed(octave.seed ^ detail.seed);

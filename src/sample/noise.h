@@ -1,8 +1,8 @@
 // noise.h: lattice noise, evaluated at the 512 voxel centres of a leaf at once.
 // Sources: Perlin, "Improving Noise" (2002); Worley, "A Cellular Texture Basis Function" (1996).
 //
-// Float arithmetic, integer hashes and sqrt only: the same bits on every machine. Both noises are pure
-// functions of position.
+// Float arithmetic, integer hashes and sqrt only: the same bits on every machine. Both noises are
+// pure functions of position.
 #pragma once
 
 #include <array>

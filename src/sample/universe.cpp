@@ -1,8 +1,8 @@
-// universe.cpp: synthetic cosmological particles: a lattice displaced along the gradient of a random
-// field, with halos at its densest points.
+// universe.cpp: synthetic cosmological particles: a lattice displaced along the gradient of a
+// random field, with halos at its densest points.
 // Source: Zel'dovich, "Gravitational instability" (1970): x = q + psi(q), v along psi; Hernquist,
-// "An analytical model for spherical galaxies and bulges" (1990): M(r) = r^2 / (r + a)^2. Arithmetic
-// and sqrt only: the same bits on every machine.
+// "An analytical model for spherical galaxies and bulges" (1990): M(r) = r^2 / (r + a)^2.
+// Arithmetic and sqrt only: the same bits on every machine.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ Complex operator*(Complex a, Complex b) {
     return {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
 }
 
-/// exp(2 pi i m / count) for m = 0 ... count - 1: m = 1 by its series, the others by multiplication.
+/// exp(2 pi i m / count) for m = 0 ... count - 1: m = 1 by its series, others by multiplication.
 std::vector<Complex> roots_of_unity(int count) {
     const double angle = 2 * std::numbers::pi / count;
     Complex step{0, 0};

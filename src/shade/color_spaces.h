@@ -18,7 +18,7 @@ enum class ColorSpace { kRgb, kHsv, kHsvWrapped, kLab, kDiverging };
 /// Display colour at s in [0, 1] between two display colours, as VTK interpolates.
 Color interpolate(ColorSpace space, const Color& from, const Color& to, double s);
 
-/// Samples of a curve over s in [0, 1], by bisection, whose linear interpolation is within 0.25 / 255.
+/// Samples of a curve over s in [0, 1], by bisection; linear interpolation is within 0.25 / 255.
 /// returns  (s, value) for s in (0, 1], ascending
 std::vector<std::pair<double, Color>> sample_curve(const std::function<Color(double)>& curve);
 

@@ -1,5 +1,4 @@
-// extinction.cpp: automatic choice of the extinction, and its change after rendering, in which T is
-// linear.
+// extinction.cpp: automatic extinction, and its change after rendering (T is linear in it).
 #include <fmt/core.h>
 #include <tbb/blocked_range.h>
 

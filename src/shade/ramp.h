@@ -18,8 +18,8 @@ inline std::array<float, 3> components(const ColorPoint& point) {
 }
 inline std::array<float, 1> components(const OpacityPoint& point) { return {point.opacity}; }
 
-/// Piecewise linear function of v in [0, 1] with N components. Each of 1024 equal buckets of v stores
-/// its first piece, where the search starts: constant time, exact values.
+/// Piecewise linear function of v in [0, 1] with N components. Each of 1024 equal buckets of v
+/// stores its first piece, where the search starts: constant time, exact values.
 template <std::size_t N>
 class Ramp {
   public:

@@ -18,8 +18,8 @@ namespace vog {
 using namespace shading;
 namespace {
 
-/// Porter-Duff `front` over `back` with straight alpha: mix(back, front, front.a) for an opaque back,
-/// `front` unchanged for a transparent one.
+/// Porter-Duff `front` over `back` with straight alpha: mix(back, front, front.a) for an opaque
+/// back, `front` unchanged for a transparent one.
 Rgba over(const Rgba& front, const Rgba& back) {
     if (front.a == 1) return front;
     const float behind = back.a * (1 - front.a);

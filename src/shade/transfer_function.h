@@ -7,7 +7,7 @@
 
 namespace vog::shading {
 
-/// throws vog::Error unless there is a colour, points are sorted by v, and all numbers are in [0, 1]
+/// throws vog::Error unless there is a colour, v is sorted, and all numbers are in [0, 1]
 void require_valid(const std::string& where, const TransferFunction& tf);
 
 /// Whether named_transfer_function accepts the name.

@@ -1,4 +1,4 @@
-// export_html.cpp: assembly of the page from the files of page/, models, transfer functions and texts.
+// export_html.cpp: assembly of the page from its files, models, transfer functions and texts.
 #include "vog/export_html.h"
 
 #include <fmt/core.h>
@@ -65,7 +65,7 @@ std::string bundle() {
     return script;
 }
 
-/// JSON for a script element, with '<' escaped so that no text ends the element or starts a comment.
+/// JSON for a script element, with '<' escaped: no text ends the element or starts a comment.
 std::string script_json(const Json& json) {
     const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     std::string safe;

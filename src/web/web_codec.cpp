@@ -21,8 +21,8 @@ namespace {
 constexpr double kMaxWord = 65535;
 /// Quantisation steps of a mean per smallest standard deviation: errors are at most half of 1/256.
 constexpr double kStepsPerDeviation = 256;
-/// Largest chunk. Longer chunks have larger words, shorter ones more corners: the size of smoke varies
-/// by 1 % between 64 and 1024.
+/// Largest chunk. Longer chunks have larger words, shorter ones more corners: the size of smoke
+/// varies by 1 % between 64 and 1024.
 constexpr std::uint32_t kMaxChunk = 256;
 
 /// Indices of Gaussians with density > 0, in Morton order of their means.

@@ -23,8 +23,8 @@ struct WebLogarithm {
 };
 
 /// One level as 16-bit words in columns: x y z, three scales, x y z of the rotation (if rotated),
-/// density. The bytes of a column are split into all low bytes, then all high bytes: the latter have
-/// few distinct values, which deflate compresses well.
+/// density. The bytes of a column are split into all low bytes, then all high bytes: the latter
+/// have few distinct values, which deflate compresses well.
 struct WebLevel {
     std::size_t count = 0;
     bool rotated = false;
@@ -44,9 +44,9 @@ struct WebLevel {
 
 /// Quantisation of x, y, z of rotations: -kWebRotationLimit at word 0 to +kWebRotationLimit at word
 /// kWebRotationWords. An ellipsoid is unchanged if its axes are permuted; of the 24 equivalent
-/// rotations the smallest has w >= 0.853 (62.8 degrees, the largest angle between two orientations of
-/// a cube), and no other component above sin(22.5 degrees) = 0.3827, half the angle between two of
-/// them about one axis. An error of half a step in all three components is 0.00044 rad.
+/// rotations the smallest has w >= 0.853 (62.8 degrees, the largest angle between two orientations
+/// of a cube), and no other component above sin(22.5 degrees) = 0.3827, half the angle between two
+/// of them about one axis. An error of half a step in all three components is 0.00044 rad.
 inline constexpr double kWebRotationLimit = 0.383;
 inline constexpr int kWebRotationWords = 3000;
 

@@ -1,4 +1,5 @@
-// interrupt_test.cpp: a call is ended by what its thread's InterruptCheck throws, wherever it is.
+// interrupt_test.cpp: exceptions from a thread's InterruptCheck end every long call. Checks have
+// period 0, so that their number does not depend on time.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -11,33 +12,33 @@
 namespace vog {
 namespace {
 
-struct Stop {};  // no std::exception: nothing in the library may take it for one of its own
+struct Stop {};  // not a std::exception, so that no handler of the library catches it
 
-/// Looks of a call that nobody ends.
-int looks_of(const std::function<void()>& call) {
-    int looks = 0;
-    const InterruptCheck check([&] { ++looks; }, 0);
+/// Number of checks in a complete call.
+int count_checks(const std::function<void()>& call) {
+    int checks = 0;
+    const InterruptCheck check([&] { ++checks; }, 0);
     call();
-    return looks;
+    return checks;
 }
 
-/// Ends the call at its look number `at`: it must throw Stop, and no later look may follow.
+/// Ends the call at check number `at`: it must throw Stop, and no further check may follow.
 void expect_ends_at(const std::string& name, int at, const std::function<void()>& call) {
-    int looks = 0;
+    int checks = 0;
     const InterruptCheck check(
         [&] {
-            if (++looks == at) throw Stop{};
+            if (++checks == at) throw Stop{};
         },
         0);
-    EXPECT_THROW(call(), Stop) << name << ", look " << at;
-    EXPECT_EQ(looks, at) << name;
+    EXPECT_THROW(call(), Stop) << name << ", check " << at;
+    EXPECT_EQ(checks, at) << name;
 }
 
 void expect_ends_anywhere(const std::string& name, const std::function<void()>& call) {
     expect_ends_at(name, 1, call);
-    // Looks can be counted where one thread does all of the work.
+    // The number of checks is reproducible on one thread.
     const ThreadLimit limit(1);
-    const int all = looks_of(call);
+    const int all = count_checks(call);
     ASSERT_GT(all, 2) << name;
     for (const int at : {2, 1 + all / 4, 1 + all / 2, all}) expect_ends_at(name, at, call);
 }
@@ -80,10 +81,10 @@ TEST(interrupt, leaves_the_renderer_usable) {
     const DepthImage expected = render_splat(model, camera, 200, 100);
     SplatRenderer renderer(model);
     for (int at = 1; at < 40; at += 3) {
-        int looks = 0;
+        int checks = 0;
         const InterruptCheck check(
             [&] {
-                if (++looks == at) throw Stop{};
+                if (++checks == at) throw Stop{};
             },
             0);
         try {
@@ -96,10 +97,10 @@ TEST(interrupt, leaves_the_renderer_usable) {
 
 TEST(interrupt, leaves_no_file_half_written) {
     const test::TempDir dir;
-    int looks = 0;
+    int checks = 0;
     const InterruptCheck check(
         [&] {
-            if (++looks == 40) throw Stop{};
+            if (++checks == 40) throw Stop{};
         },
         0);
     EvaluateOptions options{.width = 32, .height = 32, .repeats = 1};
@@ -108,44 +109,44 @@ TEST(interrupt, leaves_no_file_half_written) {
         EXPECT_TRUE(entry.is_directory()) << entry.path();
 }
 
-TEST(interrupt, is_of_its_thread_and_its_time_alone) {
-    std::atomic<int> looks{0};
+TEST(interrupt, is_limited_to_its_thread_and_lifetime) {
+    std::atomic<int> checks{0};
     {
-        const InterruptCheck outer([&] { looks += 1000000; }, 0);
+        const InterruptCheck outer([&] { checks += 1000000; }, 0);
         {
-            const InterruptCheck check([&] { ++looks; }, 0);
+            const InterruptCheck check([&] { ++checks; }, 0);
             std::thread([] { (void)sample_cloud({.size = 64}); }).join();
-            EXPECT_EQ(looks, 0) << "another thread's call looked in here";
+            EXPECT_EQ(checks, 0) << "a call of another thread used this check";
             (void)sample_cloud({.size = 64});
         }
-        EXPECT_GT(looks, 0);
-        EXPECT_LT(looks, 1000000) << "the inner check hides the outer one";
+        EXPECT_GT(checks, 0);
+        EXPECT_LT(checks, 1000000) << "the inner check hides the outer one";
         (void)sample_cloud({.size = 64});
-        EXPECT_GE(looks, 1000000) << "which is there again after it";
+        EXPECT_GE(checks, 1000000) << "the outer check is active again";
     }
-    const int before = looks;
+    const int before = checks;
     (void)sample_cloud({.size = 64});
-    EXPECT_EQ(looks, before);
+    EXPECT_EQ(checks, before);
 }
 
 TEST(interrupt, check_may_call_the_library) {
     const DepthImage black(8, 8);
-    int looks = 0;
+    int checks = 0;
     const InterruptCheck check(
         [&] {
-            ++looks;
+            ++checks;
             (void)shade(black, named_transfer_function("gray"));
         },
         0);
     (void)sample_cloud({.size = 64});
-    EXPECT_GT(looks, 2);
+    EXPECT_GT(checks, 2);
 }
 
-TEST(interrupt, looks_in_no_more_often_than_asked) {
-    int looks = 0;
-    const InterruptCheck check([&] { ++looks; }, 1e6);
+TEST(interrupt, check_is_called_once_per_period) {
+    int checks = 0;
+    const InterruptCheck check([&] { ++checks; }, 1e6);
     (void)convert_moments(cloud(), {.budget = 500});
-    EXPECT_EQ(looks, 0);
+    EXPECT_EQ(checks, 0);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// linear_test.cpp: rotations, eigenvectors, affine maps and boxes.
+// linear_test.cpp: quaternions, eigenvectors, affine maps and boxes.
 #include "vog/linear.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ TEST(linear, quaternion_and_matrix_round_trip) {
         const Mat3 m = matrix_from_quat(q);
         EXPECT_NEAR(determinant(m), 1, 1e-12);
         expect_near(m * transpose(m), Mat3{}, 1e-12);
-        // Stored as float: 6e-8 a component.
+        // Float rounding of each component: 6e-8.
         expect_near(matrix_from_quat(quat_from_matrix(m)), m, 4e-7);
         EXPECT_GE(quat_from_matrix(m).w, 0);
     }

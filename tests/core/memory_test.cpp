@@ -1,4 +1,4 @@
-// memory_test.cpp: arrays in files, and data larger than the memory given.
+// memory_test.cpp: BigVectors in files, and commands on data larger than the memory limit.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace vog::test {
 
-TEST(memory_limit, arrays_in_files_hold_what_is_put_into_them) {
+TEST(memory_limit, arrays_in_files_keep_their_values) {
     const MemoryLimit limit(64 << 20);
     EXPECT_THROW(MemoryLimit(64 << 20), Error);  // one at a time
     BigVector<std::uint64_t> numbers;
@@ -32,28 +32,28 @@ TEST(memory_limit, arrays_outlive_it) {
 
 class larger_than_memory : public LargerThanMemory {};
 
-// 16.6 million voxels: 84 MB of leaves, and 45 MB for a process that does next to nothing.
+// 16.6 million voxels: 84 MB of leaves, and 45 MB for an idle process.
 TEST_F(larger_than_memory, a_volume_makes_the_same_model) {
     must("sample cloud cloud.vdb --size 512");
     expect_same("convert cloud.vdb --block 4 -o", ".ply", 128);
     expect_same("convert cloud.vdb --budget 3000 -o", ".ply", 160);
 }
 
-// Leaves and the tree that rays walk through: 234 MB.
+// Leaves and the tree for ray traversal: 234 MB.
 TEST_F(larger_than_memory, a_volume_makes_the_same_picture) {
     must("sample cloud cloud.vdb --size 512");
     expect_same("render cloud.vdb --size 64 --depth-out", ".exr", 168);
     must_fail(2, "render cloud.vdb -o a.png --scratch .", "--memory");
 }
 
-// Two levels of 17 million voxels together, 92,000 of them at the seam: 330 MB and more.
+// Two levels with 17 million voxels in all, 92,000 of them at the seam: more than 330 MB.
 TEST_F(larger_than_memory, levels_make_the_same_model) {
     must("sample cloud coarse.vdb --size 256");
     must("sample cloud fine.vdb --size 512");
     expect_same("convert coarse.vdb fine.vdb --block 8 -o", ".ply", 192);
 }
 
-// A million particles: 24 MB of positions, 12 of velocities, then what the conversion takes.
+// A million particles: 24 MB of positions, 12 MB of velocities, and the conversion.
 TEST_F(larger_than_memory, particles_make_the_same_model) {
     must("sample particles p.xyz --size 100");
     expect_same("convert p.xyz --radius 3 --budget 20000 -o", ".ply", 128);
@@ -63,7 +63,7 @@ TEST_F(larger_than_memory, particles_make_the_same_model) {
 
 TEST_F(larger_than_memory, particles_in_no_order_make_the_same_model) {
     must("sample particles p.xyz --size 60");
-    // Every 1009th line, round and round: neighbours in the file are far apart.
+    // Every 1009th line, cyclically: neighbours in the file are far apart in space.
     const std::string text = read_text(dir_ / "p.xyz");
     std::vector<std::string_view> lines;
     for (std::size_t at = 0, end; (end = text.find('\n', at)) != text.npos; at = end + 1)

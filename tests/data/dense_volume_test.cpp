@@ -1,4 +1,4 @@
-// dense_volume_test.cpp: dense arrays to sparse volumes and back.
+// dense_volume_test.cpp: conversion between dense arrays and sparse volumes.
 #include "vog/dense.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 namespace vog {
 namespace {
 
-/// An array in C order, z fastest.
+/// Dense array in C order, z fastest.
 struct Array {
     Vec3i size;
     std::vector<float> value;
@@ -28,7 +28,7 @@ struct Array {
     }
 };
 
-/// About a third of the voxels, in clumps, so that there are leaves without any.
+/// Clusters of active voxels, about a third of all, so that some leaves have none.
 Array random_array(Vec3i size, unsigned seed) {
     std::mt19937 random(seed);
     Array array(size);
@@ -83,7 +83,7 @@ TEST(dense, a_voxel_is_where_its_index_says) {
 
 TEST(dense, any_strides_mean_the_same_volume) {
     Array array = random_array({18, 21, 10}, 3);
-    // The same values with x fastest, and backwards along y.
+    // The same values with x fastest and reversed y.
     Array other({10, 21, 18});
     for (int x = 0; x < 18; ++x)
         for (int y = 0; y < 21; ++y)

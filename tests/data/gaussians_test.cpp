@@ -11,7 +11,8 @@
 namespace vog::test {
 
 TEST(gaussians, truncation_constants_are_those_of_the_chi_square_distributions) {
-    // design.md section 2: 0.8327 and 0.7106 at k = 2.25; at 3 the cut loses 2.9 %.
+    // Chi-square distribution functions: P3 = 0.8327 and P5 / P3 = 0.7106 at k = 2.25; 1 - P3 = 2.9
+    // % at 3.
     EXPECT_NEAR(mass_within(2.25), 0.8327, 5e-5);
     EXPECT_NEAR(variance_within(2.25), 0.7106, 5e-5);
     EXPECT_NEAR(mass_within(3), 0.971, 5e-4);
@@ -22,7 +23,8 @@ TEST(gaussians, truncation_constants_are_those_of_the_chi_square_distributions) 
 TEST(gaussians, mass_equals_the_integral_of_the_density) {
     Gaussians model;
     add(model, {0.1f, 0.2f, 0.3f}, {0.5f, 0.7f, 0.9f}, 2, {0.8f, 0.3f, -0.4f, 0.33f});
-    // Midpoint sum over the support's box; the kernel's jump at the cut limits it to about h.
+    // Midpoint sum over the box of the support; the kernel's jump at the cutoff limits its order to
+    // h.
     const Box box = support_box(model, 0);
     const Mat3 w = whitening(model, 0);
     constexpr int kSteps = 120;
@@ -53,7 +55,7 @@ TEST(gaussians, support_box_touches_the_ellipsoid) {
                          r * (2.25 * Vec3d{u.x * s.x, u.y * s.y, u.z * s.z}));
         }
         for (int axis = 0; axis < 3; ++axis) {
-            // 20,000 random points reach within a few thousandths of the extreme.
+            // The extreme of 20,000 random points is within a few thousandths of the bound.
             EXPECT_LE(box.lower[axis], seen.lower[axis] + 1e-6);
             EXPECT_GE(box.upper[axis], seen.upper[axis] - 1e-6);
             EXPECT_NEAR(box.upper[axis], seen.upper[axis], 5e-3);

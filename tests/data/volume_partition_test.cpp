@@ -1,4 +1,4 @@
-// volume_partition_test.cpp: volumes in parts, in memory and read from a file.
+// volume_partition_test.cpp: parts of volumes, in memory and read from files.
 #include "vog/distributed.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using namespace vdb;
 
 namespace {
 
-/// Parts put together again, in the order readers deliver.
+/// Union of the parts, sorted as readers sort.
 Volume joined(const std::vector<Volume>& parts) {
     Volume whole = parts.front();
     for (std::size_t n = 1; n < parts.size(); ++n) {

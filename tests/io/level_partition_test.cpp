@@ -1,4 +1,4 @@
-// level_partition_test.cpp: parts of levels, with what hides them, add up to the levels.
+// level_partition_test.cpp: depths of the parts of AMR levels add up to the depth of the levels.
 #include "vog/distributed.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,9 @@
 namespace vog {
 namespace {
 
-/// A block of leaves with their lower corner there, voxels of this edge, turned or not.
+/// Volume of dense leaves from `first` on, rotated about z.
+/// edge  of a voxel, world units
+/// turn  radians
 Volume block(Vec3i first, Vec3i leaves, double edge, double turn, const std::string& name) {
     Volume volume;
     volume.name = name;
@@ -32,7 +34,8 @@ Volume block(Vec3i first, Vec3i leaves, double edge, double turn, const std::str
     return volume;
 }
 
-class level_parts : public testing::TestWithParam<double> {};
+class level_parts : public testing::TestWithParam<double> {
+};  // rotation of the fine levels, radians
 
 TEST_P(level_parts, depths_add_up_to_the_levels) {
     const test::TempDir dir;
@@ -58,11 +61,12 @@ TEST_P(level_parts, depths_add_up_to_the_levels) {
     }
     for (std::size_t n = 0; n < sum.size(); ++n)
         EXPECT_NEAR(sum[n], whole.depth[n], 1e-6 * whole.depth[n]) << n;
-    // Levels are not read whole by every part.
+    // Each part reads only a share of the finer levels.
     EXPECT_LT(leaves_held, 2 * (64 + 12 + 1));
 }
 
-INSTANTIATE_TEST_SUITE_P(turned, level_parts, testing::Values(0.0, 0.3));
+INSTANTIATE_TEST_SUITE_P(, level_parts, testing::Values(0.0, 0.3),
+                         [](const auto& turn) { return turn.param == 0 ? "aligned" : "rotated"; });
 
 }  // namespace
 }  // namespace vog

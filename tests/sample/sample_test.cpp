@@ -1,5 +1,5 @@
-// sample_test.cpp: procedural volumes: the same bytes everywhere, the promised mix of leaves and
-// tiles, one shape at every size.
+// sample_test.cpp: synthetic volumes: reproducible bytes, the documented mix of leaves and tiles,
+// one shape at every size.
 #include "vog/sample.h"
 
 #include <gtest/gtest.h>
@@ -41,7 +41,7 @@ Volume sample(const Kind& kind, int size, std::uint32_t seed = 1) {
     return kind.sample(options);
 }
 
-/// The volume several tests look at.
+/// Volume of size 128, shared by several tests.
 const Volume& sample_128(const Kind& kind) {
     static std::map<std::string, Volume> volumes;
     const auto found = volumes.find(kind.name);
@@ -66,7 +66,7 @@ bool same_bytes(const Volume& a, const Volume& b) {
     return a.world_from_index == b.world_from_index;
 }
 
-/// FNV-1a over what same_bytes compares.
+/// FNV-1a hash of the data that same_bytes compares.
 class Hash {
   public:
     template <class T>
@@ -102,7 +102,7 @@ double partial_share(const Volume& volume) {
     return partial / static_cast<double>(volume.leaves.size());
 }
 
-/// World box around the centres of active voxels.
+/// World bounding box of the centres of active voxels.
 Box active_box(const Volume& volume) {
     Box box;
     for (const Leaf& leaf : volume.leaves)
@@ -118,8 +118,8 @@ Box active_box(const Volume& volume) {
     return box;
 }
 
-/// Mass in each of 8^3 world cells of edge 1/8, a size-independent picture of the volume. Sizes are
-/// multiples of 64, so that leaves lie within one cell each.
+/// Mass in each of 8^3 world cells of edge 1/8, comparable between sizes. Sizes must be multiples
+/// of 64, so that each leaf is within one cell.
 std::vector<double> coarse_masses(const Volume& volume) {
     std::vector<double> masses(512, 0.0);
     const double voxel = voxel_volume(volume);
@@ -140,7 +140,7 @@ std::vector<double> coarse_masses(const Volume& volume) {
     return masses;
 }
 
-/// The field without its bounds: every leaf of [-1/2, 1/2]^3 is evaluated.
+/// Field without its bounds, so that every leaf of [-1/2, 1/2]^3 is evaluated.
 class Unbounded final : public DensityField {
   public:
     explicit Unbounded(const DensityField& field) : field_(field) {}
@@ -169,8 +169,7 @@ TEST_P(sample_kinds, same_bytes_for_any_number_of_threads) {
 }
 
 TEST_P(sample_kinds, same_bytes_on_every_machine) {
-    // Fails where a compiler rounds otherwise. After a change of the shape, the new hash belongs
-    // here.
+    // Fails if a compiler rounds differently. A change of the shape needs the new hash.
     EXPECT_EQ(hash_of(sample(GetParam(), 64)), GetParam().bytes_hash);
 }
 
@@ -197,7 +196,7 @@ TEST_P(sample_kinds, valid_and_within_the_density_range) {
     }
 }
 
-TEST_P(sample_kinds, many_partly_filled_leaves_and_the_promised_share) {
+TEST_P(sample_kinds, many_partly_filled_leaves_and_the_documented_share) {
     const Volume& volume = sample_128(GetParam());
     EXPECT_GT(partial_share(volume), 0.5);
     const double share = static_cast<double>(active_voxels(volume)) / (128.0 * 128 * 128);
@@ -206,7 +205,7 @@ TEST_P(sample_kinds, many_partly_filled_leaves_and_the_promised_share) {
 }
 
 TEST_P(sample_kinds, tiles_at_every_size) {
-    // Also sizes that are no multiple of a leaf, where leaves lie elsewhere in the world.
+    // Also sizes that are no multiples of a leaf's edge, with leaves elsewhere in the world.
     for (const int size : {64, 71, 90})
         for (const std::uint32_t seed : {1u, 7u})
             EXPECT_FALSE(sample(GetParam(), size, seed).tiles.empty()) << size << " seed " << seed;
@@ -229,8 +228,8 @@ TEST_P(sample_kinds, about_one_world_unit_and_centred) {
 TEST_P(sample_kinds, same_shape_at_two_sizes) {
     const Volume& small = sample_128(GetParam());
     const Volume large = sample(GetParam(), 192);
-    // The larger one carries finer detail, which shifts a clamped density a little: 4 % allows for
-    // that in all, and a sixth of the L1 norm for what voxels move across the cells' faces.
+    // The larger volume has finer detail, which changes clamped densities: 4 % of the total mass,
+    // and a sixth of the L1 norm for mass that moves between cells.
     EXPECT_NEAR(mass(small) / mass(large), 1, 0.04);
     const std::vector<double> a = coarse_masses(small), b = coarse_masses(large);
     double difference = 0;
@@ -246,8 +245,8 @@ TEST_P(sample_kinds, bounds_lose_nothing) {
     EXPECT_TRUE(same_bytes(sample_128(GetParam()), whole));
 }
 
-TEST_P(sample_kinds, density_does_not_depend_on_the_leaf_that_asks) {
-    // Leaf points moved by half a leaf: the same positions in other company.
+TEST_P(sample_kinds, density_does_not_depend_on_the_leaf) {
+    // Leaves shifted by half a leaf: the same positions with other neighbours.
     constexpr float kVoxel = 1.0f / 128;
     const auto field = GetParam().field(1, kVoxel);
     const auto evaluated = [&](Vec3f first) {
@@ -320,7 +319,7 @@ TEST(sample_explosion, hollow_towards_the_centre) {
     SampleOptions options;
     options.size = 64;
     const Volume volume = sample_explosion(options);
-    // Mean density by distance from the fireball's centre: thin gas, then the shell.
+    // Mean density by distance from the centre of the fireball: thin gas, then the shell.
     const Vec3d center{0.03, 0.12, 0.03};
     double inner = 0, shell = 0;
     int inner_count = 0, shell_count = 0;

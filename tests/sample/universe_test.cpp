@@ -1,4 +1,4 @@
-// universe_test.cpp: the sampled universe: the same everywhere, clustered, moving.
+// universe_test.cpp: synthetic particles: reproducible, clustered, with the documented speed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -42,7 +42,7 @@ TEST(sample_particles, are_clustered_over_two_decades_of_density) {
     std::vector<float> widths;
     for (const Vec3f& scale : model.scale) widths.push_back(scale.x);
     std::sort(widths.begin(), widths.end());
-    // From the densest hundredth to the thinnest: a factor of 5 in width is two decades of density.
+    // Percentiles 1 and 99 of the widths: a factor of 5 in width is two decades of density.
     // Measured 7.0.
     EXPECT_GT(widths[widths.size() * 99 / 100] / widths[widths.size() / 100], 5);
 }

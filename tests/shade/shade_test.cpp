@@ -1,4 +1,4 @@
-// shade_test.cpp: from optical depth to colour: the formula, the named maps, the extinction.
+// shade_test.cpp: shading formula, named transfer functions, automatic extinction.
 #include "vog/shade.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ using namespace vog;
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-/// What shading may add to the formula: V and the line are each a few float roundings of [0, 1].
+/// Tolerance of shaded values: a few float roundings of V and of the interpolation, both in [0, 1].
 constexpr float kRounding = 1e-6f;
 
 DepthImage depths(std::vector<float> values) {
@@ -44,8 +44,6 @@ void expect_near(const Rgba& got, const Rgba& expected, float tolerance, const s
 TransferFunction half_to_opaque() {
     return {"test", {{0, 1, 1, 1}, {1, 1, 0, 0}}, {{0, 0.5f}, {1, 1}}};
 }
-
-// ---- the formula
 
 TEST(shade, color_is_that_of_visibility) {
     const TransferFunction gray = named_transfer_function("gray");
@@ -93,7 +91,7 @@ TEST(shade, clear_background_gives_straight_alpha) {
                 kRounding, "color undimmed, alpha = opacity");
     const TransferFunction invisible{"none", {{0, 1, 1, 1}}, {{0, 0}}};
     EXPECT_EQ(shade_one(t, invisible, clear).a, 0);
-    // Half clear: the usual "over" with straight alpha.
+    // Half transparent background: Porter-Duff over with straight alpha.
     const ShadeOptions half{.background = {0, 0, 1, 0.5f}};
     const float a = 0.5f + 0.5f * v, alpha = a + 0.5f * (1 - a);
     expect_near(shade_one(t, half_to_opaque(), half),
@@ -102,7 +100,7 @@ TEST(shade, clear_background_gives_straight_alpha) {
 }
 
 TEST(shade, is_the_line_between_points_at_every_depth) {
-    // Uneven points, a step at 0.3, a piece narrower than one of the search's 1024 buckets.
+    // Uneven points, a step at 0.3, and a piece narrower than one of 1024 buckets.
     const TransferFunction tf{
         "uneven",
         {{0.1f, 0, 0, 1}, {0.3f, 1, 0, 0}, {0.3f, 0, 1, 0}, {0.3003f, 1, 1, 0}, {0.9f, 0.5f, 0, 1}},
@@ -121,7 +119,7 @@ TEST(shade, is_the_line_between_points_at_every_depth) {
     const Image shaded = shade(image, tf, {.background = {0, 0, 0, 0}});
     for (int x = 0; x < image.width; ++x) {
         const float v = 1 - std::exp(-image.at(x, 0));
-        // The narrow piece rises by 1 over 0.0003: a rounding of V shows 1/0.0003 times larger.
+        // The narrow piece rises by 1 over 0.0003, which amplifies the rounding of V by 1/0.0003.
         const float slope = v > 0.299f && v < 0.301f ? 1 / 0.0003f : 1;
         const float tolerance = kRounding + slope * std::numeric_limits<float>::epsilon();
         EXPECT_NEAR(shaded.at(x, 0).r, line(v, [](auto p) { return p.r; }), tolerance) << v;
@@ -168,11 +166,9 @@ TEST(shade, what_cannot_be_shaded_is_an_error) {
     EXPECT_THROW((void)color_at(gray, kNan), Error);
 }
 
-// ---- the named maps
-
 TEST(color_maps, follow_the_published_tables) {
-    // Entries 0, 29, 77, 111, 150, 202, 239 and 255 of the published tables, of which most are not
-    // among the points we keep. The points promise 1/255; the entries here are rounded to 8 bits.
+    // Entries 0, 29, 77, 111, 150, 202, 239 and 255 of the published tables, most of them not among
+    // the stored points, whose interpolation is within 1/255. Entries are rounded to 8 bits.
     constexpr float kTolerance = 1.5f / 255;
     constexpr std::array<int, 8> kEntries{0, 29, 77, 111, 150, 202, 239, 255};
     struct Map {
@@ -202,7 +198,7 @@ TEST(color_maps, follow_the_published_tables) {
 }
 
 TEST(color_maps, coolwarm_is_morelands) {
-    // Rows 0, 8, 16, 24 and 32 of the 33 that K. Moreland publishes, and half an 8-bit step.
+    // Rows 0, 8, 16, 24 and 32 of the 33 published by K. Moreland, with half an 8-bit step.
     const TransferFunction map = named_transfer_function("coolwarm");
     const float published[5][3] = {{0.2298f, 0.2987f, 0.7537f},
                                    {0.5530f, 0.6889f, 0.9954f},
@@ -267,7 +263,7 @@ TEST(color_maps, samples_of_other_programs_are_even_and_alpha_is_opacity) {
 }
 
 TEST(color_maps, picture_in_the_docs_is_current) {
-    // One strip a map, V from 0 to 1, in the order of the names. VOG_UPDATE_DOCS=1 writes it anew.
+    // One strip per map, V from 0 to 1, in the order of names. VOG_UPDATE_DOCS=1 writes the file.
     constexpr int kWidth = 512, kStrip = 24, kGap = 4;
     const std::vector<std::string> names = transfer_function_names();
     Image picture(kWidth, static_cast<int>(names.size()) * (kStrip + kGap) - kGap);
@@ -290,8 +286,6 @@ TEST(color_maps, picture_in_the_docs_is_current) {
     for (std::size_t i = 0; i < picture.pixel.size(); ++i)
         expect_near(shown.pixel[i], picture.pixel[i], 1.0f / 255, "pixel " + std::to_string(i));
 }
-
-// ---- extinction
 
 TEST(extinction, brings_the_99th_percentile_of_found_depths_to_four) {
     std::vector<float> values(350, 0.0f);  // rays that met nothing do not count

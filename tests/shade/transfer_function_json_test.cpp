@@ -1,4 +1,4 @@
-// transfer_function_json_test.cpp: transfer functions from files: ParaView's and ours.
+// transfer_function_json_test.cpp: transfer functions from ParaView's and from vog's JSON.
 #include <gtest/gtest.h>
 
 #include "support/data.h"
@@ -26,8 +26,6 @@ std::string preset(const std::string& keys) {
 
 const char* const kPoints =
     "\"RGBPoints\" : [ -2, 0.1, 0.2, 0.9,  0, 0.9, 0.8, 0.1,  6, 0.6, 0.1, 0.3 ]";
-
-// ---- ParaView
 
 TEST(paraview_colors, are_those_of_paraview_in_every_space) {
     // Computed with VTK 9.1 (vtkColorTransferFunction) at V = 0.05, 0.2, 0.4, 0.7, 0.95 of kPoints.
@@ -132,8 +130,6 @@ TEST(paraview_colors, what_is_no_map_is_refused_with_its_key) {
     expect_refused("[]", read_any_map, "an array without a preset");
     expect_refused("[1]", read_any_map, "an array without a preset");
 }
-
-// ---- ours
 
 TEST(own_json, holds_colors_and_opacity) {
     const TransferFunction tf = read_text(R"({"name": "fire",

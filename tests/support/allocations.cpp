@@ -1,5 +1,5 @@
-// allocations.cpp: replaces operator new for the whole process by one that counts, but under the
-// address sanitizer, which has its own and misses any form that is not replaced with the others.
+// allocations.cpp: a counting operator new for the whole process. Not under the address sanitizer,
+// which has its own.
 #include "support/allocations.h"
 
 #include <atomic>
@@ -23,7 +23,7 @@ std::atomic<long> calls{0};
 
 void* counted(std::size_t bytes, std::size_t alignment) {
     ++calls;
-    // aligned_alloc takes whole multiples of the alignment, and at least one.
+    // aligned_alloc requires a multiple of the alignment above 0.
     const std::size_t blocks = bytes / alignment + 1;
     void* memory = std::aligned_alloc(alignment, blocks * alignment);
     if (memory == nullptr) throw std::bad_alloc();

@@ -1,10 +1,10 @@
-// allocations.h: how often operator new has been called.
+// allocations.h: number of calls of operator new.
 #pragma once
 
 namespace vog::test {
 
-/// Calls of operator new so far, by anyone in this process; TBB's tasks come from its own pool.
-/// Below 0: nobody counts, for the address sanitizer has an operator new of its own.
+/// Calls of operator new in this process so far; TBB allocates tasks from its own pool.
+/// returns  -1 under the address sanitizer, which has its own operator new
 long allocations();
 
 }  // namespace vog::test

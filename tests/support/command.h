@@ -1,4 +1,4 @@
-// command.h: the command as a user runs it, in a folder of the test's own.
+// command.h: fixture that runs the vog command in a temporary folder.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -29,7 +29,8 @@ inline std::string read_text(const std::filesystem::path& file) {
 
 class CommandLine : public testing::Test {
   protected:
-    /// Runs `vog arguments` in the test's own folder. before  words in front of it: variables, ...
+    /// Runs `vog arguments` in the test's folder.
+    /// before  text before the command, such as environment variables
     Result run(const std::string& arguments, const std::string& before = "") const {
         const std::string command = "cd '" + (dir_ / "").string() + "' && " + before + " '" +
                                     vog_command() + "' " + arguments +
@@ -38,13 +39,13 @@ class CommandLine : public testing::Test {
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
                 read_text(dir_ / "stderr.txt")};
     }
-    /// Runs it and expects success.
+    /// Runs the command and expects success.
     Result must(const std::string& arguments, const std::string& before = "") const {
         const Result result = run(arguments, before);
         EXPECT_EQ(result.exit_code, 0) << "vog " << arguments << "\n" << result.error;
         return result;
     }
-    /// Expects the exit code and exactly one line on standard error that holds `text`.
+    /// Expects the exit code and one line on standard error that contains `text`.
     void must_fail(int exit_code, const std::string& arguments, const std::string& text,
                    const std::string& before = "") const {
         const Result result = run(arguments, before);

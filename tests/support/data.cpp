@@ -1,4 +1,4 @@
-// data.cpp: the paths of this build, in one file, so that all others compile the same anywhere.
+// data.cpp: paths of this build, in one file, so that all other objects are the same in any folder.
 #include "support/data.h"
 
 namespace vog::test {

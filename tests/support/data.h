@@ -1,4 +1,4 @@
-// data.h: where tests find real inputs, and a folder of their own to write into.
+// data.h: paths of the source tree, the command and real inputs; temporary folders.
 #pragma once
 
 #include <cstdlib>
@@ -7,17 +7,17 @@
 
 namespace vog::test {
 
-/// The source tree this was built from, and the command it built.
+/// Source tree of this build, and path of its vog command.
 std::filesystem::path source_dir();
 std::string vog_command();
 
-/// The folder of real inputs: VOG_DATA, or ../shared/data beside the source tree.
+/// Folder of real inputs: VOG_DATA, or ../shared/data beside the source tree.
 inline std::filesystem::path data_dir() {
     if (const char* named = std::getenv("VOG_DATA")) return named;
     return source_dir() / ".." / "shared" / "data";
 }
 
-/// A fresh folder, removed with its contents when the object goes.
+/// New temporary folder, removed with its contents on destruction.
 class TempDir {
   public:
     TempDir() {
@@ -35,7 +35,7 @@ class TempDir {
 
 }  // namespace vog::test
 
-/// Skips the test, aloud, where a real input is absent.
+/// Skips the test with a message if a real input is absent.
 #define VOG_NEEDS_DATA(name)                                      \
     if (!std::filesystem::exists(vog::test::data_dir() / (name))) \
     GTEST_SKIP() << (vog::test::data_dir() / (name)).string()     \

@@ -1,4 +1,4 @@
-// device_twin.cpp: what cuda_splat.cu does, without a GPU: project, then the splats of each tile.
+// device_twin.cpp: steps of cuda_splat.cu without a GPU: projection, then pixels of its tiles.
 #include "support/device_twin.h"
 
 #include <algorithm>
@@ -22,7 +22,7 @@ DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& came
     for (const device::SplatGaussian& g : model.gaussians) {
         device::TileSplat splat;
         if (!device::project(g, frame, model.cutoff, splat)) continue;
-        // As on the GPU, every pixel of the tiles touched asks for its tau.
+        // As on the GPU, tau is evaluated at every pixel of the overlapped tiles.
         const device::PixelRange tiles = device::tiles_of(splat.pixels);
         constexpr int kTile = device::kSplatTile;
         for (int y = kTile * tiles.y0; y < std::min(kTile * (tiles.y1 + 1), height); ++y)

@@ -1,10 +1,11 @@
-// device_twin.h: the GPU's tile renderer, its device header compiled for the host, pixel by pixel.
+// device_twin.h: the CUDA tile renderer on the CPU, from its device header compiled for the host.
 #pragma once
 
 #include "vog/splat.h"
 
 namespace vog::test {
 
+/// T by the device code of cuda_splat.cu, pixel by pixel.
 DepthImage render_tile_splat_twin(const Gaussians& model, const Camera& camera, int width,
                                   int height);
 

@@ -1,5 +1,5 @@
-// image_bytes.h: PNG and EXR files put together byte by byte from their specifications, so that
-// readers are tested on what our writers never write.
+// image_bytes.h: PNG and EXR files assembled byte by byte from their specifications, to test
+// readers with files that vog's writers never produce.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,8 @@ inline std::string read_bytes(const std::filesystem::path& file) {
 }
 
 inline void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
-    std::filesystem::remove(file);  // some file systems flush a file that is cut and rewritten
+    std::filesystem::remove(
+        file);  // some file systems flush a file that is truncated and rewritten
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
@@ -45,13 +46,14 @@ inline std::string png_chunk(const std::string& type, const std::string& data) {
     return big_endian(static_cast<std::uint32_t>(data.size())) + type + data + big_endian(~crc);
 }
 
+/// PNG file.
 struct PngBytes {
     std::uint32_t width = 1, height = 1;
     int bit_depth = 8, color_type = 2;
-    std::string rows;           ///< each row after its filter byte
-    std::string before_pixels;  ///< further chunks, whole
+    std::string rows;           ///< rows, each with its filter byte in front
+    std::string before_pixels;  ///< additional complete chunks
 
-    /// The file; rows in one stored (uncompressed) block, which must be shorter than 64 KiB.
+    /// Bytes of the file; rows are in one uncompressed block, which must be shorter than 64 KiB.
     std::string file() const {
         std::uint32_t low = 1, high = 0;  // Adler-32
         for (const char c : rows) {
@@ -79,13 +81,14 @@ inline std::string exr_attribute(const std::string& name, const std::string& typ
            value;
 }
 
+/// EXR file without compression.
 struct ExrBytes {
     std::vector<std::pair<std::string, std::int32_t>> channels;  ///< sorted by name
     std::int32_t width = 1, height = 1;
-    std::int32_t shown_width = 0;  ///< of the display window; 0: as `width`
+    std::int32_t display_width = 0;  ///< of the display window; 0: `width`
     std::int32_t sampling = 1;
-    std::vector<std::string> rows;  ///< each row: all of the first channel, then the next
-    std::string more;               ///< further attributes
+    std::vector<std::string> rows;  ///< each row: all values of the first channel, then the next
+    std::string more;               ///< additional attributes
 
     std::string file() const {
         const auto box = [](std::int32_t w, std::int32_t h) {
@@ -100,7 +103,7 @@ struct ExrBytes {
                             exr_attribute("compression", "compression", std::string(1, '\0')) +
                             exr_attribute("dataWindow", "box2i", box(width, height)) +
                             exr_attribute("displayWindow", "box2i",
-                                          box(shown_width ? shown_width : width, height)) +
+                                          box(display_width ? display_width : width, height)) +
                             exr_attribute("lineOrder", "lineOrder", std::string(1, '\0')) +
                             exr_attribute("pixelAspectRatio", "float", little_endian(1.0f)) +
                             exr_attribute("screenWindowCenter", "v2f", std::string(8, '\0')) +

@@ -1,5 +1,5 @@
-// larger_than_memory.h: commands on data larger than the memory given: the same bytes, and the
-// memory measured. What is given lies far from both figures, the free run's and the bound one's.
+// larger_than_memory.h: fixture for commands under a memory limit: same output, measured peak
+// memory. Limits are far from the peaks of both the unlimited and the limited run.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,15 +12,19 @@
 
 namespace vog::test {
 
+/// Compares runs with and without --memory.
 class LargerThanMemory : public CommandLine {
   protected:
     void SetUp() override {
 #ifdef __SANITIZE_ADDRESS__
-        GTEST_SKIP() << "the address sanitizer's own memory counts too: not measured";
+        GTEST_SKIP() << "not measured: includes the address sanitizer's own memory";
 #endif
     }
 
-    /// Runs `command` and the name of an output, which ends as asked, with and without a limit.
+    /// Runs `command` with an output name appended, with and without a limit, and compares the
+    /// outputs.
+    /// ending     of the output's name
+    /// megabytes  limit, between the peaks of both runs
     void expect_same(const std::string& command, const std::string& ending,
                      std::uint64_t megabytes) const {
         const std::string limit = std::to_string(megabytes);

@@ -1,6 +1,7 @@
-// level_volumes.h: boxes of voxels of one density, nested in each other, at any ratio and offset.
+// level_volumes.h: nested cubes of voxels of constant density, at any ratio and offset of lattices.
 #pragma once
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -9,14 +10,14 @@
 
 namespace vog::test {
 
-/// How one level lies in the level around it.
+/// Placement of a level in the next coarser one.
 struct Nesting {
-    double ratio = 2;            ///< voxels along an edge of one voxel of the level around it
-    Vec3d lower{4.5, 4.5, 4.5};  ///< its first corner, in the coarse level's indices
-    int across = 16;             ///< its voxels along each edge
+    double ratio = 2;            ///< coarse voxel edge / fine voxel edge
+    Vec3d lower{4.5, 4.5, 4.5};  ///< lower corner, index of the coarse level
+    int across = 16;             ///< voxels along each edge
 };
 
-/// A cube of voxels from index 0 on, all of this density.
+/// Cube of `across`^3 voxels of one density, from index 0 on.
 inline Volume cube_of(int across, float density, const Affine& world_from_index) {
     VolumeMaker maker;
     maker.volume.world_from_index = world_from_index;
@@ -24,7 +25,8 @@ inline Volume cube_of(int across, float density, const Affine& world_from_index)
     return maker.finish();
 }
 
-/// A map that takes voxel 0's lower corner to `lower` and has voxels of 1/ratio.
+/// World from index of a level with the lower corner of voxel 0 at `lower` of the outer index
+/// space.
 inline Affine nested_map(const Affine& outer, double ratio, Vec3d lower) {
     Affine map;
     for (Vec3d& row : map.linear.row) row = (1 / ratio) * row;
@@ -33,7 +35,7 @@ inline Affine nested_map(const Affine& outer, double ratio, Vec3d lower) {
     return {outer.linear * map.linear, outer(map.translation)};
 }
 
-/// The coarsest level, `across` voxels of `outer`, and the levels in it, each in the one before.
+/// A coarsest cube with transform `outer`, and levels that are each nested in the one before.
 inline Levels nested_cubes(int across, const Affine& outer, const std::vector<Nesting>& inner,
                            float density = 0.7f) {
     Levels levels;
@@ -45,22 +47,25 @@ inline Levels nested_cubes(int across, const Affine& outer, const std::vector<Ne
     return levels;
 }
 
-/// A rotation with unequal scales along the world's axes left out: voxels stay cubes.
+/// A rotation with a uniform scale.
 inline Affine turned_map() {
     const Mat3 turn = matrix_from_quat({0.8f, 0.2f, -0.4f, 0.4f});
     return {{{0.5 * turn.row[0], 0.5 * turn.row[1], 0.5 * turn.row[2]}}, {3, -1, 2}};
 }
 
+/// Parameters of nested levels.
 struct NestedScene {
     std::string name;
     Affine outer;
     std::vector<Nesting> inner;
-    bool parallel = true;  ///< composite() is exact
-    bool fits = true;      ///< lattices fit into each other
+    bool parallel = true;  ///< lattices are parallel, so that composite() is exact
+    bool fits = true;      ///< voxels are divided evenly by finer ones
 };
 
-/// Three levels of 20^3 voxels and finer: ratios 2, 4, 3; aligned, off by parts of a fine voxel,
-/// cutting through the coarse voxels; along the axes of the world and turned.
+inline void PrintTo(const NestedScene& scene, std::ostream* out) { *out << scene.name; }
+
+/// Three levels from 20^3 voxels on: ratios 2, 3, 4 and odd ones; aligned or off by parts of a
+/// voxel; along the world axes or rotated.
 inline std::vector<NestedScene> nested_scenes() {
     const Vec3d inside{4.5, 3.5, 5.5},
         cutting{4.5 + 0.5 * 0.37, 3.5 + 0.5 * 0.61, 5.5 + 0.5 * 0.11};

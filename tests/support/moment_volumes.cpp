@@ -1,4 +1,4 @@
-// moment_volumes.cpp: small volumes for the conversion's tests.
+// moment_volumes.cpp: small volumes for tests of conversions.
 #include "support/moment_volumes.h"
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// moment_volumes.h: small volumes made voxel by voxel, and what a model's Gaussian spreads over.
+// moment_volumes.h: small volumes made voxel by voxel, and covariances of Gaussians.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace vog::test {
 
-/// Sets voxels anywhere; leaves appear as they are needed.
+/// Builds a volume from single voxels.
 class VolumeMaker {
   public:
     Volume volume;  ///< its leaves are added by finish()
@@ -24,11 +24,11 @@ class VolumeMaker {
     std::map<std::tuple<int, int, int>, Leaf> leaves_;
 };
 
-/// Leaves on both sides of the origin, with some two hundred tries of `share` of their voxels, and
-/// two tiles; densities over three decades; a rotated, scaled transform.
+/// Up to 40 leaves around the origin, a share of their voxels active, and two tiles; densities over
+/// three decades; a rotated transform with unequal scales.
 Volume random_volume(std::uint64_t seed, double share);
 
-/// Covariance of the truncated kernel of Gaussian i.
+/// World covariance of the truncated kernel of Gaussian i.
 Mat3 covariance(const Gaussians& model, std::size_t i);
 
 }  // namespace vog::test

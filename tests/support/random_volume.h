@@ -1,4 +1,4 @@
-// random_volume.h: small volumes with every kind of leaf, and the maps a grid may carry.
+// random_volume.h: random volumes with all kinds of leaves and tiles, and all kinds of transforms.
 #pragma once
 
 #include <cmath>
@@ -11,7 +11,7 @@
 
 namespace vog::test {
 
-/// One leaf at `origin` whose voxels are active with probability `fill`, values in [low, high).
+/// Leaf whose voxels are active with probability `fill`, with values in [low, high).
 inline Leaf random_leaf(Random& random, Vec3i origin, double fill, double low = 0.01,
                         double high = 2) {
     Leaf leaf;
@@ -21,8 +21,8 @@ inline Leaf random_leaf(Random& random, Vec3i origin, double fill, double low = 
     return leaf;
 }
 
-/// 3 x 3 x 3 leaves around index 0 (negative origins, two lower nodes an axis) from empty to dense,
-/// and a tile of each size. Leaves and tiles of each size weigh about the same.
+/// 3^3 leaves around index 0, from empty to dense, and a tile of each size. Origins of both signs
+/// are in two lower nodes per axis; leaves, and tiles of each size, have similar mass.
 inline Volume random_volume(std::uint64_t seed) {
     Random random(seed);
     Volume volume;
@@ -31,7 +31,7 @@ inline Volume random_volume(std::uint64_t seed) {
     for (int x = -1; x < 2; ++x)
         for (int y = -1; y < 2; ++y)
             for (int z = -1; z < 2; ++z) {
-                // A fill above 1 is a dense leaf; the empty one has no active voxel at all.
+                // A fill above 1 gives a dense leaf.
                 const double fill = x == 0 && y == 0 ? 1.1 * (z + 1) / 2 : random(0.05, 1.3);
                 volume.leaves.push_back(random_leaf(random, {8 * x, 8 * y, 8 * z}, fill));
             }
@@ -41,7 +41,7 @@ inline Volume random_volume(std::uint64_t seed) {
     return volume;
 }
 
-/// Named maps: uniform, anisotropic, mirrored and swapped axes, rotated, rotated mirror, sheared.
+/// Named transforms: uniform, anisotropic, swapped and mirrored axes, rotated, sheared.
 inline std::vector<std::pair<std::string, Affine>> grid_maps() {
     const Mat3 turn = matrix_from_quat({0.8f, 0.2f, -0.4f, 0.4f});
     const auto scaled = [](Mat3 m, Vec3d s) {

@@ -1,6 +1,6 @@
-// ray_voxels.h: optical depth of a volume by brute force, in double precision. No tree and no
-// stepping: every leaf and tile is cut by slabs, then every active voxel of the leaves that are
-// hit. Shares nothing with the renderer but the layout of Volume.
+// ray_voxels.h: optical depth of a volume by brute force in double precision: every leaf and tile
+// is intersected by slabs, then every active voxel of intersected leaves. Independent of the
+// renderers.
 #pragma once
 
 #include <algorithm>
@@ -14,16 +14,16 @@
 
 namespace vog::test {
 
-/// A ray in index space; t is the same as in the world.
+/// Ray in index space with the parameter t of the world ray.
 struct IndexRay {
     Vec3d origin, direction;
     IndexRay(const Volume& volume, Vec3d world_origin, Vec3d world_direction) {
-        // Subtracting the translation first costs no digits where the grid is far from 0.
+        // Subtracting the translation first keeps digits if the grid is far from the origin.
         const Mat3 back = inverse(volume.world_from_index.linear);
         origin = back * (world_origin - volume.world_from_index.translation);
         direction = back * world_direction;
     }
-    /// Part of t >= 0 in [lower, upper); a ray within a face belongs to the box above it.
+    /// Interval of t >= 0 in the box [lower, upper); a ray within a face is in the box above it.
     std::pair<double, double> cut(Vec3d lower, Vec3d upper) const {
         double first = 0, last = std::numeric_limits<double>::infinity();
         for (int axis = 0; axis < 3; ++axis) {
@@ -47,7 +47,7 @@ struct IndexRay {
     }
 };
 
-/// T of voxels of constant value.
+/// T of a volume of constant voxels.
 inline double brute_depth(const Volume& volume, Vec3d world_origin, Vec3d world_direction) {
     const IndexRay ray(volume, world_origin, world_direction);
     double sum = 0;
@@ -65,14 +65,14 @@ inline double brute_depth(const Volume& volume, Vec3d world_origin, Vec3d world_
     return sum * length(world_direction);
 }
 
-/// The trilinear field of a volume, looked up corner by corner.
+/// Trilinear interpolation of a volume.
 class LinearField {
   public:
     explicit LinearField(const Volume& volume) : volume_(volume) {
         for (const Leaf& leaf : volume.leaves)
             leaves_[{leaf.origin.x, leaf.origin.y, leaf.origin.z}] = &leaf;
     }
-    /// 0 where nothing is active.
+    /// Density of a voxel; 0 if inactive.
     double voxel(Vec3i at) const {
         for (const Tile& tile : volume_.tiles) {
             const Vec3i d = at - tile.origin;
@@ -101,8 +101,8 @@ class LinearField {
     std::map<std::tuple<int, int, int>, const Leaf*> leaves_;
 };
 
-/// T of the trilinear field: the ray is cut at every plane of voxel centres, and each piece, on
-/// which the field is a cubic, integrated by Simpson's rule, which is exact there.
+/// T of the trilinear field. The ray is divided at every plane of voxel centres; on each piece the
+/// field is a cubic, for which Simpson's rule is exact.
 inline double brute_linear_depth(const Volume& volume, Vec3d world_origin, Vec3d world_direction) {
     const IndexRay ray(volume, world_origin, world_direction);
     const LinearField field(volume);

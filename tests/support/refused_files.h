@@ -1,4 +1,4 @@
-// refused_files.h: what every reader of files is tested for: bad files, cut files, changed bytes.
+// refused_files.h: checks of readers with bad, truncated and changed files.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace vog::test {
 
-/// The message of the vog::Error that `call` throws; a failure if it throws none.
+/// Message of the vog::Error that `call` throws; a test failure if it throws none.
 template <class Call>
 std::string error_of(Call call) {
     try {
@@ -23,7 +23,7 @@ std::string error_of(Call call) {
     return "";
 }
 
-/// Reading must fail with one line that names the file and contains `words`.
+/// Expects reading to fail with one line that starts with the file's name and contains `words`.
 template <class Read>
 void expect_refused(const std::string& bytes, Read read, const std::string& words) {
     const TempDir dir;
@@ -35,7 +35,7 @@ void expect_refused(const std::string& bytes, Read read, const std::string& word
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
 }
 
-/// Every proper beginning of the file must be refused, and nothing printed.
+/// Expects that every truncation of the file is refused, and that nothing is printed.
 template <class Read>
 void expect_all_truncations_refused(const std::string& bytes, Read read) {
     const TempDir dir;
@@ -50,7 +50,7 @@ void expect_all_truncations_refused(const std::string& bytes, Read read) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-/// With any one byte changed the file is refused or read, and nothing printed.
+/// Expects that a file with any one byte changed is refused or read, and that nothing is printed.
 template <class Read>
 void expect_survives_changed_bytes(const std::string& bytes, Read read) {
     const TempDir dir;

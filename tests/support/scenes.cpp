@@ -1,4 +1,4 @@
-// scenes.cpp: the shared scenes.
+// scenes.cpp: scenes for the renderers' tests.
 #include "support/scenes.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ Vec3d Random::in_cube(double half_edge) {
 }
 
 Quat Random::rotation() {
-    // Rejection from the cube keeps the rotations uniform.
+    // Rejection sampling from the cube gives uniform rotations.
     while (true) {
         const double w = (*this)(-1, 1);
         const Vec3d v = in_cube(1);
@@ -88,7 +88,7 @@ Scene scaled(Scene scene, const std::string& name, double factor) {
     return scene;
 }
 
-/// One behind the other along z, each reaching far into its neighbours.
+/// Gaussians along z that overlap their neighbours.
 Gaussians on_one_ray(int count) {
     Random random(14);
     Gaussians model;
@@ -97,7 +97,7 @@ Gaussians on_one_ray(int count) {
     return model;
 }
 
-/// The origin lies inside every one: all enter at the eye.
+/// Gaussians that all contain the origin: segments start at the eye.
 Gaussians all_around(int count) {
     Random random(15);
     Gaussians model;
@@ -107,7 +107,7 @@ Gaussians all_around(int count) {
     return model;
 }
 
-/// Spheres whose boxes touch, with faces in the planes of the axes: rays along an axis run within
+/// Spheres with touching boxes whose faces are in the axes' planes: rays along an axis are within
 /// faces and edges.
 Gaussians on_a_grid() {
     Gaussians model;
@@ -151,8 +151,8 @@ std::vector<Scene> scenes() {
         {"wide_angle", random_gaussians(300, 0.02, 0.2, 3), camera_at({0, 0, 1.6}, 150), 96, 96});
     all.push_back(
         {"inside_many", random_gaussians(400, 0.05, 0.3, 4), camera_at({0.1, 0, 0.2}, 75), 64, 48});
-    // Pixels see one Gaussian each, thousands of them at its rim, where tau falls like sqrt(u) and
-    // the rounding of u, some 1e-6, weighs up to 1e-4 of the peak; typically 1e-5.
+    // One Gaussian per pixel, thousands at its rim, where tau falls like sqrt(u): rounding of u by
+    // 1e-6 changes tau by up to 1e-4 of the peak, typically 1e-5.
     all.push_back({"sub_pixel", random_gaussians(4000, 0.0005, 0.003, 5), front, 80, 80, 3e-5});
     all.push_back({"many", random_gaussians(3000, 0.01, 0.1, 6), front, 96, 64});
     all.push_back({"ten_thousand", random_gaussians(10000, 0.01, 0.1, 12), front, 40, 40});
@@ -166,7 +166,7 @@ std::vector<Scene> scenes() {
     all.push_back({"empty", Gaussians{}, front, 17, 5});
     Camera rolled = front;
     rolled.up = {1, 2, 0.5};
-    // A sum of 10,000 floats drifts by some 1e-5.
+    // Rounding of a sum of 10,000 floats: about 1e-5.
     all.push_back({"on_one_ray", on_one_ray(10000), front, 5, 5, 3e-5});
     all.push_back({"around_the_eye", all_around(300), camera_at({0, 0, 0}, 70, {1, 0, 0}), 32, 32});
     all.push_back({"along_axes", on_a_grid(), camera_at({0, 0, 5}, 40), 41, 41});
@@ -182,7 +182,7 @@ std::vector<Scene> scenes() {
 
 std::vector<double> exact_depth(const Scene& scene) {
     const CameraFrame frame = frame_of(scene.camera, scene.width, scene.height);
-    // All rays share the eye: what depends on the Gaussian alone is computed once.
+    // All rays start at the eye: terms that depend only on the Gaussian are computed once.
     struct Whitened {
         Mat3 w;
         Vec3d e;
@@ -206,7 +206,7 @@ std::vector<double> exact_depth(const Scene& scene) {
                   static_cast<std::size_t>(column)] = sum;
         }
     };
-    // Plain threads: these scenes are also built where there is nothing but CUDA.
+    // std::thread, because the GPU suite builds this file without TBB.
     const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     std::vector<std::thread> pool;
     for (int first = 0; first < threads; ++first)

@@ -1,4 +1,4 @@
-// scenes.h: models and cameras that every renderer is held against the closed form with.
+// scenes.h: models and cameras for comparing every renderer with the closed form.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,20 @@
 
 namespace vog::test {
 
+/// Model and view.
 struct Scene {
     std::string name;
     Gaussians model;
     Camera camera;
     int width = 64, height = 64;
-    double tolerance = 1e-5;  ///< of the image maximum, for single-precision renderers
+    double tolerance = 1e-5;  ///< of single-precision renderers, relative to the image maximum
 };
 /// The name stands for the scene in test listings.
 inline void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
 
-/// Deterministic uniform numbers in [0, 1): the same on every machine.
+inline void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
+
+/// Deterministic uniform numbers in [0, 1), the same on every machine.
 class Random {
   public:
     explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -33,20 +36,20 @@ class Random {
     std::uint64_t state_;
 };
 
-/// One Gaussian appended; a default quaternion keeps the model axis-aligned if it was.
+/// Appends a Gaussian; a default quaternion keeps an axis-aligned model axis-aligned.
 void add(Gaussians& model, Vec3f mean, Vec3f scale, float density, Quat rotation = {});
 /// N Gaussians in the cube [-1, 1]^3, scales in [low, high], rotated, densities in (0, 1].
 Gaussians random_gaussians(int count, double low, double high, std::uint64_t seed,
                            float cutoff = 2.25f);
 
-/// Wide angles, eyes near, inside and in front of Gaussians, sub-pixel, elongated, rotated,
-/// off-axis, tiny and huge world units, several cutoffs, an empty model, an image of one pixel;
-/// thousands on one ray or around the eye, rays along axes and within faces of boxes, boxes
-/// without depth.
+/// Scenes with wide angles; eyes near, inside and in front of Gaussians; sub-pixel, elongated,
+/// rotated and off-axis Gaussians; tiny and huge world units; several cutoffs; an empty model; one
+/// pixel; thousands of Gaussians on one ray or around the eye; rays along axes and within faces of
+/// boxes.
 std::vector<Scene> scenes();
 
-/// T by the sum of the closed form in double precision, pixel by pixel (the integral behind
-/// vog::optical_depth, which optical_depth_test.cpp holds against quadrature).
+/// T per pixel as the sum of the closed form in double precision: the integral of
+/// vog::optical_depth, which optical_depth_test.cpp compares with quadrature.
 std::vector<double> exact_depth(const Scene& scene);
 
 }  // namespace vog::test

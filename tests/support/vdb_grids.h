@@ -1,4 +1,4 @@
-// vdb_grids.h: OpenVDB grids for tests, and files of them as OpenVDB writes them.
+// vdb_grids.h: OpenVDB grids for tests, and files written by OpenVDB.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,8 +11,7 @@
 
 namespace vog::test {
 
-/// An empty grid. From OpenVDB's registry: naming the constructor of a grid type in a test compiles
-/// the whole of it.
+/// Empty grid from OpenVDB's registry: naming a grid type's constructor compiles the whole class.
 template <class GridT = openvdb::FloatGrid>
 typename GridT::Ptr make_grid(const std::string& name,
                               openvdb::GridClass kind = openvdb::GRID_FOG_VOLUME) {
@@ -39,7 +38,7 @@ inline void write_grids(const std::filesystem::path& file, const openvdb::GridPt
     out.write(grids);
 }
 
-/// Voxels and tiles of every level, inactive values of every kind that the format tells apart.
+/// Grid with voxels and tiles of every level, and inactive values of every kind of the format.
 template <class GridT = openvdb::FloatGrid>
 typename GridT::Ptr varied_grid(const std::string& name,
                                 openvdb::GridClass kind = openvdb::GRID_FOG_VOLUME) {
@@ -65,7 +64,7 @@ typename GridT::Ptr varied_grid(const std::string& name,
     return grid;
 }
 
-/// The same leaves, tiles and transform, to the last bit.
+/// Expects bitwise equal leaves, tiles and transforms.
 inline void expect_same_volume(const Volume& a, const Volume& b) {
     ASSERT_EQ(a.leaves.size(), b.leaves.size());
     for (std::size_t i = 0; i < a.leaves.size(); ++i) {

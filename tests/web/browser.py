@@ -1,4 +1,4 @@
-"""A page in Chromium without a window, driven by the DevTools protocol over a pipe.
+"""Headless Chromium with one page, controlled by the DevTools protocol over a pipe.
 
 Needs nothing but Python and Chromium; WebGL2 comes from SwiftShader, which blends 32-bit floats.
 """
@@ -28,7 +28,7 @@ def find_chromium():
 
 
 class Browser:
-    """One browser with one page; closes both at the end of a `with`."""
+    """Browser with one page, closed at the end of a `with` block."""
 
     def __init__(self, timeout_s=120):
         self.timeout_s = timeout_s
@@ -36,8 +36,8 @@ class Browser:
         to_browser, self.out = os.pipe()
         self.into, from_browser = os.pipe()
 
-        def place():  # where Chromium looks for the pipe's ends
-            # Away from 3 and 4 first, lest one overwrites the other.
+        def place():  # file descriptors 3 and 4, where Chromium expects the pipe
+            # Moved away first, so that neither end overwrites the other.
             ends = [os.dup2(fd, 100 + n) for n, fd in enumerate((to_browser, from_browser))]
             os.dup2(ends[0], 3)
             os.dup2(ends[1], 4)
@@ -51,8 +51,8 @@ class Browser:
         self.buffer = b""
         self.number = 0
         self.session = None
-        self.complaints = []  # what the page's console says: exceptions, errors, warnings
-        self.requests = []    # everything the page asks for
+        self.complaints = []  # exceptions, errors and warnings of the page's console
+        self.requests = []    # URLs that the page requests
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self.session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -86,16 +86,16 @@ class Browser:
         return json.loads(message)
 
     def _note(self, event):
-        method, told = event.get("method"), event.get("params", {})
+        method, params = event.get("method"), event.get("params", {})
         if method == "Runtime.exceptionThrown":
-            details = told["exceptionDetails"]
+            details = params["exceptionDetails"]
             self.complaints.append(details.get("exception", {}).get("description", details["text"]))
-        elif method == "Runtime.consoleAPICalled" and told["type"] in ("error", "warning", "assert"):
-            self.complaints.append(" ".join(str(a.get("value", a)) for a in told["args"]))
-        elif method == "Log.entryAdded" and told["entry"]["level"] in ("error", "warning"):
-            self.complaints.append(told["entry"]["text"])
+        elif method == "Runtime.consoleAPICalled" and params["type"] in ("error", "warning", "assert"):
+            self.complaints.append(" ".join(str(a.get("value", a)) for a in params["args"]))
+        elif method == "Log.entryAdded" and params["entry"]["level"] in ("error", "warning"):
+            self.complaints.append(params["entry"]["text"])
         elif method == "Network.requestWillBeSent":
-            self.requests.append(told["request"]["url"])
+            self.requests.append(params["request"]["url"])
 
     def call(self, method, **params):
         self.number += 1
@@ -114,7 +114,7 @@ class Browser:
                 return answer["result"]
 
     def evaluate(self, expression):
-        """The value of a JavaScript expression; waits for it if it is a promise."""
+        """Value of a JavaScript expression; promises are awaited."""
         answer = self.call("Runtime.evaluate", expression=expression, awaitPromise=True,
                            returnByValue=True)
         if "exceptionDetails" in answer:
@@ -128,13 +128,13 @@ class Browser:
         self.call("Emulation.setTouchEmulationEnabled", enabled=phone, maxTouchPoints=5)
 
     def prefer(self, **features):
-        """Media features: prefer(prefers_color_scheme="light")."""
+        """Sets media features, as in prefer(prefers_color_scheme="light")."""
         listed = [{"name": k.replace("_", "-"), "value": v} for k, v in features.items()]
         self.call("Emulation.setEmulatedMedia", features=listed)
 
     def open(self, path, fragment=""):
-        """Opens a file, and waits until its module has run."""
-        # Another address first: a new fragment alone would not load the page again.
+        """Opens a file and waits until its module has run."""
+        # A blank page first: a change of the fragment alone does not reload a page.
         self.call("Page.navigate", url="about:blank")
         self.complaints.clear()
         self.requests.clear()
@@ -150,7 +150,7 @@ class Browser:
         self.evaluate("vog.settled()")
 
     def picture(self, path):
-        """The picture alone, once it is complete, as a PNG."""
+        """Saves the complete picture, without the page around it, as a PNG."""
         data = self.evaluate("vog.picture()")
         with open(path, "wb") as out:
             out.write(base64.b64decode(data.split(",", 1)[1]))
@@ -175,7 +175,7 @@ class Browser:
         self.mouse("mouseWheel", x, y, deltaX=0, deltaY=delta)
 
     def touch(self, *places):
-        """Fingers through a sequence of places: each [(x, y), ...], one a finger."""
+        """Touch gesture: a sequence of positions [(x, y), ...], one per finger."""
         for n, fingers in enumerate(places):
             points = [{"x": x, "y": y, "id": k} for k, (x, y) in enumerate(fingers)]
             self.call("Input.dispatchTouchEvent", type="touchMove" if n else "touchStart",
@@ -189,7 +189,7 @@ class Browser:
 
 
 def main():
-    """A screenshot of a page once its picture is complete: how those in docs/images are made."""
+    """Screenshot of a page with a complete picture; used for docs/images."""
     parser = argparse.ArgumentParser(description=main.__doc__)
     parser.add_argument("page")
     parser.add_argument("picture", help="PNG to write")

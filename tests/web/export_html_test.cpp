@@ -1,4 +1,4 @@
-// export_html_test.cpp: the page as a file: whole, small, and no words of the user's become markup.
+// export_html_test.cpp: exported pages: self-contained, small, with user texts escaped.
 #include "vog/export_html.h"
 
 #include <gtest/gtest.h>
@@ -42,7 +42,7 @@ std::string error_of(std::span<const HtmlModel> models, const HtmlOptions& optio
 
 }  // namespace
 
-/// What the issue asks for, of the worst kind: full covariances that have nothing in common.
+/// Largest case for compression: unrelated full covariances.
 TEST(export_html, a_hundred_thousand_random_gaussians_with_levels_stay_below_3_mb) {
     const TempDir dir;
     const HtmlModel model{"random", detail_levels(random_gaussians(100000, 0.003, 0.02, 1))};
@@ -109,7 +109,7 @@ TEST(export_html, tells_models_levels_view_and_colours) {
     EXPECT_EQ(page["maps"][0]["colors"][1][3], 1.0);
     EXPECT_EQ(page["maps"].size(), 1 + transfer_function_names().size());
     EXPECT_EQ(page["fade"], true);
-    // As vog render has it, of this view.
+    // Automatic extinction of this view, as in vog render.
     const DepthImage depth = render_splat(model, *options.camera, 256, 256);
     EXPECT_DOUBLE_EQ(page["models"][0]["extinction"].get<double>(), auto_extinction(depth));
 }
@@ -152,12 +152,12 @@ TEST_F(cli_export, pages_of_models_volumes_and_particles) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o fine.ply --block 2");
     must("convert c.vdb -o coarse.ply --block 8");
-    const auto told = nlohmann::json::parse(
+    const auto report = nlohmann::json::parse(
         must("export fine.ply coarse.ply -o two.html --name A --name B --title T --levels 2 --json")
             .out);
-    EXPECT_EQ(told["models"][0]["name"], "A");
-    EXPECT_EQ(told["models"][0]["levels"].size(), 2u);
-    EXPECT_EQ(told["bytes"], std::filesystem::file_size(dir_ / "two.html"));
+    EXPECT_EQ(report["models"][0]["name"], "A");
+    EXPECT_EQ(report["models"][0]["levels"].size(), 2u);
+    EXPECT_EQ(report["bytes"], std::filesystem::file_size(dir_ / "two.html"));
     const Result page = must("export c.vdb -o volume.html");
     EXPECT_NE(page.out.find("volume.html: "), std::string::npos);
     EXPECT_NE(page.error.find("converted as vog convert does"), std::string::npos);
@@ -171,11 +171,11 @@ TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction)
     must("sample explosion step_10.vdb --size 64");
     must("convert 'step_*.vdb' -o models/ --block 8");
     for (const std::string inputs : {"'models/*.ply'", "'step_*.vdb'"}) {
-        const auto told =
+        const auto report =
             nlohmann::json::parse(must("export " + inputs + " -o pages/ --json --levels 1").out);
-        ASSERT_EQ(told["pages"].size(), 2u);
-        EXPECT_EQ(told["pages"][0]["output"], "pages/step_2.html");
-        EXPECT_EQ(told["pages"][1]["output"], "pages/step_10.html");
+        ASSERT_EQ(report["pages"].size(), 2u);
+        EXPECT_EQ(report["pages"][0]["output"], "pages/step_2.html");
+        EXPECT_EQ(report["pages"][1]["output"], "pages/step_10.html");
         const auto first = page_of(read_text(dir_ / "pages/step_2.html"));
         const auto last = page_of(read_text(dir_ / "pages/step_10.html"));
         EXPECT_EQ(first["title"], "step_2");
@@ -184,7 +184,7 @@ TEST_F(cli_export, a_folder_gets_a_page_of_each_under_one_camera_and_extinction)
         EXPECT_EQ(first["models"][0]["extinction"], last["models"][0]["extinction"]);
         EXPECT_NE(first["models"][0]["box"], last["models"][0]["box"]);
     }
-    // Alone it has another camera and extinction, and a page may have all of them.
+    // A page of one model has another camera and extinction; a page may also have all models.
     must("export models/step_10.ply -o alone.html");
     const auto alone = page_of(read_text(dir_ / "alone.html"));
     const auto last = page_of(read_text(dir_ / "pages/step_10.html"));

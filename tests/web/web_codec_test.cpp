@@ -1,4 +1,4 @@
-// web_codec_test.cpp: what a page's words lose, decoded here as page/gaussians.js does.
+// web_codec_test.cpp: errors of a page's encoding, with a decoder of the format of web_codec.h.
 #include "web/web_codec.h"
 
 #include <gtest/gtest.h>
@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/html_text.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
 #include "vog/splat.h"
@@ -28,7 +27,7 @@ std::string inflated(const std::string& packed, std::size_t size) {
     return bytes;
 }
 
-/// The level as a model, in world units.
+/// Decodes a level to a model in world units.
 Gaussians decoded(const WebLevel& level, const WebFrame& frame, float cutoff) {
     const std::size_t planes = level.chunks.size() * sizeof(WebLevel::Chunk);
     const std::string bytes =
@@ -75,7 +74,7 @@ Gaussians decoded(const WebLevel& level, const WebFrame& frame, float cutoff) {
     return model;
 }
 
-/// The Gaussian of `model` nearest to a mean.
+/// Index of the Gaussian nearest to `mean`.
 std::size_t nearest(const Gaussians& model, Vec3f mean) {
     std::size_t best = 0;
     for (std::size_t i = 1; i < model.size(); ++i)
@@ -100,12 +99,12 @@ void expect_within_bounds(const Gaussians& model) {
         const std::size_t j = nearest(model, back.mean[i]);
         const Vec3f s = model.scale[j];
         const double smallest = std::min({s.x, s.y, s.z}), largest = std::max({s.x, s.y, s.z});
-        // Half a step, and floats on both sides.
+        // Half a step of 1/256, and float rounding of both means.
         const double rounding = 2e-7 * (frame.unit + length(frame.center));
         for (int axis = 0; axis < 3; ++axis)
             EXPECT_NEAR(back.mean[i][axis], model.mean[j][axis], smallest / 500 + rounding);
         EXPECT_NEAR(mass(back, i), mass(model, j), mass(model, j) / 2000);
-        // Scales off by 1/2048 and axes by 0.0005 rad: variances by twice that of the largest.
+        // Relative errors of 1/2048 in scales and 0.0005 rad in axes: twice that in variances.
         const Mat3 a = shape(back, i), b = shape(model, j);
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
@@ -130,7 +129,7 @@ TEST(web_codec, every_part_is_within_its_bound) {
     }
 }
 
-/// Two galaxies: each keeps its own precision, far below a 65536th of the space between.
+/// Two clusters of narrow Gaussians, each quantised far more finely than 1/65536 of their distance.
 TEST(web_codec, narrow_gaussians_far_apart_keep_their_places) {
     Random random(4);
     Gaussians model;
@@ -156,22 +155,22 @@ TEST(web_codec, eight_decades_of_scale_and_density) {
     EXPECT_NEAR(mass(back), mass(model), mass(model) / 1000);
 }
 
-/// Every orientation has a twin, its axes swapped, that turns by less than 62.8 degrees.
+/// Permuting axes reduces every rotation to at most 62.8 degrees, within the range of the words.
 TEST(web_codec, rotations_never_need_more_than_their_words) {
     Random random(6);
     Gaussians model;
     for (int n = 0; n < 20000; ++n)
         add(model, vec_cast<float>(random.in_cube(1)), {0.02f, 0.03f, 0.05f}, 1, random.rotation());
     const WebLevel level = web_level(model, web_frame(model));
-    std::uint16_t least = 65535, most = 0;
+    std::uint16_t smallest = 65535, largest = 0;
     for (std::size_t n = 6 * level.count; n < 9 * level.count; ++n) {
-        least = std::min(least, level.words[n]);
-        most = std::max(most, level.words[n]);
+        smallest = std::min(smallest, level.words[n]);
+        largest = std::max(largest, level.words[n]);
     }
-    EXPECT_GT(least, 0);
-    EXPECT_LT(most, kWebRotationWords);
-    EXPECT_LT(least, 100);  // and the range is used
-    EXPECT_GT(most, kWebRotationWords - 100);
+    EXPECT_GT(smallest, 0);
+    EXPECT_LT(largest, kWebRotationWords);
+    EXPECT_LT(smallest, 100);  // the range is used
+    EXPECT_GT(largest, kWebRotationWords - 100);
 }
 
 TEST(web_codec, empty_single_and_massless_models) {
@@ -193,14 +192,6 @@ TEST(web_codec, pictures_do_not_change) {
     const DepthDifference difference = compare(reference, render_splat(back, camera, 128, 128));
     EXPECT_GT(difference.grey.psnr_db, 60);
     EXPECT_NEAR(difference.bias, 1, 1e-4);
-}
-
-TEST(html_text, base64_of_every_remainder) {
-    EXPECT_EQ(base64(""), "");
-    EXPECT_EQ(base64("f"), "Zg==");
-    EXPECT_EQ(base64("fo"), "Zm8=");
-    EXPECT_EQ(base64("foo"), "Zm9v");
-    EXPECT_EQ(base64("\xff\xfe\x00\x01"), "//4=");  // ends at the null of the literal
 }
 
 }  // namespace vog::test

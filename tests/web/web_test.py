@@ -23,7 +23,7 @@ VOG = os.environ.get("VOG_COMMAND", "vog")
 HOUSE = pathlib.Path(__file__).resolve().parents[2]
 DATA = pathlib.Path(os.environ.get("VOG_DATA", HOUSE / "../shared/data"))
 WIDTH, HEIGHT = 320, 240
-# The page's numbers are rounded as docs/web.md says; both renderers are exact. 79 dB are measured.
+# Both renderers are exact; the page's numbers are quantised (docs/web.md). Measured: 79 dB.
 LEAST_PSNR_DB = 60
 
 
@@ -35,7 +35,7 @@ def vog(*arguments):
 
 
 def write_model(path, gaussians):
-    """A PLY of (x, y, z, s, s, s, density) rows."""
+    """Writes a PLY with rows (x, y, z, s, s, s, density)."""
     names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "density"]
     header = "ply\nformat binary_little_endian 1.0\ncomment vog 1\ncomment cutoff 2.25\n"
     header += f"element vertex {len(gaussians) // len(names)}\n"
@@ -46,7 +46,7 @@ def write_model(path, gaussians):
 
 
 class Pages(unittest.TestCase):
-    """One browser and one set of models for all."""
+    """One browser and one set of models for all tests."""
 
     @classmethod
     def setUpClass(cls):
@@ -85,12 +85,12 @@ class Pages(unittest.TestCase):
         return (self.folder / self.picture()).read_bytes()
 
     def render(self, model="fine.ply", *more, tf="gray"):
-        """vog render's picture from where the page's camera stands, at the page's extinction."""
+        """Picture of vog render with the page's camera and extinction."""
         state = self.value("({camera: vog.state.camera, exposure: vog.state.exposure,"
                            " extinction: vog.page.models[vog.state.model].extinction,"
                            " width: picture.width, height: picture.height})")
         camera, width, height = state["camera"], state["width"], state["height"]
-        # The page's angle of view belongs to the shorter side, vog render's to the height.
+        # The page's field of view is that of the shorter side, vog render's that of the height.
         tall = max(1, height / width)
         fov = 2 * math.degrees(math.atan(tall * math.tan(math.radians(camera["fov"]) / 2)))
         (self.folder / "camera.json").write_text(json.dumps(
@@ -104,7 +104,7 @@ class Pages(unittest.TestCase):
         return math.inf if found is None else found
 
     def expect_same(self, *arguments, least=LEAST_PSNR_DB, **more):
-        """The page's picture is vog render's."""
+        """Expects the page's picture to equal that of vog render."""
         self.picture()  # first, so that the state is the one that was drawn
         self.assertGreater(self.psnr(self.render(*arguments, **more), "web.png"), least)
 
@@ -144,7 +144,7 @@ class Pages(unittest.TestCase):
         self.expect_same(least=45)
 
     def test_says_so_where_nothing_can_be_drawn(self):
-        for name, told in (("webgl2", "no WebGL 2"), ("extensions", "floating-point images"),
+        for name, message in (("webgl2", "no WebGL 2"), ("extensions", "floating-point images"),
                            ("inflation", "too old")):
             script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source={
                 "webgl2": """
@@ -158,8 +158,8 @@ class Pages(unittest.TestCase):
                 self.browser.open(self.folder / "page.html")
             finally:
                 self.browser.call("Page.removeScriptToEvaluateOnNewDocument", **script)
-            self.value("new Promise((done) => setTimeout(done))")  # what reads the models has run
-            self.assertIn(told, self.value("document.getElementById('failure-text').textContent"))
+            self.value("new Promise((done) => setTimeout(done))")  # the code that reads the models has run
+            self.assertIn(message, self.value("document.getElementById('failure-text').textContent"))
             self.assertTrue(self.value("document.getElementById('failure').checkVisibility()"))
 
     # --- Mouse, wheel, touch, keys. ---
@@ -281,7 +281,7 @@ class Pages(unittest.TestCase):
         camera = self.value("vog.state.camera")
         self.value("document.querySelectorAll('#models input')[1].click()")
         self.assertEqual(self.value("vog.state.model"), 1)
-        for part in ("eye", "at"):  # both models have the volume's box
+        for part in ("eye", "at"):  # both models have the box of the volume
             self.assertLess(math.dist(camera[part], self.value("vog.state.camera")[part]), 1e-9 * 1e3)
         self.expect_same("coarse.ply")
 
@@ -332,7 +332,7 @@ class Pages(unittest.TestCase):
                             ("scale", True), ("open", True), ("picture", True)):
             self.assertEqual(self.value(visible.format(part)), shown, part)
         self.expect_same()
-        # The wheel is the outer page's until the picture has been clicked.
+        # The wheel scrolls the outer page until the picture is clicked.
         eye = self.value("vog.state.camera.eye")
         self.browser.wheel(160, 120, -120)
         self.assertEqual(eye, self.value("vog.state.camera.eye"))
@@ -355,13 +355,13 @@ class Pages(unittest.TestCase):
     def test_a_phone_held_upright(self):
         self.browser.viewport(160, 300, scale=3, phone=True)
         self.open()
-        self.assertEqual(self.value("[picture.width, picture.height]"), [320, 600])  # two to a pixel
+        self.assertEqual(self.value("[picture.width, picture.height]"), [320, 600])  # two pixels per CSS pixel
         self.assertFalse(self.value("document.getElementById('panel').checkVisibility()"))
         self.expect_same()
         self.value("document.getElementById('toggle').click()")
         self.browser.settle()
         self.assertTrue(self.value("document.getElementById('panel').checkVisibility()"))
-        self.assertGreater(600, self.value("picture.height"))  # the controls are not over the picture
+        self.assertGreater(600, self.value("picture.height"))  # the controls do not cover the picture
 
     def test_a_desktop_window(self):
         self.browser.viewport(720, 450)
@@ -427,9 +427,9 @@ class Pages(unittest.TestCase):
         for _ in range(1_000_000):
             rows.extend((number(), number(), number(), 0.004, 0.003, 0.004, 1))
         write_model(self.folder / "million.ply", rows)
-        told = json.loads(vog("export", "million.ply", "-o", "million.html", "--tf", "gray", "--json"))
-        self.assertEqual(told["gaussians"], 1_000_000)
-        self.assertGreaterEqual(len(told["models"][0]["levels"]), 5)
+        report = json.loads(vog("export", "million.ply", "-o", "million.html", "--tf", "gray", "--json"))
+        self.assertEqual(report["gaussians"], 1_000_000)
+        self.assertGreaterEqual(len(report["models"][0]["levels"]), 5)
         self.open("million.html")
         self.assertEqual(self.value("document.documentElement.dataset.drawn"), "1000000")
         self.expect_same("million.ply")

@@ -37,7 +37,7 @@ int clip_pieces(std::span<const ClipRegion> regions, Vec3d somewhere);
 class VoxelClipper {
   public:
     explicit VoxelClipper(int pieces);
-    /// returns  shares in [0, 1], [pieces][pieces][pieces] with x slowest; valid until the next call
+    /// returns  shares in [0, 1], [pieces]^3 with x slowest; valid until the next call
     std::span<const double> shares(Vec3i voxel, std::span<const ClipRegion* const> cut);
 
   private:

@@ -147,7 +147,7 @@ class LevelCut {
 
     /// Adds the visible pieces of one voxel, their density scaled by `shares`.
     /// local  voxel in its leaf
-    /// place  [pieces^3], index in part.pieces of each leaf of pieces within this leaf; -1: none yet
+    /// place  [pieces^3], index in part.pieces of each leaf of pieces in this leaf; -1: none yet
     void add_pieces(Vec3i leaf_origin, Vec3i local, float value, std::span<const double> shares,
                     std::vector<int>& place, LeafPart& part) const {
         ++part.partly_hidden;

@@ -8,8 +8,8 @@
 namespace vog {
 
 std::size_t VoxelLookup::Hash::operator()(Vec3i v) const {
-    // Multiplicative hashing (Knuth): origins are multiples of powers of two, so the low bits of the
-    // product are equal and the high bits are folded in.
+    // Multiplicative hashing (Knuth): origins are multiples of powers of two, so the low bits of
+    // the product are equal and the high bits are folded in.
     const auto mix = [](std::int32_t value, std::uint64_t factor) {
         return static_cast<std::uint64_t>(static_cast<std::uint32_t>(value)) * factor;
     };

@@ -1,4 +1,4 @@
-// exr.cpp: reading and writing OpenEXR: depth images (one float32 channel Y) and colours (R, G, B, A).
+// exr.cpp: reading and writing OpenEXR: depth images (one channel Y) and colours (R, G, B, A).
 #include <fmt/core.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfDoubleAttribute.h>
@@ -46,8 +46,8 @@ std::string reason(const std::exception& error) {
 }
 
 /// Checks the sizes of all header attributes against the size of the file: OpenEXR allocates the
-/// declared size, up to 2 GiB, before it reads. Layout: magic number, version, then name, type, size
-/// and value of each attribute, then an empty name.
+/// declared size, up to 2 GiB, before it reads. Layout: magic number, version, then name, type,
+/// size and value of each attribute, then an empty name.
 /// throws vog::Error for sizes beyond the end, several parts or deep pixels
 void require_valid_header(const std::filesystem::path& file) {
     constexpr std::int32_t kDeepFlag = 0x800, kMultiPartFlag = 0x1000;

@@ -1,4 +1,4 @@
-// nvdb_file.cpp: segments and grid descriptions of .nvdb files, decompression, checks of grid headers.
+// nvdb_file.cpp: segments and grid descriptions of .nvdb files, decompression, header checks.
 #include "io/nvdb/nvdb_file.h"
 
 #include <blosc.h>

@@ -1,6 +1,6 @@
 // nvdb_file.h: container of a .nvdb file: segments, list of grids, decompressed bytes of a grid.
-// Source: NanoVDB's io/IO.h, versions 32.0 to 32.9. That reader is not used: it allocates whatever a
-// corrupt length declares, and ignores failed decompression.
+// Source: NanoVDB's io/IO.h, versions 32.0 to 32.9. That reader is not used: it allocates whatever
+// a corrupt length declares, and ignores failed decompression.
 #pragma once
 
 #include <cstdint>
@@ -29,8 +29,7 @@ class NvdbFile {
     explicit NvdbFile(const std::filesystem::path& file);
     const std::string& name() const { return name_; }
     const std::vector<NvdbEntry>& entries() const { return entries_; }
-    /// Decompresses a grid and checks magic number, version and size of its header; its nodes are not
-    /// checked.
+    /// Decompresses a grid and checks magic number, version and size of its header, not its nodes.
     /// throws vog::Error for a corrupt stream or header
     NanoBuffer load(const NvdbEntry& entry);
     /// Start of messages about a grid: "smoke.nvdb: grid 'density'".

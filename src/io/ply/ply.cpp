@@ -1,5 +1,5 @@
-// ply.cpp: reading and writing models as binary little-endian PLY. The header states every convention
-// (docs/formats.md); layouts are recognised by property name, and unknown properties are refused.
+// ply.cpp: reading and writing models as binary little-endian PLY. The header states every
+// convention (docs/formats.md); layouts are recognised by property name.
 #include "vog/ply.h"
 
 #include <fmt/core.h>

@@ -1,4 +1,4 @@
-// ply_header.h: the header of a PLY model: elements, property layout, metadata comments (docs/formats.md).
+// ply_header.h: header of a PLY model: elements, property layout, comments (docs/formats.md).
 #pragma once
 
 #include <cstdint>

@@ -39,7 +39,7 @@ struct Head {
         false;  ///< XYZ of chemistry: atom count, title, lines that start with an element
 };
 
-/// Fields as column names if they qualify: one for each column, no numbers, all distinct; else empty.
+/// Fields as column names if they are one per column, no numbers and all distinct; else empty.
 Names as_names(const std::vector<std::string_view>& fields, std::size_t columns) {
     Names names(fields.begin(), fields.end());
     Names sorted = names;

@@ -21,8 +21,8 @@ namespace vog::point_files {
 
 namespace {
 
-/// Text file with access to the lines in a range of bytes. Not memory-mapped: a file that shrinks while
-/// it is read is then an error, not a signal.
+/// Text file with access to the lines in a range of bytes. Not memory-mapped: a file that shrinks
+/// while it is read is then an error, not a signal.
 class LineFile {
   public:
     explicit LineFile(const std::filesystem::path& file) : name_(file.string()) {

@@ -65,8 +65,8 @@ inline std::vector<std::string_view> split_fields(std::string_view line, char se
     return fields;
 }
 
-/// Parses a whole field as a number: C's syntax with NaN and infinity, and Fortran's 1.5D+03. Numbers
-/// beyond double's range become infinite.
+/// Parses a whole field as a number: C's syntax with NaN and infinity, and Fortran's 1.5D+03.
+/// Numbers beyond double's range become infinite.
 /// returns  false if the field is not a number
 inline bool parse_number(std::string_view field, double& value) {
     const char *begin = field.data(), *end = begin + field.size();

@@ -121,8 +121,8 @@ void tag_vdb_stream(std::istream& stream, std::uint32_t version, std::uint32_t c
 
 openvdb::GridBase::Ptr read_vdb_topology(std::span<const char> bytes, const std::string& tree_type,
                                          std::uint32_t version, const TreeStorage& storage) {
-    // From OpenVDB's registry: naming a grid type's constructor compiles the whole class, 12 seconds
-    // for each type.
+    // From OpenVDB's registry: naming a grid type's constructor compiles the whole class, 12
+    // seconds for each type.
     openvdb::GridBase::Ptr grid = openvdb::GridBase::createGrid(tree_type);
     grid->setSaveFloatAsHalf(storage.half_stored);
     MemoryStream stream(bytes);

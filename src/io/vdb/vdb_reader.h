@@ -26,7 +26,7 @@ class VdbReader {
     Box world_box() const;                ///< of the whole grid, as world_box(Volume)
     const Affine& world_from_index() const;
     /// Reads one part.
-    /// throws vog::Error for values that are not finite, for corrupt bytes, for a whole mask without
+    /// throws vog::Error for values that are not finite, corrupt bytes, a whole mask without
     ///        a value above 0
     Volume read(const VolumePart& part = {}, VdbNotes* notes = nullptr);
     /// Reads the selected leaves and tiles.

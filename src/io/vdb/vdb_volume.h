@@ -19,7 +19,7 @@ Volume density_from_grid(const openvdb::GridBase& grid,
                          const std::optional<Affine>& world_from_index, const std::string& where,
                          VdbNotes& notes, bool mask = false);
 
-/// Converts a level set to fog: 1 inside, a ramp from 0 to 1 over the inner half of the narrow band.
+/// Converts a level set to fog: 1 inside, a ramp from 0 to 1 over the inner narrow band.
 /// throws vog::Error unless it is a float or double grid of class level set or unknown
 void level_set_to_fog(openvdb::GridBase& grid, const std::string& where);
 

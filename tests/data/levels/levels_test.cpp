@@ -1,4 +1,4 @@
-// levels_test.cpp: what is left of levels that hide each other, and how much of it.
+// levels_test.cpp: composite() of nested levels: mass, depth and counts of the visible parts.
 #include "vog/levels.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace vog {
 namespace {
 
-// Densities are float32, weighted ones rounded again: 1e-7 each.
+// Rounding of float32 densities, and of weighted ones once more: 1e-7 each.
 constexpr double kFloat = 3e-7;
 
 double total_mass(const Composite& data) {
@@ -29,7 +29,7 @@ double total_mass(const Levels& levels) {
     return sum;
 }
 
-/// What the levels have at a point of the world, voxel by voxel: nothing shared with the code.
+/// Density of the finest active voxel at a world position, by a search of all leaves.
 double brute_value(const Levels& levels, Vec3d world) {
     double value = 0, finest = INFINITY;
     for (const Volume& volume : levels.volumes) {
@@ -79,8 +79,8 @@ TEST(levels, parts_add_up_to_the_constant_field) {
             double sum = 0;
             for (const Volume& part : data.parts) sum += test::brute_depth(part, from, along);
             const double exact = 0.7f * (last - first);
-            // Where lattices fit, parts fill space like bricks. Else a piece is as thin as the
-            // share of it that is seen: each seam may be off by the depth of one piece.
+            // Exact if lattices fit. Else a cut piece keeps its mass but not its shape: each seam
+            // may be off by the depth of one piece.
             const double coarse = std::cbrt(voxel_volume(outer));
             const double tolerance = scene.fits ? 1e-6 * exact : 0.7 * coarse;
             ASSERT_NEAR(sum, exact, tolerance);
@@ -98,7 +98,7 @@ TEST(levels, levels_turned_against_each_other_are_sampled) {
     levels.volumes.push_back(test::cube_of(24, 0.7f, inner));
     const Composite data = composite(levels);
     EXPECT_GT(data.partly_hidden, 0u);
-    // 16^3 points of each of the thousand voxels at the seam: errors of 0.2 % of a voxel each.
+    // 16^3 samples of each of the thousand voxels at the seam: errors of 0.2 % of a voxel each.
     EXPECT_NEAR(total_mass(data) / mass(levels.volumes.front()), 1, 1e-5);
 }
 
@@ -116,7 +116,8 @@ TEST(levels, random_levels_keep_the_mass_of_what_is_seen) {
                     volume.leaves.push_back(test::random_leaf(random, {8 * x, 8 * y, 0}, fill));
             sort_nodes(volume);
         }
-        // One random point in each cell of a fine lattice: an independent estimate of the integral.
+        // Stratified sampling, one random point per cell of a fine lattice: an independent
+        // estimate.
         const Composite data = composite(levels);
         constexpr int kPoints = 128;
         double sum = 0;
@@ -136,7 +137,7 @@ TEST(levels, random_levels_keep_the_mass_of_what_is_seen) {
 }
 
 TEST(levels, ghost_cells_of_a_neighbour_count_once_and_the_first_given_wins) {
-    // Two halves of one level, each two cells into the other.
+    // Two halves of one level that overlap by two cells.
     Levels levels;
     test::VolumeMaker left, right;
     left.box({0, 0, 0}, {9, 7, 7}, 1);
@@ -212,8 +213,8 @@ TEST(levels, tiles_are_taken_apart_where_a_finer_level_ends_in_them) {
 }
 
 TEST(levels, masks_say_where_a_level_counts) {
-    // The fine level holds 8^3 voxels of which the mask allows the middle; it says that nothing is
-    // in a corner where the level has no active voxel.
+    // The mask selects the middle of the fine level's 8^3 voxels, and a corner without active
+    // voxels of the level: nothing is there.
     const Affine fine = test::nested_map({}, 2, {1.5, 1.5, 1.5});
     test::VolumeMaker level, mask, everywhere;
     level.volume.world_from_index = mask.volume.world_from_index = fine;

@@ -1,4 +1,4 @@
-// exr_test.cpp: EXR images, of depth and of colour: written, read and refused.
+// exr_test.cpp: writing, reading and refusing EXR images of depth and of colour.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,17 +14,8 @@ namespace {
 using namespace vog;
 using namespace vog::test;
 
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-Image read_bytes_as_image(const std::string& bytes) {
-    const TempDir dir;
-    write_bytes(dir / "a.exr", bytes);
-    return read_image(dir / "a.exr");
-}
-
 TEST(exr, depth_survives_a_round_trip_bit_by_bit) {
-    // Odd sizes that end inside a compressed block of 16 rows.
+    // Odd sizes; the last compressed block of 16 rows is incomplete.
     DepthImage image(37, 53);
     std::mt19937 random(7);
     for (float& t : image.depth) t = std::exp2(static_cast<float>(random() % 200) - 100.0f);
@@ -50,7 +41,7 @@ TEST(exr, colors_survive_a_round_trip) {
     write_exr(dir / "a.exr", image);
     EXPECT_EQ(read_image(dir / "a.exr").pixel, image.pixel);
 
-    // Two roundings, by and over alpha, of half a unit in the last place each.
+    // Two roundings of half a unit in the last place, by multiplying with alpha and dividing by it.
     constexpr float kTolerance = 2 * std::numeric_limits<float>::epsilon();
     for (Rgba& pixel : image.pixel) pixel.a = 0.01f + 0.99f * component();
     write_exr(dir / "b.exr", image);
@@ -130,7 +121,7 @@ TEST(exr, what_no_depth_image_is_is_refused) {
     exr.channels[0].second = kExrUint;
     expect_refused(exr.file(), read_any_depth, "channel Y is uint32, expected float32");
     exr = good;
-    exr.shown_width = 3;
+    exr.display_width = 3;
     expect_refused(exr.file(), read_any_depth, "data window");
     exr = good;
     exr.sampling = 2;
@@ -153,8 +144,7 @@ TEST(exr, sizes_beyond_reason_are_refused) {
 }
 
 TEST(exr, rows_never_written_are_refused) {
-    // A writer that died leaves zeros in the table of rows, and OpenEXR would fill in what it
-    // finds.
+    // A crashed writer leaves zeros in the offset table, and OpenEXR would reconstruct it.
     const ExrBytes exr{{{"Y", kExrFloat}}, 1, 2, 0, 1, {floats({1}), floats({2})}, ""};
     std::string bytes = exr.file();
     constexpr std::size_t kChunk = 4 + 4 + 4,

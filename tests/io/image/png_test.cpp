@@ -1,4 +1,4 @@
-// png_test.cpp: PNG images: what is written, what is read, and what is refused.
+// png_test.cpp: writing, reading and refusing PNG images.
 #include "vog/image.h"
 
 #include <gtest/gtest.h>
@@ -13,15 +13,6 @@ namespace {
 
 using namespace vog;
 using namespace vog::test;
-
-constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-
-Image read_bytes_as_image(const std::string& bytes) {
-    const TempDir dir;
-    write_bytes(dir / "a.png", bytes);
-    return read_image(dir / "a.png");
-}
 
 TEST(png, components_are_rounded_and_clamped) {
     Image image(4, 1);
@@ -106,7 +97,7 @@ TEST(png, every_depth_and_color_type_is_read) {
     // Grey with alpha.
     image = read_bytes_as_image(PngBytes{1, 1, 8, 4, {"\0\x40\x80", 3}, ""}.file());
     EXPECT_EQ(image.at(0, 0), (Rgba{64 / 255.0f, 64 / 255.0f, 64 / 255.0f, 128 / 255.0f}));
-    // A palette, its second colour half clear.
+    // A palette whose second colour is half transparent.
     const std::string palette =
         png_chunk("PLTE", {"\xff\x00\x00\x00\x33\x00", 6}) + png_chunk("tRNS", {"\xff\x80", 2});
     image = read_bytes_as_image(PngBytes{2, 1, 8, 3, {"\0\0\1", 3}, palette}.file());

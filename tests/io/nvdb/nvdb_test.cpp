@@ -1,4 +1,4 @@
-// nvdb_test.cpp: reading NanoVDB files, as NanoVDB's own tools write them, whole and broken.
+// nvdb_test.cpp: reading of NanoVDB files that NanoVDB wrote, complete, truncated and corrupt.
 #define NANOVDB_USE_ZIP
 #define NANOVDB_USE_BLOSC
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ namespace {
 using nanovdb::io::Codec;
 using Handle = nanovdb::GridHandle<nanovdb::HostBuffer>;
 
-/// A few leaves, one of them across a root border, and a tile of each size.
+/// Grid with a few leaves on both sides of a root border, and a tile of each size.
 Volume small_volume() {
     test::Random random(41);
     Volume volume;
@@ -55,7 +55,7 @@ void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
     std::ofstream(file, std::ios::binary) << bytes;
 }
 
-/// What read_nvdb says of a file it refuses.
+/// Message of read_nvdb about a file that it refuses.
 std::string refusal(const std::filesystem::path& file, const VdbOptions& options = {}) {
     try {
         (void)read_nvdb(file, options);
@@ -116,7 +116,7 @@ TEST(nvdb, quantised_grids_come_as_floats) {
         if constexpr (std::is_same_v<Build, nanovdb::FpN>)
             converter.oracle().setTolerance(static_cast<float>(2 / levels));
         write(folder / "q.nvdb", converter(*grid));
-        // Values are below 2 and dithering is off: one level at most.
+        // Values are below 2 and dithering is off: an error of at most one quantisation level.
         expect_same(read_nvdb(folder / "q.nvdb"), volume, static_cast<float>(2 / levels));
     };
     check(nanovdb::Fp4{}, 15);
@@ -173,7 +173,7 @@ TEST(nvdb, grids_are_chosen_by_name) {
     options.grid = "smoke";
     expect_says(refusal(file, options), "no grid named 'smoke' (it has: density, heat)");
 
-    // Two segments, one after the other.
+    // Two segments in one file.
     const auto once = bytes_of(file);
     write_bytes(file, once + once);
     options.grid = "heat";
@@ -253,7 +253,7 @@ TEST(nvdb, truncated_file_throws_at_every_length) {
     const auto file = folder / "a.nvdb";
     for (const Codec codec : {Codec::NONE, Codec::ZIP, Codec::BLOSC}) {
         write(file, nano(grid_from_volume(small_volume())), codec);
-        // Bare files are large, being mostly empty tables; what lies between is one read.
+        // Uncompressed files are mostly empty tables: lengths between are one read and are skipped.
         const bool bare = codec == Codec::NONE;
         for (std::size_t size = std::filesystem::file_size(file); size-- > 0;) {
             if (bare && size > 2000 && size % 499 != 0) continue;
@@ -290,14 +290,14 @@ TEST(nvdb, random_damage_never_does_more_than_throw) {
     const auto file = folder / "a.nvdb";
     test::Random random(42);
     for (const Codec codec : {Codec::NONE, Codec::ZIP, Codec::BLOSC}) {
-        // Without a checksum, so that damage reaches the walk.
+        // Without a checksum, so that changed bytes reach the check of the tree.
         write(file, nano(grid_from_volume(small_volume()), nanovdb::ChecksumMode::Disable), codec);
         const std::string whole = bytes_of(file);
         int refused = 0;
         for (int trial = 0; trial < 80; ++trial) {
             std::string bytes = whole;
             for (int flip = 0; flip < 8; ++flip) {
-                // Half of the hits in the headers of file, grid, tree and root.
+                // Half of the changes are in the headers of file, grid, tree and root.
                 const double span = random() < 0.5 ? 1400 : double(bytes.size());
                 bytes[std::size_t(random() * span) % bytes.size()] = char(random() * 256);
             }
@@ -309,7 +309,7 @@ TEST(nvdb, random_damage_never_does_more_than_throw) {
 }
 
 TEST(nvdb, shared_children_do_not_multiply) {
-    // Every cell of the upper node points to its one lower node: 32768 copies of its leaves.
+    // All 32768 cells of the upper node point to its one lower node.
     const test::TempDir folder;
     Volume volume = small_volume();
     volume.leaves.erase(volume.leaves.begin());
@@ -326,7 +326,7 @@ TEST(nvdb, shared_children_do_not_multiply) {
 
 class nvdb_larger_than_memory : public test::LargerThanMemory {};
 
-// 40,000 leaves: 84 MB in the file, unpacked, and as a volume.
+// 40,000 leaves: 84 MB each in the file, decompressed, and as a volume.
 TEST_F(nvdb_larger_than_memory, a_grid_makes_the_same_model) {
     must("sample cloud cloud.vdb --size 512");
     vog::write(dir_ / "cloud.nvdb", nano(grid_from_volume(read_vdb(dir_ / "cloud.vdb"))));

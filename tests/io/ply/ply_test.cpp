@@ -1,4 +1,4 @@
-// ply_test.cpp: models come back bit for bit; neighbours' layouts by name; nothing else.
+// ply_test.cpp: exact round trips of models, layouts of 3DGS and volprim, refused files.
 #include "vog/ply.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ Gaussians labelled(Gaussians model) {
     return model;
 }
 
-/// A PLY of the given float32 properties with one row.
+/// PLY with the given float32 properties and one row.
 std::string one_row(const std::vector<std::pair<std::string, float>>& properties,
                     const std::string& comments = "") {
     std::string text = "ply\nformat binary_little_endian 1.0\n" + comments + "element vertex 1\n";
@@ -274,7 +274,7 @@ TEST(ply, 3dgs_files_are_taken_by_name) {
     EXPECT_EQ(model.mean[0], (Vec3f{1, 2, 3}));
     EXPECT_NEAR(model.scale[0].x, s, 1e-6);
     EXPECT_EQ(model.cutoff, 3.0f);
-    // A ray through the mean must see alpha again, up to the kernel's own cut (0.3 % of T).
+    // A ray through the mean has the same alpha, up to the truncation of the kernel (0.3 % of T).
     const double tau = optical_depth(model, 0, {1, 2, -5}, {0, 0, 1});
     EXPECT_NEAR(1 - std::exp(-tau), alpha, 2e-3);
 }
@@ -297,7 +297,7 @@ TEST(ply, volprim_files_are_taken_by_name) {
                                         {"rot_2", 0},
                                         {"rot_3", 0}}));
     const Gaussians model = read_ply(dir / "v.ply");
-    // sigmat weighs a unit-mass pdf: the mass is sigmat, less what the cut at 3 takes.
+    // sigmat is the mass of a unit-mass pdf, reduced by the truncation at 3 standard deviations.
     EXPECT_NEAR(mass(model), 5 * mass_within(3), 1e-5);
 }
 

@@ -1,4 +1,4 @@
-// points_text_test.cpp: particles in text files: columns, headers, comments, every malformed line.
+// points_text_test.cpp: columns, headers, comments and malformed lines of particle text files.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ class points_text : public testing::Test {
         write_bytes(dir_ / name, text);
         return read_points(dir_ / name, options);
     }
-    /// The message without the folder: "p.xyz:3: got ...".
+    /// Error message without the folder: "p.xyz:3: got ...".
     std::string refused(const std::string& text, const std::string& name = "p.xyz",
                         const PointReadOptions& options = {}) const {
         const std::string message = error_of([&] { read(text, name, options); });
@@ -39,7 +39,7 @@ std::vector<std::string> names(const Points& points) {
 }
 using Names = std::vector<std::string>;
 
-/// Two particles, whatever the dress.
+/// The same two particles, in any notation.
 void expect_two(const Points& points) {
     ASSERT_EQ(points.size(), 2u);
     EXPECT_EQ(points.position[0], (Vec3d{1, 2, 3}));
@@ -148,7 +148,7 @@ TEST_F(points_text, a_file_without_particles_is_refused) {
 }
 
 TEST_F(points_text, many_chunks_are_read_as_one) {
-    // Lines of very different lengths, comments between: every chunk border is met by something.
+    // Lines of very different lengths and comments, so that chunks end within all kinds of lines.
     std::string text;
     BigVector<Vec3d> expected;
     std::mt19937 random(5);

@@ -1,5 +1,4 @@
-// vdb_choice_test.cpp: which grid of a file is read, which transforms it may have, and what every
-// refusal says.
+// vdb_choice_test.cpp: choice of the grid, accepted transforms, and error messages of read_vdb.
 #include <gtest/gtest.h>
 #include <openvdb/io/Stream.h>
 
@@ -27,7 +26,7 @@ openvdb::GridBase::Ptr grid_with(const std::string& name, float value = 1) {
 
 float first_value(const Volume& volume) { return volume.leaves.at(0).value[0]; }
 
-/// Reading must fail with exactly this message behind the file's name.
+/// Expects reading to fail with the file's name and exactly this message.
 void expect_message(const openvdb::GridPtrVec& grids, const std::string& message,
                     const VdbOptions& options = {}) {
     const TempDir dir;
@@ -112,7 +111,7 @@ TEST(vdb_choice, any_affine_transform_is_kept) {
         const Affine map = read_back(transform);
         for (const Vec3d p : {Vec3d{0, 0, 0}, Vec3d{1, 2, 3}, Vec3d{-7, 5, 0.5}}) {
             const openvdb::Vec3d expected = transform->indexToWorld(openvdb::Vec3d(p.x, p.y, p.z));
-            // Both maps are products and sums of the same doubles, of magnitude below 100.
+            // Rounding of products and sums of doubles below 100.
             for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(map(p)[axis], expected[axis], 1e-13);
         }
     };

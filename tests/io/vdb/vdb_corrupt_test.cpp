@@ -1,4 +1,4 @@
-// vdb_corrupt_test.cpp: cut and changed files are read whole or refused in one line, never worse.
+// vdb_corrupt_test.cpp: truncated and changed files are refused with one line, or read safely.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -16,7 +16,7 @@ using openvdb::FloatGrid;
 using test::make_grid;
 using test::TempDir;
 
-/// The bytes of a file with these grids.
+/// Bytes of a file with these grids.
 std::string file_bytes(const openvdb::GridPtrVec& grids,
                        std::uint32_t compression = test::kDefaultCompression) {
     const TempDir dir;
@@ -31,7 +31,7 @@ openvdb::GridBase::Ptr small_grid(const std::string& name) {
     return grid;
 }
 
-/// Offset of the position where a lone grid ends: the last of the three that stand before it.
+/// Offset of the end position of a file's only grid, the last of three positions before the grid.
 std::size_t end_offset(const std::string& bytes, const std::string& tree_type) {
     return bytes.find(tree_type) + tree_type.size() + 4 + 2 * 8;
 }
@@ -49,8 +49,8 @@ void read_everything(const std::filesystem::path& file, const std::string& grid)
     try_to([&] { inspect_vdb(file); });
 }
 
-/// Changes bytes at fixed pseudo-random places, half of them among bytes that are not zero, and
-/// reads the result. Most of a small file is empty masks.
+/// Reads files with bytes changed at fixed pseudo-random offsets, half of them nonzero bytes: most
+/// of a small file is empty masks.
 void expect_survives_flips(const std::string& bytes, const std::string& grid, int flips,
                            unsigned seed) {
     std::vector<std::size_t> not_zero;
@@ -62,7 +62,7 @@ void expect_survives_flips(const std::string& bytes, const std::string& grid, in
         std::string changed = bytes;
         const std::size_t place =
             i % 2 ? not_zero[random() % not_zero.size()] : random() % bytes.size();
-        // One bit, or any byte: sizes that go wrong by much and by little.
+        // One bit, or a whole byte: small and large errors of sizes.
         const auto change = i % 4 < 2 ? 1u << (random() % 8) : 1 + random() % 255;
         changed[place] = static_cast<char>(changed[place] ^ static_cast<char>(change));
         SCOPED_TRACE(testing::Message() << "byte " << place << " changed by " << change);
@@ -86,8 +86,8 @@ TEST(vdb_corrupt, a_truncated_file_says_so) {
 }
 
 TEST(vdb_corrupt, every_truncation_throws_though_the_header_hides_it) {
-    // The position of the grid's end is patched to the end of the cut file, so that only the walk
-    // through the tree can tell.
+    // The end position of the grid is set to the end of the truncated file, so that only the check
+    // of the tree can detect the truncation.
     const std::string whole = file_bytes({test::varied_grid("density")});
     const std::string tree_type = FloatGrid::gridType();
     const std::size_t end = end_offset(whole, tree_type);
@@ -114,7 +114,7 @@ TEST(vdb_corrupt, an_end_left_at_zero_means_the_end_of_the_file) {
 }
 
 TEST(vdb_corrupt, a_wrong_size_of_a_block_is_refused) {
-    // OpenVDB 10.0.1 reads as many bytes as a negative size says into a buffer of fixed size.
+    // OpenVDB 10.0.1 reads as many bytes as a negative size declares into a buffer of fixed size.
     const std::string bytes = file_bytes({small_grid("density")});
     const TempDir dir;
     int refused = 0;
@@ -152,6 +152,8 @@ struct Kind {
     std::uint32_t compression;
 };
 /// The name stands for the kind in test listings.
+void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
+
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
 class vdb_flips : public testing::TestWithParam<Kind> {};

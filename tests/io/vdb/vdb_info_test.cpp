@@ -1,4 +1,4 @@
-// vdb_info_test.cpp: what inspect_vdb tells of grids of every kind.
+// vdb_info_test.cpp: inspect_vdb on grids of every kind.
 #include <gtest/gtest.h>
 #include <openvdb/points/PointConversion.h>
 

@@ -1,4 +1,4 @@
-// vdb_points_test.cpp: PointDataGrids written and read, held against OpenVDB's own.
+// vdb_points_test.cpp: writing and reading of PointDataGrids, compared with OpenVDB's own.
 #include <gtest/gtest.h>
 #include <openvdb/points/PointAttribute.h>
 #include <openvdb/points/PointConversion.h>
@@ -32,7 +32,7 @@ Points some_points(std::size_t count) {
     return points;
 }
 
-/// Positions by the mass, which numbers the particles.
+/// Positions of the particles, ordered by their attribute mass, which numbers them.
 std::map<float, Vec3d> by_mass(const Points& points) {
     std::map<float, Vec3d> places;
     for (std::size_t n = 0; n < points.size(); ++n)
@@ -40,7 +40,7 @@ std::map<float, Vec3d> by_mass(const Points& points) {
     return places;
 }
 
-/// Points at the corners of a grid of `edge`, as OpenVDB stores them.
+/// Points at the corners of a lattice, as OpenVDB stores them.
 vp::PointDataGrid::Ptr openvdb_points(int edge) {
     openvdb::initialize();
     std::vector<openvdb::Vec3s> positions;
@@ -82,10 +82,10 @@ TEST(vdb_points, what_is_written_reads_back_in_the_order_of_leaves) {
     }
     for (std::size_t n = 0; n < back.size(); ++n)
         EXPECT_EQ(back.velocity[n].z, back.attributes[0].value[n] - 0.5f);
-    // The paper's conversion keeps that order.
+    // The paper's conversion keeps this order.
     const Gaussians model = convert_points_paper(points, "mass");
     EXPECT_EQ(model.density, back.attributes[0].value);
-    // The same particles make the same file.
+    // The same particles give the same file.
     write_points(dir / "q.vdb", points);
     std::ifstream p(dir / "p.vdb", std::ios::binary), q(dir / "q.vdb", std::ios::binary);
     EXPECT_TRUE(
@@ -117,7 +117,7 @@ TEST(vdb_points, openvdb_reads_what_is_written) {
     }
     for (std::size_t n = 0; n < points.size(); ++n)
         EXPECT_LT(length(places.at(points.attributes[0].value[n]) - points.position[n]), 1e-7);
-    // About one to a voxel, as a uniform scatter has it: between 1.1 and 2.3 to an occupied one.
+    // About one per voxel: a uniform scatter has 1.1 to 2.3 per occupied voxel.
     EXPECT_GT(double(points.size()) / double(voxels), 1.1);
     EXPECT_LT(double(points.size()) / double(voxels), 2.3);
 }
@@ -240,7 +240,7 @@ TEST(vdb_points, cut_and_changed_files_end_in_one_line) {
     std::ifstream in(dir / "p.vdb", std::ios::binary);
     const std::string bytes{std::istreambuf_iterator<char>(in), {}};
     ASSERT_GT(bytes.size(), 500u);
-    // The topology is vdb_corrupt_test's; what follows it is the last 1,500 bytes.
+    // vdb_corrupt_test covers the topology; the last 1,500 bytes follow it.
     const std::size_t densely_from = bytes.size() > 1500 ? bytes.size() - 1500 : 0;
     const auto step = [&](std::size_t at) -> std::size_t { return at < densely_from ? 97 : 1; };
     testing::internal::CaptureStderr();

@@ -1,4 +1,4 @@
-// vdb_test.cpp: what read_vdb takes from a grid: voxels, tiles, types, transforms, level sets.
+// vdb_test.cpp: read_vdb on voxels, tiles, value types, transforms and level sets.
 #include "vog/volume_io.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ using test::set_voxel;
 using test::TempDir;
 using test::write_grids;
 
-/// Writes `grids` and reads one of them back through the file, whole and in parts.
+/// Writes `grids` to a file and reads one of them, whole and in parts.
 Volume through_file(const openvdb::GridPtrVec& grids, const VdbOptions& options = {},
                     VdbNotes* notes = nullptr) {
     const TempDir dir;
@@ -70,7 +70,7 @@ TEST(vdb, every_scalar_type_and_storage_gives_the_same_volume) {
     const auto file = dir / "grid.vdb";
     const Volume expected = volume_from_grid(*test::varied_grid("density"));
     const auto check = [&](const openvdb::GridBase::Ptr& grid) {
-        // Zip is used on grids of class unknown alone.
+        // Zip is used for grids of class unknown only.
         for (const auto kind : {openvdb::GRID_FOG_VOLUME, openvdb::GRID_UNKNOWN})
             for (const bool half : {false, true})
                 for (std::uint32_t compression = 0; compression < 8; ++compression) {
@@ -80,7 +80,7 @@ TEST(vdb, every_scalar_type_and_storage_gives_the_same_volume) {
                     grid->setSaveFloatAsHalf(half);
                     write_grids(file, {grid}, compression);
                     expect_same_volume(read_vdb(file), expected);
-                    // Whole numbers below 2048 are exact as half floats.
+                    // Integers below 2048 are exact as half floats.
                 }
     };
     check(test::varied_grid<FloatGrid>("density"));
@@ -141,7 +141,8 @@ TEST(vdb, values_that_are_not_finite_are_refused_with_count_and_first_index) {
               std::string::npos);
 }
 
-/// A sphere of radius 20 voxels with a narrow band of 3 to each side and a tile in its middle.
+/// Level set of a sphere of radius 20 voxels, with a narrow band of 3 on each side and a central
+/// tile.
 template <class GridT>
 typename GridT::Ptr sphere(double& radius, double& band) {
     radius = 20;
@@ -200,7 +201,7 @@ TEST(vdb, level_set_to_fog_refuses_what_is_no_level_set) {
     set_voxel(*fog, {0, 0, 0}, 1);
     EXPECT_NE(test::error_of([&] {
                   through_file({fog}, {.level_set_to_fog = true});
-              }).find("of class fog volume, expected a level set"),
+              }).find("class fog volume, expected a level set"),
               std::string::npos);
     double radius, band;
     const auto grid = sphere<FloatGrid>(radius, band);

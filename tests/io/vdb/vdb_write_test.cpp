@@ -1,4 +1,4 @@
-// vdb_write_test.cpp: volumes to OpenVDB grids and files and back, exactly.
+// vdb_write_test.cpp: exact round trips of volumes through OpenVDB grids and files.
 #include <gtest/gtest.h>
 
 #include "support/data.h"
@@ -15,7 +15,7 @@ namespace {
 using test::expect_same_volume;
 using test::TempDir;
 
-/// A random volume without the leaf that has no active voxel: those are not read back.
+/// Random volume without its leaf that has no active voxel, which readers drop.
 Volume sample_volume() {
     Volume volume = test::random_volume(1);
     std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });

@@ -1,5 +1,5 @@
-// vdb_tree_check.cpp: checks of tree topology and voxel blocks. Source of the byte order: RootNode.h,
-// InternalNode.h, LeafNode.h, PointDataGrid.h and io/Compression.h of OpenVDB.
+// vdb_tree_check.cpp: checks of tree topology and voxel blocks. Source of the byte order:
+// RootNode.h, InternalNode.h, LeafNode.h, PointDataGrid.h and io/Compression.h of OpenVDB.
 #include "io/vdb/bytes/vdb_tree_check.h"
 
 #include <fmt/core.h>

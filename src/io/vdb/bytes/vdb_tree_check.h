@@ -1,8 +1,8 @@
 // vdb_tree_check.h: checks the bytes of one grid's tree before OpenVDB reads them.
 // OpenVDB 10.0.1 writes past its buffers if the size of a compressed block is wrong, calls blosc
 // without the size of its input, ignores short reads, and frees stray pointers of half-read nodes.
-// The check follows openvdb/tree/*::readTopology and readBuffers without decoding values. A tree that
-// passes is safe to read by OpenVDB, also leaf by leaf in parallel.
+// The check follows openvdb/tree/*::readTopology and readBuffers without decoding values. A tree
+// that passes is safe to read by OpenVDB, also leaf by leaf in parallel.
 #pragma once
 
 #include <array>
@@ -66,8 +66,8 @@ struct CheckedTree {
     std::vector<PointArray> arrays;                 ///< [leaf][column]
 };
 
-/// Checks a tree from where `in` is to its end, skipping voxel values. For points, up to the end of the
-/// attribute descriptions; io/vdb/points/vdb_points.cpp reads the attributes.
+/// Checks a tree from where `in` is to its end, skipping voxel values. For points, up to the end of
+/// the attribute descriptions; io/vdb/points/vdb_points.cpp reads the attributes.
 /// throws vog::Error with the position of the first invalid byte
 CheckedTree check_tree(ByteSource& in, const TreeStorage& storage);
 

@@ -1,5 +1,5 @@
-// vdb_points.cpp: reading of particles from a PointDataGrid. Decoded here, because OpenVDB 10.0.1 does
-// not check the sizes in a file. Source: passes in openvdb/points/PointDataGrid.h, pages in
+// vdb_points.cpp: reading of particles from a PointDataGrid. Decoded here, because OpenVDB 10.0.1
+// does not check the sizes in a file. Source: passes in openvdb/points/PointDataGrid.h, pages in
 // StreamCompression.h.
 #include <blosc.h>
 #include <fmt/ranges.h>

@@ -1,5 +1,5 @@
-// vdb_points_write.cpp: writing of particles as an OpenVDB PointDataGrid, as in the paper: voxels of
-// about one particle, attribute P with the position in its voxel, then the other attributes.
+// vdb_points_write.cpp: writing of particles as an OpenVDB PointDataGrid, as in the paper: voxels
+// of about one particle, attribute P with the position in its voxel, then the other attributes.
 #include <openvdb/points/PointDataGrid.h>
 
 #include "core/parallel.h"
@@ -18,8 +18,8 @@ namespace vp = openvdb::points;
 using LeafT = vp::PointDataTree::LeafNodeType;
 using Descriptor = vp::AttributeSet::Descriptor;
 
-/// Descriptors with P, then with velocity (if present) and each attribute appended: one more from each
-/// to the next, because OpenVDB appends attributes to a leaf one by one.
+/// Descriptors with P, then with velocity (if present) and each attribute appended: one more from
+/// each to the next, because OpenVDB appends attributes to a leaf one by one.
 std::vector<Descriptor::Ptr> describe(const Points& points) {
     const auto vector = vp::TypedAttributeArray<openvdb::Vec3f>::attributeType();
     const auto number = vp::TypedAttributeArray<float>::attributeType();
