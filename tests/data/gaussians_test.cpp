@@ -48,17 +48,17 @@ TEST(gaussians, support_box_touches_the_ellipsoid) {
         const Box box = support_box(model, i);
         const Mat3 r = matrix_from_quat(model.rotation[i]);
         const Vec3d s = vec_cast<double>(model.scale[i]);
-        Box seen;
+        Box sampled;
         for (int n = 0; n < 20000; ++n) {
             const Vec3d u = normalized(random.in_cube(1));
-            seen.include(vec_cast<double>(model.mean[i]) +
+            sampled.include(vec_cast<double>(model.mean[i]) +
                          r * (2.25 * Vec3d{u.x * s.x, u.y * s.y, u.z * s.z}));
         }
         for (int axis = 0; axis < 3; ++axis) {
             // The extreme of 20,000 random points is within a few thousandths of the bound.
-            EXPECT_LE(box.lower[axis], seen.lower[axis] + 1e-6);
-            EXPECT_GE(box.upper[axis], seen.upper[axis] - 1e-6);
-            EXPECT_NEAR(box.upper[axis], seen.upper[axis], 5e-3);
+            EXPECT_LE(box.lower[axis], sampled.lower[axis] + 1e-6);
+            EXPECT_GE(box.upper[axis], sampled.upper[axis] - 1e-6);
+            EXPECT_NEAR(box.upper[axis], sampled.upper[axis], 5e-3);
         }
     }
 }

@@ -69,7 +69,7 @@ TEST(volume_part, runs_begin_where_aligned_cubes_do) {
     for (std::size_t n = 0; n < parts.size(); ++n)
         for (const Leaf& leaf : parts[n].leaves) {
             const auto [at, added] = owner.emplace(cube(leaf.origin), n);
-            EXPECT_EQ(at->second, n) << "a cube lies in two parts";
+            EXPECT_EQ(at->second, n) << "a cube is in two parts";
         }
 }
 

@@ -279,7 +279,7 @@ TEST_P(sample_kinds, size_out_of_range_throws) {
     for (const int size : {-1, 0, 63, 1025}) {
         try {
             (void)sample(GetParam(), size);
-            FAIL() << "size " << size << " was taken";
+            FAIL() << "size " << size << " was accepted";
         } catch (const Error& error) {
             EXPECT_EQ(error.what(), std::string("sample ") + GetParam().name + ": size " +
                                         std::to_string(size) + ", expected 64 to 1024 voxels");
