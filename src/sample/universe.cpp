@@ -24,12 +24,11 @@ using namespace sampling;
 
 namespace {
 
-constexpr double kBoxEdge = 100;  ///< world units, as Mpc/h
-constexpr double kSpeed = 300;    ///< root mean square of the flow, as km/s
-constexpr int kModes = 240;       ///< plane waves
-constexpr int kShortestWave = 9;  ///< waves across the box
-constexpr double kLinearContrast =
-    1.4;  ///< rms of the linear density; some particle paths have crossed
+constexpr double kBoxEdge = 100;         ///< world units, as Mpc/h
+constexpr double kSpeed = 300;           ///< root mean square of the flow, as km/s
+constexpr int kModes = 240;              ///< plane waves
+constexpr int kShortestWave = 9;         ///< waves across the box
+constexpr double kLinearContrast = 1.4;  ///< rms of the linear density; some paths have crossed
 constexpr std::size_t kHalos = 120;
 
 struct Complex {

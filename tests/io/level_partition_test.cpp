@@ -34,8 +34,8 @@ Volume block(Vec3i first, Vec3i leaves, double edge, double turn, const std::str
     return volume;
 }
 
-class level_parts : public testing::TestWithParam<double> {
-};  // rotation of the fine levels, radians
+/// Parameter: rotation of the finer levels, radians.
+class level_parts : public testing::TestWithParam<double> {};
 
 TEST_P(level_parts, depths_add_up_to_the_levels) {
     const test::TempDir dir;

@@ -19,8 +19,8 @@ inline std::string read_bytes(const std::filesystem::path& file) {
 }
 
 inline void write_bytes(const std::filesystem::path& file, const std::string& bytes) {
-    std::filesystem::remove(
-        file);  // some file systems flush a file that is truncated and rewritten
+    // Some file systems flush a file that is truncated and rewritten.
+    std::filesystem::remove(file);
     std::ofstream(file, std::ios::binary) << bytes;
 }
 

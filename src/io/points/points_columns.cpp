@@ -35,8 +35,8 @@ struct Head {
     Names names;             ///< of the columns; empty: unknown
     Names first_line;        ///< fields of the first particle
     std::uint64_t line = 0;  ///< number of the first particle's line, from 0
-    bool chemical =
-        false;  ///< XYZ of chemistry: atom count, title, lines that start with an element
+    /// XYZ files of chemistry: atom count, title, then lines that start with an element.
+    bool chemical = false;
 };
 
 /// Fields as column names if they are one per column, no numbers and all distinct; else empty.

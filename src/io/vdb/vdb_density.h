@@ -34,8 +34,8 @@ float density(const Value& value) {
 /// Counts of invalid active values; a tile is one value.
 struct Census {
     std::uint64_t negative = 0, not_finite = 0;
-    std::uint64_t first_not_finite =
-        std::numeric_limits<std::uint64_t>::max();  ///< smallest `place`
+    /// Smallest `place` of a value that is not finite.
+    std::uint64_t first_not_finite = std::numeric_limits<std::uint64_t>::max();
 
     /// Counts an invalid value and returns 0 for it; returns other values unchanged.
     /// place  position of the value among all
