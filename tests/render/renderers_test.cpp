@@ -1,10 +1,11 @@
-// renderers_test.cpp: every renderer over every scene against the double-precision closed form, and
-// the properties T has as a plain sum.
+// renderers_test.cpp: Every renderer over every scene against the closed form in double precision, and
+// properties of T as a plain sum.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <ostream>
 
 #include "support/device_twin.h"
 #include "support/scenes.h"
@@ -16,7 +17,7 @@ namespace vog::test {
 
 namespace {
 
-struct Renderer {
+struct NamedRenderer {
     std::string name;
     std::function<DepthImage(const Gaussians&, const Camera&, int, int)> render;
 };
@@ -24,8 +25,8 @@ struct Renderer {
 /// The splat on every SIMD target this machine can run and with a hierarchy, the trace with either
 /// any-hit program and with a list of hits that overflows at once, and the GPU's splat compiled for
 /// the host.
-std::vector<Renderer> renderers() {
-    std::vector<Renderer> all;
+std::vector<NamedRenderer> all_renderers() {
+    std::vector<NamedRenderer> all;
     for (const std::string& target : splat_targets())
         all.push_back(
             {"splat_" + target,
@@ -53,7 +54,19 @@ std::vector<Renderer> renderers() {
     return all;
 }
 
-class every_renderer : public testing::TestWithParam<Scene> {};
+/// A scene that tests print by its name.
+struct NamedScene : Scene {
+    friend std::ostream& operator<<(std::ostream& out, const NamedScene& scene) {
+        return out << scene.name;
+    }
+};
+std::vector<NamedScene> named_scenes() {
+    std::vector<NamedScene> all;
+    for (Scene& scene : scenes()) all.push_back({std::move(scene)});
+    return all;
+}
+
+class every_renderer : public testing::TestWithParam<NamedScene> {};
 
 TEST_P(every_renderer, agrees_with_the_closed_form) {
     const Scene& scene = GetParam();
@@ -62,7 +75,7 @@ TEST_P(every_renderer, agrees_with_the_closed_form) {
     if (scene.name != "empty" && scene.name != "behind") {
         EXPECT_GT(largest, 0) << "the scene shows nothing";
     }
-    for (const Renderer& renderer : renderers()) {
+    for (const NamedRenderer& renderer : all_renderers()) {
         SCOPED_TRACE(renderer.name);
         const DepthImage image =
             renderer.render(scene.model, scene.camera, scene.width, scene.height);
@@ -78,7 +91,7 @@ TEST_P(every_renderer, agrees_with_the_closed_form) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(scenes, every_renderer, testing::ValuesIn(scenes()),
+INSTANTIATE_TEST_SUITE_P(scenes, every_renderer, testing::ValuesIn(named_scenes()),
                          [](const auto& each) { return each.param.name; });
 
 }  // namespace

@@ -1,5 +1,5 @@
-// device_test.cpp: what only the GPU runs of the shared headers, on the host: the walk through
-// voxels, colours, subframes, the list of hits.
+// device_test.cpp: Device code that only the GPU uses, run on the host: traversal of voxels, colours,
+// subframes, lists of hits.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -161,7 +161,7 @@ TEST(device, sums_do_not_depend_on_their_order) {
     double plain_sum = 0;
     for (const float tau : taus) plain_sum += double{tau};
     EXPECT_NEAR(forwards, plain_sum, 1e-12 * plain_sum);
-    // What is fainter than any quantum still shows.
+    // A tau below the finest quantum still gives T > 0.
     device::DepthSum faint{};
     device::add_depth(faint, 1e-30f, rounding);
     EXPECT_GT(faint.depth(), 0);

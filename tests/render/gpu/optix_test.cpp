@@ -1,5 +1,5 @@
-// optix_test.cpp: what can be known of the GPU renderers without a GPU: the device module has every
-// entry point the host looks for, and what is missing is said.
+// optix_test.cpp: GPU renderers on machines without a GPU: entry points of the device module, and
+// messages that name the missing part.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -16,7 +16,7 @@ using namespace vog::gpu;
 
 namespace {
 
-/// One line of an error, or nothing where `make` succeeds: there is a GPU.
+/// The message of make()'s error; empty if there is none, on a machine with a GPU.
 template <class Make>
 std::string refusal(const Make& make) {
     try {
@@ -49,7 +49,7 @@ TEST(optix, the_device_module_has_every_entry_point) {
                 EXPECT_TRUE(entries.contains(name)) << name;
             }
         }
-    // The launch parameters are found by name too.
+    // OptiX finds the launch parameters by name too.
     EXPECT_NE(ptx.find(" launch["), std::string::npos);
 }
 
@@ -61,7 +61,7 @@ TEST(optix, the_device_module_has_every_entry_point) {
 
 #endif
 
-TEST(optix, what_is_missing_is_said_in_one_line) {
+TEST(optix, the_missing_part_is_named_in_one_line) {
     const Gaussians model = random_gaussians(3, 0.1, 0.2, 1);
     const std::string lines[] = {refusal([&] { CudaSplat splat(model); }),
                                  refusal([&] { OptixModel traced(model); })};

@@ -1,4 +1,4 @@
-// nano_tree_test.cpp: the NanoVDB grids that the reference renderer writes for itself.
+// nano_tree_test.cpp: NanoVDB grids written from volumes for the reference renderer.
 #include "render/reference/nano_tree.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// reference_levels_test.cpp: rays through levels that hide each other, against closed forms and
-// against a sum over small steps.
+// reference_levels_test.cpp: Rays through levels that hide each other, against closed forms and a sum
+// over small steps.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -59,7 +59,7 @@ TEST(reference_levels, constant_field_has_the_chord_of_the_outer_box) {
                 sum += optical_depth(grid, ray.origin, ray.direction);
             worst = std::max(worst, std::abs(sum - exact));
         }
-        EXPECT_GT(worst, 1) << "without masks it would be no test";
+        EXPECT_GT(worst, 1) << "plain sums of the grids should count the overlap twice";
     }
 }
 
@@ -132,7 +132,7 @@ TEST(reference_levels, levels_at_any_angle_match_small_steps) {
         constexpr double kStep = 16.0 / kSteps;
         double sum = 0;
         for (int k = 0; k < kSteps; ++k) sum += value(from + (k + 0.5) * kStep * along) * kStep;
-        // Each of some hundred voxel faces is off by half a step of a density up to 2.
+        // At each of about 100 voxel faces the sum errs by up to half a step of a density up to 2.
         ASSERT_NEAR(optical_depth(grids, from, along), sum, 100 * 0.5 * kStep * 2 * 0.2) << n;
     }
 }

@@ -1,4 +1,4 @@
-// reference_linear_test.cpp: the reference renderer's trilinear field.
+// reference_linear_test.cpp: The reference renderer's trilinear field against brute force.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,10 +1,11 @@
-// reference_test.cpp: the reference renderer against closed forms and the brute force.
+// reference_test.cpp: The reference renderer against closed forms and brute force.
 #include "vog/reference.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <ostream>
 #include <stdexcept>
 #include <vector>
 
@@ -77,7 +78,7 @@ void expect_brute(const Volume& volume, Box box, int count, double tolerance) {
         const double expected = test::brute_depth(volume, origin, direction);
         const double depth = optical_depth(grid, origin, direction);
         if (expected == 0) {
-            ASSERT_EQ(depth, 0) << "meets a voxel it runs beside";
+            ASSERT_EQ(depth, 0) << "a voxel beside the ray counts";
         }
         ASSERT_NEAR(depth, expected, tolerance * (expected + 1e-3))
             << origin.x << " " << direction.x;
@@ -342,8 +343,14 @@ TEST(reference, unusable_input_throws) {
     EXPECT_THROW((void)voxel_grid(volume), Error);
 }
 
-/// By file and grid.
-class reference_data : public testing::TestWithParam<std::pair<std::string, std::string>> {};
+/// One grid of a file of the test data.
+struct DataGrid {
+    const char *file, *grid;
+    friend std::ostream& operator<<(std::ostream& out, const DataGrid& data) {
+        return out << data.file << ' ' << data.grid;
+    }
+};
+class reference_data : public testing::TestWithParam<DataGrid> {};
 
 TEST_P(reference_data, matches_the_brute_force_within_1e_5) {
     const auto [file, name] = GetParam();
@@ -367,14 +374,10 @@ TEST_P(reference_data, matches_the_brute_force_within_1e_5) {
 }
 
 INSTANTIATE_TEST_SUITE_P(files, reference_data,
-                         testing::Values(std::pair{"smoke.vdb", "density"},
-                                         std::pair{"cloud.vdb", "density"},
-                                         std::pair{"fire.vdb", "flames"},
-                                         std::pair{"fire.vdb", "temperature"}),
-                         [](const auto& each) {
-                             const std::string& file = each.param.first;
-                             return file.substr(0, file.find('.')) + "_" + each.param.second;
-                         });
+                         testing::Values(DataGrid{"smoke.vdb", "density"},
+                                         DataGrid{"cloud.vdb", "density"},
+                                         DataGrid{"fire.vdb", "flames"},
+                                         DataGrid{"fire.vdb", "temperature"}));
 
 }  // namespace
 }  // namespace vog

@@ -1,4 +1,4 @@
-// splat_boxes_test.cpp: the splat with the paper's bounding boxes against a ray-by-ray sum.
+// splat_boxes_test.cpp: Splatting with the paper's bounding boxes against a sum ray by ray.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,7 @@ namespace vog::test {
 
 namespace {
 
-/// Least and largest distance, over the axes, between entering the last slab and leaving the first:
-/// positive where the ray meets the box.
+/// Length in t between entering the last slab and leaving the first: > 0 where the ray meets the box.
 double overlap(const Box& box, Vec3d origin, Vec3d direction) {
     double enter = 0, leave = HUGE_VAL;
     for (int axis = 0; axis < 3; ++axis) {
@@ -28,25 +27,23 @@ double overlap(const Box& box, Vec3d origin, Vec3d direction) {
 }
 
 Box box_of(const Gaussians& model, std::size_t i, double sigma) {
-    const Mat3 rotation = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
-    const Vec3d scale = vec_cast<double>(model.scale[i]);
+    // An ellipsoid |W x| <= r reaches r sqrt(C_jj) along axis j, C = (W^T W)^-1 the covariance.
+    const Mat3 w = whitening(model, i);
+    const Mat3 covariance = inverse(transpose(w) * w);
     Box box;
-    // The box around the ellipsoid, from its extent along each axis.
     const Vec3d mean = vec_cast<double>(model.mean[i]);
     Vec3d half;
     for (int axis = 0; axis < 3; ++axis)
-        half[axis] = sigma * std::numbers::sqrt2 *
-                     std::hypot(rotation(axis, 0) * scale.x, rotation(axis, 1) * scale.y,
-                                rotation(axis, 2) * scale.z);
+        half[axis] = sigma * std::numbers::sqrt2 * std::sqrt(covariance(axis, axis));
     box.include(mean - half);
     box.include(mean + half);
     return box;
 }
 
 /// Compares every pixel with the sum over the Gaussians whose box the ray meets. Pixels whose ray
-/// passes a box within a hair may fall either way and are left out.
+/// touches the rim of a box are left out: rounding decides there.
 void expect_boxed(const Scene& scene, double sigma) {
-    constexpr double kHair = 1e-5;  // of the distance: floats resolve 6e-8 of it
+    constexpr double kRim = 1e-5;  // in t; floats resolve 6e-8 of the distance
     const CameraFrame frame = frame_of(scene.camera, scene.width, scene.height);
     SplatOptions options;
     options.aabb_sigma = sigma;
@@ -68,7 +65,7 @@ void expect_boxed(const Scene& scene, double sigma) {
                 }
                 const double tau = optical_depth(scene.model, i, frame.eye, direction);
                 const double met = overlap(box, frame.eye, direction);
-                if (tau > 0 && std::abs(met) < kHair) clear = false;
+                if (tau > 0 && std::abs(met) < kRim) clear = false;
                 if (met > 0) sum += tau;
             }
             if (!clear) continue;
@@ -125,7 +122,7 @@ TEST(splat_boxes, boxes_wider_than_the_support_change_nothing) {
 TEST(splat_boxes, the_models_box_bounds_every_box) {
     Gaussians model;
     add(model, {0, 0, 0}, {0.5f, 0.5f, 0.5f}, 1);
-    model.box = {{0, -2, -2}, {2, 2, 2}};  // only what lies right of the middle
+    model.box = {{0, -2, -2}, {2, 2, 2}};  // the half right of the middle
     Camera camera;
     camera.eye = {0, 0, 5};
     camera.fov_degrees = 40;

@@ -1,5 +1,5 @@
-// splat_test.cpp: a renderer that lasts: the same pictures as a fresh one, no allocation,
-// and every scale of Gaussian.
+// splat_test.cpp: The splat renderer: reuse without allocation, every scale of Gaussian, options, and
+// invalid input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 
 const Camera kView = paper_view({{-1, -1, -1}, {1, 1, 1}});
 
-/// Whether `image` is the closed form, within 1e-4 of the largest T, at every `step`-th pixel.
+/// Expects the closed form within 1e-4 of the largest T at every `step`-th pixel.
 void expect_exact(const Gaussians& model, const DepthImage& image, int step) {
     const CameraFrame frame = frame_of(kView, image.width, image.height);
     const double largest = *std::max_element(image.depth.begin(), image.depth.end());

@@ -1,5 +1,5 @@
-// view_cut_test.cpp: what a view draws of a hierarchy: all of it, coarser where it is small, and
-// nothing that cannot be seen.
+// view_cut_test.cpp: Cuts through a hierarchy: complete, coarser where nodes are small on screen, and
+// without Gaussians outside the view.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -82,24 +82,24 @@ TEST(view_cut, at_no_error_it_is_the_model_byte_for_byte) {
                   render_splat(tree.model, any, 120, 90).depth);
 }
 
-TEST(view_cut, what_is_left_out_never_changes_a_pixel) {
+TEST(view_cut, skipped_nodes_never_change_a_pixel) {
     Gaussians model = random_gaussians(20000, 0.002, 0.03, 52);
     append(model, random_gaussians(60, 0.1, 0.8, 53));  // supports that reach far
     const Tree tree = tree_of(std::move(model));
     std::size_t left_out = 0;
     for (const double pixel_error : {0.0, 0.5, 3.0, 50.0})
         for (const Camera& camera : cameras()) {
-            CutReport seen, all;
-            const DepthImage image = draw(tree, camera, 64, 100, {pixel_error, true}, &seen);
+            CutReport visible, all;
+            const DepthImage image = draw(tree, camera, 64, 100, {pixel_error, true}, &visible);
             ASSERT_EQ(image.depth, draw(tree, camera, 64, 100, {pixel_error, false}, &all).depth);
-            EXPECT_LE(seen.drawn(), all.drawn());
-            EXPECT_LE(seen.visited, all.visited);
-            left_out += seen.drawn() < all.drawn();
+            EXPECT_LE(visible.drawn(), all.drawn());
+            EXPECT_LE(visible.visited, all.visited);
+            left_out += visible.drawn() < all.drawn();
         }
     EXPECT_GT(left_out, cameras().size());
 }
 
-/// Also where leaves of one model lie between those of others, and some are no node's.
+/// Leaves of one model lie between those of others, and some have no parent.
 TEST(view_cut, joined_models_are_drawn_in_one_order) {
     Tree all = tree_of(random_gaussians(5000, 0.002, 0.05, 64));
     for (const std::uint64_t seed : {65, 66}) {
@@ -176,7 +176,7 @@ TEST(view_cut, t_comes_as_near_as_the_error_is_small) {
 }
 
 TEST(view_cut, below_a_pixel_it_is_nearer_to_the_mean_over_the_pixel) {
-    // Cells of a sixth of a pixel. What a pixel should show is the mean of its T: 8 x 8 rays.
+    // Cells of a sixth of a pixel. The truth is the mean of T over a pixel, of 8 x 8 rays.
     const Tree tree = cloud_tree(128, 1);
     const Camera camera = paper_view(tree.model.box);
     constexpr int kSize = 32, kRays = 8;
@@ -297,7 +297,7 @@ TEST(view_cut, kernels_cut_further_out_are_not_left_out) {
     }
 }
 
-TEST(view_cut, what_cannot_be_is_refused) {
+TEST(view_cut, invalid_options_throw) {
     const Tree tree = tree_of(random_gaussians(20, 0.1, 0.2, 63));
     const Camera camera = paper_view({{-1, -1, -1}, {1, 1, 1}});
     for (const double wrong : {-1.0, std::numeric_limits<double>::quiet_NaN()})

@@ -1,5 +1,5 @@
-// trace_test.cpp: what the ray tracer does beyond every renderer's scenes: any-hit programs, slabs,
-// the paper's boxes and cutoff, early termination.
+// trace_test.cpp: The ray tracer beyond the scenes of every renderer: any-hit programs, slabs, the
+// paper's boxes and cutoff, early termination.
 #include "vog/trace.h"
 
 #include <gtest/gtest.h>
@@ -99,7 +99,7 @@ TEST(trace, t_does_not_depend_on_the_order_of_the_gaussians) {
 }
 
 TEST(trace, agrees_with_the_splat) {
-    // Issue and documentation promise 1e-4 of the largest T; both lie within 1e-5 of the truth.
+    // The documentation promises 1e-4 of the largest T; both lie within 1e-5 of the closed form.
     for (const char* name : {"many", "ten_thousand", "inside_many", "far_away"}) {
         const Scene scene = scene_named(name);
         const DepthImage splat = render_splat(scene.model, scene.camera, scene.width, scene.height);
@@ -107,7 +107,7 @@ TEST(trace, agrees_with_the_splat) {
     }
 }
 
-TEST(trace, the_papers_boxes_cut_what_the_splats_emulation_cuts) {
+TEST(trace, the_papers_boxes_cut_as_those_of_the_splat) {
     for (const char* name : {"one_off_axis", "rotated", "inside_many", "eye_inside", "many"})
         for (const double sigma : {0.5, 1.0, 2.0, 3.0}) {
             SCOPED_TRACE(testing::Message() << name << ", sigma " << sigma);
