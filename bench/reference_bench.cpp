@@ -1,6 +1,6 @@
-// reference_bench.cpp: the reference renderer on the `paper` view, without file reading. Items per
-// second are rays per second. The volume is $VOG_BENCH_VOLUME (and $VOG_BENCH_GRID), else
-// smoke.vdb; where that is absent, a cloud from nothing.
+// reference_bench.cpp: Speed of the reference renderer on the `paper` view, without file reading.
+// Items per second are rays per second. The volume is $VOG_BENCH_VOLUME (and $VOG_BENCH_GRID), else
+// smoke.vdb, else sample_cloud().
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -15,8 +15,8 @@ namespace {
 using vog::bench::measure;
 using vog::bench::volume;
 
-/// Whether 64 pixels agree with the brute force in double precision: a relative 1e-5 for constant
-/// voxels; for the trilinear field, which is another field, the mean within a percent.
+/// True if 64 pixels agree with brute force over constant voxels in double precision: to a relative
+/// 1e-5, or for linear interpolation, a different field, their mean to 1 %.
 bool is_right(const vog::VoxelGrid& grid, const vog::Camera& camera, bool linear) {
     constexpr int kEdge = 8;
     const vog::CameraFrame frame = vog::frame_of(camera, kEdge, kEdge);

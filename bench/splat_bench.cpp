@@ -1,7 +1,7 @@
-// splat_bench.cpp: the splat renderer on every SIMD target, thread count and scale, beside the
-// reference on the same volume in the same run. The `paper` view; models by moments from smoke.vdb,
-// or where that is absent from a cloud from nothing. Each picture is verified against the closed
-// form in double precision before it is timed. --quick: few sizes, short times.
+// splat_bench.cpp: Speed of the splat renderer on every SIMD target, thread count and scale, and of the
+// reference on the same volume in the same run. The `paper` view of models by moments from smoke.vdb,
+// or from sample_cloud() where that is absent. Each picture is verified against the closed form in
+// double precision before it is timed. --quick: few sizes, short times.
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>
 
@@ -52,7 +52,8 @@ vog::Gaussians cube(std::size_t count, double scale) {
     return model;
 }
 
-/// Models by name: block2 ... block8 of the volume; dust: 5 M below a pixel; screen: one over all.
+/// Models by name. block2 ... block8: of the volume; dust: 5 million smaller than a pixel; screen: one
+/// Gaussian over the whole picture.
 const vog::Gaussians& model(const std::string& name) {
     static std::map<std::string, vog::Gaussians> models;
     const auto known = models.find(name);
@@ -64,7 +65,7 @@ const vog::Gaussians& model(const std::string& name) {
     return models[name] = vog::convert_moments(volume(), options);
 }
 
-/// Whether sampled pixels are the sum of the closed form, to 1e-4 of the largest T.
+/// True if sampled pixels are the sum of the closed form, to 1e-4 of the largest T.
 bool is_right(const vog::Gaussians& gaussians, const vog::DepthImage& image,
               const vog::Camera& camera) {
     const vog::CameraFrame frame = vog::frame_of(camera, image.width, image.height);
@@ -83,25 +84,25 @@ bool is_right(const vog::Gaussians& gaussians, const vog::DepthImage& image,
     return largest > 0;
 }
 
-/// Splats of a view, and rows of 16 pixels that they cover some of, as tiles 16 pixels wide cut
-/// them: the terms of the cost.
+/// Terms of the cost of a view: splats, and rows of 16 pixels of which they cover at least one, in
+/// tiles 16 pixels wide.
 struct Work {
     double splats = 0, rows = 0, pixels = 0;
 };
 Work work_of(const vog::Gaussians& gaussians, const vog::Camera& camera, Size size) {
     const vog::CameraFrame frame = vog::frame_of(camera, size.width, size.height);
     constexpr std::size_t kRun = 4096;
-    std::vector<vog::FarSplat> far(kRun);
-    std::vector<vog::PixelBounds> bounds(kRun);
-    std::vector<vog::NearSplat> near;
+    std::vector<vog::splat::FarSplat> far(kRun);
+    std::vector<vog::splat::PixelBounds> bounds(kRun);
+    std::vector<vog::splat::NearSplat> near;
     Work work;
     for (std::size_t first = 0; first < gaussians.size(); first += kRun) {
-        vog::SplatRun run{far.data(), bounds.data(), 0, &near};
-        vog::best_splat_kernels().project({&gaussians, 1}, frame, first,
-                                          std::min(first + kRun, gaussians.size()), run);
+        vog::splat::SplatRun run{far.data(), bounds.data(), 0, &near};
+        vog::splat::best_splat_kernels().project({&gaussians, 1, gaussians.cutoff}, frame, first,
+                                                 std::min(first + kRun, gaussians.size()), run);
         work.splats += static_cast<double>(run.count);
         for (std::size_t n = 0; n < run.count; ++n) {
-            const vog::FarSplat& s = far[n];
+            const vog::splat::FarSplat& s = far[n];
             for (int y = s.bounds.y0; y <= s.bounds.y1; ++y) {
                 const double from_row = y - s.row, b = s.by * from_row + s.b0;
                 const double half = std::sqrt(std::max(0.0, s.f0 - b * b)) / s.ax;
@@ -123,7 +124,7 @@ double peak_mib() {
     return static_cast<double>(usage.ru_maxrss) / 1024;
 }
 
-/// A case's check and work, done once: the library calls a bench many times.
+/// Check and cost of a case, computed once: the library calls a benchmark many times.
 struct Case {
     bool right = false;
     Work work;
@@ -175,43 +176,44 @@ void reference(benchmark::State& state, Size size, int threads) {
     state.counters["threads"] = vog::thread_count();
 }
 
-/// Projection alone, one thread: time per item is time per Gaussian.
+/// Projection alone, on one thread: time per item is time per Gaussian.
 void project(benchmark::State& state, const std::string& name, const std::string& target) {
     const vog::Gaussians& gaussians = model(name);
     const vog::CameraFrame frame =
         vog::frame_of(vog::paper_view(vog::view_box(gaussians)), 1024, 1024);
-    const vog::SplatKernels& kernels = vog::splat_kernels(target);
-    std::vector<vog::FarSplat> far(gaussians.size());
-    std::vector<vog::PixelBounds> bounds(gaussians.size());
-    std::vector<vog::NearSplat> near;
+    const vog::splat::SplatKernels& kernels = vog::splat::splat_kernels(target);
+    std::vector<vog::splat::FarSplat> far(gaussians.size());
+    std::vector<vog::splat::PixelBounds> bounds(gaussians.size());
+    std::vector<vog::splat::NearSplat> near;
     for (auto _ : state) {
-        vog::SplatRun run{far.data(), bounds.data(), 0, &near};
-        kernels.project({&gaussians, 1}, frame, 0, gaussians.size(), run);
+        vog::splat::SplatRun run{far.data(), bounds.data(), 0, &near};
+        kernels.project({&gaussians, 1, gaussians.cutoff}, frame, 0, gaussians.size(), run);
         benchmark::DoNotOptimize(run.count);
     }
     state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(gaussians.size()));
 }
 
-/// The inner loop alone, in the first cache, one thread: one splat over all rows of a tile. Time
+/// The inner loop alone, in first-level cache, on one thread: one splat over all rows of a tile. Time
 /// per item is time per row of 16 pixels.
 void rows(benchmark::State& state, const std::string& target) {
     const vog::Gaussians& gaussians = model("screen");
     const vog::CameraFrame frame = vog::frame_of(vog::paper_view(gaussians.box), 2048, 2048);
-    const vog::SplatKernels& kernels = vog::splat_kernels(target);
+    const vog::splat::SplatKernels& kernels = vog::splat::splat_kernels(target);
     const vog::KernelPolynomial kernel = vog::fit_kernel(gaussians.cutoff);
-    vog::FarSplat far;
-    vog::PixelBounds bounds;
-    std::vector<vog::NearSplat> near;
-    vog::SplatRun run{&far, &bounds, 0, &near};
-    kernels.project({&gaussians, 1}, frame, 0, 1, run);
-    vog::TilePixels tile;
+    vog::splat::FarSplat far;
+    vog::splat::PixelBounds bounds;
+    std::vector<vog::splat::NearSplat> near;
+    vog::splat::SplatRun run{&far, &bounds, 0, &near};
+    kernels.project({&gaussians, 1, gaussians.cutoff}, frame, 0, 1, run);
+    vog::splat::TilePixels tile;
     tile.column = tile.row = 1024;
     const std::uint32_t only = 0;
     for (auto _ : state) {
         kernels.add_far(&far, &only, 1, kernel, tile);
         benchmark::DoNotOptimize(tile.depth[0][0]);
     }
-    state.SetItemsProcessed(state.iterations() * vog::kTileHeight * vog::kTileWidth / 16);
+    state.SetItemsProcessed(state.iterations() * vog::splat::kTileHeight * vog::splat::kTileWidth /
+                            16);
 }
 
 template <class Run>

@@ -1,5 +1,5 @@
-// trace_bench.cpp: the ray tracer on the `paper` view, the splat of the same picture beside it: the
-// speed of one is a ratio to the other, taken in one run. Items per second are rays per second.
+// trace_bench.cpp: Speed of the ray tracer on the `paper` view, and of the splat on the same picture in
+// the same run, for their ratio. Items per second are rays per second.
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ const vog::Gaussians& moments(int block_voxels) {
     return models[block_voxels];
 }
 
-/// Largest difference of the two renderers, relative to the largest T: 1e-4 is promised.
+/// Largest difference of the two renderers relative to the largest T; the documented bound is 1e-4.
 double apart(const vog::DepthImage& a, const vog::DepthImage& b) {
     double largest = 0, worst = 0;
     for (std::size_t n = 0; n < a.depth.size(); ++n) {

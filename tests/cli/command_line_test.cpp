@@ -189,7 +189,8 @@ TEST_F(cli, an_input_is_never_overwritten) {
 }
 
 TEST_F(cli, help_explains_every_subcommand) {
-    for (const char* command : {"", "sample ", "info ", "convert ", "render "})
+    for (const char* command : {"", "sample ", "info ", "convert ", "render ", "compare ",
+                                "evaluate ", "view ", "export "})
         EXPECT_GT(must(std::string(command) + "--help").out.size(), 200u) << command;
     EXPECT_EQ(must("--version").out.substr(0, 4), "vog ");
 }

@@ -1,6 +1,6 @@
-// gpu_suite.cpp: every GPU renderer against the closed form on the shared scenes and against the
-// CPU's pictures; with --bench, their times. vog_gpu_suite FOLDER [--bench OUT.json]
-// Times are of CUDA events: a warm-up, then the median of 20, minimum and maximum beside it.
+// gpu_suite.cpp: Every GPU renderer against the closed form on the shared scenes and against the CPU's
+// pictures; with --bench, their speed. vog_gpu_suite FOLDER [--bench OUT.json]
+// Times are by CUDA events: median, minimum and maximum of 20 pictures after a warm-up.
 #include <cuda_runtime_api.h>
 #include <fmt/core.h>
 
@@ -23,9 +23,9 @@ namespace {
 
 struct GpuRenderer {
     std::string name;
-    /// Draws one picture and leaves its device time in `ms`.
+    /// Draws one picture and sets `ms` to its device time.
     std::function<DepthImage(const Gaussians&, const Camera&, int, int)> once;
-    /// Holds the model for many.
+    /// Prepares the model for many pictures.
     std::function<std::function<double(const Camera&, int, int)>(const Gaussians&)> timed;
 };
 
@@ -67,7 +67,7 @@ std::vector<GpuRenderer> renderers() {
     return all;
 }
 
-/// Largest difference, relative to the largest T; infinite where anything is not finite.
+/// Largest difference relative to the largest T; infinite if a value is not finite.
 double worst_of(const std::vector<double>& expected, const DepthImage& image) {
     double largest = 0, worst = 0;
     for (std::size_t n = 0; n < expected.size(); ++n) {
@@ -78,7 +78,7 @@ double worst_of(const std::vector<double>& expected, const DepthImage& image) {
     return largest > 0 ? worst / largest : worst > 0 ? HUGE_VAL : 0;
 }
 
-/// Prints one check; returns whether it failed.
+/// Prints one check. returns true if it failed
 bool check(const std::string& renderer, const std::string& what, double worst, double tolerance) {
     const bool failed = !(worst <= tolerance);
     fmt::print("{} {:<20} {:<26} {:.2e} of {:.0e}\n", failed ? "FAILED" : "ok    ", renderer, what,
@@ -89,7 +89,7 @@ bool check(const std::string& renderer, const std::string& what, double worst, d
 const std::vector<std::string> kModels{"lod1", "lod2",     "lod3",     "lod4",
                                        "lod5", "moments2", "moments4", "moments8"};
 
-/// The one uncompressed grid of a file that prepare.cpp wrote, in aligned memory.
+/// The only grid of an uncompressed file written by prepare.cpp, in aligned memory.
 struct VoxelFile {
     struct alignas(32) Block {
         std::byte bytes[32];
@@ -193,7 +193,7 @@ void bench(const std::filesystem::path& folder, const std::filesystem::path& out
     std::vector<Row> rows;
     for (const std::string& name : kModels)
         bench_model(name, read_ply(folder / (name + ".ply")), rows);
-    // Many, from nothing: as dense on screen as a fine model, each a few pixels wide.
+    // A synthetic model as dense on screen as a fine one, each Gaussian a few pixels wide.
     bench_model("random1M", random_gaussians(1'000'000, 0.002, 0.006, 31), rows);
     bench_model("random5M", random_gaussians(5'000'000, 0.001, 0.004, 32), rows);
 #ifdef VOG_OPTIX
@@ -241,7 +241,7 @@ int main(int count, char** arguments) {
         return 2;
     }
     try {
-        // A bench checks its answer before it times it.
+        // The result is verified before it is timed.
         if (vog::test::accuracy(arguments[1]) > 0) return 1;
         if (timed) vog::test::bench(arguments[1], arguments[3]);
     } catch (const std::exception& error) {

@@ -1,4 +1,4 @@
-// pfm.h: depth images as PFM files, which need no library: for machines with nothing but CUDA.
+// pfm.h: Reads and writes depth images as PFM files, which need no library, for machines with only CUDA.
 #pragma once
 
 #include <filesystem>

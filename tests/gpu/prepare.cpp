@@ -1,5 +1,5 @@
-// prepare.cpp: what the GPU's suite and bench take from the full build: smoke's models, its voxels
-// as .nvdb, and the CPU's pictures of them. vog_gpu_prepare VOLUME FOLDER
+// prepare.cpp: Writes the input of the GPU suite with the full build: models of a volume, its voxels as
+// .nvdb, and the CPU's pictures of both. vog_gpu_prepare VOLUME FOLDER
 #include <fmt/core.h>
 #include <nanovdb/util/IO.h>
 
@@ -17,7 +17,7 @@ namespace vog::test {
 
 namespace {
 
-constexpr int kSize = 512;  ///< of the pictures
+constexpr int kSize = 512;  ///< width and height of the pictures, pixels
 
 void write_model(const std::filesystem::path& folder, const std::string& name,
                  const Gaussians& model) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# On a machine with the full build: makes what a machine with nothing but CUDA needs, in one folder.
+# Writes the input of tests/gpu/run.sh into one folder, on a machine with the full build.
 # tests/gpu/prepare.sh VOLUME.vdb [FOLDER, default gpu-data] [build folder, default build/release]
 set -euo pipefail
 cd "$(dirname "$0")/../.."

@@ -2,7 +2,7 @@
 # Builds the GPU renderers and runs their accuracy suite, on any machine with CUDA 12, cmake, a C++
 # compiler and OptiX's headers (OptiX_ROOT), beside the folder that tests/gpu/prepare.sh made.
 # tests/gpu/run.sh [FOLDER, default gpu-data] [arguments of vog_gpu_suite]
-# Without OptiX_ROOT only the CUDA renderer is built, and said to be.
+# Without OptiX_ROOT only the CUDA renderer is built, with a message.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

@@ -13,7 +13,8 @@ namespace vog::test {
 
 class mpi_convert : public Mpi {
   protected:
-    /// Converts by vog and by `count` ranks, without hierarchy. returns  both files' bytes
+    /// Converts by vog and by `count` ranks, without hierarchy.
+    /// returns  both files' bytes
     std::pair<std::string, std::string> both(int count, const std::string& arguments) const {
         must("convert --no-hierarchy " + arguments + " -o one.ply");
         must_mpi(count, "convert --no-hierarchy " + arguments + " -o many.ply");

@@ -11,7 +11,8 @@ namespace vog::test {
 /// Parameter: number of ranks.
 class mpi_render : public Mpi, public testing::WithParamInterface<int> {
   protected:
-    /// Renders by vog and by the ranks. returns  the largest relative difference of T
+    /// Renders by vog and by the ranks.
+    /// returns  the largest relative difference of T
     double differs(const std::string& arguments) const {
         const std::string common = " --size 96x80 --extinction 1 " + arguments + " --depth-out ";
         must("render" + common + "one.exr");

@@ -138,7 +138,7 @@ def test_a_handlers_own_exception_comes_out():
         vog.convert(volume, error=1e-6)
 
 
-def test_what_a_progress_callback_throws_comes_out(cloud, model):
+def test_exceptions_of_a_progress_callback_come_out(cloud, model):
     def throw(fraction):
         raise KeyError(fraction)
 

@@ -86,7 +86,7 @@ def test_files_and_pickles_keep_every_bit(tmp_path, model):
     for back in (vog.Gaussians.load(tmp_path / "a.ply"), pickle.loads(pickle.dumps(model)), copy.deepcopy(model)):
         for name in ("mean", "scale", "rotation", "density", "box"):
             assert np.array_equal(getattr(back, name), getattr(model, name))
-        for name in ("cutoff", "source", "source_voxels", "method", "options", "reached"):
+        for name in ("cutoff", "source", "source_voxels", "method", "options", "summary"):
             assert getattr(back, name) == getattr(model, name)
     two_back = pickle.loads(pickle.dumps(two()))
     assert two_back.axis_aligned

@@ -131,12 +131,12 @@ def test_compare_tells_what_the_command_tells(tmp_path, command, model, cloud):
     voxels, gaussians = vog.render(cloud, size=64), vog.render(model, size=64)
     voxels.save(tmp_path / "a.exr")
     gaussians.save(tmp_path / "b.exr")
-    told = json.loads(command("compare", "a.exr", "b.exr", "--json", "--diff", "a.png"))
+    report = json.loads(command("compare", "a.exr", "b.exr", "--json", "--diff", "a.png"))
     difference = vog.compare(voxels, gaussians)
-    assert difference.psnr_db == difference.grey.psnr_db == pytest.approx(told["psnr_v_db"])
-    assert difference.relative_l2 == pytest.approx(told["relative_l2"]) and difference.bias == pytest.approx(told["bias"])
-    assert list(difference.largest_at) == told["dt_at"][::-1]
-    assert vog.compare_shaded(voxels, gaussians).psnr_db == pytest.approx(told["psnr_rgb_db"])
+    assert difference.psnr_db == difference.grey.psnr_db == pytest.approx(report["psnr_v_db"])
+    assert difference.relative_l2 == pytest.approx(report["relative_l2"]) and difference.bias == pytest.approx(report["bias"])
+    assert list(difference.largest_at) == report["dt_at"][::-1]
+    assert vog.compare_shaded(voxels, gaussians).psnr_db == pytest.approx(report["psnr_rgb_db"])
     vog.difference_map(voxels, gaussians).save(tmp_path / "b.png")
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
     assert vog.compare(voxels.shade(), gaussians.shade()).largest > 0
@@ -245,12 +245,12 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
         some.save(tmp_path / f"{name}.ply")
     flags = ["--title", "Two", "--levels", 2, "--background", "system", "--tf", "jet", "--extinction", 3]
     command("export", "a.ply", "b.ply", "-o", "command.html", *flags)
-    told = vog.export_html(
+    report = vog.export_html(
         tmp_path / "python.html", {"a": model, "b": model[::2]},
         title="Two", levels=2, background="system", tf="jet", extinction=3,
     )
     assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
-    assert told["bytes"] == (tmp_path / "python.html").stat().st_size and told["gaussians"] == len(model) + len(model[::2])
+    assert report["bytes"] == (tmp_path / "python.html").stat().st_size and report["gaussians"] == len(model) + len(model[::2])
     command("export", "a.ply", "-o", "command.html", "--background", "0.1,0.2,0.3", "--blend")
     vog.export_html(tmp_path / "python.html", {"a": model}, background=(0.1, 0.2, 0.3), blend=True)
     assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()

@@ -139,11 +139,11 @@ def test_levels_load_by_pattern_and_index(tmp_path):
         (lambda: np.zeros((2, 2, 2), complex), "dtype complex128, expected real numbers"),
         (lambda: np.array([["a"]]), "dtype <U1, expected real numbers"),
         (lambda: [[[None]]], "dtype object, expected real numbers"),
-        (lambda: np.ma.masked_less(np.ones((2, 2, 2)), 2), "a masked array, expected a plain one"),
+        (lambda: np.ma.masked_less(np.ones((2, 2, 2)), 2), "masked array, expected a plain array"),
     ],
 )
 @pytest.mark.filterwarnings("ignore:overflow")
-def test_what_is_no_density_is_refused_in_one_line(make, message):
+def test_invalid_densities_are_refused_in_one_line(make, message):
     with pytest.raises(vog.Error, match=message) as error:
         vog.Volume.from_numpy(make())
     assert "\n" not in str(error.value)
@@ -164,7 +164,7 @@ def test_what_is_no_density_is_refused_in_one_line(make, message):
         ({"first": (2**30, 0, 0)}, r"expected within \+-2\^30"),
     ],
 )
-def test_wrong_places_are_refused(options, message):
+def test_invalid_transforms_are_refused(options, message):
     with pytest.raises(vog.Error, match=message):
         vog.Volume.from_numpy(np.ones((2, 2, 2)), **options)
 

@@ -171,8 +171,14 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
     return options;
 }
 
-Json write_page(const ExportArguments& arguments, const CLI::App& command,
-                std::vector<HtmlModel> entries, Stages& stages) {
+/// Result of one export.
+struct Exported {
+    Json json;              ///< the report of --json
+    double extinction = 1;  ///< of a page's first model
+};
+
+Exported write_page(const ExportArguments& arguments, const CLI::App& command,
+                    std::vector<HtmlModel> entries, Stages& stages) {
     if (!arguments.names.empty() && arguments.names.size() != entries.size())
         throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
                                                arguments.names.size(), entries.size()));
@@ -180,11 +186,11 @@ Json write_page(const ExportArguments& arguments, const CLI::App& command,
     const HtmlOptions options = page_options(arguments, command, entries.front());
     const HtmlReport report =
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
-    return report_page(arguments, entries, report, stages);
+    return {report_page(arguments, entries, report, stages), report.extinction};
 }
 
-/// Writes one page or one PLY. returns  the report of --json
-Json export_one(const ExportArguments& arguments, const CLI::App& command) {
+/// Writes one page or one PLY.
+Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs, {".html", ".ply"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
@@ -197,11 +203,12 @@ Json export_one(const ExportArguments& arguments, const CLI::App& command) {
     std::vector<HtmlModel> entries =
         load_entries(arguments, kind, page ? arguments.levels : 1, stages);
     return page ? write_page(arguments, command, std::move(entries), stages)
-                : write_joined(arguments, entries, stages);
+                : Exported{write_joined(arguments, entries, stages)};
 }
 
 /// Writes one page per input, under one camera, which frames all boxes, and the extinction of the
-/// first page. returns  the report of --json
+/// first page.
+/// returns  the report of --json
 Json export_sequence(const ExportArguments& all, const CLI::App& command) {
     if (!all.names.empty())
         throw CLI::ValidationError(
@@ -214,8 +221,10 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
     for (const Frame& frame : frames_of(all.inputs, all.output, ".html")) {
         one.inputs = {frame.input};
         one.output = frame.output;
-        pages.push_back(export_one(one, command));
-        one.color.extinction = fmt::format("{:.17g}", pages.front().at("extinction").get<double>());
+        const Exported page = export_one(one, command);
+        // After the first page, the number of its automatic extinction.
+        one.color.extinction = fmt::format("{:.17g}", page.extinction);
+        pages.push_back(page.json);
     }
     return {{"output", all.output}, {"pages", pages}};
 }
@@ -225,7 +234,7 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
     arguments.inputs = expanded(given.inputs);
     const ThreadLimit limit(arguments.threads);
     const Json json = is_sequence(arguments.output) ? export_sequence(arguments, command)
-                                                    : export_one(arguments, command);
+                                                    : export_one(arguments, command).json;
     if (arguments.json) fmt::print("{}\n", json.dump(2));
 }
 

@@ -34,7 +34,8 @@ class EglContext {
     EglContext& operator=(const EglContext&) = delete;
 
   private:
-    /// Creates the context. returns  the error; empty: none
+    /// Creates the context.
+    /// returns  the error; empty: none
     std::string open(EGLenum platform) {
         const auto failed = [](const char* failure) {
             return fmt::format("{} (error {:#x})", failure, static_cast<unsigned>(eglGetError()));

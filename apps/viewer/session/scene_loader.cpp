@@ -1,4 +1,4 @@
-// scene_loader.cpp: from files to levels of detail, in the background.
+// scene_loader.cpp: Converts files to levels of detail in the background.
 #include "session/scene_loader.h"
 
 #include <fmt/core.h>
@@ -19,20 +19,21 @@ namespace vog::viewer {
 
 namespace {
 
-/// A cut through the moment octree: cells of one size, or the best with as many Gaussians as those.
+/// A conversion by moments: cells of one size, or the adaptive model with as many Gaussians.
 struct Cut {
     int block_voxels;
-    bool best;
+    bool best;  ///< adaptive
 };
-// In the order they are made: first what is quick, to have something to look at.
+// In the order of conversion: quick ones first, for an early picture.
 constexpr Cut kCuts[] = {{16, false}, {32, false}, {8, false}, {4, false},
                          {8, true},   {4, true},   {2, false}, {2, true}};
-// The lightest cells are dropped from a budget: with this much more it ends at about the even cut's
-// count, and the best level is the last.
+// Cells below the mass threshold are dropped from a budget: this factor makes up for them, so that
+// the adaptive level has about as many Gaussians as the uniform one, and follows it in the order.
 constexpr double kBudget = 1.05;
-constexpr double kMostGaussians = 6e6;  ///< of a level: 270 MB on the device
+constexpr double kMostGaussians = 6e6;  ///< of a level: 270 MB of GPU memory
 
-/// A level whose cells, if it has any, lie on a lattice.
+/// A level of detail with its hierarchy.
+/// index_from_world  lattice of the model's cells, if it has cells
 Level level_of(const std::string& name, Gaussians model, double share,
                const std::optional<Affine>& index_from_world = {}) {
     Level level;
@@ -199,8 +200,8 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
         const std::string name = fmt::format("best cut, {} %", 100 * share);
         begin("converting: " + name);
         Gaussians model = convert_points(points, options);
-        const double reached = static_cast<double>(model.size()) / count;
-        add_level(level_of(name, std::move(model), reached));
+        const double achieved = static_cast<double>(model.size()) / count;
+        add_level(level_of(name, std::move(model), achieved));
     }
     measure_levels();
 }
@@ -211,7 +212,7 @@ void SceneLoader::convert_levels(const Composite& data, Overlap overlap) {
     std::map<int, double> share_of;  // Gaussians a voxel, of even cuts by their blocks
     for (const Cut& cut : kCuts) {
         if (cut.best && !share_of.count(cut.block_voxels)) continue;
-        // Blocks of half the edge: up to eight times as many.
+        // Half the edge makes up to eight times as many Gaussians.
         if (cut.block_voxels == 2 && 8 * share_of[4] * voxels > kMostGaussians) continue;
         const double share = cut.best ? kBudget * share_of[cut.block_voxels] : 0;
         if (cut.best && share * voxels < 64) continue;
@@ -227,19 +228,19 @@ void SceneLoader::convert_levels(const Composite& data, Overlap overlap) {
             const Volume& volume = data.parts[n];
             const auto at = static_cast<double>(n);
             options.progress = progress(at / parts, (at + 1) / parts);
-            // Volumes that are no mesh share a budget by their voxels.
-            const double of = is_mesh ? voxels : static_cast<double>(active_voxels(volume));
+            // Volumes that add up divide a budget by their voxels.
+            const double part = is_mesh ? voxels : static_cast<double>(active_voxels(volume));
             if (cut.best)
-                options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(share * of));
+                options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(share * part));
             append(all,
                    is_mesh ? convert_moments(data, options) : convert_moments(volume, options));
             if (is_mesh) break;
         }
         all.box = data.box;
-        const double reached = static_cast<double>(all.size()) / voxels;
-        if (!cut.best) share_of[cut.block_voxels] = reached;
+        const double achieved = static_cast<double>(all.size()) / voxels;
+        if (!cut.best) share_of[cut.block_voxels] = achieved;
         add_level(
-            level_of(name, std::move(all), reached, inverse(data.parts.front().world_from_index)));
+            level_of(name, std::move(all), achieved, inverse(data.parts.front().world_from_index)));
     }
 }
 

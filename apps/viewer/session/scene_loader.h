@@ -1,5 +1,5 @@
-// scene_loader.h: what is shown: the data of the files and the models made of them, level by level, coarse
-// ones first, while the window is already open.
+// scene_loader.h: Loads files and converts them to levels of detail in a background thread, coarse
+// levels first, while the window is already open.
 #pragma once
 
 #include <cstdint>
@@ -20,40 +20,39 @@
 
 namespace vog::viewer {
 
-/// What a set of files holds, as the command line reads it: volumes, particles or a model.
+/// Data of a set of files, as the command line reads them: volumes, particles or a model.
 struct Content {
     VolumeSet volumes;
     Points points;
-    PointOptions point_options;  ///< of one Gaussian a particle
+    PointOptions point_options;  ///< for the conversion to one Gaussian a particle
     Gaussians model;
-    Hierarchy hierarchy;  ///< of the model, if its files have one
+    Hierarchy hierarchy;  ///< of the model; empty if its files have none
 };
 /// throws vog::Error
 using ReadFiles = std::function<Content(const std::vector<std::string>& files)>;
 
-/// One model of the data.
+/// One level of detail: a model of the data.
 struct Level {
     std::string name;  ///< "blocks of 8 voxels", "best cut, 1.9 %", "model"
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model
-    std::string made_by{};  ///< the options of its conversion, where a file says so
-    double share = 0;       ///< Gaussians per active voxel; 0: unknown
-    /// Of V in the paper view, 256 pixels a side, against the voxels; NaN: not measured.
+    std::string made_by{};  ///< options of its conversion, if the file has them
+    double share = 0;       ///< Gaussians per active voxel or particle; 0: unknown
+    /// PSNR of V in the paper view at 256x256 pixels, against the voxels; NaN: not measured.
     double psnr_db = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct Scene {
     std::string title;            ///< "smoke.vdb"
     std::string facts;            ///< "1,049,275 active voxels"
-    std::string unit = "voxels";  ///< or "particles": what shares and errors are of
+    std::string unit = "voxels";  ///< or "particles": denominator of Level::share
     Box box;
     std::shared_ptr<DepthRenderer> voxels;  ///< reference; null for models and particles
     std::vector<Level> levels;              ///< fewest Gaussians first
-    int opened = 0;                         ///< rises with every set of files
+    int opened = 0;                         ///< count of sets of files opened so far
 };
 
-/// Reads, converts and measures in a thread of its own; a new set of files ends the work on the
-/// old.
+/// Reads, converts and measures in a thread of its own. Opening other files ends the current work.
 class SceneLoader {
   public:
     explicit SceneLoader(ReadFiles read);
@@ -66,11 +65,11 @@ class SceneLoader {
     struct Status {
         bool busy = false;
         std::string doing;    ///< "converting: blocks of 4 voxels"
-        double fraction = 0;  ///< of that
-        std::string error;    ///< why the latest files could not be shown; told once
+        double fraction = 0;  ///< finished part of `doing`, [0, 1]
+        std::string error;    ///< message, if the files could not be loaded; returned once
     };
     Status status();
-    /// Whether there is something new since the last call; then it is in `scene`.
+    /// Copies the scene if it has changed since the last call. returns true if so
     bool take(Scene& scene);
 
   private:
@@ -88,7 +87,7 @@ class SceneLoader {
     void stop();
 
     ReadFiles read_;
-    std::mutex mutex_;  ///< guards what follows
+    std::mutex mutex_;  ///< guards the members below
     Scene scene_;
     Status status_;
     bool changed_ = false, cancel_ = false;
