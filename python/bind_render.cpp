@@ -25,7 +25,7 @@ struct RenderArguments {
 struct Scene {
     std::string renderer;
     std::optional<double> extinction;
-    Box box;  ///< world box that default views are taken of
+    Box box;  ///< world box for the default view
     std::unique_ptr<DepthRenderer> prepared{};
     std::mutex drawing{};  ///< the renderer's buffers are for one picture at a time
 };

@@ -21,7 +21,7 @@ struct Levels {
     std::vector<Volume> masks;
 };
 
-/// How volumes combine where they overlap.
+/// Rule for the space where volumes overlap.
 enum class Overlap {
     add,   ///< densities, and so optical depths, add up
     hide,  ///< levels of an adaptive mesh: at every point the finest active one counts alone
@@ -54,8 +54,8 @@ struct Composite {
 
 /// Removes from every level the space that finer levels hide. A partly hidden voxel is divided
 /// along the lattice of the finest level over it, where that fits at up to 8 to 1; the density of
-/// each piece is multiplied by its uncovered fraction. That is exact to 1e-4 of a fine voxel
-/// where the levels' axes are parallel, for any ratio and offset; else it is sampled at 16^3 points
+/// each piece is multiplied by its uncovered fraction, which is exact to 1e-4 of a fine voxel
+/// where the levels' axes are parallel, for any ratio and offset; else sampled at 16^3 points
 /// of the voxel (error 0.2 %). Mass is the integral over uncovered space, to the same accuracy.
 /// throws vog::Error as validate() does
 /// cost   O(voxels), and some microseconds for each voxel that another level overlaps

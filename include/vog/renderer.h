@@ -32,7 +32,7 @@ enum class Renderer {
 enum class RenderInput {
     gaussians,
     volumes,  ///< one, or several that add up
-    levels,   ///< of an adaptive mesh
+    levels,   ///< levels of an adaptive mesh
 };
 
 struct RendererInfo {

@@ -1,4 +1,4 @@
-// compare_test.cpp: figures of differences against values worked out by hand.
+// compare_test.cpp: Error metrics against values computed by hand and by their definitions.
 #include "vog/compare.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ Image noise(int width, int height, std::uint64_t seed) {
 
 double decibels(double mean_square) { return 10 * std::log10(255.0 * 255.0 / mean_square); }
 
-/// SSIM by its definition: for each window a two-dimensional sum.
+/// SSIM by its definition: a two-dimensional sum for each window.
 double ssim_by_definition(const std::vector<float>& a, const std::vector<float>& b, int width,
                           int height) {
     double weight[11][11], norm = 0, total = 0;
@@ -153,7 +153,7 @@ TEST(compare, depth_scaled_by_two) {
     EXPECT_EQ(difference.grey.share_off_4, 1);
 }
 
-TEST(compare, both_are_taken_at_the_extinction_of_the_reference) {
+TEST(compare, both_are_compared_at_the_extinction_of_the_reference) {
     DepthImage a = depth_image(8, 8, [](int x, int y) { return 0.125 * x + y; });
     DepthImage b = a;
     set_extinction(b, 4);  // a power of two: no rounding
@@ -166,7 +166,7 @@ TEST(compare, both_are_taken_at_the_extinction_of_the_reference) {
     EXPECT_NEAR(compare(a, b).bias, 0.5, kExact);
 }
 
-TEST(compare, empty_references_are_told_apart) {
+TEST(compare, empty_references_have_defined_figures) {
     const DepthImage empty(12, 12), full = depth_image(12, 12, [](int, int) { return 1; });
     EXPECT_EQ(compare(empty, empty).relative_l2, 0);
     EXPECT_EQ(compare(empty, empty).bias, 1);
@@ -186,7 +186,7 @@ TEST(compare, shaded_figures_are_those_of_the_shaded_pictures) {
     EXPECT_NEAR(compare_shaded(a, b, tf).psnr_db, expected, 0.01);
 }
 
-TEST(compare, transparent_colours_are_taken_over_black) {
+TEST(compare, transparent_colours_are_composited_over_black) {
     Image a(12, 12), b(12, 12);
     for (Rgba& pixel : a.pixel) pixel = {1, 0.5f, 0, 0};
     for (Rgba& pixel : b.pixel) pixel = {0, 0, 0, 1};
@@ -272,7 +272,7 @@ TEST(difference_map, bar_leaves_the_map_as_it_is) {
 
 namespace {
 
-/// Runs `vog compare arguments`. returns what it printed, errors included, and its exit code
+/// Runs `vog compare arguments`. returns its output, errors included, and its exit code
 std::pair<std::string, int> run_compare(const TempDir& dir, const std::string& arguments) {
     const std::string command = "cd '" + (dir / "").string() + "' && '" + vog_command() +
                                 "' compare " + arguments + " 2>&1";

@@ -52,7 +52,7 @@ TEST(gaussians, support_box_touches_the_ellipsoid) {
         for (int n = 0; n < 20000; ++n) {
             const Vec3d u = normalized(random.in_cube(1));
             sampled.include(vec_cast<double>(model.mean[i]) +
-                         r * (2.25 * Vec3d{u.x * s.x, u.y * s.y, u.z * s.z}));
+                            r * (2.25 * Vec3d{u.x * s.x, u.y * s.y, u.z * s.z}));
         }
         for (int axis = 0; axis < 3; ++axis) {
             // The extreme of 20,000 random points is within a few thousandths of the bound.

@@ -1,5 +1,5 @@
-// optical_depth_test.cpp: the closed form against quadrature of the density itself, and the kernel
-// polynomial against the closed form.
+// optical_depth_test.cpp: The closed form against quadrature of the density, and the kernel polynomial
+// against the closed form.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,7 +51,7 @@ double quadrature(const Gaussians& model, std::size_t i, Vec3d origin, Vec3d dir
     constexpr int kSteps = 400;
     double sum = 0;
     for (int n = 0; n <= kSteps; ++n) {
-        // A hair inside the support: its edge belongs to it, rounding must not decide.
+        // Just inside the support, so that rounding at its edge does not matter.
         const double t = t0 + (t1 - t0) * (1e-9 + (1 - 2e-9) * n / kSteps);
         sum += (n == 0 || n == kSteps ? 1 : n % 2 ? 4 : 2) * density(model, i, origin + t * d);
     }

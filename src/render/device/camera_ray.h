@@ -1,7 +1,7 @@
 // camera_ray.h: Ray generation: the ray of a pixel, clipped to the model's bounds.
 //
 // Scene units: the world divided by a power of two, so that the bounds have a radius in (1/2, 1]
-// and no float overflows, whatever the world unit. Camera and rays are in double precision: a ray
+// and no float overflows for any world unit. Camera and rays are in double precision: a ray
 // is made once and intersected thousands of times.
 #pragma once
 

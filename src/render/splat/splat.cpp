@@ -189,7 +189,7 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
                             image);
 
     if (s.cut) s.model.gaussians = &s.cut->choose(frame, s.options.cut);
-    // Batches bound the memory of the splats, whatever the size of the model.
+    // Batches bound the memory of the splats for models of any size.
     const std::size_t size = s.model.gaussians->size();
     const std::size_t batch = TileBins::most_splats(width, height);
     std::size_t first = 0;

@@ -137,7 +137,7 @@ TEST(view_cut, has_the_mass_of_the_model) {
 }
 
 TEST(view_cut, merges_parts_below_a_pixel_and_no_others) {
-    // Cells of one unit on a lattice, seen straight on, nearly without perspective.
+    // Cells of one unit on a lattice, viewed along an axis, nearly without perspective.
     Gaussians model;
     for (int x = 0; x < 16; ++x)
         for (int y = 0; y < 16; ++y)
