@@ -21,8 +21,6 @@ struct Scene {
 /// The name stands for the scene in test listings.
 inline void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
 
-inline void PrintTo(const Scene& scene, std::ostream* out) { *out << scene.name; }
-
 /// Deterministic uniform numbers in [0, 1), the same on every machine.
 class Random {
   public:
