@@ -11,6 +11,7 @@
 
 #include "support/data.h"
 #include "support/scenes.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog::test {
