@@ -154,8 +154,6 @@ struct Kind {
 /// The name stands for the kind in test listings.
 void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
 
-void PrintTo(const Kind& kind, std::ostream* out) { *out << kind.name; }
-
 class vdb_flips : public testing::TestWithParam<Kind> {};
 
 TEST_P(vdb_flips, no_changed_byte_crashes) {
