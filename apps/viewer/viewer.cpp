@@ -73,7 +73,7 @@ class Program {
         // On software OpenGL the CPU splat is about fifty times as fast. Scripts start with OpenGL
         // on every machine.
         if (options.script.empty() && is_software_gl())
-            session_.settings.renderer = Renderer::splat;
+            session_.settings.renderer = WindowRenderer::splat;
         session_.look = options.look;
         session_.look_changed();
         if (options.extinction > 0) session_.set_first_exposure(options.extinction);

@@ -98,7 +98,7 @@ TEST_F(accumulation, a_moving_camera_has_one_sub_frame_until_it_rests) {
 }
 
 TEST_F(accumulation, rays_of_the_cpu_are_refined_in_squares) {
-    session_->settings.renderer = Renderer::splat;
+    session_->settings.renderer = WindowRenderer::splat;
     session_->settings.subframes = 16;
     rest();
     EXPECT_EQ(session_->left().subframes(), 16);

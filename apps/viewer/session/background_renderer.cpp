@@ -16,7 +16,7 @@ struct Cancelled {};
 /// Renderers prepared for the latest model: they outlive a picture, not the model.
 struct BackgroundRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
-    std::map<Renderer, DepthRenderer> by;
+    std::map<WindowRenderer, DepthRenderer> by;
 };
 
 DepthImage shrunk(const DepthImage& image, int factor) {

@@ -22,7 +22,7 @@ namespace vog::viewer {
 /// One picture to draw, of a model or of voxels.
 struct RenderRequest {
     std::uint64_t key = 0;  ///< identifies the picture: RenderedPicture::key
-    Renderer renderer = Renderer::splat;
+    WindowRenderer renderer = WindowRenderer::splat;
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model, for splat
     double pixel_error = 0;                      ///< CutOptions::pixel_error

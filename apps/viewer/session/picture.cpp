@@ -26,15 +26,16 @@ void Picture::require_target(PixelSize size) {
 
 void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models) {
     // Fewer sub-frames than are summed already: starts again.
-    const int begun = key.renderer == Renderer::gl ? subframes_ : rays_requested_ * rays_requested_;
+    const int begun =
+        key.renderer == WindowRenderer::gl ? subframes_ : rays_requested_ * rays_requested_;
     if (!(valid_ && key == key_) || begun > subframes) {
         key_ = key;
         valid_ = true;
         complete_ = false;
         rays_requested_ = 0;
-        if (key.renderer == Renderer::gl) subframes_ = 0;
+        if (key.renderer == WindowRenderer::gl) subframes_ = 0;
     }
-    if (key.renderer == Renderer::gl)
+    if (key.renderer == WindowRenderer::gl)
         update_gl(subframes, splat, models);
     else
         update_cpu(subframes);
@@ -82,7 +83,7 @@ void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
 void Picture::request(int rays) {
     if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
     rays_requested_ = rays;
-    const bool voxels = key_.renderer == Renderer::voxels;
+    const bool voxels = key_.renderer == WindowRenderer::voxels;
     cpu_->request({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
                    voxels ? nullptr : key_.hierarchy, key_.pixel_error,
                    voxels ? key_.voxels : nullptr, key_.camera, key_.size.width, key_.size.height,

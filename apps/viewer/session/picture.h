@@ -18,7 +18,7 @@ namespace vog::viewer {
 
 /// Everything T depends on: pictures with equal keys are equal.
 struct PictureKey {
-    Renderer renderer = Renderer::gl;
+    WindowRenderer renderer = WindowRenderer::gl;
     std::shared_ptr<const Gaussians> model;      ///< for all renderers but voxels
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: no levels of detail
     double pixel_error = 0;                 ///< of the level-of-detail cut, pixels; gl and splat

@@ -11,51 +11,52 @@ namespace vog::viewer {
 namespace {
 
 struct Named {
-    Renderer renderer;
+    WindowRenderer renderer;
     const char* name;
     const char* word() const {
-        return renderer == Renderer::gl ? "gl" : info_of(library_renderer(renderer)).name;
+        return renderer == WindowRenderer::gl ? "gl" : info_of(library_renderer(renderer)).name;
     }
     bool built() const {
-        return renderer == Renderer::gl || info_of(library_renderer(renderer)).built;
+        return renderer == WindowRenderer::gl || info_of(library_renderer(renderer)).built;
     }
 };
 constexpr Named kRenderers[] = {
-    {Renderer::gl, "OpenGL"}, {Renderer::splat, "CPU splat"}, {Renderer::trace, "CPU rays"},
-    {Renderer::cuda, "CUDA"}, {Renderer::optix, "OptiX"},     {Renderer::voxels, "voxels"},
+    {WindowRenderer::gl, "OpenGL"},      {WindowRenderer::splat, "CPU splat"},
+    {WindowRenderer::trace, "CPU rays"}, {WindowRenderer::cuda, "CUDA"},
+    {WindowRenderer::optix, "OptiX"},    {WindowRenderer::voxels, "voxels"},
 };
 
 }  // namespace
 
-vog::Renderer library_renderer(Renderer renderer) {
+vog::Renderer library_renderer(WindowRenderer renderer) {
     switch (renderer) {
-        case Renderer::trace:
+        case WindowRenderer::trace:
             return vog::Renderer::trace;
-        case Renderer::cuda:
+        case WindowRenderer::cuda:
             return vog::Renderer::cuda;
-        case Renderer::optix:
+        case WindowRenderer::optix:
             return vog::Renderer::optix;
-        case Renderer::voxels:
+        case WindowRenderer::voxels:
             return vog::Renderer::reference;
         default:
             return vog::Renderer::splat;
     }
 }
 
-std::vector<Renderer> renderers() {
-    std::vector<Renderer> all;
+std::vector<WindowRenderer> renderers() {
+    std::vector<WindowRenderer> all;
     for (const Named& named : kRenderers)
         if (named.built()) all.push_back(named.renderer);
     return all;
 }
 
-const char* name_of(Renderer renderer) {
+const char* name_of(WindowRenderer renderer) {
     for (const Named& named : kRenderers)
         if (named.renderer == renderer) return named.name;
     return "";
 }
 
-Renderer renderer_from(const std::string& name) {
+WindowRenderer renderer_from(const std::string& name) {
     std::string words;
     for (const Named& named : kRenderers) {
         if (name == named.word() && named.built()) return named.renderer;

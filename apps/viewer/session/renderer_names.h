@@ -10,15 +10,15 @@ namespace vog::viewer {
 
 /// OpenGL, and the library's renderers, which draw in a thread of their own; cuda and optix need a
 /// build and a machine with an NVIDIA GPU.
-enum class Renderer { gl, splat, trace, cuda, optix, voxels };
+enum class WindowRenderer { gl, splat, trace, cuda, optix, voxels };
 /// Renderers of this build, in the order to offer them in.
-std::vector<Renderer> renderers();
+std::vector<WindowRenderer> renderers();
 /// The library's renderer of that name, reference for voxels. Not for gl
-vog::Renderer library_renderer(Renderer renderer);
+vog::Renderer library_renderer(WindowRenderer renderer);
 /// "OpenGL", "CPU splat", "CPU rays", "CUDA", "OptiX", "voxels".
-const char* name_of(Renderer renderer);
+const char* name_of(WindowRenderer renderer);
 /// The renderer that scripts call "gl", "splat", "trace", "cuda", "optix" or "reference".
 /// throws vog::Error for any other name, and for a renderer that this build lacks
-Renderer renderer_from(const std::string& name);
+WindowRenderer renderer_from(const std::string& name);
 
 }  // namespace vog::viewer

@@ -102,8 +102,9 @@ void Session::update_scene() {
     moving_error_ = 0;
     camera = first_camera(scene.box);
     if (opened > 0) exposure_open_ = true;
-    if (!scene.voxels && settings.other == Renderer::voxels) settings.other = Renderer::splat;
-    if (scene.voxels && opened == 0) settings.other = Renderer::voxels;
+    if (!scene.voxels && settings.other == WindowRenderer::voxels)
+        settings.other = WindowRenderer::splat;
+    if (scene.voxels && opened == 0) settings.other = WindowRenderer::voxels;
     show_message(scene.title);
 }
 
@@ -128,19 +129,19 @@ void Session::update_moving_error() {
         moving_error_ = moving_error_ > 2 ? 0.5 * moving_error_ : 0;
 }
 
-double Session::ms_per_ray(Renderer renderer) const {
+double Session::ms_per_ray(WindowRenderer renderer) const {
     return settings.renderer == renderer ? left_.ms_per_ray() : right_.ms_per_ray();
 }
 
-PictureKey Session::key(Renderer renderer) const {
+PictureKey Session::key(WindowRenderer renderer) const {
     const Level* level = shown_level();
     PictureKey key;
     key.renderer = renderer;
-    if (renderer == Renderer::voxels)
+    if (renderer == WindowRenderer::voxels)
         key.voxels = scene.voxels;
     else
         key.model = level->model;
-    if (renderer == Renderer::gl || renderer == Renderer::splat) {
+    if (renderer == WindowRenderer::gl || renderer == WindowRenderer::splat) {
         key.hierarchy = level->hierarchy;
         key.pixel_error = double{settings.pixel_error};
         if (moving_) key.pixel_error = std::max(key.pixel_error, moving_error_);
@@ -149,7 +150,7 @@ PictureKey Session::key(Renderer renderer) const {
     double scale = settings.scale;
     // Slow renderers use a sixteenth of the rays while the camera moves.
     const double rays = scale * scale * shown_.width * shown_.height;
-    if (moving_ && renderer != Renderer::gl && rays * ms_per_ray(renderer) > kSlowFrameMs)
+    if (moving_ && renderer != WindowRenderer::gl && rays * ms_per_ray(renderer) > kSlowFrameMs)
         scale *= 0.25;
     key.size = {std::max(1, static_cast<int>(std::lround(shown_.width * scale))),
                 std::max(1, static_cast<int>(std::lround(shown_.height * scale)))};
@@ -163,8 +164,8 @@ void Session::update(PixelSize shown) {
     update_scene();
     if (scene.levels.empty()) return;
     if (!scene.voxels) {  // a model has no voxels to render
-        if (settings.renderer == Renderer::voxels) settings.renderer = Renderer::gl;
-        if (settings.other == Renderer::voxels) settings.other = Renderer::splat;
+        if (settings.renderer == WindowRenderer::voxels) settings.renderer = WindowRenderer::gl;
+        if (settings.other == WindowRenderer::voxels) settings.other = WindowRenderer::splat;
     }
     update_moving_error();
     const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
@@ -180,8 +181,8 @@ bool Session::at_first_view() const { return same(camera, first_camera(scene.box
 
 bool Session::drawing() const {
     if (scene.levels.empty()) return false;
-    const bool left = settings.renderer == Renderer::gl && !left_.complete();
-    const bool right = needs_right() && settings.other == Renderer::gl && !right_.complete();
+    const bool left = settings.renderer == WindowRenderer::gl && !left_.complete();
+    const bool right = needs_right() && settings.other == WindowRenderer::gl && !right_.complete();
     return moving_ || left || right;
 }
 

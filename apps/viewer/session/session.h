@@ -16,8 +16,8 @@ namespace vog::viewer {
 
 /// Settings of the picture and the window.
 struct Settings {
-    Renderer renderer = Renderer::gl,
-             other = Renderer::voxels;  ///< left and right of the split line
+    WindowRenderer renderer = WindowRenderer::gl,
+                   other = WindowRenderer::voxels;  ///< left and right of the split line
     bool split_on = false, difference = false;
     float split = 0.5f;              ///< position of the split line, fraction of the width
     float difference_limit = 0.02f;  ///< |V - V'| at the ends of the difference scale
@@ -125,8 +125,8 @@ class Session {
     void open_json(const std::string& file);
     void update_scene();
     void update_moving_error();
-    double ms_per_ray(Renderer renderer) const;
-    PictureKey key(Renderer renderer) const;
+    double ms_per_ray(WindowRenderer renderer) const;
+    PictureKey key(WindowRenderer renderer) const;
     bool needs_right() const;
     bool at_first_view() const;
     void shade_into(const Viewport& to, bool checker) const;

@@ -154,8 +154,8 @@ void change_level(Session& session, int step) {
 }
 
 void next_renderer(Session& session) {
-    std::vector<Renderer> all = renderers();
-    if (!session.scene.voxels) std::erase(all, Renderer::voxels);
+    std::vector<WindowRenderer> all = renderers();
+    if (!session.scene.voxels) std::erase(all, WindowRenderer::voxels);
     const auto now = std::find(all.begin(), all.end(), session.settings.renderer);
     session.settings.renderer = now == all.end() || now + 1 == all.end() ? all.front() : now[1];
 }

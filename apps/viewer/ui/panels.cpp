@@ -20,10 +20,10 @@ constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_N
                                     ImGuiWindowFlags_NoBringToFrontOnFocus;
 
 /// Selector of the renderers that support the open data.
-void choose_renderer(Session& session, Gui& gui, const char* label, Renderer& renderer) {
+void choose_renderer(Session& session, Gui& gui, const char* label, WindowRenderer& renderer) {
     if (ImGui::BeginCombo(label, name_of(renderer))) {
-        for (const Renderer r : renderers()) {
-            if (r == Renderer::voxels && !session.scene.voxels) continue;
+        for (const WindowRenderer r : renderers()) {
+            if (r == WindowRenderer::voxels && !session.scene.voxels) continue;
             if (ImGui::Selectable(name_of(r), r == renderer)) renderer = r;
         }
         ImGui::EndCombo();
