@@ -3,7 +3,7 @@
 # machines with nothing but CUDA (tests/gpu).
 #
 # The CUDA runtime is linked statically and loads the driver when it is first called; OptiX is
-# headers alone and loads its library likewise. What is built here starts on machines without a GPU.
+# headers alone and loads its library likewise. The result starts on machines without a GPU.
 set(VOG_GPU_ROOT ${CMAKE_CURRENT_LIST_DIR}/..)
 
 # nvcc, CUDA's runtime and OptiX's headers, before the language is enabled.

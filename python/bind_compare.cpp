@@ -65,7 +65,7 @@ void bind_differences(py::module_& m) {
         m, "DepthDifference",
         "Error metrics of a depth image against a reference, both at the reference's extinction.")
         .def_readonly("grey", &DepthDifference::grey,
-                      "PictureDifference of the opacity V = 1 - exp(-T) as grey pictures.")
+                      "PictureDifference of V = 1 - exp(-T) as grey pictures.")
         .def_property_readonly(
             "psnr_db", [](const DepthDifference& d) { return d.grey.psnr_db; },
             "Peak signal-to-noise ratio of V as a grey picture, dB.")
@@ -123,7 +123,7 @@ tf  transfer function: a TransferFunction or anything it accepts)");
             });
         },
         py::arg("reference"), py::arg("image"), py::arg("limit") = 0.0, py::arg("bar") = true,
-        R"(Heat map of the differences, as an Image: of opacity V - V_ref for DepthImages (blue: too low, red:
+        R"(Heat map of the differences, as an Image: of V - V_ref for DepthImages (blue: too low, red:
 too high), of the channel that differs most for Images.
 
 limit  difference at the end of the colour scale, in units of 1/255; 0: the largest one, rounded up

@@ -108,7 +108,7 @@ extinction  factor on density that T includes, > 0)")
         .def(
             "shade", &shaded, py::arg("tf") = kDefaultMap, py::arg("background") = "black",
             py::arg("blend") = false,
-            R"(Maps opacity V = 1 - exp(-T) to colour: tf(V) where T > 0, the background elsewhere. Returns an Image.
+            R"(Maps V = 1 - exp(-T) to colour: tf(V) where T > 0, the background elsewhere. Returns an Image.
 
 tf          transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours
 background  (r, g, b) or (r, g, b, a) in [0, 1], 'black', 'white' or 'transparent'

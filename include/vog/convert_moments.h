@@ -55,8 +55,8 @@ struct MomentOptions {
 /// Default soft_steps for a budget and for each model in the search for an error.
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 
-/// Choice of cells by at most one of four ways, 0: not by this one. By none: the default of the
-/// conversion.
+/// How cells are chosen, as commands and bindings get it: at most one member is not 0. All 0: the
+/// conversion's default.
 struct CellChoice {
     int block_voxels = 0;    ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128
     std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians

@@ -32,7 +32,7 @@ class CudaSplat {
     /// throws  vog::Error for an unusable camera or size, for too little GPU memory
     DepthImage render(const Camera& camera, int width, int height);
     /// Device time of the last picture, milliseconds by CUDA events, without the copy to the host.
-    double gpu_ms() const;  ///< as OptixModel::gpu_ms
+    double gpu_ms() const;
 
   private:
     struct State;
@@ -41,9 +41,9 @@ class CudaSplat {
 
 /// Shading of progressive pictures, whose colours are averaged over subframes.
 struct GpuShading {
-    TransferFunction tf;
-    ShadeOptions options{};
-    double extinction = 1;  ///< factor on density, > 0
+    TransferFunction tf;     ///< colours of V
+    ShadeOptions options{};  ///< background and blend
+    double extinction = 1;   ///< factor on density, > 0
 };
 
 /// The paper's Gaussian renderer: custom primitives in a compacted geometry acceleration structure

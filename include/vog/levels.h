@@ -13,6 +13,7 @@
 
 namespace vog {
 
+/// Levels of one mesh.
 struct Levels {
     std::vector<Volume> volumes;  ///< in any order; of equal voxel size, the first one counts
     /// None, or one for each volume, whose active voxels are the domain of that volume. Outside its

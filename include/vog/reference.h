@@ -23,6 +23,7 @@ enum class Interpolation {
     linear,    ///< trilinear between voxel centres, inactive voxels being 0
 };
 
+/// Interpolation of the reference.
 struct VoxelGridOptions {
     Interpolation interpolation = Interpolation::constant;
     /// Spacing of samples along a ray, in voxels, for linear interpolation (midpoint rule, error
@@ -80,6 +81,7 @@ class LevelGrids {
 [[nodiscard]] LevelGrids level_grids(const Levels& levels, const VoxelGridOptions& options = {});
 [[nodiscard]] double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction);
 
+/// Options of one picture.
 struct ReferenceOptions {
     Progress progress{};  ///< called with the finished fraction of the picture
 };

@@ -20,6 +20,7 @@
 
 namespace vog {
 
+/// Algorithms that compute optical depth T.
 enum class Renderer {
     splat,      ///< SplatRenderer
     trace,      ///< render_trace
@@ -35,16 +36,19 @@ enum class RenderInput {
     levels,   ///< levels of an adaptive mesh
 };
 
+/// Facts about a renderer.
 struct RendererInfo {
     Renderer renderer;
-    const char* name;         ///< "splat"
-    const char* description;  ///< "models and particles, exact, object order"
-    bool built;               ///< false: this build lacks CUDA or OptiX
-    std::vector<RenderInput> draws;
+    const char* name;                ///< "splat"
+    const char* description;         ///< "models and particles, exact, object order"
+    bool built;                      ///< false: this build lacks CUDA or OptiX
+    std::vector<RenderInput> draws;  ///< data it can draw
 };
 /// All renderers, also those that this build lacks, in the order to offer them in.
 std::span<const RendererInfo> renderers();
+/// Facts about one renderer.
 const RendererInfo& info_of(Renderer renderer);
+/// Whether a renderer can draw data of this kind.
 bool draws(Renderer renderer, RenderInput input);
 /// throws vog::Error naming all renderers
 Renderer renderer_named(std::string_view name);
@@ -52,12 +56,18 @@ Renderer renderer_named(std::string_view name);
 /// throws vog::Error naming the renderers for this input
 Renderer renderer_for(std::string_view name, RenderInput input);
 
+/// Options of all renderers; one that the chosen renderer lacks is an error.
 struct RenderOptions {
-    double aabb_sigma = 0;  ///< SplatOptions::aabb_sigma, TraceSceneOptions::aabb_sigma
-    double kappa = 0;       ///< SplatOptions::kappa, TraceSceneOptions::kappa, CudaSplat
-    /// CutOptions::pixel_error; nothing: its default.
+    /// Half edges of the paper's bounding boxes, in its radii (scale sqrt(2)), >= 0; 0: no boxes.
+    /// For splat, trace and optix.
+    double aabb_sigma = 0;
+    /// Share of its peak at which a kernel is cut, [1.3e-14, 1); 0: at the model's own cutoff. For
+    /// all renderers of Gaussians.
+    double kappa = 0;
+    /// Largest error of a drawn node of a hierarchy, pixels, >= 0; none: CutOptions' default. For
+    /// splat.
     std::optional<double> pixel_error{};
-    /// Any-hit program, hits a slab and stop of rays; its progress is not used.
+    /// Any-hit program, hits per slab and end of rays of trace and optix; progress is not used.
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
 };

@@ -1,6 +1,6 @@
 // vog/shade.h: colours of optical depth T by a transfer function.
 //   V = 1 - exp(-T);  colour = transfer_function(V) where T > 0, background elsewhere
-// V, the visibility, is in [0, 1]. New colours need no new rendering.
+// V is one minus transmittance, [0, 1]. New colours need no new rendering.
 // Source: Sharma & Schmalstieg, section 4.1.
 #pragma once
 
@@ -15,12 +15,12 @@ namespace vog {
 
 /// Control point of a transfer function's colour.
 struct ColorPoint {
-    float v = 0;                ///< visibility V, [0, 1]
+    float v = 0;                ///< V, [0, 1]
     float r = 0, g = 0, b = 0;  ///< red, green, blue as displayed, [0, 1]
 };
 /// Control point of a transfer function's opacity.
 struct OpacityPoint {
-    float v = 0;        ///< visibility V, [0, 1]
+    float v = 0;        ///< V, [0, 1]
     float opacity = 1;  ///< weight of the colour against the background, [0, 1]
 };
 

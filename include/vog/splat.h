@@ -22,6 +22,7 @@ namespace vog {
 /// direction  of any length > 0; tau does not depend on its length
 double optical_depth(const Gaussians& gaussians, std::size_t i, Vec3d origin, Vec3d direction);
 
+/// Options of a SplatRenderer.
 struct SplatOptions {
     std::string simd_target{};  ///< one of splat_targets(); empty: the best
     Progress progress{};        ///< called with the finished fraction of each picture

@@ -21,6 +21,7 @@ enum class AnyHit {
     collect,     ///< the paper's: gathers hits, sorts them by entry, integrates front to back
 };
 
+/// Options of a scene, fixed for all its pictures.
 struct TraceSceneOptions {
     /// Half edges of the paper's bounding boxes, in its radii (scale sqrt(2)): a ray counts a
     /// Gaussian only if it meets the Gaussian's box, clipped to the model's box. >= 0; 0: boxes
@@ -49,8 +50,9 @@ class TraceScene {
 [[nodiscard]] TraceScene trace_scene(const Gaussians& gaussians,
                                      const TraceSceneOptions& options = {});
 
+/// Options of one picture.
 struct TraceOptions {
-    AnyHit anyhit = AnyHit::accumulate;
+    AnyHit anyhit = AnyHit::accumulate;  ///< treatment of hits
     int hits_per_slab = 64;  ///< capacity of the hit buffer of a collecting ray, [1, 256]
     /// Transmittance exp(-extinction T) below which a collecting ray ends, [0, 1); 0: never. The
     /// paper's `if T > 0.999 or T < 0.001, break`, read as transmittance, is 0.001.

@@ -150,7 +150,10 @@ void validate(const Gaussians& gaussians) {
     for (std::size_t i = 0; i < n; ++i) {
         keep_memory_at(i);
         const Vec3f s = gaussians.scale[i];
-        if (!finite(gaussians.mean[i])) fail(fmt::format("Gaussian {}: mean not finite", i));
+        const Vec3f mean = gaussians.mean[i];
+        if (!finite(mean))
+            fail(fmt::format("Gaussian {}: mean {} {} {}, expected finite", i, mean.x, mean.y,
+                             mean.z));
         if (!finite(s) || !(s.x > 0 && s.y > 0 && s.z > 0))
             fail(fmt::format("Gaussian {}: scales {} {} {}, expected finite and > 0", i, s.x, s.y,
                              s.z));

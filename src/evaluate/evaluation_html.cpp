@@ -186,7 +186,7 @@ std::string plots_html(const Evaluation& evaluation) {
         "<h2>Plots</h2>\n<p>All plots are from the view <i>paper</i>. The first two repeat the "
         "paper's "
         "plots over levels of detail and box extents; the others show quality over the size of the "
-        "model. PSNR is of the opacity V = 1 - exp(-T) as a grey picture.</p>\n<div "
+        "model. PSNR is of V = 1 - exp(-T) as a grey picture.</p>\n<div "
         "class=\"plots\">\n";
     for (const Plot& plot : plots) out += svg(plot);
     return out + "</div>\n";
@@ -250,7 +250,7 @@ std::string gallery_html(const Evaluation& evaluation, const fs::path& pictures)
         stops += fmt::format(", rgb({:.0f} {:.0f} {:.0f})", 255 * c.r, 255 * c.g, 255 * c.b);
     }
     std::string out = fmt::format(
-        "<h2>Pictures</h2>\n<p>Difference maps show the opacity V of the model minus that of the "
+        "<h2>Pictures</h2>\n<p>Difference maps show V of the model minus that of the "
         "reference, on one scale for all rows:</p>\n<p class=\"scale\">−{0:.0f}/255 <i "
         "style=\"background: linear-gradient(to "
         "right{1})\"></i> +{0:.0f}/255</p>\n",

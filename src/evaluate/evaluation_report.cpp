@@ -93,7 +93,7 @@ std::vector<std::string> report_facts(const Evaluation& evaluation) {
         fmt::format(
             "Reference: the voxels, integrated exactly in a NanoVDB tree of {}. Extinction (factor "
             "on density): {}, the same for both pictures of a view. RGB figures and pictures: "
-            "transfer function {} of the opacity V = 1 - exp(-T).",
+            "transfer function {} of V = 1 - exp(-T).",
             bytes_text(evaluation.reference_bytes),
             evaluation.extinction == "auto" ? "in each view the value at which the 99th percentile "
                                               "of the reference's non-zero T is 4"

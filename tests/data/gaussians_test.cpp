@@ -118,7 +118,7 @@ TEST(gaussians, validate_names_the_first_offence) {
               std::string::npos);
     EXPECT_NE(message([](Gaussians& m) { m.density[2] = -1; }).find("Gaussian 2: density"),
               std::string::npos);
-    EXPECT_NE(message([](Gaussians& m) { m.mean[0].z = NAN; }).find("Gaussian 0: its mean"),
+    EXPECT_NE(message([](Gaussians& m) { m.mean[0].z = NAN; }).find("Gaussian 0: mean "),
               std::string::npos);
     EXPECT_NE(message([](Gaussians& m) {
                   m.rotation[1] = {0, 0, 0, 0};

@@ -103,7 +103,7 @@ def test_mass_is_that_of_the_volume(cloud, model):
         (([[0, 0, 0]], [[1, 1, 1]], [[1]]), r"density: shape \(1, 1\), expected \(N,\)"),
         (([[0, 0, 0]], [[1, 1, 1]] * 2, [1]), "arrays of different lengths"),
         (([[0, 0, 0]], [[1, 0, 1]], [1]), "Gaussian 0: scales 1 0 1, expected finite and > 0"),
-        (([[0, 0, np.nan]], [[1, 1, 1]], [1]), "its mean is not finite"),
+        (([[0, 0, np.nan]], [[1, 1, 1]], [1]), r"mean 0 0 nan, expected finite"),
         (([[0, 0, 0]], [[1, 1, 1]], [-1]), "density -1"),
         (([[0, 0, 0]], [[1, 1, 1]], [1], [[0, 0, 0, 0]]), "expected a quaternion"),
         (([["a", "b", "c"]], [[1, 1, 1]], [1]), "expected real numbers"),

@@ -160,7 +160,8 @@ TEST_F(cli_export, pages_of_models_volumes_and_particles) {
     EXPECT_EQ(report["bytes"], std::filesystem::file_size(dir_ / "two.html"));
     const Result page = must("export c.vdb -o volume.html");
     EXPECT_NE(page.out.find("volume.html: "), std::string::npos);
-    EXPECT_NE(page.error.find("converted as vog convert does"), std::string::npos);
+    EXPECT_NE(page.error.find("converted with the default options of vog convert"),
+              std::string::npos);
     EXPECT_EQ(page_of(read_text(dir_ / "volume.html"))["title"], "c");
     must("sample particles p.xyz --size 10");
     must("export p.xyz -o particles.html --value speed --background system --blend");

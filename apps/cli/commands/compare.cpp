@@ -161,14 +161,13 @@ void add_compare(CLI::App& app) {
         ->add_option("image", arguments->image,
                      "Image to compare with the reference, of the same kind and size")
         ->required();
-    command->add_option(
-        "--diff", arguments->diff,
-        "Heat map of the differences to write, .png: of opacity V = 1 - exp(-T) for "
-        "depth images, of the channel that differs most for pictures");
+    command->add_option("--diff", arguments->diff,
+                        "Heat map of the differences to write, .png: of V = 1 - exp(-T) for "
+                        "depth images, of the channel that differs most for pictures");
     command
         ->add_option("--diff-limit", arguments->diff_limit,
                      "Difference at the end of the heat map's scale, in units of 1/255; 0: the "
-                     "largest difference")
+                     "largest difference, rounded up to 1, 2 or 5 times a power of ten")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command

@@ -18,11 +18,10 @@ void add_color_options(CLI::App& command, ColorArguments& arguments, const std::
     for (const std::string& name : transfer_function_names())
         names += (names.empty() ? "" : ", ") + name;
     command
-        .add_option(
-            "--tf", arguments.tf,
-            "Transfer function from opacity V = 1 - exp(-T) to colour: a JSON file (of vog or "
-            "ParaView) or one of " +
-                names)
+        .add_option("--tf", arguments.tf,
+                    "Transfer function from V = 1 - exp(-T) to colour: a JSON file (of vog or "
+                    "ParaView) or one of " +
+                        names)
         ->capture_default_str()
         ->group(group);
     command

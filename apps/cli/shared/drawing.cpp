@@ -76,7 +76,7 @@ void add_trace_options(CLI::App& command, DrawingArguments& arguments) {
     command
         .add_option(
             "--anyhit", arguments.anyhit,
-            "What trace and optix do with a hit: accumulate adds it at once; collect, as the "
+            "Treatment of a hit by trace and optix: accumulate adds it at once; collect, as the "
             "paper, gathers, sorts by entry and integrates front to back")
         ->check(CLI::IsMember({"accumulate", "collect"}))
         ->capture_default_str()
@@ -132,9 +132,9 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         ->capture_default_str();
     command
         .add_option("--pixel-error", arguments.pixel_error,
-                    "Of models with a hierarchy (vog convert writes one), splat draws coarser "
-                    "Gaussians where theirs would be smaller than this many pixels; 0: never. "
-                    "Default: 1. A model without one gets one where this is given")
+                    "Largest error of a coarser Gaussian that splat draws in place of finer ones, "
+                    "pixels; 0: none is drawn; default: 1. Needs a hierarchy, which vog convert "
+                    "writes; a model without one gets one when this option is given")
         ->check(CLI::NonNegativeNumber);
     add_point_options(command, arguments.points);
 }

@@ -285,9 +285,9 @@ TEST(hierarchy, invalid_hierarchies_are_refused_by_their_first_wrong_node) {
     };
     EXPECT_TRUE(contains(error_as_it_is([](Hierarchy& t) { t.first_node[0] = 0; }), "behind it"));
     EXPECT_TRUE(contains(error_as_it_is([](Hierarchy& t) { t.first_node[2] = t.first_node[1]; }),
-                         "no other's"));
+                         "no other parent"));
     EXPECT_TRUE(contains(error_as_it_is([&](Hierarchy& t) { t.first_leaf[last] = 0xffffffff; }),
-                         "no other's"));
+                         "no other parent"));
     EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.radius[5] = -1; }), "node 5"));
     EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.error[5] = NAN; }), "node 5"));
     EXPECT_TRUE(contains(error_of([](Hierarchy& t) { t.nodes.scale[7].y = 0; }), "scales"));
