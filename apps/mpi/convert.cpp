@@ -110,8 +110,9 @@ void require_mass(const std::vector<InputPart>& parts, const Ranks& ranks) {
     ranks.sum(masses);
     for (std::size_t n = 0; n < masses.size(); ++n)
         if (!(masses[n] > 0))
-            throw Error(fmt::format("volume {} of {}: mass {}, expected a volume with some", n + 1,
-                                    masses.size(), masses[n]));
+            throw Error(
+                fmt::format("volume {} of {}: the mass is {}, expected a positive finite one",
+                            n + 1, masses.size(), masses[n]));
 }
 
 /// Converter of this rank's parts, with totals over all ranks.

@@ -135,10 +135,11 @@ TEST_F(mpi_convert, volume_without_mass_is_refused) {
     for (int n = 0; n < kLeafVoxels; ++n)
         for (Leaf& leaf : volume.leaves) leaf.set(n, 0.0f);
     write_vdb(dir_ / "zero.vdb", volume);
-    must_fail(1, "convert zero.vdb -o zero.ply --budget 10", "mass 0, expected a volume with some");
+    must_fail(1, "convert zero.vdb -o zero.ply --budget 10",
+              "the mass is 0, expected a positive finite one");
     for (const std::string cut : {"--budget 10", "--error 0.1", "--block 4"})
         must_fail_mpi(1, "-n 2 COMMAND convert zero.vdb -o zero.ply " + cut,
-                      "mass 0, expected a volume with some");
+                      "the mass is 0, expected a positive finite one");
 }
 
 TEST_F(mpi_convert, error_bound_holds_for_the_whole_model) {
