@@ -1,4 +1,4 @@
-# cmake -DIN=x.ptx -DOUT=x.cpp -P embed_ptx.cmake: a file as the array vog::kOptixPrograms, with a
+# cmake -DIN=x.ptx -DOUT=x.cpp -P embed_ptx.cmake: a file as the array vog::gpu::kOptixPrograms, with a
 # final zero that its size counts too, as OptiX has it of text.
 file(READ ${IN} bytes HEX)
 string(LENGTH "${bytes}" digits)
@@ -8,11 +8,11 @@ string(REGEX REPLACE "(.........................................................
        bytes "${bytes}")
 file(WRITE ${OUT} "// Made by embed_ptx.cmake from the OptiX programs' PTX.
 #include <cstddef>
-namespace vog {
+namespace vog::gpu {
 extern const char kOptixPrograms[];
 extern const std::size_t kOptixProgramsBytes;
 const char kOptixPrograms[] = {
 ${bytes}0};
 const std::size_t kOptixProgramsBytes = ${size};
-}  // namespace vog
+}  // namespace vog::gpu
 ")
