@@ -1,6 +1,7 @@
 // html_text.cpp: escaping of markup characters, and base64.
 #include "core/html_text.h"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace vog {

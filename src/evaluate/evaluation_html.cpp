@@ -6,6 +6,8 @@
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/html_text.h"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <unordered_set>
+#include <utility>
 
 #include "vog/distributed.h"
 #include "vog/volume_io.h"

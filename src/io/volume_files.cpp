@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <cctype>
 #include <iterator>
+#include <memory>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "data/volume_partition.h"
 #include "io/vdb/vdb_reader.h"

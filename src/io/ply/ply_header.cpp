@@ -8,6 +8,8 @@
 #include <charconv>
 #include <istream>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "io/ply/ply_nodes.h"
 #include "vog/error.h"

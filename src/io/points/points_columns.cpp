@@ -2,6 +2,7 @@
 #include "io/points/points_columns.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 // points_text_write.cpp: particles as text, with the shortest digits that read back exactly.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <charconv>
 #include <fstream>

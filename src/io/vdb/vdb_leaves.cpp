@@ -8,6 +8,7 @@
 #include <bit>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "io/vdb/vdb_density.h"

@@ -9,6 +9,7 @@
 #include <limits>
 #include <sstream>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "io/vdb/vdb_density.h"

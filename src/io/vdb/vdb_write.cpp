@@ -3,6 +3,7 @@
 // identifier, so that equal grids give different files, and refuses voxels below 1.4e-5.
 #include <openvdb/io/Archive.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <fstream>
 #include <system_error>

@@ -3,6 +3,7 @@
 #include "render/splat/splat_kernels.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <hwy/cache_control.h>
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 #include "vog/trace.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "render/pixel_tiles.h"
 #include "render/trace/trace_bvh.h"

@@ -4,6 +4,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <string_view>
+#include <utility>
 
 #include "io/vdb/vdb_transform.h"
 #include "vog/error.h"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <bit>
 #include <tuple>
+#include <utility>
 
 #include "core/parallel.h"
 #include "io/vdb/bytes/vdb_file.h"
