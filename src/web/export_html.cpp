@@ -69,8 +69,8 @@ std::string bundle() {
 }
 
 /// JSON for a script element, with '<' escaped: no text ends the element or starts a comment.
-std::string script_json(const Json& json) {
-    const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+std::string script_json(const Json& data) {
+    const std::string text = data.dump(-1, ' ', false, Json::error_handler_t::replace);
     std::string safe;
     safe.reserve(text.size());
     for (const char c : text) {
