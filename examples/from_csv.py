@@ -48,7 +48,7 @@ def main():
 
     model = vog.convert(points, value=arguments.value, budget=arguments.budget)
     print(points, model.summary)
-    camera = vog.Camera.orbit(points, elevation=0.9, distance=2)
+    camera = vog.Camera.orbit(points, elevation=50)
     vog.render(model, camera).shade("magma").save(arguments.output)
 
 

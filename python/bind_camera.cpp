@@ -1,4 +1,7 @@
 // bind_camera.cpp: Camera, and views that frame data.
+#include <optional>
+#include <string>
+
 #include "arrays.h"
 #include "data.h"
 #include "vog/camera.h"
@@ -8,14 +11,28 @@ namespace vog::python {
 
 namespace {
 
-Camera make_camera(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double fov_degrees) {
-    const Camera camera{eye, look_at, up, fov_degrees};
+Camera make_camera(const Vec3d& eye, const Vec3d& look_at, const Vec3d& up, double fov_degrees,
+                   double orthographic_width) {
+    const Camera camera{eye, look_at, up, fov_degrees, orthographic_width};
     (void)frame_of(camera, 1, 1);  // throws for a degenerate camera
     return camera;
 }
 
 py::tuple state_of(const Camera& camera) {
-    return py::make_tuple(camera.eye, camera.look_at, camera.up, camera.fov_degrees);
+    return py::make_tuple(camera.eye, camera.look_at, camera.up, camera.fov_degrees,
+                          camera.orthographic_width);
+}
+
+/// A direction (x, y, z), or the name of an axis: "z", "-y".
+Vec3d direction_of(const py::object& up) {
+    if (!py::isinstance<py::str>(up)) return up.cast<Vec3d>();
+    const auto name = up.cast<std::string>();
+    const std::string axis = name.size() == 1 ? "+" + name : name;
+    if (axis.size() != 2 || (axis[0] != '+' && axis[0] != '-') || axis[1] < 'x' || axis[1] > 'z')
+        throw Error("camera: up '" + name + "', expected x, y, z, -x, -y, -z or (x, y, z)");
+    Vec3d direction;
+    direction[axis[1] - 'x'] = axis[0] == '+' ? 1 : -1;
+    return direction;
 }
 
 std::string repr(const Camera& camera) {
@@ -38,41 +55,64 @@ Box box_to_view(const py::object& data, const std::string& call) {
 }
 
 void bind_camera(py::module_& m) {
-    py::class_<Camera>(m, "Camera", R"(Pinhole camera in world space.
+    py::class_<Camera>(m, "Camera", R"(Pinhole or orthographic camera in world space.
 
 eye          position (x, y, z), world units
 look_at      point (x, y, z) at the centre of the picture; default the origin
 up           direction (x, y, z) that points up in the picture; default y
-fov_degrees  full vertical field of view, degrees, (0, 180)
+fov_degrees  full vertical field of view of a pinhole camera, degrees, (0, 180)
+orthographic_width
+             width of an orthographic picture, world units, > 0; 0: a pinhole camera
 
 Raises vog.Error where eye and look_at coincide, or up is parallel to the view direction.)")
         .def(py::init(&make_camera), py::arg("eye"), py::arg("look_at") = Vec3d{},
-             py::arg("up") = Vec3d{0, 1, 0}, py::arg("fov_degrees") = kPaperFovDegrees)
+             py::arg("up") = Vec3d{0, 1, 0}, py::arg("fov_degrees") = kPaperFovDegrees,
+             py::arg("orthographic_width") = 0.0)
         .def_static(
             "paper_view",
             [](const py::object& data) { return paper_view(box_to_view(data, "paper_view")); },
             py::arg("data"),
-            R"(The standard view of docs/evaluation.md: azimuth 0.6 rad, elevation 0.35 rad, distance 3 bounding
-radii, half the field of view atan(0.35). Returns a Camera.
+            R"(The standard view of docs/evaluation.md: azimuth 34.38 degrees, elevation 20.05 degrees,
+distance 3 bounding radii, field of view 38.58 degrees. Returns a Camera.
 
 data  Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space)")
         .def_static(
             "orbit",
-            [](const py::object& data, double azimuth, double elevation, double distance,
-               double fov_degrees) {
-                return orbit_view(box_to_view(data, "orbit"), azimuth, elevation, distance,
-                                  fov_degrees);
+            [](const py::object& data, double azimuth, double elevation,
+               std::optional<double> distance, double fov_degrees, const py::object& up,
+               double roll, bool orthographic, std::optional<double> width, double aspect,
+               std::optional<std::string> view) {
+                Orbit orbit{azimuth,          elevation, distance.value_or(0),  fov_degrees,
+                            direction_of(up), roll,      orthographic || width, width.value_or(0)};
+                if ((distance && *distance == 0) || (width && *width == 0))
+                    throw Error("camera: distance or width 0, expected a positive number");
+                if (view) set_view(orbit, *view);
+                if (distance) orbit.distance_radii = *distance;
+                return orbit_view(box_to_view(data, "orbit"), orbit, aspect);
             },
-            py::arg("data"), py::arg("azimuth") = kPaperAzimuthRad,
-            py::arg("elevation") = kPaperElevationRad, py::arg("distance") = kPaperDistanceRadii,
-            py::arg("fov_degrees") = kPaperFovDegrees,
-            R"(A view of the data's bounding box from a sphere around it, with y up. Returns a Camera.
+            py::arg("data"), py::arg("azimuth") = kPaperAzimuthDegrees,
+            py::arg("elevation") = kPaperElevationDegrees, py::arg("distance") = py::none(),
+            py::arg("fov_degrees") = kPaperFovDegrees, py::arg("up") = "y", py::arg("roll") = 0.0,
+            py::arg("orthographic") = false, py::arg("width") = py::none(), py::arg("aspect") = 1.0,
+            py::arg("view") = py::none(),
+            R"(A view of the data's bounding box from a sphere around it. Returns a Camera.
 
-data         Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space
-azimuth      angle of the eye about the y axis, from x towards z, radians
-elevation    angle of the eye above the xz plane, radians
-distance     from the box's centre, in bounding radii (half the box's diagonal)
-fov_degrees  full vertical field of view, degrees)")
+data          Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space
+azimuth       angle of the eye about the up axis, degrees; y up: from x towards z; z up: from x
+              towards -y
+elevation     angle of the eye above the plane across the up axis, degrees, [-90, 90]
+distance      from the box's centre, in bounding radii (half the box's diagonal); None: the
+              distance at which the box fills 95 % of the picture
+fov_degrees   full vertical field of view, degrees
+up            direction that is upright in the data: "x", "y", "z", "-x", "-y", "-z" or (x, y, z);
+              azimuth and elevation are measured about it
+roll          angle the camera is turned clockwise about its view direction, degrees
+orthographic  parallel rays in place of a pinhole
+width         width of an orthographic picture, world units; None: the box fills 95 %. A width
+              makes the camera orthographic
+aspect        width / height of the picture that a fitted box shall fill
+view          "+x", "-x", "+y", "-y", "+z", "-z" (from that axis) or "paper", in place of azimuth
+              and elevation)")
         .def_static(
             "load", [](const std::filesystem::path& file) { return read_camera(file); },
             py::arg("file"), "Reads a camera from JSON, as `vog render --save-camera` writes it.")
@@ -85,6 +125,8 @@ fov_degrees  full vertical field of view, degrees)")
                        "Point (x, y, z) at the centre of the picture, world units.")
         .def_readwrite("up", &Camera::up, "Direction (x, y, z) that points up in the picture.")
         .def_readwrite("fov_degrees", &Camera::fov_degrees, "Full vertical field of view, degrees.")
+        .def_readwrite("orthographic_width", &Camera::orthographic_width,
+                       "Width of an orthographic picture, world units; 0: a pinhole camera.")
         .def("__eq__",
              [](const Camera& self, const py::object& other) {
                  return py::isinstance<Camera>(other) &&
@@ -93,7 +135,7 @@ fov_degrees  full vertical field of view, degrees)")
         .def("__repr__", &repr)
         .def(py::pickle(&state_of, [](const py::tuple& s) {
             return make_camera(s[0].cast<Vec3d>(), s[1].cast<Vec3d>(), s[2].cast<Vec3d>(),
-                               s[3].cast<double>());
+                               s[3].cast<double>(), s[4].cast<double>());
         }));
 }
 

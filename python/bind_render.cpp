@@ -79,8 +79,10 @@ DepthImage draw(Scene& scene, const std::optional<Camera>& camera, const py::obj
     return unlocked([&, width = width, height = height] {
         const std::lock_guard lock(scene.drawing);
         DepthImage depth;
-        scene.prepared->render(camera ? *camera : paper_view(scene.box), width, height, depth,
-                               report);
+        // Other sizes are refused by the renderer.
+        const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
+        scene.prepared->render(camera ? *camera : orbit_view(scene.box, {}, aspect), width, height,
+                               depth, report);
         set_extinction(depth, scene.extinction ? *scene.extinction : auto_extinction(depth));
         return depth;
     });
@@ -150,7 +152,7 @@ data           Gaussians, a Volume, Levels, a list of Volumes, or Points (one Ga
              py::arg("progress") = py::none(),
              R"(One picture: a DepthImage.
 
-camera    None: Camera.paper_view of the data
+camera    None: Camera.orbit of the data, fitted to the picture
 size      pixels, 512 or (width, height)
 progress  is called with the finished fraction)")
         .def_readonly("renderer", &Scene::renderer, "The renderer's name.")
@@ -163,7 +165,7 @@ progress  is called with the finished fraction)")
         std::string(R"(One picture: optical depth T per pixel, a DepthImage.
 
 data           Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each)
-camera         None: Camera.paper_view(data)
+camera         None: Camera.orbit(data), fitted to the picture
 size           pixels, 512 or (width, height))") +
         kOptionsText + R"(
 progress       is called with the finished fraction

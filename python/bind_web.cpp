@@ -72,7 +72,7 @@ models       Gaussians, or {name: Gaussians}: the page lets its reader select on
 title        title of the page; default: the first name
 description  text below the title
 levels       largest number of levels of detail: the model, then a quarter as many Gaussians each time
-camera       initial view; None: Camera.paper_view of each model
+camera       initial view; None: Camera.orbit of each model, fitted
 extinction   factor on density, or 'auto': by the initial view of each model
 tf           initial transfer function
 background   as in DepthImage.shade; 'system': black or white by the reader's colour scheme

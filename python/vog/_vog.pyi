@@ -2,7 +2,7 @@
 # tests/python/test_stubs.py checks the stubs against the module.
 import os
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, SupportsFloat, SupportsIndex, Union, overload
+from typing import Any, Optional, SupportsFloat, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -64,8 +64,14 @@ class Camera:
     look_at: tuple[float, float, float]
     up: tuple[float, float, float]
     fov_degrees: float
+    orthographic_width: float
     def __init__(
-        self, eye: _Vector, look_at: _Vector = ..., up: _Vector = ..., fov_degrees: float = ...
+        self,
+        eye: _Vector,
+        look_at: _Vector = ...,
+        up: _Vector = ...,
+        fov_degrees: float = ...,
+        orthographic_width: float = ...,
     ) -> None: ...
     @staticmethod
     def paper_view(data: Union[_Drawable, NDArray[Any]]) -> Camera: ...
@@ -74,8 +80,14 @@ class Camera:
         data: Union[_Drawable, NDArray[Any]],
         azimuth: float = ...,
         elevation: float = ...,
-        distance: float = ...,
+        distance: Optional[float] = ...,
         fov_degrees: float = ...,
+        up: Union[str, _Vector] = ...,
+        roll: float = ...,
+        orthographic: bool = ...,
+        width: Optional[float] = ...,
+        aspect: float = ...,
+        view: Optional[str] = ...,
     ) -> Camera: ...
     @staticmethod
     def load(file: _Path) -> Camera: ...

@@ -26,12 +26,14 @@ std::vector<Camera> error_views(const Box& box) {
     std::vector<Camera> cameras;
     // Azimuths an eighth of a turn apart, starting with the paper's. Elevations alternate between
     // the paper's and 50 degrees, above and below, so that no two views share an axis.
-    constexpr double kSteep = 0.87;
+    constexpr double kSteepDegrees = 50;
     for (int view = 0; view < kViews; ++view) {
-        const double azimuth = kPaperAzimuthRad + view * std::numbers::pi / 4;
-        const double elevation = (view & 1 ? kSteep : kPaperElevationRad) * (view & 2 ? -1.0 : 1.0);
-        cameras.push_back(
-            orbit_view(box, azimuth, elevation, kPaperDistanceRadii, kPaperFovDegrees));
+        Orbit orbit;
+        orbit.azimuth_degrees += view * 45;
+        if (view & 1) orbit.elevation_degrees = kSteepDegrees;
+        if (view & 2) orbit.elevation_degrees *= -1;
+        orbit.distance_radii = kPaperDistanceRadii;
+        cameras.push_back(orbit_view(box, orbit));
     }
     return cameras;
 }

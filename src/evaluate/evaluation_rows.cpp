@@ -102,27 +102,22 @@ std::vector<EvaluationView> evaluation_views(const Box& box) {
     std::vector<EvaluationView> views;
     views.push_back({"paper", paper_view(box), 1, 0, {}});
     // Azimuths in steps of 60 degrees from the paper's; elevations from below to steeply above.
-    const double elevations[] = {0, 0.7, -0.35, 1.2, -0.7};
+    const double elevations[] = {0, 40, -20, 70, -40};
     for (int n = 0; n < 5; ++n) {
-        const double azimuth = kPaperAzimuthRad + (n + 1) * std::numbers::pi / 3;
-        views.push_back(
-            {fmt::format("around {}", n + 1),
-             orbit_view(box, azimuth, elevations[n], kPaperDistanceRadii, kPaperFovDegrees),
-             1,
-             0,
-             {}});
+        Orbit orbit;
+        orbit.azimuth_degrees += (n + 1) * 60;
+        orbit.elevation_degrees = elevations[n];
+        orbit.distance_radii = kPaperDistanceRadii;
+        views.push_back({fmt::format("around {}", n + 1), orbit_view(box, orbit), 1, 0, {}});
     }
     // Half way from the centre to the face of the box, on the paper's line of sight; wide, so that
     // density beside the eye is in view.
     constexpr double kInsideFovDegrees = 60;
     const Vec3d sight = normalized(views[0].camera.eye - box.center());
-    const double radii = 0.5 * distance_to_face(box, sight) / box.radius();
-    views.push_back(
-        {"inside",
-         orbit_view(box, kPaperAzimuthRad, kPaperElevationRad, radii, kInsideFovDegrees),
-         1,
-         0,
-         {}});
+    Orbit inside;
+    inside.distance_radii = 0.5 * distance_to_face(box, sight) / box.radius();
+    inside.fov_degrees = kInsideFovDegrees;
+    views.push_back({"inside", orbit_view(box, inside), 1, 0, {}});
     return views;
 }
 

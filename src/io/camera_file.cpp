@@ -35,9 +35,15 @@ Camera read_camera(const std::filesystem::path& file) {
                 camera.up = vector();
             } else if (key == "fov_degrees") {
                 camera.fov_degrees = value.get<double>();
+            } else if (key == "orthographic_width") {
+                camera.orthographic_width = value.get<double>();
+                if (!(camera.orthographic_width > 0))
+                    throw Error(fmt::format("{}: 'orthographic_width' is {}, expected above 0",
+                                            file.string(), camera.orthographic_width));
             } else {
                 throw Error(
-                    fmt::format("{}: unknown key '{}', expected eye, look_at, up or fov_degrees",
+                    fmt::format("{}: unknown key '{}', expected eye, look_at, up, fov_degrees or "
+                                "orthographic_width",
                                 file.string(), key));
             }
         }
@@ -52,10 +58,12 @@ Camera read_camera(const std::filesystem::path& file) {
 
 void write_camera(const std::filesystem::path& file, const Camera& camera) {
     const auto array = [](Vec3d v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
-    const nlohmann::ordered_json json = {{"eye", array(camera.eye)},
-                                         {"look_at", array(camera.look_at)},
-                                         {"up", array(camera.up)},
-                                         {"fov_degrees", camera.fov_degrees}};
+    nlohmann::ordered_json json = {
+        {"eye", array(camera.eye)}, {"look_at", array(camera.look_at)}, {"up", array(camera.up)}};
+    if (camera.orthographic())
+        json["orthographic_width"] = camera.orthographic_width;
+    else
+        json["fov_degrees"] = camera.fov_degrees;
     write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
         std::ofstream out(beside);
         out << json.dump(2) << "\n";

@@ -135,7 +135,7 @@ Box framed_box(const Gaussians& model) {
 double first_extinction(const Gaussians& model, const HtmlOptions& options) {
     if (options.extinction) return *options.extinction;
     constexpr int kSize = 256;
-    const Camera camera = options.camera ? *options.camera : paper_view(framed_box(model));
+    const Camera camera = options.camera ? *options.camera : orbit_view(framed_box(model));
     return auto_extinction(render_splat(model, camera, kSize, kSize));
 }
 
@@ -211,14 +211,16 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
     }
     report.extinction = entries.front().at("extinction");
     const Camera camera =
-        options.camera ? *options.camera : paper_view(framed_box(models.front().levels.front()));
+        options.camera ? *options.camera : orbit_view(framed_box(models.front().levels.front()));
     const Rgba& ground = options.shading.background;
     Json page = {{"title", options.title},
                  {"camera",
                   {{"eye", json_of(camera.eye)},
                    {"at", json_of(camera.look_at)},
                    {"up", json_of(camera.up)},
-                   {"fov", camera.fov_degrees}}},
+                   {"fov", camera.fov_degrees},
+                   {"span", camera.orthographic_width}}},
+                 {"upright", json_of(normalized(camera.up))},
                  {"chosenView", options.camera.has_value()},
                  {"systemBackground", options.system_background},
                  {"background", {ground.r, ground.g, ground.b, ground.a}},

@@ -58,7 +58,9 @@ TEST_F(cli, views_agree_however_they_are_given) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --method paper --lod 5");
     must("render c.ply -o paper.png --size 40 --view paper --save-camera camera.json");
-    must("render c.ply -o angles.png --size 40 --azimuth 0.6 --elevation 0.35 --distance 3");
+    must(
+        "render c.ply -o angles.png --size 40 --azimuth 34.37746770784939 --elevation "
+        "20.05352282957881 --distance 3");
     must("render c.ply -o file.png --size 40 --camera camera.json");
     const auto camera = nlohmann::json::parse(read_text(dir_ / "camera.json"));
     const auto list = [&](const char* key) {
@@ -68,9 +70,40 @@ TEST_F(cli, views_agree_however_they_are_given) {
     must("render c.ply -o eye.png --size 40 --eye=" + list("eye") +
          " --look-at=" + list("look_at") + " --fov " + camera["fov_degrees"].dump());
     const std::string picture = read_text(dir_ / "paper.png");
+    const auto report =
+        nlohmann::json::parse(must("render c.ply -o json.png --size 40 --view paper --json").out);
+    EXPECT_EQ(report["camera"], camera);
     EXPECT_EQ(picture, read_text(dir_ / "angles.png"));
     EXPECT_EQ(picture, read_text(dir_ / "file.png"));
     EXPECT_EQ(picture, read_text(dir_ / "eye.png"));
+}
+
+TEST_F(cli, orthographic_views_combine_with_every_way_to_place_the_camera) {
+    must("sample cloud c.vdb --size 64");
+    const auto camera_of = [&](const std::string& options) {
+        return nlohmann::json::parse(
+            must("render c.vdb -o c.png --size 40x30 --json " + options).out)["camera"];
+    };
+    const auto fitted = camera_of("--orthographic");
+    EXPECT_FALSE(fitted.contains("fov_degrees"));
+    for (const char* options :
+         {"--view +x", "--view -z --up z", "--azimuth 20 --elevation -30", "--distance 2",
+          "--eye 1,2,3", "--eye 1,2,3 --look-at 0,0.1,0 --up z --roll 30"}) {
+        SCOPED_TRACE(options);
+        const auto own = camera_of(std::string(options) + " --orthographic");
+        EXPECT_GT(own["orthographic_width"].get<double>(), 0);
+        const auto wide = camera_of(std::string(options) + " --orthographic --width 0.7");
+        EXPECT_EQ(wide["orthographic_width"], 0.7);
+        EXPECT_EQ(wide["eye"], own["eye"]);
+    }
+    must("render c.vdb -o c.png --size 40 --orthographic --width 0.3 --save-camera o.json");
+    EXPECT_EQ(camera_of("--camera o.json")["orthographic_width"], 0.3);
+    EXPECT_EQ(camera_of("--camera o.json --width 0.4")["orthographic_width"], 0.4);
+    for (const char* options : {"--width 1", "--orthographic --fov 30", "--view +w", "--up 0,0,0",
+                                "--elevation 91", "--camera o.json --eye 1,2,3"}) {
+        SCOPED_TRACE(options);
+        EXPECT_EQ(run("render c.vdb -o c.png " + std::string(options)).exit_code, 2);
+    }
 }
 
 TEST_F(cli, json_is_the_only_standard_output) {

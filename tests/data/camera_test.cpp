@@ -39,10 +39,114 @@ TEST(camera, paper_view_stands_where_the_design_says) {
 }
 
 TEST(camera, straight_down_and_a_point_still_have_a_view) {
-    EXPECT_NO_THROW(
-        frame_of(orbit_view({{0, 0, 0}, {1, 1, 1}}, 0, std::acos(-1.0) / 2, 3, 40), 8, 8));
+    EXPECT_NO_THROW(frame_of(orbit_view({{0, 0, 0}, {1, 1, 1}}, {0, 90, 3, 40}), 8, 8));
     EXPECT_NO_THROW(frame_of(paper_view({{5, 5, 5}, {5, 5, 5}}), 8, 8));
     EXPECT_NO_THROW(frame_of(paper_view(Box{}), 8, 8));
+}
+
+TEST(camera, an_orthographic_cameras_rays_are_parallel) {
+    Camera camera;  // at z = 1, looking along -z, y up
+    camera.orthographic_width = 8;
+    const CameraFrame frame = frame_of(camera, 4, 2);
+    expect_near(frame.direction(0, 0), {0, 0, -1});
+    expect_near(frame.direction(3, 1), {0, 0, -1});
+    expect_near(frame.origin(0, 0), {-3, 1, 1});
+    expect_near(frame.origin(3, 1), {3, -1, 1});
+    EXPECT_NEAR(frame.pixels_per_unit, 0.5, 1e-12);
+    EXPECT_EQ(frame.pixels_at(7), frame.pixels_per_unit);
+}
+
+TEST(camera, orbits_are_measured_in_degrees_about_up) {
+    const Box box{{-1, -2, -2}, {1, 2, 2}};  // radius 3
+    const auto eye = [&](double azimuth, double elevation, Vec3d up) {
+        return orbit_view(box, {azimuth, elevation, 1, 40, up}).eye;
+    };
+    expect_near(eye(0, 0, {0, 1, 0}), {3, 0, 0});
+    expect_near(eye(90, 0, {0, 1, 0}), {0, 0, 3});
+    expect_near(eye(0, 90, {0, 1, 0}), {0, 3, 0});
+    expect_near(eye(0, 0, {0, 0, 2}), {3, 0, 0});
+    expect_near(eye(90, 0, {0, 0, 2}), {0, -3, 0});
+    expect_near(eye(10, 90, {0, 0, 2}), {0, 0, 3});
+    expect_near(eye(90, 0, {0, -1, 0}), {0, 0, -3});
+    // Turning data and up together leaves the picture: the frames are rotations of each other.
+    for (const Vec3d up : {Vec3d{1, 0, 0}, Vec3d{0, 0, 1}, Vec3d{1, 2, -0.5}}) {
+        const CameraFrame y = frame_of(orbit_view(box, {25, 35, 1, 40}), 8, 8);
+        const CameraFrame turned = frame_of(orbit_view(box, {25, 35, 1, 40, up}), 8, 8);
+        EXPECT_NEAR(dot(turned.forward, normalized(up)), y.forward.y, 1e-12);
+        EXPECT_NEAR(dot(turned.up, normalized(up)), y.up.y, 1e-12);
+        EXPECT_NEAR(dot(turned.right, normalized(up)), 0, 1e-12);
+    }
+}
+
+TEST(camera, named_views_look_from_their_axis) {
+    const Box box{{-1, -2, -2}, {1, 2, 2}};
+    for (const Vec3d up : {Vec3d{0, 1, 0}, Vec3d{0, 0, 1}, Vec3d{1, 1, 0}})
+        for (const char* name : view_names()) {
+            if (name[0] == 'p') continue;
+            Orbit orbit;
+            orbit.up = up;
+            set_view(orbit, name);
+            const Vec3d eye = normalized(orbit_view(box, orbit).eye);
+            Vec3d axis;
+            axis[name[1] - 'x'] = name[0] == '+' ? 1 : -1;
+            expect_near(eye, axis);
+        }
+    // z up from above: a map, x to the right and y upwards.
+    Orbit above;
+    above.up = {0, 0, 1};
+    set_view(above, "+z");
+    const CameraFrame frame = frame_of(orbit_view(box, above), 8, 8);
+    expect_near(frame.right, {1, 0, 0});
+    expect_near(frame.up, {0, 1, 0});
+    EXPECT_NE(error_of([&] { set_view(above, "x"); }).find("expected one of paper, +x"),
+              std::string::npos);
+}
+
+TEST(camera, straight_views_are_limits_and_roll_turns_the_camera_clockwise) {
+    const Box box{{-1, -2, -2}, {1, 2, 2}};
+    const CameraFrame almost = frame_of(orbit_view(box, {30, 90 - 1e-5, 3, 40}), 8, 8);
+    const CameraFrame straight = frame_of(orbit_view(box, {30, 90, 3, 40}), 8, 8);
+    expect_near(straight.up, almost.up, 1e-6);
+    Orbit orbit{0, 0, 3, 40};
+    const CameraFrame level = frame_of(orbit_view(box, orbit), 8, 8);
+    orbit.roll_degrees = 90;
+    expect_near(frame_of(orbit_view(box, orbit), 8, 8).up, level.right);
+}
+
+TEST(camera, a_fitted_box_fills_the_image_and_no_more) {
+    const Box box{{10, -2, 3}, {14, 7, 5}};
+    for (const double aspect : {0.4, 1.0, 2.5})
+        for (const bool orthographic : {false, true})
+            for (const double azimuth : {0.0, 33.0, 145.0})
+                for (const double elevation : {-90.0, -20.0, 60.0}) {
+                    Orbit orbit{azimuth, elevation, 0, 35};
+                    orbit.orthographic = orthographic;
+                    orbit.roll_degrees = 17;
+                    const int width = static_cast<int>(400 * aspect), height = 400;
+                    const CameraFrame f = frame_of(orbit_view(box, orbit, aspect), width, height);
+                    double share = 0;
+                    for (int n = 0; n < 8; ++n) {
+                        const Vec3d p =
+                            Vec3d{n & 1 ? 10.0 : 14.0, n & 2 ? -2.0 : 7.0, n & 4 ? 3.0 : 5.0} -
+                            f.eye;
+                        const double pixels = f.pixels_at(dot(p, f.forward));
+                        EXPECT_GT(pixels, 0);
+                        share = std::max({share, 2 * pixels * std::abs(dot(p, f.right)) / width,
+                                          2 * pixels * std::abs(dot(p, f.up)) / height});
+                    }
+                    EXPECT_NEAR(share, kFitShare, 1e-9);
+                }
+}
+
+TEST(camera, orbits_out_of_range_are_refused) {
+    const Box box{{-1, -2, -2}, {1, 2, 2}};
+    EXPECT_NE(error_of([&] {
+                  (void)orbit_view(box, {0, 91});
+              }).find("elevation 91 degrees"),
+              std::string::npos);
+    EXPECT_THROW((void)orbit_view(box, {0, 0, -1}), Error);
+    EXPECT_THROW((void)orbit_view(box, {0, 0, 3, 40, {0, 0, 0}}), Error);
+    EXPECT_THROW((void)orbit_view(box, {NAN}), Error);
 }
 
 TEST(camera, unusable_cameras_are_refused) {
@@ -57,6 +161,10 @@ TEST(camera, unusable_cameras_are_refused) {
     camera = {};
     camera.fov_degrees = 180;
     EXPECT_NE(error_of([&] { frame_of(camera, 5, 5); }).find("field of view"), std::string::npos);
+    camera = {};
+    camera.orthographic_width = -1;
+    EXPECT_NE(error_of([&] { frame_of(camera, 5, 5); }).find("orthographic width -1"),
+              std::string::npos);
     camera = {};
     camera.eye.x = NAN;
     EXPECT_NE(error_of([&] { frame_of(camera, 5, 5); }).find("not finite"), std::string::npos);

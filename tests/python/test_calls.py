@@ -54,7 +54,7 @@ def test_other_threads_run_during_a_call():
 def test_calls_from_several_threads_agree(cloud):
     expected = vog.convert(cloud, block=4)
     scene = vog.Scene(expected)
-    cameras = [vog.Camera.orbit(expected, azimuth) for azimuth in np.linspace(0, 6, 12)]
+    cameras = [vog.Camera.orbit(expected, azimuth) for azimuth in np.linspace(0, 345, 12)]
     pictures = [scene.render(camera, 64).depth.copy() for camera in cameras]
     with concurrent.futures.ThreadPoolExecutor(6) as pool:
         models = list(pool.map(lambda _: vog.convert(cloud, block=4), range(6)))

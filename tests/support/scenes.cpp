@@ -85,6 +85,7 @@ Scene scaled(Scene scene, const std::string& name, double factor) {
     for (float& density : scene.model.density) density = static_cast<float>(density / factor);
     scene.camera.eye = factor * scene.camera.eye;
     scene.camera.look_at = factor * scene.camera.look_at;
+    scene.camera.orthographic_width *= factor;
     return scene;
 }
 
@@ -176,32 +177,49 @@ std::vector<Scene> scenes() {
         {"flat_tilted", one({0, 0, 0}, {0.5f, 1e-6f, 0.4f}, 1e6f, tilted), front, 33, 33});
     all.push_back({"far_from_the_origin", moved(random_gaussians(300, 0.05, 0.2, 13), 4096),
                    camera_at({4096, 0, 5}, 40, {4096, 0, 0})});
+    // Parallel rays, from outside, through the middle, beside the data, of every cutoff.
+    const auto parallel = [&](Camera camera, double width) {
+        camera.orthographic_width = width;
+        return camera;
+    };
+    all.push_back({"parallel_many", random_gaussians(3000, 0.01, 0.1, 6),
+                   parallel(camera_at({1, 2, 5}, 40), 2.5), 96, 64});
+    all.push_back({"parallel_needle", one({0, 0, 0}, {1.5f, 0.01f, 0.01f}, 5, tilted),
+                   parallel(front, 4), 128, 128});
+    all.push_back({"parallel_disc_edge_on",
+                   one({0, 0, 0}, {0.005f, 0.8f, 0.8f}, 5, {0.99f, 0, 0.14f, 0}),
+                   parallel(front, 3), 128, 128});
+    all.push_back({"parallel_through_many", random_gaussians(400, 0.05, 0.3, 4),
+                   parallel(camera_at({0.1, 0, 0.2}, 75), 1.5), 64, 48});
+    all.push_back({"parallel_beside", random_gaussians(400, 0.05, 0.3, 4),
+                   parallel(camera_at({1.2, 0.7, 3}, 40, {1.2, 0.7, 0}), 0.8), 32, 48});
+    all.push_back({"parallel_paper_cutoff", random_gaussians(300, 0.05, 0.2, 7, 3.0349f),
+                   parallel(camera_at({-3, 1, 0.5}, 40), 2)});
+    all.push_back({"parallel_far_eye", random_gaussians(50, 0.02, 0.2, 10),
+                   parallel(camera_at({0, 300, 2000}, 40), 2.5)});
+    all.push_back(scaled(all.back(), "parallel_centimetres", 1e24));
+    all.push_back({"parallel_along_axes", on_a_grid(), parallel(front, 3), 41, 41});
     all.push_back({"rolled_camera", random_gaussians(200, 0.02, 0.3, 11), rolled, 50, 70});
     return all;
 }
 
 std::vector<double> exact_depth(const Scene& scene) {
     const CameraFrame frame = frame_of(scene.camera, scene.width, scene.height);
-    // All rays start at the eye: terms that depend only on the Gaussian are computed once.
-    struct Whitened {
-        Mat3 w;
-        Vec3d e;
-    };
-    std::vector<Whitened> whitened;
-    for (std::size_t i = 0; i < scene.model.size(); ++i) {
-        const Mat3 w = whitening(scene.model, i);
-        whitened.push_back({w, w * (vec_cast<double>(scene.model.mean[i]) - frame.eye)});
-    }
+    std::vector<Mat3> whitened;
+    for (std::size_t i = 0; i < scene.model.size(); ++i)
+        whitened.push_back(whitening(scene.model, i));
     std::vector<double> depth(static_cast<std::size_t>(scene.width) *
                               static_cast<std::size_t>(scene.height));
     const auto fill_row = [&](int row) {
         for (int column = 0; column < scene.width; ++column) {
             const Vec3d direction = normalized(frame.direction(column, row));
+            const Vec3d origin = frame.origin(column, row);
             double sum = 0;
             for (std::size_t i = 0; i < whitened.size(); ++i)
                 sum +=
                     scene.model.density[i] *
-                    segment_integral(whitened[i].e, whitened[i].w * direction, scene.model.cutoff);
+                    segment_integral(whitened[i] * (vec_cast<double>(scene.model.mean[i]) - origin),
+                                     whitened[i] * direction, scene.model.cutoff);
             depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(scene.width) +
                   static_cast<std::size_t>(column)] = sum;
         }

@@ -17,7 +17,7 @@ namespace {
 const Box kBox{{-1, -2, -3}, {4, 5, 6}};
 
 Camera some_camera() {
-    Camera camera = orbit_view(kBox, 0.7, 0.4, 2.5, 40);
+    Camera camera = orbit_view(kBox, {40, 23, 2.5, 40});
     camera.look_at = camera.look_at + Vec3d{0.3, -0.2, 0.5};
     return camera;
 }
@@ -66,7 +66,7 @@ TEST(trackball, a_drag_and_back_is_nothing) {
 
 TEST(trackball, panning_follows_the_pointer) {
     const Camera camera = some_camera();
-    const Camera moved = panned(camera, {0.1, -0.2}, {0.5, 0.3});
+    const Camera moved = panned(camera, {0.1, -0.2}, {0.5, 0.3}, 1);
     const ScreenPoint at = projected(moved, camera.look_at);
     EXPECT_NEAR(at.x, 0.4, 1e-9);
     EXPECT_NEAR(at.y, 0.5, 1e-9);
@@ -80,7 +80,7 @@ TEST(trackball, zooming_keeps_what_is_under_the_pointer) {
     const Vec3d under = f.eye + distance(camera) * (f.forward + (pointer.x * scale) * f.right +
                                                     (pointer.y * scale) * f.up);
     for (const double factor : {0.5, 0.9, 1.7}) {
-        const Camera closer = zoomed(camera, pointer, factor, 1e-6);
+        const Camera closer = zoomed(camera, pointer, factor, 1e-6, 1);
         EXPECT_NEAR(projected(closer, under).x, pointer.x, 1e-9);
         EXPECT_NEAR(projected(closer, under).y, pointer.y, 1e-9);
         EXPECT_NEAR(distance(closer), factor * distance(camera), 1e-9);
@@ -90,7 +90,7 @@ TEST(trackball, zooming_keeps_what_is_under_the_pointer) {
 TEST(trackball, zooming_goes_through_the_volume_and_out_behind) {
     Camera camera = some_camera();
     const Vec3d forward = normalized(camera.look_at - camera.eye);
-    for (int n = 0; n < 400; ++n) camera = zoomed(camera, {}, 0.85, 0.2);
+    for (int n = 0; n < 400; ++n) camera = zoomed(camera, {}, 0.85, 0.2, 1);
     EXPECT_GT(dot(camera.eye - kBox.center(), forward), kBox.radius());
     EXPECT_NO_THROW(frame_of(camera, 10, 10));
 }
@@ -121,20 +121,46 @@ TEST(trackball, fitting_shows_all_corners_and_fills_the_picture) {
             const ScreenPoint p = projected(camera, {corner & 1 ? kBox.lower.x : kBox.upper.x,
                                                      corner & 2 ? kBox.lower.y : kBox.upper.y,
                                                      corner & 4 ? kBox.lower.z : kBox.upper.z});
-            reach = std::max({reach, std::abs(p.x) / std::min(1.0, aspect),
-                              std::abs(p.y) / std::min(1.0, aspect)});
+            reach = std::max({reach, std::abs(p.x) / aspect, std::abs(p.y)});
         }
-        EXPECT_LE(reach, 1 + 1e-9);
-        EXPECT_GE(reach, 0.5);
+        EXPECT_NEAR(reach, kFitShare, 1e-9);
     }
 }
 
 TEST(trackball, named_views_look_from_their_side) {
-    const Camera y = named_view("-y", kBox, 1, 40);
+    const Camera now = some_camera();
+    const Camera y = named_view(now, "-y", kBox, 1, {0, 1, 0});
     EXPECT_LT(y.eye.y, kBox.lower.y);
     EXPECT_NEAR(y.eye.x, kBox.center().x, 1e-9);
-    EXPECT_EQ(named_view("paper", kBox, 1, 40).eye, paper_view(kBox).eye);
-    EXPECT_THROW(named_view("+w", kBox, 1, 40), Error);
+    EXPECT_EQ(y.fov_degrees, now.fov_degrees);
+    const Camera paper = named_view(now, "paper", kBox, 1, {0, 1, 0});
+    expect_near(paper.eye, paper_view(kBox).eye, 1e-12);
+    EXPECT_THROW(named_view(now, "+w", kBox, 1, {0, 1, 0}), Error);
+}
+
+TEST(trackball, parallel_rays_keep_the_size_of_what_is_looked_at) {
+    constexpr double kAspect = 1.5;
+    const Camera camera = some_camera();
+    const Camera parallel = with_projection(camera, true, kAspect);
+    const double pixels = frame_of(camera, 150, 100).pixels_at(distance(camera));
+    EXPECT_NEAR(frame_of(parallel, 150, 100).pixels_per_unit, pixels, 1e-9);
+    const Camera back = with_projection(parallel, false, kAspect);
+    expect_near(back.eye, camera.eye, 1e-9);
+    EXPECT_FALSE(back.orthographic());
+}
+
+TEST(trackball, an_orthographic_camera_zooms_about_the_pointer_and_pans) {
+    constexpr double kAspect = 1.5;
+    const Camera camera = with_projection(some_camera(), true, kAspect);
+    const CameraFrame f = frame_of(camera, 150, 100);
+    const double half = 0.5 * camera.orthographic_width / kAspect;
+    const ScreenPoint pointer{0.6, -0.3};
+    const Vec3d under = camera.eye + half * (pointer.x * f.right + pointer.y * f.up);
+    const Camera closer = zoomed(camera, pointer, 0.5, 1e-6, kAspect);
+    EXPECT_EQ(closer.orthographic_width, 0.5 * camera.orthographic_width);
+    expect_near(closer.eye + 0.5 * half * (pointer.x * f.right + pointer.y * f.up), under, 1e-9);
+    const Camera moved = panned(camera, {0, 0}, {0.5, 0}, kAspect);
+    EXPECT_NEAR(dot(moved.eye - camera.eye, f.right), -0.5 * half, 1e-9);
 }
 
 }  // namespace vog::test

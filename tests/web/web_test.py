@@ -93,8 +93,10 @@ class Pages(unittest.TestCase):
         # The page's field of view is that of the shorter side, vog render's that of the height.
         tall = max(1, height / width)
         fov = 2 * math.degrees(math.atan(tall * math.tan(math.radians(camera["fov"]) / 2)))
+        lens = ({"orthographic_width": camera["span"] * width / min(width, height)} if camera.get("span")
+                else {"fov_degrees": fov})
         (self.folder / "camera.json").write_text(json.dumps(
-            {"eye": camera["eye"], "look_at": camera["at"], "up": camera["up"], "fov_degrees": fov}))
+            {"eye": camera["eye"], "look_at": camera["at"], "up": camera["up"], **lens}))
         vog("render", model, "-o", "cpu.png", "--camera", "camera.json", "--tf", tf, "--size",
             f"{width}x{height}", "--extinction", repr(state["extinction"] * state["exposure"]), *more)
         return "cpu.png"
@@ -127,6 +129,16 @@ class Pages(unittest.TestCase):
                                        up: [0, 1, 0], fov: 70}}}});
             }})()""")
             self.expect_same()
+
+    def test_parallel_rays_from_outside_and_through_the_volume(self):
+        self.open()
+        self.browser.key("5", "Digit5")
+        self.assertGreater(self.value("vog.state.camera.span"), 0)
+        self.expect_same()
+        self.value("vog.change({camera: {...vog.state.camera, eye: vog.state.camera.at.map((c, k) => c + [0.3, 0, 0][k])}})")
+        self.expect_same()
+        self.browser.key("5", "Digit5")
+        self.assertEqual(self.value("vog.state.camera.span"), 0)
 
     def test_half_floats_where_float_blending_is_missing(self):
         script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source="""

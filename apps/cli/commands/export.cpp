@@ -159,13 +159,10 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
     options.shading = shading_of(color);
     // Without an option for the view, every model of the page is framed by itself; the pages of a
     // sequence share one view.
-    bool viewed = arguments.box.has_value();
-    for (const char* option : {"--azimuth", "--elevation", "--distance", "--fov", "--eye",
-                               "--look-at", "--up", "--camera", "--save-camera"})
-        viewed |= command.count(option) > 0;
+    const bool viewed = arguments.box.has_value() || view_given(command);
     if (viewed)
         options.camera = camera_from(arguments.view, command,
-                                     arguments.box ? *arguments.box : view_box(first.levels[0]));
+                                     arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
     if (viewed && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, *options.camera);
     return options;

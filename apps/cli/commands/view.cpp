@@ -65,9 +65,11 @@ void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     options.script = arguments.script;
     options.scale = arguments.scale;
     options.ui_scale = arguments.ui_scale;
-    camera_from(arguments.view, command, {});  // throws for options that exclude each other
-    options.camera = [&](const Box& box) {
-        const Camera camera = camera_from(arguments.view, command, box);
+    // Throws for options that exclude each other.
+    const double aspect = double(size.width) / size.height;
+    camera_from(arguments.view, command, {}, aspect);
+    options.camera = [&, aspect](const Box& box) {
+        const Camera camera = camera_from(arguments.view, command, box, aspect);
         if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
         return camera;
     };

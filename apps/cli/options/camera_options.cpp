@@ -1,6 +1,12 @@
 // camera_options.cpp: help, checks and evaluation of the camera options.
 #include "options/camera_options.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
 #include "shared/inputs.h"
 
 namespace vog::cli {
@@ -17,39 +23,119 @@ std::string vector_error(const std::string& text) {
     }
 }
 
+/// Direction of --up: an axis by name, or x,y,z.
+Vec3d parse_up(const std::string& text) {
+    const std::string name = text.size() == 1 ? "+" + text : text;
+    if (name.size() == 2 && (name[0] == '+' || name[0] == '-') && name[1] >= 'x' &&
+        name[1] <= 'z') {
+        Vec3d up;
+        up[name[1] - 'x'] = name[0] == '+' ? 1 : -1;
+        return up;
+    }
+    const Vec3d up = parse_vector("--up", text);
+    if (!(length(up) > 0))
+        throw CLI::ValidationError(fmt::format("--up {}: expected a direction, not 0,0,0", text));
+    return up;
+}
+std::string up_error(const std::string& text) {
+    try {
+        parse_up(text);
+        return {};
+    } catch (const CLI::ValidationError&) {
+        return text + ": expected x, y, z, -x, -y, -z or a direction x,y,z";
+    }
+}
+
+/// Options that place the eye by angles around the box, and all that a camera file holds.
+const std::vector<const char*> kOrbitOptions{"--view", "--azimuth", "--elevation", "--distance"};
+const std::vector<const char*> kPinholeOptions{"--fov", "--eye", "--look-at", "--up"};
+
+/// Turns the camera clockwise about its view direction.
+Camera rolled(const Camera& camera, double degrees) {
+    const CameraFrame frame = frame_of(camera, 1, 1);
+    const double angle = degrees * (std::numbers::pi / 180);
+    Camera result = camera;
+    result.up = std::cos(angle) * frame.up + std::sin(angle) * frame.right;
+    return result;
+}
+
+void check_combinations(const CLI::App& command) {
+    const auto given = [&](const char* option) { return command.count(option) > 0; };
+    const auto exclude = [&](const char* one, const std::vector<const char*>& others) {
+        for (const char* other : others)
+            if (given(one) && given(other))
+                throw CLI::ValidationError(std::string(one) + " and " + other +
+                                           " exclude each other");
+    };
+    exclude("--camera", kOrbitOptions);
+    exclude("--camera", kPinholeOptions);
+    exclude("--eye", kOrbitOptions);
+    exclude("--view", {"--azimuth", "--elevation"});
+    exclude("--orthographic", {"--fov"});
+    if (given("--width") && !given("--orthographic") && !given("--camera"))
+        throw CLI::ValidationError("--width: expected with --orthographic");
+}
+
+/// The camera of a file, orthographic if the options say so.
+Camera camera_of_file(const ViewArguments& arguments, const Box& box, double aspect) {
+    Camera camera = read_camera(arguments.camera_file);
+    if (arguments.width > 0 && !arguments.orthographic && !camera.orthographic())
+        throw CLI::ValidationError("--width: " + arguments.camera_file +
+                                   " holds a pinhole camera, expected --orthographic");
+    if (arguments.orthographic && !camera.orthographic())
+        camera.orthographic_width = fitted_width(camera, box, aspect);
+    if (arguments.width > 0) camera.orthographic_width = arguments.width;
+    return arguments.roll_degrees != 0 ? rolled(camera, arguments.roll_degrees) : camera;
+}
+
 }  // namespace
 
 void add_view_options(CLI::App& command, ViewArguments& arguments) {
     const auto group = "View";
+    std::vector<std::string> names(view_names().begin(), view_names().end());
     command
         .add_option(
             "--view", arguments.view,
-            "Named view of the input's bounding box: paper is azimuth 0.6, elevation 0.35 and "
-            "distance 3")
-        ->check(CLI::IsMember({"paper"}))
+            "Named view: +x looks from the positive x axis at the centre of the input's "
+            "bounding box; paper is azimuth 34.38, elevation 20.05 and distance 3, the view "
+            "of all tables. Default: the direction of paper, fitted")
+        ->check(CLI::IsMember(names))
+        ->group(group);
+    command
+        .add_option(
+            "--azimuth", arguments.azimuth_degrees,
+            "Angle of the eye about the up axis, degrees; y up: from x towards z; z up: from "
+            "x towards -y")
         ->capture_default_str()
         ->group(group);
     command
-        .add_option("--azimuth", arguments.azimuth_rad,
-                    "Angle of the eye about the y axis, measured from x towards z, radians")
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_option("--elevation", arguments.elevation_rad,
-                    "Angle of the eye above the xz plane, radians")
+        .add_option("--elevation", arguments.elevation_degrees,
+                    "Angle of the eye above the plane across the up axis, degrees")
+        ->check(CLI::Range(-90.0, 90.0))
         ->capture_default_str()
         ->group(group);
     command
         .add_option(
             "--distance", arguments.distance_radii,
             "Distance of the eye from the centre of the input's bounding box, in bounding radii "
-            "(half the box's diagonal)")
+            "(half the box's diagonal). Default: the distance at which the box fills 95 % of the "
+            "picture's width or height")
         ->check(CLI::PositiveNumber)
-        ->capture_default_str()
         ->group(group);
     command.add_option("--fov", arguments.fov_degrees, "Full vertical field of view, degrees")
         ->check(CLI::Range(0.001, 179.999))
         ->capture_default_str()
+        ->group(group);
+    command
+        .add_flag("--orthographic", arguments.orthographic,
+                  "Parallel rays in place of a pinhole: no perspective, lengths to scale")
+        ->group(group);
+    command
+        .add_option(
+            "--width", arguments.width,
+            "Width of an orthographic picture, world units. Default: the bounding box fills "
+            "95 % of the picture's width or height")
+        ->check(CLI::PositiveNumber)
         ->group(group);
     command
         .add_option("--eye", arguments.eye,
@@ -61,13 +147,23 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
                     "Point x,y,z to look at, world units; default: the centre of the bounding box")
         ->check(vector_error)
         ->group(group);
-    command.add_option("--up", arguments.up, "Direction x,y,z that points up in the picture")
+    command
+        .add_option(
+            "--up", arguments.up,
+            "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
+            "up in the picture; azimuth and elevation are measured about it")
         ->capture_default_str()
-        ->check(vector_error)
+        ->check(up_error)
+        ->group(group);
+    command
+        .add_option("--roll", arguments.roll_degrees,
+                    "Turn the camera clockwise about its view direction, degrees")
+        ->capture_default_str()
         ->group(group);
     command
         .add_option("--camera", arguments.camera_file,
-                    "Read the camera from a JSON file with eye, look_at, up and fov_degrees")
+                    "Read the camera from a JSON file with eye, look_at, up and fov_degrees or "
+                    "orthographic_width")
         ->group(group);
     command
         .add_option("--save-camera", arguments.save_camera,
@@ -75,30 +171,48 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         ->group(group);
 }
 
-Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box) {
-    const auto given = [&](const char* option) { return command.count(option) > 0; };
-    const auto exclude = [&](const char* one, std::initializer_list<const char*> others) {
-        for (const char* other : others)
-            if (given(one) && given(other))
-                throw CLI::ValidationError(std::string(one) + " and " + other +
-                                           " exclude each other");
-    };
-    exclude("--camera", {"--view", "--azimuth", "--elevation", "--distance", "--fov", "--eye",
-                         "--look-at", "--up"});
-    exclude("--eye", {"--view", "--azimuth", "--elevation", "--distance"});
-    exclude("--view", {"--azimuth", "--elevation", "--distance"});
+bool view_given(const CLI::App& command) {
+    bool any = false;
+    for (const char* option :
+         {"--view", "--azimuth", "--elevation", "--distance", "--fov", "--orthographic", "--width",
+          "--eye", "--look-at", "--up", "--roll", "--camera", "--save-camera"})
+        any |= command.count(option) > 0;
+    return any;
+}
 
-    if (given("--camera")) return read_camera(arguments.camera_file);
-    Camera camera = orbit_view(box, arguments.azimuth_rad, arguments.elevation_rad,
-                               arguments.distance_radii, arguments.fov_degrees);
-    if (given("--look-at")) {
-        // An orbit about another point keeps its angles and distance.
-        const Vec3d target = parse_vector("--look-at", arguments.look_at);
+Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box,
+                   double aspect) {
+    const auto given = [&](const char* option) { return command.count(option) > 0; };
+    check_combinations(command);
+    if (given("--camera")) return camera_of_file(arguments, box, aspect);
+
+    Orbit orbit;
+    orbit.azimuth_degrees = arguments.azimuth_degrees;
+    orbit.elevation_degrees = arguments.elevation_degrees;
+    orbit.fov_degrees = arguments.fov_degrees;
+    orbit.up = parse_up(arguments.up);
+    orbit.roll_degrees = arguments.roll_degrees;
+    orbit.orthographic = arguments.orthographic;
+    orbit.width = arguments.width;
+    if (given("--view")) set_view(orbit, arguments.view);
+    if (given("--distance")) orbit.distance_radii = arguments.distance_radii;
+    Camera camera = orbit_view(box, orbit, aspect);
+    if (!given("--eye") && !given("--look-at")) return camera;
+
+    const Vec3d target =
+        given("--look-at") ? parse_vector("--look-at", arguments.look_at) : camera.look_at;
+    // An orbit about another point keeps its angles and distance.
+    if (!given("--eye")) {
         camera.eye = camera.eye + (target - camera.look_at);
         camera.look_at = target;
+    } else {
+        camera.look_at = target;
+        camera.eye = parse_vector("--eye", arguments.eye);
+        camera.up = orbit.up;
+        if (orbit.roll_degrees != 0) camera = rolled(camera, orbit.roll_degrees);
     }
-    if (given("--eye")) camera.eye = parse_vector("--eye", arguments.eye);
-    if (given("--up")) camera.up = parse_vector("--up", arguments.up);
+    if (orbit.orthographic && orbit.width == 0)
+        camera.orthographic_width = fitted_width(camera, box, aspect);
     return camera;
 }
 

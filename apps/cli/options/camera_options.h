@@ -9,17 +9,23 @@
 namespace vog::cli {
 
 struct ViewArguments {
-    std::string view = "paper", camera_file, eye, look_at, up = "0,1,0", save_camera;
-    double azimuth_rad = kPaperAzimuthRad, elevation_rad = kPaperElevationRad;
-    double distance_radii = kPaperDistanceRadii, fov_degrees = kPaperFovDegrees;
+    std::string view, camera_file, eye, look_at, up = "y", save_camera;
+    double azimuth_degrees = kPaperAzimuthDegrees, elevation_degrees = kPaperElevationDegrees;
+    double distance_radii = 0, fov_degrees = kPaperFovDegrees, roll_degrees = 0, width = 0;
+    bool orthographic = false;
 };
 
-/// Adds --view, --azimuth, --elevation, --distance, --fov, --eye, --look-at, --up, --camera.
+/// Adds the options of cameras: --view, angles, --eye, --up, --orthographic, --camera and theirs.
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
+/// Whether an option of the camera was given, --save-camera included.
+bool view_given(const CLI::App& command);
+
 /// The camera of the options. It looks at the centre of `box` unless they name a point.
+/// aspect  width / height of the picture that a fitted box shall fill
 /// throws  vog::Error for an unreadable --camera file, CLI::ValidationError for options that
 ///         exclude each other or cannot be parsed
-Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box);
+Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box,
+                   double aspect);
 
 }  // namespace vog::cli

@@ -68,11 +68,20 @@ double RenderedPicture::median_ms() const {
 }
 
 nlohmann::ordered_json to_json(const RenderedPicture& picture) {
+    const Camera& c = picture.camera;
+    const auto array = [](Vec3d v) { return nlohmann::ordered_json{v.x, v.y, v.z}; };
+    nlohmann::ordered_json camera = {
+        {"eye", array(c.eye)}, {"look_at", array(c.look_at)}, {"up", array(c.up)}};
+    if (c.orthographic())
+        camera["orthographic_width"] = c.orthographic_width;
+    else
+        camera["fov_degrees"] = c.fov_degrees;
     nlohmann::ordered_json json = {{"output", picture.output},
                                    {"depth_output", picture.depth_output},
                                    {"renderer", picture.renderer},
                                    {"width", picture.width},
                                    {"height", picture.height},
+                                   {"camera", camera},
                                    {"gaussians", picture.gaussians},
                                    {"active_voxels", picture.active_voxels},
                                    {"threads", picture.threads},
@@ -159,7 +168,8 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
 
     const Drawing drawing =
         stages.run("load", [&] { return ranks.load(arguments.drawing, extinction, command); });
-    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box));
+    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
+                                      double(size.width) / size.height);
     if (ranks.is_root && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, camera);
 
@@ -182,7 +192,9 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
         stages.run("save", [&] { write_image(arguments.output, image); });
     }
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
-    return figures_of(arguments, drawing, depth, std::move(render_ms), stages);
+    RenderedPicture picture = figures_of(arguments, drawing, depth, std::move(render_ms), stages);
+    picture.camera = camera;
+    return picture;
 }
 
 }  // namespace vog::cli

@@ -37,6 +37,7 @@ struct RenderedPicture {
     std::string output, depth_output;  ///< files written; empty: none
     std::string renderer, primitives_text;
     int width = 0, height = 0;  ///< pixels
+    Camera camera;
     std::uint64_t gaussians = 0, active_voxels = 0;
     int threads = 0;
     double extinction = 1;              ///< factor on density that T is at

@@ -89,7 +89,9 @@ void GlSplat::add(const GlModel& model, const Camera& camera, Jitter jitter,
     program_.set("forward", frame.forward);
     program_.set("size_px", static_cast<float>(frame.width), static_cast<float>(frame.height));
     program_.set("jitter_px", static_cast<float>(jitter.x), static_cast<float>(jitter.y));
-    program_.set("pixels_per_unit", static_cast<float>(frame.pixels_per_unit));
+    const double lengths = frame.orthographic ? model.unit() : 1;  // of the shader's unit
+    program_.set("pixels_per_unit", static_cast<float>(lengths * frame.pixels_per_unit));
+    program_.set("parallel", frame.orthographic ? 1.0f : 0.0f);
     program_.set("cutoff", model.cutoff());
     glBindVertexArray(model.vertex_array());
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(model.size()));

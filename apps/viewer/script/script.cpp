@@ -44,6 +44,7 @@ constexpr Form kForms[] = {
     {"zoom", "n", "zoom FACTOR"},
     {"fly", "nnn", "fly RIGHT UP AHEAD (radii)"},
     {"fov", "n", "fov DEGREES"},
+    {"orthographic", "s", "orthographic on|off"},
     {"camera", "w", "camera FILE.json"},
     {"save-camera", "w", "save-camera FILE.json"},
     {"tf", "w", "tf NAME|FILE.json"},

@@ -268,15 +268,17 @@ bool ScriptPlayer::start_camera(const Action& action, Stage& stage) {
     } else if (action.verb == "roll") {
         camera = rolled(camera, radians(n(0)));
     } else if (action.verb == "pan") {
-        camera = panned(camera, {}, {2 * n(0), 2 * n(1)});
+        camera = panned(camera, {}, {2 * n(0), 2 * n(1)}, session.aspect());
     } else if (action.verb == "zoom") {
         if (n(0) <= 0) throw Error(fmt::format("zoom {}: expected a factor above 0", w[0]));
-        camera = zoomed(camera, {}, 1 / n(0), session.least_distance());
+        camera = zoomed(camera, {}, 1 / n(0), session.least_distance(), session.aspect());
     } else if (action.verb == "fly") {
         camera = flown(camera, n(0) * radius, n(1) * radius, n(2) * radius);
     } else if (action.verb == "fov") {
         camera.fov_degrees = n(0);
         frame_of(camera, 1, 1);
+    } else if (action.verb == "orthographic") {
+        session.set_orthographic(on(w[0]));
     } else if (action.verb == "camera") {
         camera = read_camera(w[0]);
     } else if (action.verb == "save-camera") {

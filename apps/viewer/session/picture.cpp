@@ -7,8 +7,9 @@ namespace vog::viewer {
 
 bool operator==(const PictureKey& a, const PictureKey& b) {
     const auto tie = [](const PictureKey& k) {
-        return std::tie(k.renderer, k.model, k.hierarchy, k.pixel_error, k.voxels, k.camera.eye,
-                        k.camera.look_at, k.camera.up, k.camera.fov_degrees, k.size);
+        return std::tie(k.renderer, k.model, k.hierarchy, k.pixel_error, k.voxels,
+                        k.camera.orthographic_width, k.camera.eye, k.camera.look_at, k.camera.up,
+                        k.camera.fov_degrees, k.size);
     };
     return tie(a) == tie(b);
 }

@@ -22,7 +22,7 @@ constexpr double kMovingErrorLimit_px = 16;  ///< shapes are still recognisable
 
 bool same(const Camera& a, const Camera& b) {
     const auto tie = [](const Camera& c) {
-        return std::tie(c.eye, c.look_at, c.up, c.fov_degrees);
+        return std::tie(c.eye, c.look_at, c.up, c.fov_degrees, c.orthographic_width);
     };
     return tie(a) == tie(b);
 }

@@ -49,7 +49,8 @@ class Session {
     Settings settings;
     Camera camera;
     Look look;  ///< changes take effect with look_changed()
-    std::function<Camera(const Box&)> first_camera = paper_view;  ///< initial view of opened files
+    /// Initial view of opened files.
+    std::function<Camera(const Box&)> first_camera = [](const Box& box) { return orbit_view(box); };
     // State for display.
     Measured measured;
     Scene scene;
@@ -68,6 +69,8 @@ class Session {
     void auto_exposure();
     void set_view(const std::string& name);
     void fit();
+    /// Parallel rays, or a pinhole, at the same size of what the camera looks at.
+    void set_orthographic(bool orthographic);
     /// Back to the initial view of the files.
     void reset_view();
     /// Extinction of the first picture, in place of the automatic one.

@@ -28,10 +28,14 @@ void Session::open_json(const std::string& file) {
 }
 
 void Session::set_view(const std::string& name) {
-    camera = named_view(name, scene.box, aspect(), camera.fov_degrees);
+    camera = named_view(camera, name, scene.box, aspect(), first_camera(scene.box).up);
 }
 
 void Session::fit() { camera = fitted(camera, scene.box, aspect()); }
+
+void Session::set_orthographic(bool orthographic) {
+    camera = with_projection(camera, orthographic, aspect());
+}
 
 void Session::reset_view() { camera = first_camera(scene.box); }
 

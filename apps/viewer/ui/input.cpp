@@ -73,10 +73,11 @@ void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoi
             camera = rotated(camera, from, at);
             break;
         case Drag::Grip::pan:
-            camera = panned(camera, from, at);
+            camera = panned(camera, from, at, session.aspect());
             break;
         case Drag::Grip::zoom:
-            camera = zoomed(camera, {}, std::exp(-2 * dy), session.least_distance());
+            camera =
+                zoomed(camera, {}, std::exp(-2 * dy), session.least_distance(), session.aspect());
             break;
         case Drag::Grip::look:  // the point under the pointer follows it
             camera = looked_around(camera, -dx * half_fov, -dy * half_fov);
@@ -117,7 +118,7 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
     if (over && io.MouseWheel != 0)
         session.camera =
             zoomed(session.camera, at, std::pow(0.85, static_cast<double>(io.MouseWheel)),
-                   session.least_distance());
+                   session.least_distance(), session.aspect());
 }
 
 /// Keys that move the camera while they are held.
@@ -169,6 +170,7 @@ void apply_view_keys(Session& session) {
     if (pressed(GLFW_KEY_P)) session.set_view("paper");
     if (pressed(GLFW_KEY_HOME)) session.reset_view();
     if (pressed(GLFW_KEY_F)) session.fit();
+    if (pressed(GLFW_KEY_5)) session.set_orthographic(!session.camera.orthographic());
     constexpr double kTurn = 5 * std::numbers::pi / 180;
     if (pressed(GLFW_KEY_LEFT)) session.camera = orbited(session.camera, -kTurn, 0);
     if (pressed(GLFW_KEY_RIGHT)) session.camera = orbited(session.camera, kTurn, 0);

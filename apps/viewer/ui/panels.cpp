@@ -116,10 +116,18 @@ void draw_camera_section(Session& session, Gui& gui, float ui) {
     button("reset", [&] { session.reset_view(); });
     ImGui::SameLine(0, 4 * ui);
     button("copy as flags", [&] { session.copy_flags(); });
-    auto fov = static_cast<float>(session.camera.fov_degrees);
-    if (ImGui::SliderFloat("field of view", &fov, 1, 150, "%.1f degrees",
-                           ImGuiSliderFlags_Logarithmic))
-        session.camera.fov_degrees = static_cast<double>(fov);
+    bool orthographic = session.camera.orthographic();
+    if (ImGui::Checkbox("orthographic", &orthographic)) session.set_orthographic(orthographic);
+    mark(gui, "orthographic");
+    if (orthographic) {
+        ImGui::SameLine(0, 4 * ui);
+        ImGui::Text("width %.4g", session.camera.orthographic_width);
+    } else {
+        auto fov = static_cast<float>(session.camera.fov_degrees);
+        if (ImGui::SliderFloat("field of view", &fov, 1, 150, "%.1f degrees",
+                               ImGuiSliderFlags_Logarithmic))
+            session.camera.fov_degrees = static_cast<double>(fov);
+    }
     ImGui::InputText("##camera", &gui.camera_path);
     ImGui::SameLine(0, 4 * ui);
     button("load##camera", [&] { session.camera = read_camera(gui.camera_path); });

@@ -26,6 +26,13 @@ double half_tangent(const Camera& camera) {
 }
 double distance_of(const Camera& camera) { return length(camera.look_at - camera.eye); }
 
+/// Half the height of the picture at look_at, world units.
+/// aspect  width / height of the picture
+double half_height(const Camera& camera, double aspect) {
+    return camera.orthographic() ? 0.5 * camera.orthographic_width / aspect
+                                 : distance_of(camera) * half_tangent(camera);
+}
+
 /// Rotation by Rodrigues' formula; axis of unit length, angle in radians.
 Vec3d turned(Vec3d v, Vec3d axis, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
@@ -86,13 +93,20 @@ Camera rolled(const Camera& camera, double angle_rad) {
     return result;
 }
 
-Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to) {
-    const double scale = distance_of(camera) * half_tangent(camera);
+Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to, double aspect) {
+    const double scale = half_height(camera, aspect);
     return flown(camera, (from.x - to.x) * scale, (from.y - to.y) * scale, 0);
 }
 
-Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance) {
+Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance,
+              double aspect) {
     const Axes axes = axes_of(camera);
+    if (camera.orthographic()) {
+        const double shift = (1 - factor) * half_height(camera, aspect);
+        Camera result = flown(camera, at.x * shift, at.y * shift, 0);
+        result.orthographic_width *= factor;
+        return result;
+    }
     const double distance = std::max(distance_of(camera), least_distance);
     const double slope = half_tangent(camera);
     const Vec3d target = camera.eye + distance * (axes.forward + (at.x * slope) * axes.right +
@@ -113,36 +127,35 @@ Camera flown(const Camera& camera, double right, double up, double forward) {
     return result;
 }
 
-Camera fitted(const Camera& camera, const Box& box, double aspect) {
-    const double radius = box.empty() || box.radius() == 0 ? 1 : box.radius();
-    const double half = std::atan(half_tangent(camera) * std::min(1.0, aspect));
-    Camera result = camera;
-    result.look_at = box.empty() ? Vec3d{} : box.center();
-    result.eye = result.look_at - (radius / std::sin(half)) * axes_of(camera).forward;
-    result.up = axes_of(camera).up;
-    return result;
+Camera named_view(const Camera& camera, const std::string& name, const Box& box, double aspect,
+                  Vec3d up) {
+    Orbit orbit;
+    orbit.fov_degrees = camera.fov_degrees;
+    orbit.up = up;
+    orbit.orthographic = camera.orthographic();
+    set_view(orbit, name);
+    return orbit_view(box, orbit, aspect);
 }
 
-Camera named_view(const std::string& name, const Box& box, double aspect, double fov_degrees) {
-    if (name == "paper") return paper_view(box);
-    const std::string axes = "xyz";
-    const std::size_t axis = name.size() == 2 ? axes.find(name[1]) : std::string::npos;
-    if (axis == std::string::npos || (name[0] != '+' && name[0] != '-'))
-        throw Error(
-            fmt::format("no view named '{}' (there are: paper, +x, -x, +y, -y, +z, -z)", name));
-    Camera camera;
-    camera.fov_degrees = fov_degrees;
-    camera.look_at = {};
-    camera.eye = {};
-    camera.eye[static_cast<int>(axis)] = name[0] == '+' ? 1 : -1;
-    camera.up = axis == 1 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-    return fitted(camera, box, aspect);
+Camera with_projection(const Camera& camera, bool orthographic, double aspect) {
+    if (camera.orthographic() == orthographic) return camera;
+    Camera result = camera;
+    if (orthographic) {
+        result.orthographic_width = 2 * distance_of(camera) * half_tangent(camera) * aspect;
+    } else {
+        const double distance = camera.orthographic_width / (2 * half_tangent(camera) * aspect);
+        result.eye = camera.look_at - distance * axes_of(camera).forward;
+        result.orthographic_width = 0;
+    }
+    return result;
 }
 
 std::string camera_flags(const Camera& camera) {
     const auto text = [](Vec3d v) { return fmt::format("{},{},{}", v.x, v.y, v.z); };
-    return fmt::format("--eye {} --look-at {} --up {} --fov {}", text(camera.eye),
-                       text(camera.look_at), text(camera.up), camera.fov_degrees);
+    return fmt::format(
+        "--eye={} --look-at={} --up={} {}", text(camera.eye), text(camera.look_at), text(camera.up),
+        camera.orthographic() ? fmt::format("--orthographic --width {}", camera.orthographic_width)
+                              : fmt::format("--fov {}", camera.fov_degrees));
 }
 
 }  // namespace vog::viewer

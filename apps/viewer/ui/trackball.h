@@ -22,22 +22,25 @@ Camera looked_around(const Camera& camera, double right_rad, double up_rad);
 /// Rotates about the view direction; the picture turns clockwise.
 Camera rolled(const Camera& camera, double angle_rad);
 /// Translates so that points at look_at's depth follow the pointer.
-Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to);
+/// aspect  width / height of the picture, here and below
+Camera panned(const Camera& camera, ScreenPoint from, ScreenPoint to, double aspect);
 /// Scales the distance to the point under the pointer, at look_at's depth, by `factor`; the point
 /// stays under the pointer. Closer than `least_distance` (world units), look_at moves ahead, so
-/// that the camera passes through the volume.
-Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance);
+/// that the camera passes through the volume. An orthographic camera's width is scaled instead.
+Camera zoomed(const Camera& camera, ScreenPoint at, double factor, double least_distance,
+              double aspect);
 /// Translates eye and look_at along the camera's axes, world units.
 Camera flown(const Camera& camera, double right, double up, double forward);
 
-/// The same view direction, at the distance where the box's bounding sphere fits the picture.
-/// aspect  width / height
-Camera fitted(const Camera& camera, const Box& box, double aspect);
-/// View by name: "paper", or "+x", "-x", "+y", ... from that side of the box, fitted; up is y, or x
-/// for "+y" and "-y". throws vog::Error for other names, with the valid ones
-Camera named_view(const std::string& name, const Box& box, double aspect, double fov_degrees);
+/// View by name (set_view of vog/camera.h) with the camera's projection and angle, fitted.
+/// up      vertical direction of the data
+/// throws  vog::Error for other names, with the valid ones
+Camera named_view(const Camera& camera, const std::string& name, const Box& box, double aspect,
+                  Vec3d up);
+/// The camera with parallel rays, or with a pinhole: look_at's plane keeps its size in the picture.
+Camera with_projection(const Camera& camera, bool orthographic, double aspect);
 
-/// The camera as options, `--eye ... --look-at ... --up ... --fov ...`, with all digits.
+/// The camera as options: `--eye ... --look-at ... --up ... --fov ...`, or `--orthographic --width ...`.
 std::string camera_flags(const Camera& camera);
 
 }  // namespace vog::viewer

@@ -11,9 +11,10 @@ namespace vog::device {
 
 /// CameraFrame (vog/camera.h) in scene units.
 struct Camera {
-    Double3 eye;
+    Double3 eye, shift_x, shift_y;   ///< origin of pixel (column, row): eye + ...
     Double3 corner, step_x, step_y;  ///< direction of pixel (column, row): corner + ...
     int32_t width, height;
+    int32_t orthographic;  ///< 1: parallel rays, no steps of the direction
 };
 
 struct Bounds {
@@ -50,12 +51,13 @@ VOG_HD void clip_to_box(Double3 to_lower, Double3 to_upper, Double3 inverse, dou
 VOG_HD bool camera_ray(const Camera& camera, const Bounds& bounds, double column, double row,
                        Ray& ray) {
     const Double3 along = camera.corner + column * camera.step_x + row * camera.step_y;
+    const Double3 from = camera.eye + column * camera.shift_x + row * camera.shift_y;
     ray.direction = (1 / sqrt(dot(along, along))) * along;
     ray.inverse = {slab_inverse(ray.direction.x), slab_inverse(ray.direction.y),
                    slab_inverse(ray.direction.z)};
     double enter = 0, leave = HUGE_VAL;
-    clip_to_box(bounds.lower - camera.eye, bounds.upper - camera.eye, ray.inverse, enter, leave);
-    ray.origin = camera.eye + enter * ray.direction;
+    clip_to_box(bounds.lower - from, bounds.upper - from, ray.inverse, enter, leave);
+    ray.origin = from + enter * ray.direction;
     ray.length = static_cast<float>(leave - enter);
     return enter <= leave;
 }

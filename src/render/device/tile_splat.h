@@ -34,6 +34,7 @@ struct PixelRange {
 /// With (x, y) the pixel's offset from the projected mean, and lengths in units of the whitened
 /// direction there:
 ///   m² C = (ax x + ay y)² + by2 y²        C = (c0 + cx x + cy y)² + (d0 + dy y)² + e02
+/// Parallel rays: C = 1.
 /// Sums of squares, by triangular bases: nothing cancels, however elongated or far the Gaussian.
 struct TileSplat {
     PixelRange pixels;
@@ -96,6 +97,22 @@ VOG_HD void pixels_between(double a, double b, double c, double at, int32_t size
     last = static_cast<int32_t>(floor(fmin(fmax(upper, -2.0), size - 1.0)));
 }
 
+/// m² C = |x P + y Q|², by a basis along P.
+VOG_HD void fill_distance(Double3 p, Double3 q, double q_across, TileSplat& out) {
+    const double p_length = sqrt(dot(p, p));
+    out.ax = static_cast<float>(p_length);
+    out.ay = static_cast<float>(dot(p, q) / p_length);
+    out.by2 = static_cast<float>(q_across * q_across);
+}
+/// x, y  the mean's pixel
+VOG_HD void fill_place(double x, double y, TileSplat& out) {
+    const double column = floor(x + 0.5), row = floor(y + 0.5);
+    out.column = static_cast<int32_t>(column);
+    out.row = static_cast<int32_t>(row);
+    out.offset_x = static_cast<float>(x - column);
+    out.offset_y = static_cast<float>(y - row);
+}
+
 /// Fills the quadratics of a Gaussian whose support lies in front of the eye plane.
 /// v, z  vector from the eye to the mean, and its component along `forward`;  x, y  the mean's pixel
 VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& camera, Double3 v,
@@ -107,13 +124,9 @@ VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& cam
     const Double3 w = (1 / length) * apply(axes.w, camera.step_y);
     const double e = z * length;  // |W (mean - eye)|
 
-    // m² C: basis along P = c x u; the rest of Q = c x w has length |c · (u x w)| / |P|.
+    // P = c x u; the rest of Q = c x w has length |c · (u x w)| / |P|.
     const Double3 p = cross(c, u), q = cross(c, w);
-    const double p_length = sqrt(dot(p, p));
-    const double q_across = dot(c, cross(u, w)) / p_length;
-    out.ax = static_cast<float>(e * p_length);
-    out.ay = static_cast<float>(e * (dot(p, q) / p_length));
-    out.by2 = static_cast<float>(e * e * q_across * q_across);
+    fill_distance(e * p, e * q, e * dot(c, cross(u, w)) / sqrt(dot(p, p)), out);
 
     // C: basis along u, then across it in the plane of u and w, then their normal.
     const double u_length = sqrt(dot(u, u));
@@ -129,17 +142,53 @@ VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& cam
     out.dy = static_cast<float>(dot(w, second));
     out.e02 = static_cast<float>(across * across);
     out.weight = static_cast<float>(g.density / length);
+    fill_place(x, y, out);
+}
 
-    const double column = floor(x + 0.5), row = floor(y + 0.5);
-    out.column = static_cast<int32_t>(column);
-    out.row = static_cast<int32_t>(row);
-    out.offset_x = static_cast<float>(x - column);
-    out.offset_y = static_cast<float>(y - row);
+/// Fills the quadratics for parallel rays: the whitened distance from the mean grows by W shift_x and
+/// W shift_y from pixel to pixel.
+VOG_HD void fill_parallel(const SplatGaussian& g, const Axes& axes, const Camera& camera, double x,
+                          double y, TileSplat& out) {
+    const Double3 along = apply(axes.w, camera.corner);
+    const double length = sqrt(dot(along, along));
+    const Double3 c = (1 / length) * along;
+    const Double3 u = apply(axes.w, camera.shift_x), w = apply(axes.w, camera.shift_y);
+    const Double3 p = cross(c, u), q = cross(c, w);
+    fill_distance(p, q, dot(c, cross(u, w)) / sqrt(dot(p, p)), out);
+    out.c0 = out.cx = out.cy = out.d0 = out.dy = 0;
+    out.e02 = 1;
+    out.weight = static_cast<float>(g.density / length);
+    fill_place(x, y, out);
+}
+
+/// Projects a Gaussian for parallel rays.
+/// returns  false if it covers no pixel of the image
+VOG_HD bool project_parallel(const SplatGaussian& g, const Camera& camera, double cutoff,
+                             TileSplat& out) {
+    const Axes axes = axes_of(g);
+    const Double3 v = to_double(g.mean) - camera.eye;  // from the plane of the eye, at pixel (0, 0)
+    const Double3 extent = apply(axes.a, camera.corner);
+    const double z = dot(v, camera.corner), depth = cutoff * sqrt(dot(extent, extent));
+    out.pixels = {0, camera.width - 1, 0, camera.height - 1};
+    out.near = !(z > 1.001 * depth);
+    if (out.near) return z + depth > 0;
+    const double per_x = 1 / dot(camera.shift_x, camera.shift_x);
+    const double per_y = 1 / dot(camera.shift_y, camera.shift_y);
+    const double x = dot(v, camera.shift_x) * per_x, y = dot(v, camera.shift_y) * per_y;
+    const Double3 across = apply(axes.a, camera.shift_x), down = apply(axes.a, camera.shift_y);
+    const double half_x = cutoff * sqrt(dot(across, across)) * per_x;
+    const double half_y = cutoff * sqrt(dot(down, down)) * per_y;
+    pixels_between(1, 0, -half_x * half_x, x, camera.width, out.pixels.x0, out.pixels.x1);
+    pixels_between(1, 0, -half_y * half_y, y, camera.height, out.pixels.y0, out.pixels.y1);
+    if (out.pixels.empty()) return false;
+    fill_parallel(g, axes, camera, x, y, out);
+    return true;
 }
 
 /// Projects a Gaussian.
 /// returns  false if it covers no pixel of the image
 VOG_HD bool project(const SplatGaussian& g, const Camera& camera, double cutoff, TileSplat& out) {
+    if (camera.orthographic) return project_parallel(g, camera, cutoff, out);
     const Axes axes = axes_of(g);
     const Double3 forward_steps = cross(camera.step_x, camera.step_y);
     const Double3 forward = (1 / sqrt(dot(forward_steps, forward_steps))) * forward_steps;

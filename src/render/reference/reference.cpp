@@ -59,7 +59,8 @@ DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int 
     DepthImage image(width, height);
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         check_interrupt();
-        image.at(column, row) = static_cast<float>(depth(frame.eye, frame.direction(column, row)));
+        image.at(column, row) =
+            static_cast<float>(depth(frame.origin(column, row), frame.direction(column, row)));
     });
     return image;
 }

@@ -16,9 +16,10 @@ inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {
     const int x1 = std::min(s.bounds.x1 - tile.column, kTileWidth - 1);
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
-            const Vec3d d =
-                s.corner + double(tile.column + x) * s.step_x + double(tile.row + y) * s.step_y;
-            tile.depth[y][x] += static_cast<float>(s.density * segment_integral(s.e, d, cutoff));
+            const double column = tile.column + x, row = tile.row + y;
+            const Vec3d e = s.e + column * s.shift_x + row * s.shift_y;
+            const Vec3d d = s.corner + column * s.step_x + row * s.step_y;
+            tile.depth[y][x] += static_cast<float>(s.density * segment_integral(e, d, cutoff));
         }
 }
 

@@ -78,11 +78,11 @@ bool narrow(PixelBounds& bounds, const Box& box, const CameraFrame& frame) {
                           corner & 4 ? box.upper.z : box.lower.z};
         const Vec3d p = point - frame.eye;
         const double forward = dot(p, frame.forward);
-        if (!(forward > 0.01 * diagonal)) return true;  // clear of the eye plane: finite slopes
-        const double column =
-            0.5 * (frame.width - 1) + frame.pixels_per_unit * dot(p, frame.right) / forward;
-        const double row =
-            0.5 * (frame.height - 1) - frame.pixels_per_unit * dot(p, frame.up) / forward;
+        // Clear of the eye plane: finite slopes.
+        if (!frame.orthographic && !(forward > 0.01 * diagonal)) return true;
+        const double pixels = frame.pixels_at(forward);
+        const double column = 0.5 * (frame.width - 1) + pixels * dot(p, frame.right);
+        const double row = 0.5 * (frame.height - 1) - pixels * dot(p, frame.up);
         x = {std::min(x[0], column), std::max(x[1], column)};
         y = {std::min(y[0], row), std::max(y[1], row)};
     }
@@ -142,10 +142,10 @@ BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
     return all;
 }
 
-/// 1 / direction of every ray of a tile, by axis. A zero component becomes tiny, so that 0/0 cannot
-/// arise; correct for every face except one that contains the eye.
+/// 1 / direction of every ray of a tile, by axis, and its origin relative to the eye. A zero component
+/// becomes tiny, so that 0/0 cannot arise; correct for every face except one that contains the origin.
 struct TileRays {
-    float inverse[3][kTileHeight][kTileWidth];
+    float inverse[3][kTileHeight][kTileWidth], origin[3][kTileHeight][kTileWidth];
 };
 TileRays tile_rays(const CameraFrame& frame, const TilePixels& tile) {
     constexpr double kTiny = 1e-30;
@@ -153,10 +153,12 @@ TileRays tile_rays(const CameraFrame& frame, const TilePixels& tile) {
     for (int y = 0; y < kTileHeight; ++y)
         for (int x = 0; x < kTileWidth; ++x) {
             const Vec3d d = frame.direction(tile.column + x, tile.row + y);
+            const Vec3d from = frame.origin(tile.column + x, tile.row + y) - frame.eye;
             for (int axis = 0; axis < 3; ++axis) {
                 const double component =
                     std::abs(d[axis]) < kTiny ? std::copysign(kTiny, d[axis]) : d[axis];
                 rays.inverse[axis][y][x] = static_cast<float>(1 / component);
+                rays.origin[axis][y][x] = static_cast<float>(from[axis]);
             }
         }
     return rays;
@@ -169,8 +171,9 @@ void add_where_met(const EyeBox& box, const TileRays& rays, int y, int x0, int x
     for (int x = x0; x <= x1; ++x) {
         float enter = 0, leave = std::numeric_limits<float>::infinity();
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            const float inverse = rays.inverse[axis][y][x];
-            const float a = box.lower[axis] * inverse, b = box.upper[axis] * inverse;
+            const float inverse = rays.inverse[axis][y][x], from = rays.origin[axis][y][x];
+            const float a = (box.lower[axis] - from) * inverse,
+                        b = (box.upper[axis] - from) * inverse;
             enter = std::max(enter, std::min(a, b));
             leave = std::min(leave, std::max(a, b));
         }

@@ -25,7 +25,7 @@ struct PixelBounds {
 /// A Gaussian wholly in front of the eye plane; one cache line. With (x, y) the whole pixels from
 /// (column, row), the pixel nearest the centre of the projected support, which is an ellipse, and d
 /// the whitened direction through the pixel over the peak (in units of SplatModel::unit):
-///   C = |d|²         = (cx x + cy y + c0)² + (dy y + d0)² + e02
+///   C = |d|²         = (cx x + cy y + c0)² + (dy y + d0)² + e02    (parallel rays: e02)
 ///   F = (k² - m²) C  = f0 - (by y + b0)² - (ax x + ay y + a0)²
 /// F is positive exactly on the ellipse. Both are squares of triangular forms around its centre: no
 /// cancellation, however elongated the Gaussian or far the eye. The peak a is inside d because
@@ -44,7 +44,9 @@ static_assert(sizeof(FarSplat) == 64);
 /// double precision.
 struct NearSplat {
     PixelBounds bounds;
-    Vec3d e;                       ///< whitened eye -> mean
+    /// Whitened vector from the ray's origin to the mean at pixel (0, 0), and its change from pixel
+    /// to pixel.
+    Vec3d e, shift_x, shift_y;
     Vec3d corner, step_x, step_y;  ///< CameraFrame's, whitened
     double density = 0;            ///< peak, in units of SplatModel::unit
 };

@@ -7,6 +7,8 @@
 //   L       = p_f² - k² S_ff                                    > 0: clear of the eye plane
 //   centre  = (p_r p_f - k² S_rf, p_u p_f - k² S_uf) / L
 //   shape   = [k² T_xᵀ S T_y - (k² S_xy k² S_ff - k² S_xf k² S_yf)] / L²,  T_x = p_f r - p_r f, ...
+// Parallel rays are the limit of a far eye, with slopes times its distance as world units: L = 1, centre
+// (p_r, p_u), shape k² S_xy, and (|e|² - k²) / L becomes C, the same for all pixels.
 // in which the large terms of the textbook form have been cancelled by hand. The determinant of the
 // shape is k⁴ det(S) (|e|² - k²) / L³, and F at the centre is k² (|e|² - k²) / L.
 
@@ -130,7 +132,8 @@ HWY_INLINE hn::Vec<DI> pixel_interval(D d, V center, V half, int size, hn::Mask<
 }
 
 /// Projects one vector of Gaussians.
-template <class D, std::size_t kLanes>
+/// kParallel  for an orthographic camera
+template <bool kParallel, class D, std::size_t kLanes>
 HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, double unit,
                               const CameraFrame& frame, ProjectionOutput<kLanes>& out) {
     using V = hn::Vec<D>;
@@ -156,16 +159,20 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     const V ru = hn::Mul(k2, dot(spread_r, spread_u)), ff = hn::Mul(k2, sff);
     const V depth_spread = hn::Sqrt(sff);
 
-    // Centre and shape of the outline.
-    const V leading = hn::NegMulAdd(ff, one, hn::Mul(forward, forward));
-    const V inverse_leading = hn::Div(one, leading);
-    const V center_r = hn::Mul(hn::MulSub(right, forward, rf), inverse_leading);
-    const V center_u = hn::Mul(hn::MulSub(up, forward, uf), inverse_leading);
-    const Lanes3<V> tx = combine(spread_r, forward, spread_f, hn::Neg(right));
-    const Lanes3<V> ty = combine(spread_u, forward, spread_f, hn::Neg(up));
-    const V shape_xx = hn::MulAdd(k2, dot(tx, tx), hn::MulSub(rf, rf, hn::Mul(rr, ff)));
-    const V shape_xy = hn::MulAdd(k2, dot(tx, ty), hn::MulSub(rf, uf, hn::Mul(ru, ff)));
-    const V shape_yy = hn::MulAdd(k2, dot(ty, ty), hn::MulSub(uf, uf, hn::Mul(uu, ff)));
+    // Centre and shape of the outline. Parallel rays: the mean and k² S across the view, L = 1.
+    V leading = one, inverse_leading = one, center_r = right, center_u = up;
+    V shape_xx = rr, shape_xy = ru, shape_yy = uu;
+    if constexpr (!kParallel) {
+        leading = hn::NegMulAdd(ff, one, hn::Mul(forward, forward));
+        inverse_leading = hn::Div(one, leading);
+        center_r = hn::Mul(hn::MulSub(right, forward, rf), inverse_leading);
+        center_u = hn::Mul(hn::MulSub(up, forward, uf), inverse_leading);
+        const Lanes3<V> tx = combine(spread_r, forward, spread_f, hn::Neg(right));
+        const Lanes3<V> ty = combine(spread_u, forward, spread_f, hn::Neg(up));
+        shape_xx = hn::MulAdd(k2, dot(tx, tx), hn::MulSub(rf, rf, hn::Mul(rr, ff)));
+        shape_xy = hn::MulAdd(k2, dot(tx, ty), hn::MulSub(rf, uf, hn::Mul(ru, ff)));
+        shape_yy = hn::MulAdd(k2, dot(ty, ty), hn::MulSub(uf, uf, hn::Mul(uu, ff)));
+    }
     const V to_pixels = hn::Mul(ppu, inverse_leading);
     const V root_yy = hn::Sqrt(shape_yy);
     const V half_x = hn::Mul(hn::Sqrt(shape_xx), to_pixels), half_y = hn::Mul(root_yy, to_pixels);
@@ -191,16 +198,21 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     const Lanes3<V> right_over{hn::Mul(axes.right.x, whiten.x), hn::Mul(axes.right.y, whiten.y),
                                hn::Mul(axes.right.z, whiten.z)};
     const Lanes3<V> up_over = times(axes.up, whiten), forward_over = times(axes.forward, whiten);
-    const Lanes3<V> e = {hn::MulAdd(right, right_over.x,
-                                    hn::MulAdd(up, up_over.x, hn::Mul(forward, forward_over.x))),
-                         hn::MulAdd(right, right_over.y,
-                                    hn::MulAdd(up, up_over.y, hn::Mul(forward, forward_over.y))),
-                         hn::MulAdd(right, right_over.z,
-                                    hn::MulAdd(up, up_over.z, hn::Mul(forward, forward_over.z)))};
+    // Along the ray through the mean: from the eye to the mean, or for parallel rays one world unit.
+    const Lanes3<V> e =
+        kParallel
+            ? forward_over
+            : Lanes3<V>{hn::MulAdd(right, right_over.x,
+                                   hn::MulAdd(up, up_over.x, hn::Mul(forward, forward_over.x))),
+                        hn::MulAdd(right, right_over.y,
+                                   hn::MulAdd(up, up_over.y, hn::Mul(forward, forward_over.y))),
+                        hn::MulAdd(right, right_over.z,
+                                   hn::MulAdd(up, up_over.z, hn::Mul(forward, forward_over.z)))};
     const V e2 = dot(e, e);  // |e|² / peak²
     // Over the peak and in the distance's unit: T at the mean is about peak forward / |e|.
+    const V length = kParallel ? one : forward;
     const auto shows =
-        hn::And(hn::Ge(hn::Mul(forward, forward), hn::Mul(hn::Set(d, kFaintest * kFaintest), e2)),
+        hn::And(hn::Ge(hn::Mul(length, length), hn::Mul(hn::Set(d, kFaintest * kFaintest), e2)),
                 hn::Gt(peak, zero));
     const auto seen = hn::And(hn::And(some_x, some_y), shows);
     out.far = lane_bits(d, hn::And(is_far, seen));
@@ -210,7 +222,8 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
 
     // F: with everything over the peak squared.
     const V inverse_yy = hn::Div(one, shape_yy);
-    const V outside = hn::NegMulAdd(k2, hn::Mul(inverse_peak, inverse_peak), e2);  // (|e|² - k²)
+    // |e|² - k²; for parallel rays C.
+    const V outside = kParallel ? e2 : hn::NegMulAdd(k2, hn::Mul(inverse_peak, inverse_peak), e2);
     const V f0 = hn::Mul(hn::Mul(k2, outside), inverse_leading);
     const V inverse_k = hn::Set(d, 1 / cutoff);
     const V ax = hn::Mul(hn::Mul(root_yy, hn::Mul(inverse_k, pixel)), inverse_peak_volume);
@@ -218,7 +231,7 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     const V by =
         hn::Mul(hn::Sqrt(hn::Mul(hn::Mul(k2, outside), hn::Mul(leading, inverse_yy))), pixel);
 
-    // C: Gram-Schmidt on the steps of one pixel and the direction through the centre. The length of
+    // C, for parallel rays e02 alone: Gram-Schmidt on the steps of one pixel and the direction through the centre. The length of
     // the steps' cross product is spread_f over the volume.
     const V xx = dot(right_over, right_over), xy = dot(right_over, up_over);
     const V length_x = hn::Sqrt(xx), inverse_x = hn::Div(one, length_x);
@@ -237,11 +250,12 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     // 1 / length_y = length_x / cross, and 1 / cross = peak² volume / spread_f.
     const V inverse_cross =
         hn::Mul(hn::Mul(hn::Mul(peak, peak), volume), hn::Mul(depth_spread, inverse_ff));
-    const V d_center = hn::Mul(dot(c, across), hn::Mul(length_x, inverse_cross));
-    const V e02 = hn::Mul(inverse_ff, hn::Mul(inverse_peak, inverse_peak));
-    const V c_center = hn::Mul(dot(c, right_over), inverse_x);
-    const V cx = hn::Mul(length_x, pixel), cy = hn::Neg(hn::Mul(along, pixel));
-    const V dy = hn::Neg(hn::Mul(length_y, pixel));
+    const V d_center = kParallel ? zero : hn::Mul(dot(c, across), hn::Mul(length_x, inverse_cross));
+    const V e02 = kParallel ? e2 : hn::Mul(inverse_ff, hn::Mul(inverse_peak, inverse_peak));
+    const V c_center = kParallel ? zero : hn::Mul(dot(c, right_over), inverse_x);
+    const V cx = kParallel ? zero : hn::Mul(length_x, pixel);
+    const V cy = kParallel ? zero : hn::Neg(hn::Mul(along, pixel));
+    const V dy = kParallel ? zero : hn::Neg(hn::Mul(length_y, pixel));
 
     // The centre as whole pixel and rest: offsets keep full precision anywhere.
     const V half = hn::Set(d, 0.5);
@@ -264,17 +278,19 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
                           out.group[3]);
 }
 
-/// True if a support lies beyond one of the four side planes of the view, slope · forward - sign ·
-/// across = 0 through the eye.
+/// True if a support lies beyond one of the four side planes of the view: slope · forward - sign ·
+/// across = 0 through the eye; for parallel rays sign · across = half the image's width or height.
 inline bool beside_the_view(const Mat3& w, const CameraFrame& frame, Vec3d p, double cutoff) {
     const double side_x = 0.5 * frame.width / frame.pixels_per_unit;
     const double side_y = 0.5 * frame.height / frame.pixels_per_unit;
+    const double slope = frame.orthographic ? 0 : 1, margin = 1 - slope;
     const Mat3 scaled_axes = transpose(inverse(w));
     for (const double sign : {-1.0, 1.0})
         for (const bool horizontal : {true, false}) {
             const Vec3d across = horizontal ? frame.right : frame.up;
-            const Vec3d normal = (horizontal ? side_x : side_y) * frame.forward - sign * across;
-            const double distance = dot(normal, p);
+            const double side = horizontal ? side_x : side_y;
+            const Vec3d normal = slope * side * frame.forward - sign * across;
+            const double distance = dot(normal, p) + margin * side;
             if (distance >= 0) continue;
             const Vec3d reach = scaled_axes * normal;
             if (distance * distance > cutoff * cutoff * dot(reach, reach)) return true;
@@ -291,7 +307,9 @@ inline void add_near_splat(const SplatModel& model, std::size_t i, const CameraF
     NearSplat s;
     s.bounds.x1 = static_cast<std::uint16_t>(frame.width - 1);
     s.bounds.y1 = static_cast<std::uint16_t>(frame.height - 1);
-    s.e = w * p;
+    s.e = w * (vec_cast<double>(gaussians.mean[i]) - frame.first_origin);
+    s.shift_x = w * (-frame.shift_x);
+    s.shift_y = w * (-frame.shift_y);
     s.corner = w * frame.corner;
     s.step_x = w * frame.step_x;
     s.step_y = w * frame.step_y;
@@ -325,7 +343,10 @@ void project(const SplatModel& model, const CameraFrame& frame, std::size_t firs
             }
             in = {mean, scale, rotated ? rotation : nullptr, density};
         }
-        project_lanes(d, in, model.cutoff, model.unit, frame, out);
+        if (frame.orthographic)
+            project_lanes<true>(d, in, model.cutoff, model.unit, frame, out);
+        else
+            project_lanes<false>(d, in, model.cutoff, model.unit, frame, out);
         const std::size_t whole = (std::size_t{1} << count) - 1;
         for (std::size_t left = out.far & whole; left != 0; left &= left - 1) {
             const auto n = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(left));

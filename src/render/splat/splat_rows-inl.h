@@ -258,8 +258,8 @@ void finish_tile(TilePixels& tile, const CameraFrame& frame, double unit, bool a
     const auto step = static_cast<int>(hn::Lanes(d));
     const int width = std::min(kTileWidth, frame.width - tile.column);
     const int height = std::min(kTileHeight, frame.height - tile.row);
-    // |D|² = 1 + slope_x² + slope_y².
-    const double pixel = 1 / frame.pixels_per_unit;
+    // |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
+    const double pixel = frame.orthographic ? 0 : 1 / frame.pixels_per_unit;
     const V scale = hn::Set(d, static_cast<float>(unit));
     for (int y = 0; y < height; ++y) {
         const double slope_y = (tile.row + y - 0.5 * (frame.height - 1)) * pixel;

@@ -26,17 +26,24 @@ static_assert(sizeof(Bound) == 32);
 
 enum class Fate { skip, draw, divide };
 
-/// One camera, and the four sides of its picture as planes through the eye, normals inwards.
+/// One camera, and the four sides of its picture as planes, normals inwards: through the eye, or for
+/// parallel rays at a distance from it.
 class View {
   public:
     View(const CameraFrame& frame, const CutOptions& options)
         : eye_(frame.eye),
           forward_(frame.forward),
           pixels_(frame.pixels_per_unit),
+          orthographic_(frame.orthographic),
           pixel_error_(options.pixel_error),
           skip_unseen_(options.skip_unseen) {
         const double side_x = 0.5 * frame.width / frame.pixels_per_unit;
         const double side_y = 0.5 * frame.height / frame.pixels_per_unit;
+        if (orthographic_) {
+            side_ = {-frame.right, frame.right, -frame.up, frame.up};
+            margin_ = {side_x, side_x, side_y, side_y};
+            return;
+        }
         side_ = {normalized(side_x * frame.forward - frame.right),
                  normalized(side_x * frame.forward + frame.right),
                  normalized(side_y * frame.forward - frame.up),
@@ -48,9 +55,10 @@ class View {
         const double forward = dot(p, forward_), radius = node.radius;
         if (skip_unseen_) {
             if (forward + radius <= 0) return Fate::skip;
-            for (const Vec3d& side : side_)
-                if (dot(side, p) + radius < 0) return Fate::skip;
+            for (std::size_t n = 0; n < 4; ++n)
+                if (dot(side_[n], p) + margin_[n] + radius < 0) return Fate::skip;
         }
+        if (orthographic_) return node.error * pixels_ < pixel_error_ ? Fate::draw : Fate::divide;
         // A ball around the eye has no size in pixels.
         const double nearest = forward - radius;
         if (!(nearest > 0)) return Fate::divide;
@@ -63,7 +71,10 @@ class View {
   private:
     Vec3d eye_, forward_;
     std::array<Vec3d, 4> side_;
-    double pixels_, pixel_error_;
+    std::array<double, 4> margin_{};
+    double pixels_;
+    bool orthographic_;
+    double pixel_error_;
     bool skip_unseen_;
 };
 

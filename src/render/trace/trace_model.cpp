@@ -143,8 +143,16 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
 }
 
 device::Camera scene_camera(const CameraFrame& frame, double unit) {
-    return {plain((1 / unit) * frame.eye), plain(frame.corner), plain(frame.step_x),
-            plain(frame.step_y),           frame.width,         frame.height};
+    const double per_unit = 1 / unit;
+    return {plain(per_unit * frame.first_origin),
+            plain(per_unit * frame.shift_x),
+            plain(per_unit * frame.shift_y),
+            plain(frame.corner),
+            plain(frame.step_x),
+            plain(frame.step_y),
+            frame.width,
+            frame.height,
+            frame.orthographic ? 1 : 0};
 }
 
 }  // namespace vog::trace

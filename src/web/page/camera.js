@@ -1,5 +1,6 @@
-// camera.js: pinhole camera {eye, at, up, fov} and its motions by pointer and keys, as in
-// apps/viewer/ui/trackball.cpp. Every motion returns a new camera. Screen points are [right, up] from
+// camera.js: camera {eye, at, up, fov, span} and its motions by pointer and keys, as in
+// apps/viewer/ui/trackball.cpp. A span above 0 is an orthographic camera's: world units across the
+// shorter side of the screen, in place of fov. Every motion returns a new camera. Screen points are [right, up] from
 // the centre in units of half the shorter side, which also spans the angle fov (degrees): the height
 // of a wide screen, as everywhere in vog, but the width of a tall one.
 import { add, sub, mul, dot, cross, length, normalized, turned } from './vectors.js';
@@ -16,7 +17,18 @@ export const halfTangent = (camera) => Math.tan((camera.fov * Math.PI) / 360);
 export function isUsable(camera) {
   const { right, up, forward } = axesOf(camera);
   return [...right, ...up, ...forward, ...camera.eye].every(Number.isFinite) &&
-      camera.fov > 0 && camera.fov < 180;
+      camera.fov > 0 && camera.fov < 180 && !(camera.span < 0) && camera.span !== Infinity;
+}
+
+/** Half of the shorter side of the screen at the centre's depth, world units. */
+const halfSide = (camera) =>
+  (camera.span ? 0.5 * camera.span : length(sub(camera.at, camera.eye)) * halfTangent(camera));
+
+/** Parallel rays in place of a pinhole, or back; what lies at the centre keeps its size. */
+export function withOtherProjection(camera) {
+  if (!camera.span) return { ...camera, span: 2 * halfSide(camera) };
+  const distance = halfSide(camera) / halfTangent(camera);
+  return { ...camera, span: 0, eye: sub(camera.at, mul(distance, axesOf(camera).forward)) };
 }
 
 function turnedAround(camera, axis, angle) {
@@ -78,13 +90,17 @@ export function flown(camera, rightwards, upwards, ahead) {
 
 /** Translates so that points at the centre's depth follow the pointer. */
 export function panned(camera, from, to) {
-  const scale = length(sub(camera.at, camera.eye)) * halfTangent(camera);
+  const scale = halfSide(camera);
   return flown(camera, (from[0] - to[0]) * scale, (from[1] - to[1]) * scale, 0);
 }
 
 /** Moves towards the point below the pointer, which stays there; may pass through the volume. */
 export function zoomed(camera, point, factor, leastDistance) {
   const { right, up, forward } = axesOf(camera);
+  if (camera.span) {
+    const shift = (1 - factor) * halfSide(camera);
+    return { ...flown(camera, point[0] * shift, point[1] * shift, 0), span: camera.span * factor };
+  }
   const distance = Math.max(length(sub(camera.at, camera.eye)), leastDistance);
   const slope = halfTangent(camera);
   const view = add(add(forward, mul(point[0] * slope, right)), mul(point[1] * slope, up));
@@ -97,14 +113,15 @@ export function zoomed(camera, point, factor, leastDistance) {
 export function fitted(camera, box) {
   const distance = box.radius / Math.sin(Math.atan(halfTangent(camera)));
   const { up, forward } = axesOf(camera);
-  return { ...camera, up, at: box.center, eye: sub(box.center, mul(distance, forward)) };
+  const span = camera.span ? 2 * box.radius : 0;
+  return { ...camera, span, up, at: box.center, eye: sub(box.center, mul(distance, forward)) };
 }
 
 /**
  * Initial view for a screen taller than wide: moved nearer until a corner of the box meets an edge.
  */
 export function filling(camera, box, width, height) {
-  if (width >= height) return camera;
+  if (width >= height || camera.span) return camera;
   const { right, up, forward } = axesOf(camera), slope = halfTangent(camera);
   const margin = 1.03;
   let least = 0;
@@ -120,15 +137,31 @@ export function filling(camera, box, width, height) {
   return { ...camera, eye: sub(camera.at, mul(least, forward)) };
 }
 
-/** View from an axis, 0 to 2, and a sign: +x, -x, +y, ... */
-export function seenFrom(camera, box, axis, sign) {
+/**
+ * View from an axis, 0 to 2, and a sign: +x, -x, +y, ...
+ * upright  vertical direction of the data; a view along it is one from above or below
+ */
+export function seenFrom(camera, box, axis, sign, upright) {
   const eye = [0, 0, 0];
   eye[axis] = sign;
-  return fitted({ ...camera, eye, at: [0, 0, 0], up: axis === 1 ? [1, 0, 0] : [0, 1, 0] }, box);
+  // As `vog render --view`: the limit of views from B of vog/camera.h, z for y up and -y for z up.
+  const b = turnedUpright([0, 0, 1], upright);
+  const along = dot(eye, upright);
+  const up = Math.abs(along) > 1 - 1e-9 ? mul(-Math.sign(along), b) : upright;
+  return fitted({ ...camera, eye, at: [0, 0, 0], up }, box);
+}
+
+/** A vector turned by the shortest rotation from y to a unit vector. */
+function turnedUpright(v, upright) {
+  const cosine = upright[1];
+  if (1 + cosine < 1e-9) return [v[0], -v[1], -v[2]];
+  const k = cross([0, 1, 0], upright), once = cross(k, v);
+  return add(add(v, once), mul(1 / (1 + cosine), cross(k, once)));
 }
 
 /** Camera at the same place relative to another box. */
 export function carriedOver(camera, from, to) {
   const carry = (p) => add(to.center, mul(to.radius / from.radius, sub(p, from.center)));
-  return { ...camera, eye: carry(camera.eye), at: carry(camera.at) };
+  const span = (camera.span ?? 0) * (to.radius / from.radius);
+  return { ...camera, span, eye: carry(camera.eye), at: carry(camera.at) };
 }

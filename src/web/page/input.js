@@ -78,6 +78,7 @@ export const keyHelp = [
   ['arrows, Q E', 'turn by 5 degrees, roll'],
   ['1 2 3, with Shift', 'view from +x +y +z, from −x −y −z'],
   ['Home, F', 'first view, fit'],
+  ['5', 'orthographic, or a pinhole'],
   ['[ ]', 'less, more detail'],
   ['− = 0', 'less, more, first exposure'],
   ['M, Shift + M', 'next, previous colours'],

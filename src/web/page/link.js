@@ -20,6 +20,7 @@ export function readLink(hash, camera) {
   const given = {
     eye: vector(words.get('eye')), at: vector(words.get('at')), up: vector(words.get('up')),
     fov: number(words.get('fov'), 0.001, 179),
+    span: number(words.get('span'), 0, Number.MAX_VALUE),
   };
   const any = Object.values(given).some((part) => part !== null);
   const merged = { ...camera };
@@ -47,7 +48,8 @@ export function writeLink(state) {
   words.push(`map=${encodeURIComponent(state.map)}`);
   words.push(`exposure=${Number(state.exposure.toPrecision(4))}`);
   words.push(`reverse=${state.reverse ? 1 : 0}`, `fade=${state.fade ? 1 : 0}`);
-  const { eye, at, up, fov } = state.camera;
+  const { eye, at, up, fov, span } = state.camera;
   words.push(`eye=${digits(eye)}`, `at=${digits(at)}`, `up=${digits(up)}`, `fov=${digits([fov])}`);
+  if (span) words.push(`span=${digits([span])}`);
   return `#${words.join('&')}`;
 }

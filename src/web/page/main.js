@@ -1,6 +1,8 @@
 // main.js: state of the page, scheduling of frames, loading of levels, commands.
 import { mul } from './vectors.js';
-import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
+import {
+  carriedOver, filling, fitted, flown, orbited, rolled, seenFrom, withOtherProjection,
+} from './camera.js';
 import { decodeLevel } from './gaussians.js';
 import { reversed } from './colors.js';
 import { Renderer } from './renderer.js';
@@ -228,7 +230,7 @@ const turn = (x, y) => () => {
 };
 const roll = (sign) => () => { if (!still()) move(rolled(state.camera, (sign * Math.PI) / 36)); };
 const look = (axis) => (event) => {
-  if (!still()) move(seenFrom(state.camera, box(), axis, event.shiftKey ? -1 : 1));
+  if (!still()) move(seenFrom(state.camera, box(), axis, event.shiftKey ? -1 : 1, page.upright));
 };
 const home = () => { if (!still()) move(carriedOver(firstView(), box(0), box())); };
 const expose = (factor) => () => change({
@@ -251,6 +253,7 @@ attachKeys({
   arrowleft: turn(-1, 0), arrowright: turn(1, 0), arrowup: turn(0, 1), arrowdown: turn(0, -1),
   q: roll(-1), e: roll(1),
   Digit1: look(0), Digit2: look(1), Digit3: look(2),
+  Digit5: () => { if (!still()) move(withOtherProjection(state.camera)); },
   home, f: () => { if (!still()) move(fitted(state.camera, box())); },
   '[': () => change({ level: state.level + 1 }), ']': () => change({ level: state.level - 1 }),
   '-': expose(1 / Math.SQRT2), '=': expose(Math.SQRT2), '+': expose(Math.SQRT2), Digit0: expose(0),

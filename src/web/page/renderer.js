@@ -147,7 +147,10 @@ export class Renderer {
       this.splat.set('forward', ...forward);
       this.splat.set('size_px', width, height);
       this.splat.set('jitter_px', ...jitterOf(this.subframes));
-      this.splat.set('pixels_per_unit', (0.5 * Math.min(width, height)) / halfTangent(camera));
+      this.splat.set('pixels_per_unit', camera.span
+        ? (Math.min(width, height) * model.unit) / camera.span
+        : (0.5 * Math.min(width, height)) / halfTangent(camera));
+      this.splat.set('parallel', camera.span ? 1 : 0);
       this.splat.set('cutoff', model.cutoff);
       gl.enable(gl.BLEND);
       gl.blendEquation(gl.FUNC_ADD);

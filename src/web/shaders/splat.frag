@@ -4,7 +4,8 @@
 //   m^2 C = (ax x + ay y)^2 + (by y)^2      the squared cross product of mean and direction
 //   C     = |d|^2
 // sums of squares, so nothing cancels (docs/method.md). The pixel is taken from gl_FragCoord:
-// interpolated positions are off by up to 1/256 of a pixel.
+// interpolated positions are off by up to 1/256 of a pixel. Parallel rays: d has no steps; near supports
+// step from origin to origin.
 flat in vec4 center_ax_ay;
 flat in vec4 toward_by;
 flat in vec4 step_x_weight;
@@ -14,6 +15,7 @@ uniform vec2 size_px;
 uniform vec2 jitter_px;
 uniform float pixels_per_unit;
 uniform float cutoff;
+uniform float parallel;  // 1: parallel rays
 
 layout(location = 0) out vec4 depth;
 
@@ -30,7 +32,7 @@ float erf_any(float x) { return sign(x) * erf_positive(abs(x)); }
 void main() {
     vec2 pixel = gl_FragCoord.xy - 0.5 * size_px;
     vec2 slope = (pixel + jitter_px) / pixels_per_unit;
-    float slant = sqrt(1.0 + dot(slope, slope));  // world length per unit of depth
+    float slant = sqrt(1.0 + (1.0 - parallel) * dot(slope, slope));  // world length per unit of depth
     vec3 step_x = step_x_weight.xyz, step_y = step_y_near.xyz;
     float k2 = cutoff * cutoff;
     depth = vec4(0.0);
@@ -47,9 +49,10 @@ void main() {
         return;
     }
     // Support around or beside the eye: the segment starts at the eye.
-    vec3 e = center_ax_ay.xyz;
     vec2 at = pixel + jitter_px;
-    vec3 d = toward_by.xyz + at.x * step_x + at.y * step_y;
+    vec3 step = at.x * step_x + at.y * step_y;
+    vec3 e = center_ax_ay.xyz - parallel * step;
+    vec3 d = toward_by.xyz + (1.0 - parallel) * step;
     float c = dot(d, d);
     vec3 offset = cross(e, d);
     float m2 = dot(offset, offset) / c;

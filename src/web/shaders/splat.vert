@@ -9,7 +9,8 @@ uniform vec3 eye;                    // relative to the model's centre, along ri
 uniform vec3 right, up, forward;     // camera axes
 uniform vec2 size_px;                // image size
 uniform vec2 jitter_px;              // offset of each ray from its pixel's centre
-uniform float pixels_per_unit;       // pixels per unit of slope, right / forward
+uniform float pixels_per_unit;       // pixels per unit of slope, right / forward, or of length if parallel
+uniform float parallel;              // 1: orthographic camera, parallel rays; 0: pinhole
 uniform float cutoff;                // standard deviations
 
 flat out vec4 center_ax_ay;  // projected mean, pixels from the image's centre; ax, ay of splat.frag
@@ -27,16 +28,19 @@ mat3 rotation_matrix(vec4 q) {
                 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y));
 }
 
-// Whether the support is outside a side of the view frustum, the plane slope * forward = across.
+// Whether the support is outside a side of the view frustum, the plane slope * forward = across; if
+// parallel slope = across.
 bool beyond(float slope, float across, float depth, vec3 s_across, vec3 s_forward) {
-    vec3 normal = slope * s_forward - s_across;
-    float gap = slope * depth - across;
+    vec3 normal = slope * (1.0 - parallel) * s_forward - s_across;
+    float gap = slope * mix(depth, 1.0, parallel) - across;
     return gap < 0.0 && gap * gap > dot(normal, normal);
 }
 
 // Slopes of the two planes through the eye tangent to the support: mean and half difference. The
-// discriminant is a difference of squared vectors, so nothing cancels far from the eye.
+// discriminant is a difference of squared vectors, so nothing cancels far from the eye. If parallel,
+// the planes along the view: their offsets.
 vec2 tangents(float across, float depth, vec3 s_across, vec3 s_forward) {
+    if (parallel == 1.0) return vec2(across, length(s_across));
     float leading = depth * depth - dot(s_forward, s_forward);
     vec3 a = depth * s_across - across * s_forward, b = cross(s_across, s_forward);
     return vec2(across * depth - dot(s_across, s_forward),
@@ -84,6 +88,17 @@ void main() {
         toward_by = vec4(axis_f / scale, 0.0);
         step_x_weight = vec4(dx, mean_density.w);
         step_y_near = vec4(dy, 1.0);
+        return;
+    }
+    if (parallel == 1.0) {
+        vec3 along = axis_f / scale;
+        float per_length = 1.0 / length(along);
+        along *= per_length;
+        vec3 px = cross(along, dx), py = cross(along, dy);
+        float ax = length(px);
+        center_ax_ay = vec4(vec2(x, -y) * pixels_per_unit - jitter_px, ax, dot(px, py) / ax);
+        toward_by = vec4(along, abs(dot(along, cross(dx, dy))) / ax);
+        step_x_weight = vec4(vec3(0.0), mean_density.w * per_length);
         return;
     }
     // Directions scaled so that the direction through the mean has length 1.

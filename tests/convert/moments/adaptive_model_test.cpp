@@ -45,7 +45,7 @@ TEST(adaptive_model, the_requested_error_holds_in_other_views) {
     const std::vector<VoxelGrid> grids{voxel_grid(volume)};
     double error2 = 0, norm2 = 0;
     for (int view = 0; view < 3; ++view) {
-        const Camera camera = orbit_view(model.box, 1.1 + 2 * view, 0.6 - 0.5 * view, 2.5, 45);
+        const Camera camera = orbit_view(model.box, {63.0 + 115 * view, 34.0 - 29 * view, 2.5, 45});
         const DepthImage exact = render_reference(grids, camera, 160, 160);
         const DepthImage image = render_splat(model, camera, 160, 160);
         for (std::size_t n = 0; n < exact.depth.size(); ++n) {

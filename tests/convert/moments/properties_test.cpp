@@ -60,7 +60,7 @@ double other_error(const Volume& volume, const Gaussians& model) {
     double error2 = 0, norm2 = 0;
     for (int view = 0; view < 5; ++view) {
         const Camera camera =
-            orbit_view(model.box, 0.9 + 1.3 * view, 0.7 - 0.35 * view, 2.4 + 0.3 * view, 42);
+            orbit_view(model.box, {50.0 + 75 * view, 40.0 - 20 * view, 2.4 + 0.3 * view, 42});
         const DepthImage exact = render_reference(grids, camera, 150, 150);
         const DepthImage image = render_splat(model, camera, 150, 150);
         for (std::size_t n = 0; n < exact.depth.size(); ++n) {

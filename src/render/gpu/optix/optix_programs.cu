@@ -135,7 +135,7 @@ extern "C" __global__ void __raygen__voxels() {
         double dx, dy;
         pixel_point(launch.film.subframe, dx, dy);
         const Camera& camera = launch.index_camera;
-        data.origin = camera.eye;
+        data.origin = camera.eye + (at.x + dx) * camera.shift_x + (at.y + dy) * camera.shift_y;
         data.direction = camera.corner + (at.x + dx) * camera.step_x + (at.y + dy) * camera.step_y;
         const Float3 origin = to_float(ray.origin - launch.center);
         const Float3 direction = to_float(ray.direction);

@@ -107,12 +107,15 @@ device::Launch OptixVolume::State::launch_for(const CameraFrame& frame) const {
     launch.grid = grid.data();
     // A pixel has the same t in index space, for any transform.
     const Mat3& linear = index_from_world.linear;
-    launch.index_camera = {plain(index_from_world(frame.eye) + Vec3d{0.5, 0.5, 0.5}),
+    launch.index_camera = {plain(index_from_world(frame.first_origin) + Vec3d{0.5, 0.5, 0.5}),
+                           plain(linear * frame.shift_x),
+                           plain(linear * frame.shift_y),
                            plain(linear * frame.corner),
                            plain(linear * frame.step_x),
                            plain(linear * frame.step_y),
                            frame.width,
-                           frame.height};
+                           frame.height,
+                           frame.orthographic ? 1 : 0};
     return launch;
 }
 
