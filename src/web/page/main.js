@@ -1,8 +1,7 @@
 // main.js: state of the page, scheduling of frames, loading of levels, commands.
 import { mul } from './vectors.js';
-import {
-  carriedOver, filling, fitted, flown, orbited, rolled, seenFrom, withOtherProjection,
-} from './camera.js';
+import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
+import { withOtherProjection } from './camera.js';
 import { decodeLevel } from './gaussians.js';
 import { reversed } from './colors.js';
 import { Renderer } from './renderer.js';
