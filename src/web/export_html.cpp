@@ -13,6 +13,7 @@
 
 #include "core/atomic_file.h"
 #include "core/html_text.h"
+#include "render/pixel_limits.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
 #include "vog/splat.h"
@@ -95,6 +96,9 @@ std::string filled(const std::string& page, const std::map<std::string, std::str
     return out.append(page, at);
 }
 
+Json json_of(const PixelLimits& limits) {
+    return {limits.least2, limits.sampled2, limits.variance, limits.mass};
+}
 Json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
 
 Json json_of(const TransferFunction& tf) {
@@ -167,6 +171,8 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
             {"center", json_of(frame.center)},
             {"unit", frame.unit},
             {"cutoff", finest.cutoff},
+            {"limits", json_of(pixel_limits(finest.cutoff))},
+            {"subframeLimits", json_of(subframe_limits(finest.cutoff))},
             {"box",
              {{"center", json_of(box.center())},
               {"half", json_of(0.5 * (box.upper - box.lower))},

@@ -18,10 +18,11 @@ DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& came
     const CudaModel model = cuda_model(gaussians, 0);
     const device::Camera frame = scene_camera(frame_of(camera, width, height), model.unit);
     DepthImage image(width, height);
+    const device::Kernel& kernel = model.kernel.kernel;
     std::vector<double> sum(image.depth.size());
     for (const device::SplatGaussian& g : model.gaussians) {
         device::TileSplat splat;
-        if (!device::project(g, frame, model.cutoff, splat)) continue;
+        if (!device::project(device::source_of(g), frame, model.kernel, splat)) continue;
         // As on the GPU, tau is evaluated at every pixel of the overlapped tiles.
         const device::PixelRange tiles = device::tiles_of(splat.pixels);
         constexpr int kTile = device::kSplatTile;
@@ -30,9 +31,8 @@ DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& came
                 const device::Double3 d =
                     frame.corner + double(x) * frame.step_x + double(y) * frame.step_y;
                 const auto slant = static_cast<float>(std::sqrt(device::dot(d, d)));
-                const float tau = splat.near
-                                      ? device::near_depth(g, frame, model.kernel.cutoff2, x, y)
-                                      : slant * device::far_depth(splat, model.kernel, x, y);
+                const float tau = splat.near ? device::near_depth(g, frame, kernel.cutoff2, x, y)
+                                             : slant * device::far_depth(splat, kernel, x, y);
                 sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                     static_cast<std::size_t>(x)] += double{tau};
             }

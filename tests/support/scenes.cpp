@@ -6,6 +6,7 @@
 #include <thread>
 
 #include "render/ray_gaussian.h"
+#include "support/pixel_mean.h"
 
 namespace vog::test {
 
@@ -205,9 +206,9 @@ std::vector<Scene> scenes() {
 
 std::vector<double> exact_depth(const Scene& scene) {
     const CameraFrame frame = frame_of(scene.camera, scene.width, scene.height);
-    std::vector<Mat3> whitened;
+    std::vector<PixelMean> drawn;
     for (std::size_t i = 0; i < scene.model.size(); ++i)
-        whitened.push_back(whitening(scene.model, i));
+        drawn.push_back(pixel_mean(scene.model, i, frame));
     std::vector<double> depth(static_cast<std::size_t>(scene.width) *
                               static_cast<std::size_t>(scene.height));
     const auto fill_row = [&](int row) {
@@ -215,11 +216,12 @@ std::vector<double> exact_depth(const Scene& scene) {
             const Vec3d direction = normalized(frame.direction(column, row));
             const Vec3d origin = frame.origin(column, row);
             double sum = 0;
-            for (std::size_t i = 0; i < whitened.size(); ++i)
+            for (std::size_t i = 0; i < drawn.size(); ++i)
                 sum +=
-                    scene.model.density[i] *
-                    segment_integral(whitened[i] * (vec_cast<double>(scene.model.mean[i]) - origin),
-                                     whitened[i] * direction, scene.model.cutoff);
+                    drawn[i].density *
+                    segment_integral(
+                        drawn[i].w * (vec_cast<double>(scene.model.mean[i]) - origin),
+                        drawn[i].w * direction, scene.model.cutoff);
             depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(scene.width) +
                   static_cast<std::size_t>(column)] = sum;
         }

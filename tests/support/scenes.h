@@ -46,8 +46,8 @@ Gaussians random_gaussians(int count, double low, double high, std::uint64_t see
 /// boxes.
 std::vector<Scene> scenes();
 
-/// T per pixel as the sum of the closed form in double precision: the integral of
-/// vog::optical_depth, which optical_depth_test.cpp compares with quadrature.
+/// T per pixel as the sum of the closed form in double precision, of Gaussians as pixel_mean.h draws
+/// them: the integral of vog::optical_depth, which optical_depth_test.cpp compares with quadrature.
 std::vector<double> exact_depth(const Scene& scene);
 
 }  // namespace vog::test

@@ -91,6 +91,9 @@ GLint GlProgram::place(const char* name) const { return glGetUniformLocation(nam
 void GlProgram::set(const char* name, int value) const { glUniform1i(place(name), value); }
 void GlProgram::set(const char* name, float value) const { glUniform1f(place(name), value); }
 void GlProgram::set(const char* name, float x, float y) const { glUniform2f(place(name), x, y); }
+void GlProgram::set(const char* name, float x, float y, float z, float w) const {
+    glUniform4f(place(name), x, y, z, w);
+}
 void GlProgram::set(const char* name, Vec3d v) const {
     glUniform3f(place(name), static_cast<float>(v.x), static_cast<float>(v.y),
                 static_cast<float>(v.z));

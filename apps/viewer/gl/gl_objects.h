@@ -66,6 +66,7 @@ class GlProgram {
     void set(const char* name, float value) const;
     void set(const char* name, float x, float y) const;
     void set(const char* name, Vec3d value) const;
+    void set(const char* name, float x, float y, float z, float w) const;
     void set(const char* name, const Rgba& value) const;
 
   private:

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "render/pixel_limits.h"
+
 namespace vog::viewer {
 
 namespace {
@@ -93,6 +95,12 @@ void GlSplat::add(const GlModel& model, const Camera& camera, Jitter jitter,
     program_.set("pixels_per_unit", static_cast<float>(lengths * frame.pixels_per_unit));
     program_.set("parallel", frame.orthographic ? 1.0f : 0.0f);
     program_.set("cutoff", model.cutoff());
+    const bool alone = jitter.x == 0 && jitter.y == 0;
+    const PixelLimits limits =
+        alone ? pixel_limits(model.cutoff()) : subframe_limits(model.cutoff());
+    const auto f = [](double v) { return static_cast<float>(v); };
+    program_.set("limits", f(limits.least2), f(limits.sampled2), f(limits.variance),
+                 f(limits.mass));
     glBindVertexArray(model.vertex_array());
     glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, static_cast<GLsizei>(model.size()));
     glBindVertexArray(0);

@@ -110,15 +110,21 @@ VOG_HD void sort_by_entry(HitList& list) {
     }
 }
 
+/// Factor on the tau of Gaussian `index`; shares is null where all are 1.
+VOG_HD float share_of(const float* shares, uint32_t index) { return shares ? shares[index] : 1.0f; }
+
 /// Integrates the sorted hits front to back.
+/// shares      of the Gaussians, or null
 /// stop_depth  optical depth at which a ray ends; infinite: never
 /// returns     true if another slab must follow: the list was full and the ray has not ended
-VOG_HD bool integrate(const HitList& list, const Gaussian* gaussians, const Ray& ray, float cutoff2,
-                      double stop_depth, const SumRounding& rounding, DepthSum& sum) {
+VOG_HD bool integrate(const HitList& list, const Gaussian* gaussians, const float* shares,
+                      const Ray& ray, float cutoff2, double stop_depth, const SumRounding& rounding,
+                      DepthSum& sum) {
     for (int32_t n = 0; n < list.count; ++n) {
         const Gaussian& g = gaussians[list.hit[n].index];
         Hit hit;
-        if (intersect(g, ray, cutoff2, hit)) add_depth(sum, optical_depth(g, hit), rounding);
+        if (intersect(g, ray, cutoff2, hit))
+            add_depth(sum, share_of(shares, list.hit[n].index) * optical_depth(g, hit), rounding);
         if (sum.depth() >= stop_depth) return false;
     }
     return list.count == list.capacity;

@@ -5,6 +5,7 @@
 
 #include "render/device/camera_ray.h"
 #include "render/device/gaussian_hit.h"
+#include "render/device/pixel_limits.h"
 #include "render/device/vector.h"
 
 namespace vog::device {
@@ -25,6 +26,16 @@ struct Kernel {
     float cutoff2;
 };
 
+/// Cutoff and kernel of a model, and the limits of pixel_limits.h in terms of its scales.
+struct SplatKernel {
+    Kernel kernel;
+    double cutoff;
+    double least2;    ///< smallest variance drawn, pixels²; 0: Gaussians of any size are sampled
+    double sampled2;  ///< variance from which pixel centres are exact, pixels²
+    double variance;  ///< variance of the truncated kernel over scale²
+    double mass;      ///< of a Gaussian of peak 1 and standard deviations 1
+};
+
 /// Rectangle of pixels or tiles.
 struct PixelRange {
     int32_t x0, x1, y0, y1;  ///< inclusive
@@ -43,7 +54,9 @@ struct TileSplat {
     float ax, ay, by2;
     float c0, cx, cy, d0, dy, e02;
     float weight;
-    int32_t near;  ///< 1: reaches the plane of the eye, integrated exactly at each pixel
+    int32_t near;     ///< 1: reaches the plane of the eye, integrated exactly at each pixel
+    int32_t widened;  ///< 1: thinner than kLeastDeviationPx, and drawn wider
+    float share;      ///< of the Gaussian's own tau that is drawn, for those not widened
 };
 
 /// Whitening W = diag(1/s) Rᵀ by rows, and A = diag(s) Rᵀ = W⁻ᵀ.
@@ -73,6 +86,28 @@ VOG_HD Double3 apply(const Double3 m[3], Double3 v) {
 }
 VOG_HD Double3 cross(Double3 a, Double3 b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+/// Of a ray tracer's Gaussian.
+VOG_HD Axes axes_of(const Gaussian& g) {
+    Axes out;
+    for (int n = 0; n < 3; ++n) {
+        out.w[n] = to_double(g.w[n]);
+        out.a[n] = (1 / dot(out.w[n], out.w[n])) * out.w[n];
+    }
+    return out;
+}
+
+/// A Gaussian as it is projected, scene units.
+struct SplatSource {
+    Double3 mean;
+    Axes axes;
+    double density;
+};
+VOG_HD SplatSource source_of(const SplatGaussian& g) {
+    return {to_double(g.mean), axes_of(g), static_cast<double>(g.density)};
+}
+VOG_HD SplatSource source_of(const Gaussian& g) {
+    return {to_double(g.mean), axes_of(g), static_cast<double>(g.density)};
 }
 
 /// The Gaussian in the form of intersect(), for near splats.
@@ -115,8 +150,8 @@ VOG_HD void fill_place(double x, double y, TileSplat& out) {
 
 /// Fills the quadratics of a Gaussian whose support lies in front of the eye plane.
 /// v, z  vector from the eye to the mean, and its component along `forward`;  x, y  the mean's pixel
-VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& camera, Double3 v,
-                     double z, double x, double y, TileSplat& out) {
+VOG_HD void fill_far(double density, const Axes& axes, const Camera& camera, Double3 v, double z,
+                     double x, double y, TileSplat& out) {
     const Double3 center = apply(axes.w, (1 / z) * v);
     const double length = sqrt(dot(center, center));
     const Double3 c = (1 / length) * center;
@@ -141,13 +176,13 @@ VOG_HD void fill_far(const SplatGaussian& g, const Axes& axes, const Camera& cam
     out.d0 = static_cast<float>(dot(c, second));
     out.dy = static_cast<float>(dot(w, second));
     out.e02 = static_cast<float>(across * across);
-    out.weight = static_cast<float>(g.density / length);
+    out.weight = static_cast<float>(density / length);
     fill_place(x, y, out);
 }
 
 /// Fills the quadratics for parallel rays: the whitened distance from the mean grows by W shift_x and
 /// W shift_y from pixel to pixel.
-VOG_HD void fill_parallel(const SplatGaussian& g, const Axes& axes, const Camera& camera, double x,
+VOG_HD void fill_parallel(double density, const Axes& axes, const Camera& camera, double x,
                           double y, TileSplat& out) {
     const Double3 along = apply(axes.w, camera.corner);
     const double length = sqrt(dot(along, along));
@@ -157,74 +192,70 @@ VOG_HD void fill_parallel(const SplatGaussian& g, const Axes& axes, const Camera
     fill_distance(p, q, dot(c, cross(u, w)) / sqrt(dot(p, p)), out);
     out.c0 = out.cx = out.cy = out.d0 = out.dy = 0;
     out.e02 = 1;
-    out.weight = static_cast<float>(g.density / length);
+    out.weight = static_cast<float>(density / length);
     fill_place(x, y, out);
 }
 
-/// Projects a Gaussian for parallel rays.
-/// returns  false if it covers no pixel of the image
-VOG_HD bool project_parallel(const SplatGaussian& g, const Camera& camera, double cutoff,
-                             TileSplat& out) {
-    const Axes axes = axes_of(g);
-    const Double3 v = to_double(g.mean) - camera.eye;  // from the plane of the eye, at pixel (0, 0)
-    const Double3 extent = apply(axes.a, camera.corner);
-    const double z = dot(v, camera.corner), depth = cutoff * sqrt(dot(extent, extent));
-    out.pixels = {0, camera.width - 1, 0, camera.height - 1};
-    out.near = !(z > 1.001 * depth);
-    if (out.near) return z + depth > 0;
-    const double per_x = 1 / dot(camera.shift_x, camera.shift_x);
-    const double per_y = 1 / dot(camera.shift_y, camera.shift_y);
-    const double x = dot(v, camera.shift_x) * per_x, y = dot(v, camera.shift_y) * per_y;
-    const Double3 across = apply(axes.a, camera.shift_x), down = apply(axes.a, camera.shift_y);
-    const double half_x = cutoff * sqrt(dot(across, across)) * per_x;
-    const double half_y = cutoff * sqrt(dot(down, down)) * per_y;
-    pixels_between(1, 0, -half_x * half_x, x, camera.width, out.pixels.x0, out.pixels.x1);
-    pixels_between(1, 0, -half_y * half_y, y, camera.height, out.pixels.y0, out.pixels.y1);
-    if (out.pixels.empty()) return false;
-    fill_parallel(g, axes, camera, x, y, out);
-    return true;
+/// Covariance on the screen, pixels², and its eigenvalues.
+struct ScreenCovariance {
+    double xx, xy, yy, large, small;
+};
+/// The view at the mean of a Gaussian.
+struct MeanPoint {
+    Double3 column, row;          ///< gradients of column and row, per scene unit
+    Double3 per_column, per_row;  ///< scene units of one pixel, across the view
+    double distance;              ///< along the view; infinite for parallel rays
+};
+VOG_HD ScreenCovariance screen_covariance(const Axes& axes, const MeanPoint& at) {
+    const Double3 x = apply(axes.a, at.column), y = apply(axes.a, at.row);
+    ScreenCovariance s;
+    s.xx = dot(x, x), s.xy = dot(x, y), s.yy = dot(y, y);
+    const double middle = 0.5 * (s.xx + s.yy), dif = 0.5 * (s.xx - s.yy);
+    const double radius = sqrt(dif * dif + s.xy * s.xy);
+    s.large = middle + radius, s.small = fmax(middle - radius, 0.0);
+    return s;
 }
 
-/// Projects a Gaussian.
-/// returns  false if it covers no pixel of the image
-VOG_HD bool project(const SplatGaussian& g, const Camera& camera, double cutoff, TileSplat& out) {
-    if (camera.orthographic) return project_parallel(g, camera, cutoff, out);
-    const Axes axes = axes_of(g);
-    const Double3 forward_steps = cross(camera.step_x, camera.step_y);
-    const Double3 forward = (1 / sqrt(dot(forward_steps, forward_steps))) * forward_steps;
-    const Double3 v = to_double(g.mean) - camera.eye;
-    const Double3 extent = apply(axes.a, forward);
-    const double z = dot(v, forward), depth = cutoff * sqrt(dot(extent, extent));
-    out.pixels = {0, camera.width - 1, 0, camera.height - 1};
-    out.near = !(z > 1.001 * depth);
-    if (out.near) return z + depth > 0;
-
-    // The mean's pixel, and the planes through the eye that touch the support: a column's plane
-    // n + x n1 is at the whitened distance |(n + x n1)·v| / |A (n + x n1)| = k. About the column of
-    // the mean, where n·v = 0, the quadratic has no cancelling terms.
-    const double per_x = 1 / dot(camera.step_x, camera.step_x);
-    const double per_y = 1 / dot(camera.step_y, camera.step_y);
-    const Double3 ray = (1 / z) * v, slope = ray - camera.corner;
-    const double x = dot(slope, camera.step_x) * per_x, y = dot(slope, camera.step_y) * per_y;
-    const double farthest = 1e9;  // pixels: beyond any image, within an int
-    if (!(fabs(x) < farthest && fabs(y) < farthest)) {
-        out.near = 1;  // grazes the eye plane: rare, and exact as a near splat
-        return true;
+/// Raises the variance along b, b b^T more, at constant mass: splat_widen-inl.h has the formulas.
+VOG_HD void raise(Double3 b, double more, SplatSource& g) {
+    const Double3 whitened = apply(g.axes.w, b);
+    const double length = sqrt(dot(whitened, whitened));
+    const Double3 q = (1 / length) * whitened;
+    const double wider = sqrt(1 + more * length * length);
+    const double part[3] = {q.x, q.y, q.z};
+    const Double3 along = q.x * g.axes.w[0] + q.y * g.axes.w[1] + q.z * g.axes.w[2];
+    for (int n = 0; n < 3; ++n) {
+        g.axes.w[n] = g.axes.w[n] + part[n] * (1 / wider - 1) * along;
+        g.axes.a[n] = g.axes.a[n] + part[n] * ((wider - 1) / length) * b;
     }
-    const double k2 = cutoff * cutoff;
-    const Double3 nx = cross(camera.step_y, ray), ny = cross(camera.step_x, ray);
-    const Double3 anx = apply(axes.a, nx), any = apply(axes.a, ny);
-    const Double3 turn = cross(camera.step_y, camera.step_x);
-    const Double3 at = apply(axes.a, turn);
-    const double tv = dot(turn, v), a = tv * tv - k2 * dot(at, at);
-    pixels_between(a, -k2 * dot(anx, at), -k2 * dot(anx, anx), x, camera.width, out.pixels.x0,
-                   out.pixels.x1);
-    // Rows: their planes turn the other way, n + y step_x x step_y.
-    pixels_between(a, k2 * dot(any, at), -k2 * dot(any, any), y, camera.height, out.pixels.y0,
-                   out.pixels.y1);
-    if (out.pixels.empty()) return false;
-    fill_far(g, axes, camera, v, z, x, y, out);
-    return true;
+    g.density /= wider;
+}
+
+/// Widens a Gaussian whose screen covariance is `s` to the least variance.
+VOG_HD void widen(const ScreenCovariance& s, double least2, const MeanPoint& at, SplatSource& g) {
+    const double dif = 0.5 * (s.xx - s.yy), radius = sqrt(dif * dif + s.xy * s.xy);
+    double x = dif >= 0 ? radius + dif : s.xy, y = dif >= 0 ? s.xy : radius - dif;
+    const double length = sqrt(x * x + y * y);
+    x = length > 0 ? x / length : 1, y = length > 0 ? y / length : 0;
+    raise(x * at.per_row - y * at.per_column, fmax(least2 - s.small, 0.0), g);
+    raise(x * at.per_column + y * at.per_row, fmax(least2 - s.large, 0.0), g);
+}
+
+/// Raises scales below a millionth of a pixel to that, at constant mass: they would leave no digits
+/// to the difference in raise().
+VOG_HD void keep_digits(double least, SplatSource& g) {
+    for (int n = 0; n < 3; ++n) {
+        const double scale = 1 / sqrt(dot(g.axes.w[n], g.axes.w[n]));
+        if (scale >= least) continue;
+        g.axes.w[n] = (scale / least) * g.axes.w[n];
+        g.axes.a[n] = (least / scale) * g.axes.a[n];
+        g.density *= scale / least;
+    }
+}
+
+/// 1 up to `from`, 0 from `to`, linear between them.
+VOG_HD double taper(double value, double from, double to) {
+    return fmin(fmax((to - value) / (to - from), 0.0), 1.0);
 }
 
 /// tau / |D| of a far splat at a pixel, D the pixel's direction with forward component 1.
@@ -241,6 +272,141 @@ VOG_HD float far_depth(const TileSplat& s, const Kernel& kernel, int32_t column,
     for (int n = kernel.degree - 1; n >= 0; --n) sum = sum * v + kernel.coefficient[n];
     // At large cutoffs the polynomial's error, of either sign, exceeds the kernel's tail.
     return s.weight * sqrtf(rest * per_c) * fmaxf(sum, 0.0f);
+}
+
+/// Share of tau that makes its sum over pixel centres the mass of a small Gaussian.
+/// s      screen covariance as drawn
+/// depth  standard deviation along the view over the distance
+VOG_HD float share_of_sum(const TileSplat& splat, const SplatKernel& model,
+                          const ScreenCovariance& s, double depth, double mass_on_screen) {
+    const double half_x = model.cutoff * sqrt(s.xx), half_y = model.cutoff * sqrt(s.yy);
+    const double share = taper(sqrt(s.small * model.variance), kTaperFromPx, kSampledDeviationPx) *
+                         taper(fmax(half_x, half_y), kTaperHalfPx, kMostHalfPx) *
+                         taper(model.cutoff * depth, kTaperHalfDepth, kMostHalfDepth);
+    if (!(share > 0)) return 1;
+    // Perspective makes an outline up to 1 / (1 - kMostHalfDepth²) longer.
+    const int32_t columns = static_cast<int32_t>(1.05 * half_x + 0.5);
+    const int32_t rows = static_cast<int32_t>(1.05 * half_y + 0.5);
+    double sum = 0;
+    for (int32_t y = -rows; y <= rows; ++y)
+        for (int32_t x = -columns; x <= columns; ++x)
+            sum += far_depth(splat, model.kernel, splat.column + x, splat.row + y);
+    const double integral = mass_on_screen * (1 + 3 * model.variance * depth * depth);
+    return static_cast<float>(1 / (1 + share * (sum / integral - 1)));
+}
+
+/// Widens a Gaussian that is too thin; sets out.widened.
+/// returns  its screen covariance as drawn
+VOG_HD ScreenCovariance drawn_covariance(const SplatKernel& model, const MeanPoint& at,
+                                         SplatSource& g, TileSplat& out) {
+    const ScreenCovariance screen = screen_covariance(g.axes, at);
+    if (!(screen.small < model.least2)) return screen;
+    out.widened = 1;
+    keep_digits(1e-6 * sqrt(dot(at.per_column, at.per_column)), g);
+    widen(screen_covariance(g.axes, at), model.least2, at, g);
+    return screen_covariance(g.axes, at);
+}
+
+/// Divides a small splat by its sum over pixels; sets out.share.
+/// mass    of the Gaussian, in units of peak 1 and standard deviations 1
+/// extent  standard deviation along the view
+VOG_HD void divide_by_sum(const SplatKernel& model, const MeanPoint& at,
+                          const ScreenCovariance& screen, double mass, double extent,
+                          TileSplat& out) {
+    if (!(screen.small < model.sampled2)) return;
+    // Over the screen tau / |D| has the integral mass over the area of a pixel there.
+    const double area =
+        sqrt(dot(at.per_column, at.per_column) * dot(at.per_row, at.per_row));
+    out.share = share_of_sum(out, model, screen, extent / at.distance, mass * model.mass / area);
+    out.weight *= out.share;
+}
+
+/// In units of peak 1 and standard deviations 1.
+VOG_HD double mass_of(const SplatSource& g) {
+    return g.density / fabs(dot(g.axes.w[0], cross(g.axes.w[1], g.axes.w[2])));
+}
+
+/// Projects a Gaussian for parallel rays.
+/// returns  false if it covers no pixel of the image
+VOG_HD bool project_parallel(SplatSource g, const Camera& camera, const SplatKernel& model,
+                             TileSplat& out) {
+    const double cutoff = model.cutoff;
+    const Double3 v = g.mean - camera.eye;  // from the plane of the eye, at pixel (0, 0)
+    const Double3 extent = apply(g.axes.a, camera.corner);
+    const double z = dot(v, camera.corner), depth = cutoff * sqrt(dot(extent, extent));
+    out.pixels = {0, camera.width - 1, 0, camera.height - 1};
+    out.widened = 0;
+    out.share = 1;
+    out.near = !(z > 1.01 * depth);
+    if (out.near) return z + depth > 0;
+    const double per_x = 1 / dot(camera.shift_x, camera.shift_x);
+    const double per_y = 1 / dot(camera.shift_y, camera.shift_y);
+    const double x = dot(v, camera.shift_x) * per_x, y = dot(v, camera.shift_y) * per_y;
+    const MeanPoint at{per_x * camera.shift_x, per_y * camera.shift_y, camera.shift_x,
+                       camera.shift_y, HUGE_VAL};
+    const double mass = mass_of(g);
+    const ScreenCovariance screen = drawn_covariance(model, at, g, out);
+    const double half_x = cutoff * sqrt(screen.xx), half_y = cutoff * sqrt(screen.yy);
+    pixels_between(1, 0, -half_x * half_x, x, camera.width, out.pixels.x0, out.pixels.x1);
+    pixels_between(1, 0, -half_y * half_y, y, camera.height, out.pixels.y0, out.pixels.y1);
+    if (out.pixels.empty()) return false;
+    fill_parallel(g.density, g.axes, camera, x, y, out);
+    divide_by_sum(model, at, screen, mass, 0, out);
+    return true;
+}
+
+/// Projects a Gaussian; one thinner than kLeastDeviationPx is widened.
+/// returns  false if it covers no pixel of the image
+VOG_HD bool project(SplatSource g, const Camera& camera, const SplatKernel& model, TileSplat& out) {
+    if (camera.orthographic) return project_parallel(g, camera, model, out);
+    const double cutoff = model.cutoff;
+    const Double3 forward_steps = cross(camera.step_x, camera.step_y);
+    const Double3 forward = (1 / sqrt(dot(forward_steps, forward_steps))) * forward_steps;
+    const Double3 v = g.mean - camera.eye;
+    Double3 extent = apply(g.axes.a, forward);
+    const double z = dot(v, forward);
+    double deviation = sqrt(dot(extent, extent));
+    const double depth = cutoff * deviation;
+    out.pixels = {0, camera.width - 1, 0, camera.height - 1};
+    out.widened = 0;
+    out.share = 1;
+    out.near = !(z > 1.01 * depth);
+    if (out.near) return z + depth > 0;
+
+    // The mean's pixel, and the planes through the eye that touch the support: a column's plane
+    // n + x n1 is at the whitened distance |(n + x n1)·v| / |A (n + x n1)| = k. About the column of
+    // the mean, where n·v = 0, the quadratic has no cancelling terms.
+    const double per_x = 1 / dot(camera.step_x, camera.step_x);
+    const double per_y = 1 / dot(camera.step_y, camera.step_y);
+    const Double3 ray = (1 / z) * v, slope = ray - camera.corner;
+    const double x = dot(slope, camera.step_x) * per_x, y = dot(slope, camera.step_y) * per_y;
+    const double farthest = 1e9;  // pixels: beyond any image, within an int
+    if (!(fabs(x) < farthest && fabs(y) < farthest)) {
+        out.near = 1;  // grazes the eye plane: rare, and exact as a near splat
+        return true;
+    }
+    const Double3 right = (per_x / z) * camera.step_x, down = (per_y / z) * camera.step_y;
+    const MeanPoint at_mean{right - dot(ray, right) * forward, down - dot(ray, down) * forward,
+                            z * camera.step_x, z * camera.step_y, z};
+    const double mass = mass_of(g);  // widening conserves it
+    const ScreenCovariance screen = drawn_covariance(model, at_mean, g, out);
+    extent = apply(g.axes.a, forward);
+    deviation = sqrt(dot(extent, extent));
+    const double k2 = cutoff * cutoff;
+    const Double3 nx = cross(camera.step_y, ray), ny = cross(camera.step_x, ray);
+    const Double3 anx = apply(g.axes.a, nx), any = apply(g.axes.a, ny);
+    const Double3 turn = cross(camera.step_y, camera.step_x);
+    const Double3 at = apply(g.axes.a, turn);
+    const double tv = dot(turn, v), a = tv * tv - k2 * dot(at, at);
+    pixels_between(a, -k2 * dot(anx, at), -k2 * dot(anx, anx), x, camera.width, out.pixels.x0,
+                   out.pixels.x1);
+    // Rows: their planes turn the other way, n + y step_x x step_y.
+    pixels_between(a, k2 * dot(any, at), -k2 * dot(any, any), y, camera.height, out.pixels.y0,
+                   out.pixels.y1);
+    if (out.pixels.empty()) return false;
+    fill_far(g.density, g.axes, camera, v, z, x, y, out);
+    divide_by_sum(model, at_mean, screen, mass, deviation, out);
+    return true;
 }
 
 /// tau of a near splat at a pixel.

@@ -3,11 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "render/kernel_polynomial.h"
+#include "render/trace/splat_kernel.h"
 #include "vog/error.h"
 
 namespace vog::gpu {
@@ -17,13 +16,7 @@ CudaModel cuda_model(const Gaussians& gaussians, double kappa) {
     if (gaussians.size() >= std::numeric_limits<std::int32_t>::max())
         throw Error(fmt::format("cuda: {} Gaussians, expected fewer than 2^31", gaussians.size()));
     CudaModel model;
-    model.cutoff = cutoff_of_kappa(kappa, gaussians.cutoff);
-    const KernelPolynomial kernel = fit_kernel(model.cutoff);
-    model.kernel.degree = static_cast<std::int32_t>(kernel.coefficient.size()) - 1;
-    std::copy(kernel.coefficient.begin(), kernel.coefficient.end(), model.kernel.coefficient);
-    model.kernel.slope = kernel.slope;
-    model.kernel.shift = kernel.shift;
-    model.kernel.cutoff2 = static_cast<float>(model.cutoff * model.cutoff);
+    model.kernel = trace::splat_kernel(cutoff_of_kappa(kappa, gaussians.cutoff));
 
     Box bounds;
     for (std::size_t i = 0; i < gaussians.size(); ++i) bounds.include(support_box(gaussians, i));

@@ -10,9 +10,8 @@ namespace vog::gpu {
 
 struct CudaModel {
     std::vector<device::SplatGaussian> gaussians;  ///< scene units
-    device::Kernel kernel{};
-    double unit = 1;    ///< world units of one scene unit: a power of two
-    double cutoff = 0;  ///< k, standard deviations
+    device::SplatKernel kernel{};
+    double unit = 1;  ///< world units of one scene unit: a power of two
 };
 
 /// Packs a model.

@@ -52,7 +52,7 @@ double CudaSplat::gpu_ms() const { return state_->timer.ms(); }
 
 void CudaSplat::State::bin(const device::Camera& camera, std::int32_t tile_columns,
                            std::int32_t tile_count, SortedEntries& entries) {
-    launch_project(gaussians.data(), count, camera, model.cutoff, splats.data(), touched.data());
+    launch_project(gaussians.data(), count, camera, model.kernel, splats.data(), touched.data());
     const std::size_t to_scan = scan_bytes(count);
     scratch.reserve(to_scan, "scratch of the sum");
     launch_scan(scratch.data(), to_scan, touched.data(), offsets.data(), count);
@@ -92,7 +92,7 @@ DepthImage CudaSplat::render(const Camera& camera, int width, int height) {
     SortedEntries entries{};
     s.bin(frame, columns, columns * rows, entries);
     launch_tiles({s.gaussians.data(), s.splats.data(), s.first.data(), entries.splat, frame,
-                  s.model.kernel, columns, rows, s.depth.data()});
+                  s.model.kernel.kernel, columns, rows, s.depth.data()});
     s.timer.stop();
     s.depth.copy_to(image.depth.data(), image.depth.size(), "fetching the picture");
     return image;

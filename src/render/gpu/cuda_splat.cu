@@ -18,13 +18,13 @@ constexpr int kBlock = 256;
 int blocks_for(std::int64_t count) { return static_cast<int>((count + kBlock - 1) / kBlock); }
 
 __global__ void project_kernel(const device::SplatGaussian* gaussians, std::int32_t count,
-                               device::Camera camera, double cutoff, TileSplat* splats,
+                               device::Camera camera, device::SplatKernel kernel, TileSplat* splats,
                                std::uint32_t* touched) {
     const std::int32_t i = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
     if (i >= count) return;
     TileSplat splat;
     std::uint32_t tiles = 0;
-    if (device::project(gaussians[i], camera, cutoff, splat)) {
+    if (device::project(device::source_of(gaussians[i]), camera, kernel, splat)) {
         const device::PixelRange range = device::tiles_of(splat.pixels);
         tiles = static_cast<std::uint32_t>((range.x1 - range.x0 + 1) * (range.y1 - range.y0 + 1));
         splats[i] = splat;
@@ -58,7 +58,7 @@ __global__ void ranges_kernel(const std::uint32_t* tile, std::int64_t count, std
 }
 
 __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
-    constexpr int kBatch = 64;  // splats of 84 bytes: 5 kB a block, so many blocks a processor
+    constexpr int kBatch = 64;  // splats of 92 bytes: 6 kB a block, so many blocks a processor
     __shared__ TileSplat batch[kBatch];
     __shared__ std::uint32_t index[kBatch];
     const int thread = static_cast<int>(threadIdx.x);
@@ -102,9 +102,9 @@ __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
 }  // namespace
 
 void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
-                    const device::Camera& camera, double cutoff, device::TileSplat* splats,
-                    std::uint32_t* touched) {
-    project_kernel<<<blocks_for(count), kBlock>>>(gaussians, count, camera, cutoff, splats,
+                    const device::Camera& camera, const device::SplatKernel& kernel,
+                    device::TileSplat* splats, std::uint32_t* touched) {
+    project_kernel<<<blocks_for(count), kBlock>>>(gaussians, count, camera, kernel, splats,
                                                   touched);
     check_cuda(cudaGetLastError(), "projecting");
 }

@@ -11,8 +11,8 @@ namespace vog::gpu {
 
 /// Projects every Gaussian and counts the tiles that each touches.
 void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
-                    const device::Camera& camera, double cutoff, device::TileSplat* splats,
-                    std::uint32_t* touched);
+                    const device::Camera& camera, const device::SplatKernel& kernel,
+                    device::TileSplat* splats, std::uint32_t* touched);
 
 /// Bytes of scratch memory for prefix sums and sorts of these sizes.
 std::size_t scan_bytes(std::int32_t gaussians);

@@ -161,12 +161,15 @@ SplatRenderer::SplatRenderer(const Gaussians& gaussians, const SplatOptions& opt
     validate(gaussians);
     const double cutoff = cutoff_of_kappa(options.kappa, gaussians.cutoff);
     state_->all = &gaussians;
-    state_->model = {&gaussians, unit_of(gaussians), static_cast<float>(cutoff)};
+    state_->model = {&gaussians, unit_of(gaussians), static_cast<float>(cutoff), {}, nullptr};
+    // The paper's boxes are met by single rays, as in the paper.
+    if (options.aabb_sigma == 0) state_->model.limits = pixel_limits(state_->model.cutoff);
     state_->options = options;
     state_->kernels =
         options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
     if (options.hierarchy) state_->cut.emplace(gaussians, *options.hierarchy, cutoff);
     state_->kernel = fit_kernel(state_->model.cutoff);
+    state_->model.kernel = &state_->kernel;
 }
 SplatRenderer::~SplatRenderer() = default;
 SplatRenderer::SplatRenderer(SplatRenderer&&) noexcept = default;

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "render/device/pixel_limits.h"
 #include "vog/error.h"
 #include "vog/splat.h"
 

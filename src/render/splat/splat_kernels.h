@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "render/kernel_polynomial.h"
+#include "render/pixel_limits.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 
@@ -57,6 +58,8 @@ struct SplatModel {
     const Gaussians* gaussians = nullptr;
     double unit = 1;   ///< near the largest T of one Gaussian; a power of two
     float cutoff = 0;  ///< k, standard deviations, in place of Gaussians::cutoff
+    PixelLimits limits{};
+    const KernelPolynomial* kernel = nullptr;  ///< fit_kernel(cutoff); null if limits.least2 is 0
 };
 
 /// Splats of a run of Gaussians, in the same order. Gaussians behind the eye, outside the image,

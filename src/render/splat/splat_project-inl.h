@@ -107,6 +107,35 @@ HWY_INLINE CameraAxes<V> camera_axes(D d, const ProjectionInput& in, const Camer
     return {own(d, frame.right), own(d, frame.up), own(d, frame.forward)};
 }
 
+/// Gaussians as the forms need them. Spreads, of which dot products are covariances, and whitened
+/// directions are in the Gaussians' own axes.
+template <class V>
+struct Shape {
+    Lanes3<V> spread_r, spread_u, spread_f;       ///< camera's axes times the scales
+    Lanes3<V> right_over, up_over, forward_over;  ///< over the scales and the peak
+    V peak, volume;                               ///< in SplatModel::unit; product of scales
+    V inverse_peak_volume;
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE Shape<V> shape_of(D d, const CameraAxes<V>& axes, const Lanes3<V>& scale, V peak) {
+    const V volume = hn::Mul(scale.x, hn::Mul(scale.y, scale.z));
+    const V inverse_peak_volume = hn::Div(hn::Set(d, 1.0), hn::Mul(peak, volume));
+    const Lanes3<V> whiten{hn::Mul(hn::Mul(scale.y, scale.z), inverse_peak_volume),
+                           hn::Mul(hn::Mul(scale.x, scale.z), inverse_peak_volume),
+                           hn::Mul(hn::Mul(scale.x, scale.y), inverse_peak_volume)};
+    return {times(axes.right, scale),
+            times(axes.up, scale),
+            times(axes.forward, scale),
+            times(axes.right, whiten),
+            times(axes.up, whiten),
+            times(axes.forward, whiten),
+            peak,
+            volume,
+            inverse_peak_volume};
+}
+
+#include "render/splat/splat_widen-inl.h"
+
 /// The splats of one vector of Gaussians, each as four groups of four 32-bit fields: what a
 /// FarSplat's 64 bytes are.
 template <std::size_t kLanes>
@@ -134,9 +163,10 @@ HWY_INLINE hn::Vec<DI> pixel_interval(D d, V center, V half, int size, hn::Mask<
 /// Projects one vector of Gaussians.
 /// kParallel  for an orthographic camera
 template <bool kParallel, class D, std::size_t kLanes>
-HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, double unit,
+HWY_INLINE void project_lanes(D d, const ProjectionInput& in, const SplatModel& model,
                               const CameraFrame& frame, ProjectionOutput<kLanes>& out) {
     using V = hn::Vec<D>;
+    const double cutoff = model.cutoff, unit = model.unit;
     const hn::Rebind<float, D> df;
     const hn::Rebind<std::int32_t, D> di;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0);
@@ -150,14 +180,22 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     const Lanes3<V> p{hn::Sub(mean.x, eye.x), hn::Sub(mean.y, eye.y), hn::Sub(mean.z, eye.z)};
     const V right = dot(p, set3(d, frame.right)), up = dot(p, set3(d, frame.up));
     const V forward = dot(p, set3(d, frame.forward));
+    const V density = hn::Mul(hn::PromoteTo(d, hn::LoadU(df, in.density)), hn::Set(d, 1 / unit));
     const CameraAxes<V> axes = camera_axes(d, in, frame);
-    const Lanes3<V> spread_r = times(axes.right, scale), spread_u = times(axes.up, scale);
-    const Lanes3<V> spread_f = times(axes.forward, scale);
-    const V sff = dot(spread_f, spread_f);
+    Shape<V> shape = shape_of(d, axes, scale, density);
+    const V own_reach = hn::Mul(hn::Set(d, cutoff), hn::Sqrt(dot(shape.spread_f, shape.spread_f)));
+    const V max_pixel = hn::Set(d, kMaxPixel);
+    const auto in_front = hn::Ge(forward, hn::Mul(hn::Set(d, kInFront), own_reach));
+    const MeanPoint<V> at = kParallel ? MeanPoint<V>{zero, zero, ppu, zero}
+                                      : mean_point(d, right, up, forward, ppu);
+    const V least_variance = widen(d, at, model.limits, in_front, axes, scale, shape);
+    const auto& [spread_r, spread_u, spread_f, right_over, up_over, forward_over, peak, volume,
+                 inverse_peak_volume] = shape;
+    const V sff = dot(spread_f, spread_f), depth_spread = hn::Sqrt(sff);
+    const V reach = hn::Mul(hn::Set(d, cutoff), depth_spread);
     const V rf = hn::Mul(k2, dot(spread_r, spread_f)), uf = hn::Mul(k2, dot(spread_u, spread_f));
     const V rr = hn::Mul(k2, dot(spread_r, spread_r)), uu = hn::Mul(k2, dot(spread_u, spread_u));
     const V ru = hn::Mul(k2, dot(spread_r, spread_u)), ff = hn::Mul(k2, sff);
-    const V depth_spread = hn::Sqrt(sff);
 
     // Centre and shape of the outline. Parallel rays: the mean and k² S across the view, L = 1.
     V leading = one, inverse_leading = one, center_r = right, center_u = up;
@@ -182,22 +220,8 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     const auto x_bounds = pixel_interval(d, center_x, half_x, frame.width, some_x);
     const auto y_bounds = pixel_interval(d, center_y, half_y, frame.height, some_y);
 
-    const V reach = hn::Mul(hn::Set(d, cutoff), depth_spread), max_pixel = hn::Set(d, kMaxPixel);
     const V limit = hn::Max(hn::Abs(center_x), hn::Abs(center_y));
-    const auto is_far =
-        hn::And(hn::Ge(forward, hn::Mul(hn::Set(d, kInFront), reach)), hn::Lt(limit, max_pixel));
-    const V peak = hn::Mul(hn::PromoteTo(d, hn::LoadU(df, in.density)), hn::Set(d, 1 / unit));
-
-    // Whitened directions: camera axes over the scales, and over the peak.
-    const V volume = hn::Mul(scale.x, hn::Mul(scale.y, scale.z));
-    const V inverse_peak_volume = hn::Div(one, hn::Mul(peak, volume));
-    const Lanes3<V> whiten{hn::Mul(hn::Mul(scale.y, scale.z), inverse_peak_volume),
-                           hn::Mul(hn::Mul(scale.x, scale.z), inverse_peak_volume),
-                           hn::Mul(hn::Mul(scale.x, scale.y), inverse_peak_volume)};
-    const V inverse_peak = hn::Mul(inverse_peak_volume, volume);
-    const Lanes3<V> right_over{hn::Mul(axes.right.x, whiten.x), hn::Mul(axes.right.y, whiten.y),
-                               hn::Mul(axes.right.z, whiten.z)};
-    const Lanes3<V> up_over = times(axes.up, whiten), forward_over = times(axes.forward, whiten);
+    const auto is_far = hn::And(in_front, hn::Lt(limit, max_pixel));
     // Along the ray through the mean: from the eye to the mean, or for parallel rays one world unit.
     const Lanes3<V> e =
         kParallel
@@ -208,6 +232,7 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
                                    hn::MulAdd(up, up_over.y, hn::Mul(forward, forward_over.y))),
                         hn::MulAdd(right, right_over.z,
                                    hn::MulAdd(up, up_over.z, hn::Mul(forward, forward_over.z)))};
+    const V inverse_peak = hn::Mul(inverse_peak_volume, volume);
     const V e2 = dot(e, e);  // |e|² / peak²
     // Over the peak and in the distance's unit: T at the mean is about peak forward / |e|.
     const V length = kParallel ? one : forward;
@@ -269,13 +294,16 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, double cutoff, dou
     const V c0 = hn::NegMulAdd(cx, ox, hn::NegMulAdd(cy, oy, c_center));
     const V d0 = hn::NegMulAdd(dy, oy, d_center);
 
+    SplatForms<V> forms{ax, ay, a0, by, b0, f0, cx, cy, c0, dy, d0, e02};
+    normalize_small(d, model, at, half_x, half_y, shape, least_variance, hn::And(is_far, seen),
+                    forms);
     const auto f = [&](V v) { return hn::DemoteTo(df, v); };
     const auto bits = [&](V v) { return hn::BitCast(df, hn::DemoteTo(di, v)); };
-    hn::StoreInterleaved4(bits(column), bits(row), f(ax), f(ay), df, out.group[0]);
-    hn::StoreInterleaved4(f(a0), f(by), f(b0), f(f0), df, out.group[1]);
-    hn::StoreInterleaved4(f(cx), f(cy), f(c0), f(dy), df, out.group[2]);
-    hn::StoreInterleaved4(f(d0), f(e02), hn::BitCast(df, x_bounds), hn::BitCast(df, y_bounds), df,
-                          out.group[3]);
+    hn::StoreInterleaved4(bits(column), bits(row), f(forms.ax), f(forms.ay), df, out.group[0]);
+    hn::StoreInterleaved4(f(forms.a0), f(forms.by), f(forms.b0), f(forms.f0), df, out.group[1]);
+    hn::StoreInterleaved4(f(forms.cx), f(forms.cy), f(forms.c0), f(forms.dy), df, out.group[2]);
+    hn::StoreInterleaved4(f(forms.d0), f(forms.e02), hn::BitCast(df, x_bounds),
+                          hn::BitCast(df, y_bounds), df, out.group[3]);
 }
 
 /// True if a support lies beyond one of the four side planes of the view: slope · forward - sign ·
@@ -344,9 +372,9 @@ void project(const SplatModel& model, const CameraFrame& frame, std::size_t firs
             in = {mean, scale, rotated ? rotation : nullptr, density};
         }
         if (frame.orthographic)
-            project_lanes<true>(d, in, model.cutoff, model.unit, frame, out);
+            project_lanes<true>(d, in, model, frame, out);
         else
-            project_lanes<false>(d, in, model.cutoff, model.unit, frame, out);
+            project_lanes<false>(d, in, model, frame, out);
         const std::size_t whole = (std::size_t{1} << count) - 1;
         for (std::size_t left = out.far & whole; left != 0; left &= left - 1) {
             const auto n = static_cast<std::size_t>(hwy::Num0BitsBelowLS1Bit_Nonzero64(left));

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "render/pixel_tiles.h"
+#include "render/trace/small_gaussians.h"
 #include "render/trace/trace_bvh.h"
 #include "render/trace/trace_options.h"
 
@@ -22,9 +23,9 @@ struct TraceScene::Data {
 namespace {
 
 /// __raygen__ of collect: T of one ray, slab by slab, until a slab is not full.
-double collected_depth(const TraceScene::Data& scene, const device::Ray& ray,
-                       const TraceOptions& options, TraceReport& report) {
-    const double opaque = stop_depth(options);
+/// opaque  T at which the ray ends
+double collected_depth(const TraceScene::Data& scene, const device::Ray& ray, const float* shares,
+                       const TraceOptions& options, double opaque, TraceReport& report) {
     device::HitList list;
     list.capacity = options.hits_per_slab;
     device::CollectedHit last;
@@ -32,14 +33,14 @@ double collected_depth(const TraceScene::Data& scene, const device::Ray& ray,
     int slabs = 0;
     for (bool more = true; more;) {
         device::begin_slab(list, slabs ? &last : nullptr);
-        scene.bvh.collect(ray, list);
+        scene.bvh.collect(ray, shares, list);
         if (list.count == 0) break;
         ++slabs;
         device::sort_by_entry(list);
         last = list.hit[list.count - 1];
         report.hits += static_cast<std::uint64_t>(list.count);
-        more = device::integrate(list, scene.model.gaussians.data(), ray, scene.model.cutoff2,
-                                 opaque, scene.model.rounding, sum);
+        more = device::integrate(list, scene.model.gaussians.data(), shares, ray,
+                                 scene.model.cutoff2, opaque, scene.model.rounding, sum);
     }
     report.slabs += static_cast<std::uint64_t>(slabs);
     report.most_slabs = std::max(report.most_slabs, slabs);
@@ -66,18 +67,25 @@ DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width
         if (report) *report = total;
         return image;
     }
+    const SmallGaussians small = small_gaussians(data.model, frame);
+    const float* shares = small.shares.empty() ? nullptr : small.shares.data();
+    draw_splats(small.splats, data.model.kernel.kernel, frame, image);
+    const double opaque = stop_depth(options);
     const auto draw = [&](int column, int row, TraceReport& part) {
         device::Ray ray;
         if (!device::camera_ray(frame, data.model.bounds, column, row, ray)) return;
         double depth = 0;
         if (options.anyhit == AnyHit::accumulate) {
             device::DepthSum sum{};
-            part.hits += data.bvh.accumulate(ray, sum);
+            part.hits += data.bvh.accumulate(ray, shares, sum);
             depth = sum.depth();
         } else {
-            depth = collected_depth(data, ray, options, part);
+            // A ray ends where its own T and that of the splats are opaque.
+            const double splatted = double{image.at(column, row)};
+            if (splatted >= opaque) return;
+            depth = collected_depth(data, ray, shares, options, opaque - splatted, part);
         }
-        image.at(column, row) = static_cast<float>(depth);
+        image.at(column, row) += static_cast<float>(depth);
     };
     const auto add = [&](const TraceReport& part) {
         total.hits += part.hits;

@@ -32,12 +32,14 @@ using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
 struct Query : RTCIntersectContext {
     const TraceModel* model;
     const device::Ray* ray;
+    const float* shares;              ///< of the Gaussians, or null
     device::Hit hit;                  ///< with the current primitive: OptiX's attributes
     device::DepthSum sum{};           ///< result of accumulate
     std::uint32_t hits = 0;           ///< counted by accumulate
     device::HitList* list = nullptr;  ///< filled by collect
 
-    Query(const TraceModel& traced, const device::Ray& along) : model(&traced), ray(&along) {
+    Query(const TraceModel& traced, const device::Ray& along, const float* of_each)
+        : model(&traced), ray(&along), shares(of_each) {
         rtcInitIntersectContext(this);
         flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     }
@@ -53,6 +55,7 @@ void bounds_of(const RTCBoundsFunctionArguments* args) {
 
 /// __intersection__: true if the ray meets the Gaussian, and its box if the model is boxed.
 bool intersect_primitive(Query& query, unsigned index) {
+    if (device::share_of(query.shares, index) == 0) return false;
     const device::Gaussian& g = query.model->gaussians[index];
     if (!device::intersect(g, *query.ray, query.model->cutoff2, query.hit)) return false;
     return !query.model->boxed || device::meets_box(g, *query.ray, query.model->scene);
@@ -102,7 +105,8 @@ void intersected(const RTCIntersectFunctionNArguments* args) {
 void add_and_ignore(const RTCFilterFunctionNArguments* args) {
     Query& query = *static_cast<Query*>(args->context);
     const unsigned index = RTCHitN_primID(args->hit, 1, 0);
-    device::add_depth(query.sum, device::optical_depth(query.model->gaussians[index], query.hit),
+    const float tau = device::optical_depth(query.model->gaussians[index], query.hit);
+    device::add_depth(query.sum, device::share_of(query.shares, index) * tau,
                       query.model->rounding);
     ++query.hits;
     *args->valid = 0;
@@ -188,16 +192,17 @@ TraceBvh::TraceBvh(const TraceModel& model) : embree_(std::make_unique<Embree>()
 
 TraceBvh::~TraceBvh() = default;
 
-std::uint32_t TraceBvh::accumulate(const device::Ray& ray, device::DepthSum& sum) const {
-    Query query(model_, ray);
+std::uint32_t TraceBvh::accumulate(const device::Ray& ray, const float* shares,
+                                   device::DepthSum& sum) const {
+    Query query(model_, ray, shares);
     RTCRay along = float_ray(model_, ray, 0);
     rtcOccluded1(embree_->scene.get(), &query, &along);
     sum = query.sum;
     return query.hits;
 }
 
-void TraceBvh::collect(const device::Ray& ray, device::HitList& list) const {
-    Query query(model_, ray);
+void TraceBvh::collect(const device::Ray& ray, const float* shares, device::HitList& list) const {
+    Query query(model_, ray, shares);
     query.list = &list;
     const float from = device::slab_start(list, model_.boxed);
     RTCRayHit along{float_ray(model_, ray, from), {}};

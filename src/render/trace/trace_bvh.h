@@ -16,10 +16,12 @@ class TraceBvh {
     TraceBvh& operator=(const TraceBvh&) = delete;
 
     /// Adds tau of every Gaussian on the ray to `sum`.
+    /// shares   SmallGaussians::shares, or null; a Gaussian of share 0 is not hit
     /// returns  number of hits
-    std::uint32_t accumulate(const device::Ray& ray, device::DepthSum& sum) const;
+    std::uint32_t accumulate(const device::Ray& ray, const float* shares,
+                             device::DepthSum& sum) const;
     /// Fills `list` with the nearest hits after list.last, unsorted.
-    void collect(const device::Ray& ray, device::HitList& list) const;
+    void collect(const device::Ray& ray, const float* shares, device::HitList& list) const;
 
   private:
     struct Embree;

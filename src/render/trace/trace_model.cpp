@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "render/trace/splat_kernel.h"
 #include "vog/error.h"
 
 namespace vog::trace {
@@ -95,6 +96,7 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
     TraceModel model;
     model.boxed = aabb_sigma > 0;
     model.cutoff2 = static_cast<float>(cutoff * cutoff);
+    model.kernel = splat_kernel(cutoff);
 
     // Boxes in world units, and their common bounds.
     const double radii = model.boxed ? aabb_sigma * std::numbers::sqrt2 : cutoff;
@@ -128,7 +130,10 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
     model.bounds = {model.bounds.lower - slack, model.bounds.upper + slack};
     model.scene = in_scene(scene.empty() ? bounds : scene);
 
-    // The largest tau of a Gaussian is along its longest axis through the peak.
+    // The largest tau of a Gaussian is along its longest axis through the peak. Shares of small
+    // Gaussians (small_gaussians.h) are below 2: the ball that small cutoffs tend to has at least
+    // half its mass on any lattice at kLeastDeviationPx.
+    constexpr double kMostShare = 2;
     double bound = 0;
     model.gaussians.resize(gaussians.size());
     model.boxes.resize(gaussians.size());
@@ -138,7 +143,7 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
         const Vec3f s = gaussians.scale[i];
         bound += std::sqrt(2 * std::numbers::pi) * gaussians.density[i] * std::max({s.x, s.y, s.z});
     }
-    model.rounding = rounding_for(bound);
+    model.rounding = rounding_for(kMostShare * bound);
     return model;
 }
 

@@ -6,6 +6,7 @@
 #include "render/device/any_hit.h"
 #include "render/device/camera_ray.h"
 #include "render/device/gaussian_hit.h"
+#include "render/device/tile_splat.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 
@@ -20,12 +21,13 @@ struct FloatBox {
 struct TraceModel {
     std::vector<device::Gaussian> gaussians;
     std::vector<FloatBox> boxes;
-    device::Bounds bounds{};   ///< of all boxes and supports, scene units
-    device::Bounds scene{};    ///< box that the paper's boxes are clamped to, scene units
-    device::Double3 center{};  ///< of the bounds, scene units
-    double unit = 1;           ///< world units of one scene unit: a power of two
-    float cutoff2 = 0;         ///< k²
-    bool boxed = false;        ///< rays count only Gaussians whose paper's box they meet
+    device::Bounds bounds{};       ///< of all boxes and supports, scene units
+    device::Bounds scene{};        ///< box that the paper's boxes are clamped to, scene units
+    device::Double3 center{};      ///< of the bounds, scene units
+    double unit = 1;               ///< world units of one scene unit: a power of two
+    float cutoff2 = 0;             ///< k²
+    device::SplatKernel kernel{};  ///< of the Gaussians that are splatted
+    bool boxed = false;            ///< rays count only Gaussians whose paper's box they meet
     device::SumRounding rounding{};
 };
 

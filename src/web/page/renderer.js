@@ -152,6 +152,7 @@ export class Renderer {
         : (0.5 * Math.min(width, height)) / halfTangent(camera));
       this.splat.set('parallel', camera.span ? 1 : 0);
       this.splat.set('cutoff', model.cutoff);
+      this.splat.set('limits', ...(this.subframes === 0 ? model.limits : model.subframeLimits));
       gl.enable(gl.BLEND);
       gl.blendEquation(gl.FUNC_ADD);
       gl.blendFunc(gl.ONE, gl.ONE);
