@@ -91,7 +91,7 @@ DepthImage draw(Scene& scene, const std::optional<Camera>& camera, const py::obj
 RenderArguments arguments_of(const std::string& renderer, const py::object& extinction,
                              double aabb_sigma, double kappa, const std::string& anyhit,
                              int hits_per_slab, double stop_transmittance,
-                             const std::string& interpolation, double step) {
+                             const std::string& interpolation, double step, int samples) {
     if (anyhit != "accumulate" && anyhit != "collect")
         throw Error("render: anyhit '" + anyhit + "', expected 'accumulate' or 'collect'");
     if (interpolation != "constant" && interpolation != "linear")
@@ -111,6 +111,7 @@ RenderArguments arguments_of(const std::string& renderer, const py::object& exti
     a.options.voxels.interpolation =
         interpolation == "linear" ? Interpolation::linear : Interpolation::constant;
     a.options.voxels.step_voxels = step;
+    a.options.samples = samples;
     return a;
 }
 
@@ -122,7 +123,8 @@ aabb_sigma     splat, trace, optix: the paper's boxes, in its radii; 0: none
 kappa          cuts kernels at this share of their peak, in place of the model's own cutoff; 0: does not
 anyhit         trace, optix: 'accumulate' or, as the paper, 'collect', with hits_per_slab hits at once
                until transmittance falls below stop_transmittance
-interpolation  reference: 'constant' (exact) or 'linear' between voxel centres, by `step` voxels)";
+interpolation  reference: 'constant' (exact) or 'linear' between voxel centres, by `step` voxels
+samples        reference: N for the mean of N x N rays in each pixel; 1: the ray through its centre)";
 
 }  // namespace
 
@@ -138,16 +140,16 @@ data           Gaussians, a Volume, Levels, a list of Volumes, or Points (one Ga
         .def(py::init([](const py::object& data, const std::string& renderer,
                          const py::object& extinction, double aabb_sigma, double kappa,
                          const std::string& anyhit, int hits_per_slab, double stop_transmittance,
-                         const std::string& interpolation, double step) {
-                 return make_scene(
-                     data, arguments_of(renderer, extinction, aabb_sigma, kappa, anyhit,
-                                        hits_per_slab, stop_transmittance, interpolation, step));
+                         const std::string& interpolation, double step, int samples) {
+                 return make_scene(data, arguments_of(renderer, extinction, aabb_sigma, kappa,
+                                                      anyhit, hits_per_slab, stop_transmittance,
+                                                      interpolation, step, samples));
              }),
              py::arg("data"), py::kw_only(), py::arg("renderer") = "",
              py::arg("extinction") = "auto", py::arg("aabb_sigma") = 0.0, py::arg("kappa") = 0.0,
              py::arg("anyhit") = "accumulate", py::arg("hits_per_slab") = unset.trace.hits_per_slab,
              py::arg("stop_transmittance") = 0.0, py::arg("interpolation") = "constant",
-             py::arg("step") = unset.voxels.step_voxels)
+             py::arg("step") = unset.voxels.step_voxels, py::arg("samples") = unset.samples)
         .def("render", &draw, py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
              py::arg("progress") = py::none(),
              R"(One picture: a DepthImage.
@@ -176,10 +178,10 @@ For many views of one thing make a Scene. The interpreter's lock is released; Ct
         [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,
            const std::string& renderer, const py::object& extinction, double aabb_sigma,
            double kappa, const std::string& anyhit, int hits_per_slab, double stop_transmittance,
-           const std::string& interpolation, double step, const py::object& progress) {
+           const std::string& interpolation, double step, int samples, const py::object& progress) {
             const auto scene = make_scene(
                 data, arguments_of(renderer, extinction, aabb_sigma, kappa, anyhit, hits_per_slab,
-                                   stop_transmittance, interpolation, step));
+                                   stop_transmittance, interpolation, step, samples));
             return draw(*scene, camera, size, progress);
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
@@ -187,7 +189,7 @@ For many views of one thing make a Scene. The interpreter's lock is released; Ct
         py::arg("kappa") = 0.0, py::arg("anyhit") = "accumulate",
         py::arg("hits_per_slab") = unset.trace.hits_per_slab, py::arg("stop_transmittance") = 0.0,
         py::arg("interpolation") = "constant", py::arg("step") = unset.voxels.step_voxels,
-        py::arg("progress") = py::none(), render_text.c_str());
+        py::arg("samples") = unset.samples, py::arg("progress") = py::none(), render_text.c_str());
     m.def("splat_targets", &splat_targets,
           "SIMD targets of the splat renderer that this machine can run, best first.");
 }

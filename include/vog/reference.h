@@ -84,12 +84,15 @@ class LevelGrids {
 /// Options of one picture.
 struct ReferenceOptions {
     Progress progress{};  ///< called with the finished fraction of the picture
+    /// N: a pixel is the mean T of N x N rays, through the centres of N x N equal parts of it,
+    /// [1, 64]. 1: the ray through its centre.
+    int samples = 1;
 };
 
 /// Optical depth T per pixel at extinction 1, summed over the grids.
 /// returns  within 1e-6 relative of the exact sum; the same bytes for any number of threads
-/// throws   vog::Error for an unusable camera or size
-/// cost     O(pixels * nodes crossed)
+/// throws   vog::Error for an unusable camera or size, or samples out of range
+/// cost     O(pixels * samples^2 * nodes crossed)
 [[nodiscard]] DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera,
                                           int width, int height,
                                           const ReferenceOptions& options = {});

@@ -70,6 +70,7 @@ struct RenderOptions {
     /// Any-hit program, hits per slab and end of rays of trace and optix; progress is not used.
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
+    int samples = 1;            ///< ReferenceOptions::samples
 };
 
 /// One member of RenderOptions that some renderers have and others lack.
@@ -82,6 +83,7 @@ enum class RenderOption {
     kappa,
     interpolation,
     step,
+    samples,
 };
 /// Options whose values are not the defaults.
 std::vector<RenderOption> changed_options(const RenderOptions& options);

@@ -332,6 +332,7 @@ class Scene:
         stop_transmittance: float = ...,
         interpolation: str = ...,
         step: float = ...,
+        samples: int = ...,
     ) -> None: ...
     def render(
         self, camera: Union[Camera, None] = ..., size: _Size = ..., *, progress: Union[_Progress, None] = ...
@@ -355,6 +356,7 @@ def render(
     stop_transmittance: float = ...,
     interpolation: str = ...,
     step: float = ...,
+    samples: int = ...,
     progress: Union[_Progress, None] = ...,
 ) -> DepthImage: ...
 def splat_targets() -> list[str]: ...

@@ -129,15 +129,16 @@ class OptixVolumesState : public State {
 template <class Grids>
 class ReferenceState : public State {
   public:
-    explicit ReferenceState(Grids grids) : grids_(std::move(grids)) {}
+    ReferenceState(Grids grids, int samples) : grids_(std::move(grids)), samples_(samples) {}
 
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress& progress) override {
-        depth = render_reference(grids_, camera, width, height, {progress});
+        depth = render_reference(grids_, camera, width, height, {progress, samples_});
     }
 
   private:
     Grids grids_;
+    int samples_;
 };
 
 /// throws vog::Error for a renderer that does not draw the input, or options that are not its
@@ -179,14 +180,15 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
         state_ = std::make_unique<OptixVolumesState>(volumes);
     else
         state_ = std::make_unique<ReferenceState<std::vector<VoxelGrid>>>(
-            voxel_grids(volumes, options.voxels));
+            voxel_grids(volumes, options.voxels), options.samples);
     state_->renderer = renderer;
 }
 
 DepthRenderer::DepthRenderer(Renderer renderer, const Levels& levels,
                              const RenderOptions& options) {
     check(renderer, RenderInput::levels, options);
-    state_ = std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels));
+    state_ = std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels),
+                                                          options.samples);
     state_->renderer = renderer;
 }
 

@@ -41,6 +41,7 @@ const std::vector<OptionRow>& option_table() {
         {RenderOption::kappa, "--kappa", "kappa", {splat, trace, optix, cuda}},
         {RenderOption::interpolation, "--interpolation", "interpolation", {reference}},
         {RenderOption::step, "--step", "step", {reference}},
+        {RenderOption::samples, "--samples", "samples", {reference}},
     };
     return table;
 }
@@ -140,6 +141,7 @@ std::vector<RenderOption> changed_options(const RenderOptions& options) {
     add(options.kappa != 0, RenderOption::kappa);
     add(options.voxels.interpolation != unset.voxels.interpolation, RenderOption::interpolation);
     add(options.voxels.step_voxels != unset.voxels.step_voxels, RenderOption::step);
+    add(options.samples != unset.samples, RenderOption::samples);
     return changed;
 }
 

@@ -43,7 +43,8 @@ def test_pictures_of_models_are_the_commands_byte_for_byte(tmp_path, command, mo
 
 @pytest.mark.parametrize(
     "options, flags",
-    [({}, []), ({"interpolation": "linear", "step": 0.5}, ["--interpolation", "linear", "--step", 0.5])],
+    [({}, []), ({"interpolation": "linear", "step": 0.5, "samples": 2},
+      ["--interpolation", "linear", "--step", 0.5, "--samples", 2])],
 )
 def test_pictures_of_voxels_are_the_commands_too(tmp_path, command, cloud, options, flags):
     cloud.save(tmp_path / "cloud.vdb")

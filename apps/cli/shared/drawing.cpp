@@ -17,7 +17,7 @@ using enum RenderOption;
 std::vector<RenderOption> given_options(const CLI::App& command) {
     std::vector<RenderOption> given;
     for (const RenderOption option : {anyhit, hits_per_slab, stop_transmittance, aabb_sigma,
-                                      pixel_error, kappa, interpolation, step})
+                                      pixel_error, kappa, interpolation, step, samples})
         if (command.count(spelled(option, OptionSpelling::flags)) > 0) given.push_back(option);
     return given;
 }
@@ -45,6 +45,7 @@ RenderOptions render_options(const DrawingArguments& arguments, std::optional<do
     options.voxels.interpolation =
         arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant;
     options.voxels.step_voxels = arguments.step_voxels;
+    options.samples = arguments.samples;
     return options;
 }
 
@@ -122,6 +123,12 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         .add_option("--step", arguments.step_voxels,
                     "Step of linear interpolation, voxels; 0: exact, cell by cell")
         ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command
+        .add_option("--samples", arguments.samples,
+                    "Rays of the reference: N for the mean of N x N in each pixel; 1: the ray "
+                    "through its centre")
+        ->check(CLI::Range(1, 64))
         ->capture_default_str();
     add_volume_options(command, arguments.volume);
     command

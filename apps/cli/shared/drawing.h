@@ -25,6 +25,7 @@ struct DrawingArguments {
     std::optional<double> pixel_error;
     double aabb_sigma = 0, kappa = 0, stop_transmittance = 0;
     int hits_per_slab = TraceOptions{}.hits_per_slab;
+    int samples = ReferenceOptions{}.samples;
     double step_voxels = VoxelGridOptions{}.step_voxels;
 };
 

@@ -51,16 +51,27 @@ double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
     return sum * length(direction);
 }
 
-/// Evaluates depth(origin, direction) for every pixel.
+/// Evaluates depth(origin, direction) for every pixel, as the mean over its samples.
 template <class Depth>
 DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
                        const ReferenceOptions& options) {
+    constexpr int kMostSamples = 64;  // 4096 rays: the mean changes by less than a float's rounding
+    const int n = options.samples;
+    if (n < 1 || n > kMostSamples)
+        throw Error(fmt::format("reference: {} x {} samples in a pixel, expected 1 to {}", n, n,
+                                kMostSamples));
     const CameraFrame frame = frame_of(camera, width, height);
     DepthImage image(width, height);
+    // Sample i of n along an edge of the pixel, from its centre.
+    const auto offset = [&](int i) { return (i + 0.5) / n - 0.5; };
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         check_interrupt();
-        image.at(column, row) =
-            static_cast<float>(depth(frame.origin(column, row), frame.direction(column, row)));
+        double sum = 0;
+        for (int y = 0; y < n; ++y)
+            for (int x = 0; x < n; ++x)
+                sum += depth(frame.origin(column + offset(x), row + offset(y)),
+                             frame.direction(column + offset(x), row + offset(y)));
+        image.at(column, row) = static_cast<float>(sum / (n * n));
     });
     return image;
 }

@@ -12,7 +12,11 @@
 #include "support/data.h"
 #include "support/random_volume.h"
 #include "support/ray_voxels.h"
+#include "vog/compare.h"
+#include "vog/convert_moments.h"
 #include "vog/error.h"
+#include "vog/sample.h"
+#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog {
@@ -341,6 +345,42 @@ TEST(reference, unusable_input_throws) {
     volume.tiles.clear();
     volume.world_from_index.linear = {{Vec3d{1, 0, 0}, Vec3d{1, 0, 0}, Vec3d{0, 0, 1}}};
     EXPECT_THROW((void)voxel_grid(volume), Error);
+}
+
+TEST(reference, samples_are_the_mean_of_a_larger_picture) {
+    // The pixels of a picture n times the size are the n x n parts of this one's.
+    const Volume volume = sample_cloud({.size = 64});
+    const VoxelGrid grid = voxel_grid(volume);
+    const Camera camera = paper_view(world_box(volume));
+    constexpr int kWidth = 24, kHeight = 16;
+    for (const int n : {1, 2, 5}) {
+        const DepthImage fine = render_reference({&grid, 1}, camera, kWidth * n, kHeight * n);
+        const DepthImage image =
+            render_reference({&grid, 1}, camera, kWidth, kHeight, {.samples = n});
+        for (int row = 0; row < kHeight; ++row)
+            for (int column = 0; column < kWidth; ++column) {
+                double sum = 0;
+                for (int part = 0; part < n * n; ++part)
+                    sum += double{fine.at(n * column + part % n, n * row + part / n)};
+                ASSERT_NEAR(image.at(column, row), sum / (n * n), 1e-5 * (sum / (n * n) + 0.01));
+            }
+    }
+    for (const int bad : {0, -1, 65})
+        EXPECT_THROW((void)render_reference({&grid, 1}, camera, 4, 4, {.samples = bad}), Error);
+}
+
+/// 64 voxels across a picture of 40 pixels: the model's Gaussians are around a pixel.
+TEST(reference, samples_are_what_small_gaussians_are_drawn_as) {
+    const Volume volume = sample_cloud({.size = 64});
+    const VoxelGrid grid = voxel_grid(volume);
+    const Gaussians model = convert_moments(volume, {.block_voxels = 1});
+    const Camera camera = paper_view(world_box(volume));
+    const DepthImage splat = render_splat(model, camera, 40, 40);
+    const DepthImage mean = render_reference({&grid, 1}, camera, 40, 40, {.samples = 8});
+    const DepthImage single = render_reference({&grid, 1}, camera, 40, 40);
+    const double to_mean = compare(mean, splat).relative_l2;
+    EXPECT_LT(to_mean, 0.08);
+    EXPECT_LT(to_mean, 0.7 * compare(single, splat).relative_l2);
 }
 
 /// One grid of a file of the test data.
