@@ -50,7 +50,7 @@ function(vog_add_gpu target)
     target_include_directories(${target}_cuda PRIVATE ${own_include})
     target_compile_options(${target}_cuda PRIVATE ${cuda_options})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_cuda> ${gpu}/cuda_memory.cpp
-                   ${gpu}/cuda_renderer.cpp)
+                   ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp)
     target_compile_definitions(${target} PRIVATE VOG_CUDA)
     target_link_libraries(${target} PRIVATE CUDA::cudart_static)
     target_include_directories(${target} SYSTEM PRIVATE ${CUDAToolkit_INCLUDE_DIRS})

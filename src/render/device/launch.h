@@ -40,8 +40,10 @@ struct Launch {
 
     // The Gaussian pipeline.
     const Gaussian* gaussians;
-    Double3 center;  ///< origin of the hierarchy's coordinates, scene units
-    Bounds scene;    ///< TraceModel::scene
+    const float* shares;    ///< of the Gaussians, or null: share_of()
+    const float* splatted;  ///< [height * width] T of the Gaussians of share 0, or null
+    Double3 center;         ///< origin of the hierarchy's coordinates, scene units
+    Bounds scene;           ///< TraceModel::scene
     SumRounding rounding;
     double stop_depth;
     float cutoff2;

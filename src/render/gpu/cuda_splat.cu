@@ -32,6 +32,23 @@ __global__ void project_kernel(const device::SplatGaussian* gaussians, std::int3
     touched[i] = tiles;
 }
 
+__global__ void project_small_kernel(const device::Gaussian* gaussians, std::int32_t count,
+                                     device::Camera camera, device::SplatKernel kernel,
+                                     TileSplat* splats, std::uint32_t* touched, float* shares) {
+    const std::int32_t i = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
+    if (i >= count) return;
+    TileSplat splat;
+    std::uint32_t tiles = 0;
+    const bool drawn = device::project(device::source_of(gaussians[i]), camera, kernel, splat);
+    if (drawn && splat.widened) {
+        const device::PixelRange range = device::tiles_of(splat.pixels);
+        tiles = static_cast<std::uint32_t>((range.x1 - range.x0 + 1) * (range.y1 - range.y0 + 1));
+        splats[i] = splat;
+    }
+    touched[i] = tiles;
+    shares[i] = splat.widened ? 0.0f : splat.share;
+}
+
 __global__ void emit_kernel(const TileSplat* splats, const std::uint64_t* offsets,
                             std::int32_t count, std::int32_t tile_columns, std::uint32_t* tile,
                             std::uint32_t* splat) {
@@ -106,6 +123,14 @@ void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
                     device::TileSplat* splats, std::uint32_t* touched) {
     project_kernel<<<blocks_for(count), kBlock>>>(gaussians, count, camera, kernel, splats,
                                                   touched);
+    check_cuda(cudaGetLastError(), "projecting");
+}
+
+void launch_project_small(const device::Gaussian* gaussians, std::int32_t count,
+                          const device::Camera& camera, const device::SplatKernel& kernel,
+                          device::TileSplat* splats, std::uint32_t* touched, float* shares) {
+    project_small_kernel<<<blocks_for(count), kBlock>>>(gaussians, count, camera, kernel, splats,
+                                                        touched, shares);
     check_cuda(cudaGetLastError(), "projecting");
 }
 

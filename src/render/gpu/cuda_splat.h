@@ -14,6 +14,12 @@ void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
                     const device::Camera& camera, const device::SplatKernel& kernel,
                     device::TileSplat* splats, std::uint32_t* touched);
 
+/// The same for a ray tracer: only Gaussians that rays leave out touch tiles.
+/// shares  [count] factor on tau along rays; 0: left out
+void launch_project_small(const device::Gaussian* gaussians, std::int32_t count,
+                          const device::Camera& camera, const device::SplatKernel& kernel,
+                          device::TileSplat* splats, std::uint32_t* touched, float* shares);
+
 /// Bytes of scratch memory for prefix sums and sorts of these sizes.
 std::size_t scan_bytes(std::int32_t gaussians);
 std::size_t sort_bytes(std::int64_t entries, int key_bits);

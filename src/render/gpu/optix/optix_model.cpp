@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include "render/gpu/cuda_passes.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
 #include "render/trace/trace_options.h"
@@ -21,13 +22,17 @@ struct OptixModel::State {
     OptixRayPipeline accumulate{context, kAccumulateEntryPoints};
     OptixRayPipeline collect{context, kCollectEntryPoints};
     GpuArray<device::Gaussian> gaussians;
+    SplatPasses passes;
+    GpuArray<float> shares, splatted;  ///< of the current picture
     std::unique_ptr<OptixHierarchy> hierarchy;
     GpuArray<unsigned long long> counters{3, "counters"};
     OptixFilm film;
     GpuTimer timer;
 
     device::Launch launch_for(const CameraFrame& frame, const TraceOptions& options) const;
-    void run(const device::Launch& launch, AnyHit anyhit) {
+    void draw_small(device::Launch& launch);
+    void run(device::Launch launch, AnyHit anyhit) {
+        draw_small(launch);
         (anyhit == AnyHit::collect ? collect : accumulate).run(launch);
     }
     TraceReport report() const;
@@ -40,6 +45,10 @@ OptixModel::OptixModel(const Gaussians& gaussians, const TraceSceneOptions& opti
     s.model = std::move(model);
     s.count = s.model.gaussians.size();
     s.gaussians = GpuArray(s.model.gaussians, "Gaussians");
+    if (!s.model.boxed) {
+        s.passes = SplatPasses(static_cast<std::int32_t>(s.count));
+        s.shares = GpuArray<float>(s.count, "shares of Gaussians");
+    }
     if (s.count > 0) s.hierarchy = std::make_unique<OptixHierarchy>(s.context, s.model.boxes);
     s.model.gaussians = {};
     s.model.boxes = {};
@@ -66,6 +75,23 @@ device::Launch OptixModel::State::launch_for(const CameraFrame& frame,
     launch.boxed = model.boxed ? 1 : 0;
     launch.hits_per_slab = options.hits_per_slab;
     return launch;
+}
+
+/// Splats the Gaussians smaller than a pixel (render/trace/small_gaussians.h) through the rays of the
+/// launch's subframe.
+void OptixModel::State::draw_small(device::Launch& launch) {
+    if (model.boxed) return;
+    device::Camera camera = launch.camera;
+    double dx, dy;
+    device::pixel_point(launch.film.subframe, dx, dy);
+    camera.corner = camera.corner + dx * camera.step_x + dy * camera.step_y;
+    camera.eye = camera.eye + dx * camera.shift_x + dy * camera.shift_y;
+    splatted.reserve(
+        static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height),
+        "the splatted picture");
+    passes.draw_small(gaussians.data(), model.kernel, camera, shares.data(), splatted.data());
+    launch.shares = shares.data();
+    launch.splatted = splatted.data();
 }
 
 TraceReport OptixModel::State::report() const {

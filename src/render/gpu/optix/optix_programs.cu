@@ -56,6 +56,11 @@ __device__ bool pixel_ray(unsigned& pixel, Ray& ray) {
     return camera_ray(launch.camera, launch.bounds, at.x + dx, at.y + dy, ray);
 }
 
+/// T of the Gaussians that rays leave out.
+__device__ double splatted_depth(unsigned pixel) {
+    return launch.splatted ? static_cast<double>(launch.splatted[pixel]) : 0;
+}
+
 __device__ void count(unsigned hits, unsigned slabs) {
     if (!launch.hits) return;
     atomicAdd(launch.hits, static_cast<unsigned long long>(hits));
@@ -70,7 +75,7 @@ extern "C" __global__ void __raygen__accumulate() {
     GaussianRay data{};
     if (pixel_ray(pixel, data.ray)) trace(data, 0);
     count(data.hits, 0);
-    expose(launch.film, pixel, data.sum.depth());
+    expose(launch.film, pixel, splatted_depth(pixel) + data.sum.depth());
 }
 
 extern "C" __global__ void __raygen__collect() {
@@ -80,7 +85,10 @@ extern "C" __global__ void __raygen__collect() {
     list.capacity = launch.hits_per_slab;
     data.list = &list;
     CollectedHit last{};
-    for (bool more = pixel_ray(pixel, data.ray); more;) {
+    const bool meets = pixel_ray(pixel, data.ray);
+    // A ray ends where its own T and that of the splats are opaque.
+    const double splatted = splatted_depth(pixel);
+    for (bool more = meets && splatted < launch.stop_depth; more;) {
         begin_slab(list, slabs ? &last : nullptr);
         trace(data, slab_start(list, launch.boxed));
         if (list.count == 0) break;
@@ -88,15 +96,16 @@ extern "C" __global__ void __raygen__collect() {
         sort_by_entry(list);
         last = list.hit[list.count - 1];
         data.hits += static_cast<unsigned>(list.count);
-        more = integrate(list, launch.gaussians, data.ray, launch.cutoff2, launch.stop_depth,
-                         launch.rounding, data.sum);
+        more = integrate(list, launch.gaussians, launch.shares, data.ray, launch.cutoff2,
+                         launch.stop_depth - splatted, launch.rounding, data.sum);
     }
     count(data.hits, slabs);
-    expose(launch.film, pixel, data.sum.depth());
+    expose(launch.film, pixel, splatted + data.sum.depth());
 }
 
 extern "C" __global__ void __intersection__gaussian() {
     const GaussianRay& data = payload<GaussianRay>();
+    if (share_of(launch.shares, optixGetPrimitiveIndex()) == 0) return;
     const Gaussian& g = launch.gaussians[optixGetPrimitiveIndex()];
     Hit hit;
     if (!intersect(g, data.ray, launch.cutoff2, hit)) return;
@@ -110,7 +119,8 @@ extern "C" __global__ void __anyhit__accumulate() {
     const Hit hit{__uint_as_float(optixGetAttribute_0()), __uint_as_float(optixGetAttribute_1()),
                   __uint_as_float(optixGetAttribute_2()), __uint_as_float(optixGetAttribute_3())};
     const Gaussian& g = launch.gaussians[optixGetPrimitiveIndex()];
-    add_depth(data.sum, optical_depth(g, hit), launch.rounding);
+    add_depth(data.sum, share_of(launch.shares, optixGetPrimitiveIndex()) * optical_depth(g, hit),
+              launch.rounding);
     ++data.hits;
     optixIgnoreIntersection();
 }
