@@ -131,8 +131,12 @@ void fill(const py::object& caller_dict, const MomentReport& report, double targ
     dict["mass_ratio"] = report.mass_ratio;
     dict["dropped_mass_share"] = report.dropped_mass_share;
     dict["dropped_cells"] = report.dropped_cells;
-    dict["measured_error"] =
-        report.measured_error < 0 ? py::none() : py::object(py::float_(report.measured_error));
+    const auto measured = [](double error) {
+        return error < 0 ? py::object(py::none()) : py::object(py::float_(error));
+    };
+    dict["measured_error"] = measured(report.measured_error);
+    dict["mean_error"] = measured(report.mean_error);
+    dict["stopped_by_count"] = report.stopped_by_count;
     py::dict ms;
     for (const auto& [name, time] : report.stage_ms) ms[py::str(name)] = time;
     dict["stage_ms"] = ms;
@@ -256,13 +260,16 @@ method    'moments': each Gaussian has the mass, mean and covariance of its cell
 Number of Gaussians, for method 'moments' (at most one of these):
 block     one Gaussian per occupied cube of this edge, voxels: a power of two, 1 to 128
 budget    the best model with at most this many Gaussians, > 0
-error     the smallest model whose measured error, relative L2 of optical depth T over 8 views, is at most
-          this, in (0, 1). Default for volumes: 0.03. Default for particles: one Gaussian each
+error     the smallest model whose measured error, relative L2 of optical depth T in the worst of 12 views,
+          is at most this, in (0, 1). Default for volumes: 0.03, but at most one Gaussian to 16 voxels.
+          Default for particles: one Gaussian each
 lod       level of detail, 1 (finest) to 5 (coarsest)
 
 Volumes and Levels, method 'moments':
 soft_steps      steps of expectation-maximisation from hard cells (a voxel counts for one Gaussian) to soft
-                cells (it is divided among several), 0 to 1000
+                cells (it is divided among several), 0 to 1000. 0: hard cells, fast, but with block and
+                lod a grid of dots along the axes. Default of block and lod: cells that overlap by half
+                a cell, above 2 voxels with up to 24 steps, fewer for more than 4 million voxels
 spread          factor on every standard deviation at constant mass, [0.5, 2]; default 1
 mass_threshold  fraction of the total mass that may be dropped with the lightest cells, [0, 1)
 refine_seconds  time for splitting and merging Gaussians by the error of pictures; not reproducible
@@ -281,7 +288,8 @@ are truncated), opacity_threshold (density), minimum_radius (voxels), variance_t
 tree_depth (1 to 3). Points: value, radius (world units), kappa.
 
 progress  called with the finished fraction, [0, 1]
-report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error, stage_ms
+report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
+          the worst view), mean_error (over all views), stopped_by_count, stage_ms
 
 Raises vog.Error for an option out of range or without effect, and for data without mass. The result is the
 same bytes for any number of threads. The interpreter lock is released; Ctrl-C interrupts the call.)");

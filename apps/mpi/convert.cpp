@@ -1,6 +1,6 @@
 // convert.cpp: vog-mpi convert: distributed conversion, one part of the data a rank, to one model.
 //
-// Uniform cells and the paper's method treat one cell or one leaf at a time, so parts aligned to
+// Uniform hard cells and the paper's method treat one cell or one leaf at a time, so parts aligned to
 // cells or leaves give the Gaussians of a single process; only the threshold for dropped cells is
 // global, from histograms of mass summed over the ranks. An adaptive cut is not local: each part is
 // cut by itself with a share of the budget (docs/scaling.md has the loss), and --error searches the
@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <tuple>
 
 #include "commands.h"
 #include "inputs_part.h"
@@ -31,7 +32,7 @@ using cli::VolumeConversion;
 /// process.
 bool uniform(const VolumeConversion& conversion) {
     return conversion.by_moments && conversion.moments.block_voxels &&
-           conversion.moments.soft_steps <= 0;
+           conversion.moments.soft_steps == 0;
 }
 
 /// throws CLI::ValidationError for options that only a single process supports
@@ -137,13 +138,17 @@ class PartConversion {
     /// This rank's part of every input in the smallest model whose error, over all ranks, is at most
     /// the requested one.
     std::vector<Gaussians> search(const std::vector<InputPart>& parts, const WholeError& error) {
-        const std::size_t finest = from_.active_voxels;
+        const double requested = conversion_.moments.error;
+        const double target = requested > 0 ? requested : kDefaultError;
+        const std::size_t finest =
+            requested > 0 ? from_.active_voxels
+                          : std::max<std::size_t>(1, from_.active_voxels / kVoxelsPerGaussian);
         std::vector<Gaussians> best;
         MomentTotals totals;  // of the best: each conversion overwrites totals_
-        smallest_budget(conversion_.moments.error, finest, [&](std::size_t budget) {
+        smallest_budget(target, finest, [&](std::size_t budget) {
             std::vector<Gaussians> models = convert(parts, budget);
-            const double measured = error.of(models);
-            if (measured <= conversion_.moments.error || budget >= finest) {
+            const double measured = error.of(models).first;
+            if (measured <= target || budget >= finest) {
                 best = std::move(models);
                 totals = totals_;
             }
@@ -247,10 +252,12 @@ std::string whole_options(std::string part_options, const VolumeConversion& conv
     if (!conversion.moments.block_voxels && at != std::string::npos) {
         const std::size_t end =
             std::min(part_options.find(' ', at + flag.size()), part_options.size());
-        part_options.replace(at, end - at,
-                             conversion.moments.budget
-                                 ? fmt::format("--budget {}", conversion.moments.budget)
-                                 : fmt::format("--error {}", conversion.moments.error));
+        part_options.replace(
+            at, end - at,
+            conversion.moments.budget      ? fmt::format("--budget {}", conversion.moments.budget)
+            : conversion.moments.error > 0 ? fmt::format("--error {}", conversion.moments.error)
+                                           : "");
+        if (at == 0 && part_options.starts_with(' ')) part_options.erase(0, 1);
     }
     return ranks.count() == 1 ? part_options
                               : fmt::format("{} (in {} parts)", part_options, ranks.count());
@@ -283,10 +290,24 @@ WholeError error_of(const std::vector<InputPart>& parts, const Box& box, const R
     return {volumes, box, ranks};
 }
 
+/// Uniform cells are hard unless soft steps are given: overlapping cells, the default of vog
+/// convert, need voxels of other parts.
+VolumeConversion hard_by_default(VolumeConversion options, const Ranks& ranks) {
+    MomentOptions& moments = options.moments;
+    if (!options.by_moments || !moments.block_voxels || moments.soft_steps >= 0) return options;
+    moments.soft_steps = 0;
+    if (ranks.first())
+        cli::note(
+            "uniform cells are hard (as vog convert --soft-steps 0): overlapping cells need "
+            "voxels of other parts; --soft-steps N softens each part by itself");
+    return options;
+}
+
 nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
-                                       const VolumeConversion& options, cli::Stages& stages,
+                                       const VolumeConversion& given, cli::Stages& stages,
                                        bool split, const Ranks& ranks) {
-    check(options, ranks);
+    check(given, ranks);
+    const VolumeConversion options = hard_by_default(given, ranks);
     VolumesPart from = stages.run("load", [&] {
         return read_volumes_part(arguments.inputs, arguments.volume, ranks, align_voxels(options));
     });
@@ -310,7 +331,10 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
     model.description = description_of(parts, model.inputs, from, options, ranks);
     MomentTotals totals = conversion.totals();
     const double data_mass = conversion.data_mass();
-    if (error) totals.worst_error = stages.run("measure", [&] { return error->of(model.inputs); });
+    if (error)
+        std::tie(totals.worst_error, totals.mean_error) =
+            stages.run("measure", [&] { return error->of(model.inputs); });
+    totals.stopped_by_count = searches && moments.error == 0 && totals.worst_error > kDefaultError;
     std::uint64_t count = 0;
     for (const Gaussians& part : model.inputs) count += part.size();
     count = ranks.sum(count);

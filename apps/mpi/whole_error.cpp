@@ -1,16 +1,18 @@
 // whole_error.cpp: depth images summed over the ranks, compared on the first.
 #include "whole_error.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "vog/distributed.h"
+#include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/splat.h"
 
 namespace vog::mpi {
 
 WholeError::WholeError(std::span<const Volume> volumes, const Box& box, const Ranks& ranks)
-    : ranks_(ranks), cameras_(error_views(box)) {
+    : ranks_(ranks), cameras_(error_views(error_view_box(volumes, box, &ranks.collective()))) {
     std::vector<VoxelGrid> grids;
     for (const Volume& volume : volumes) grids.push_back(voxel_grid(volume));
     for (const Camera& camera : cameras_) {
@@ -20,11 +22,11 @@ WholeError::WholeError(std::span<const Volume> volumes, const Box& box, const Ra
     }
 }
 
-double WholeError::of(const std::vector<Gaussians>& models) const {
+std::pair<double, double> WholeError::of(const std::vector<Gaussians>& models) const {
     Gaussians model;
     for (const Gaussians& one : models)
         if (one.size() > 0) append(model, one);
-    double sums[2] = {};  // (T - T_ref)^2, T_ref^2
+    std::vector<double> sums(2 * cameras_.size());  // each view's (T - T_ref)^2, T_ref^2
     SplatRenderer renderer(model);
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
         DepthImage image = renderer.render(cameras_[view], kErrorViewSize_px, kErrorViewSize_px);
@@ -32,12 +34,21 @@ double WholeError::of(const std::vector<Gaussians>& models) const {
         if (!ranks_.first()) continue;
         for (std::size_t n = 0; n < image.depth.size(); ++n) {
             const double t = references_[view].depth[n], d = image.depth[n] - t;
-            sums[0] += d * d;
-            sums[1] += t * t;
+            sums[2 * view] += d * d;
+            sums[2 * view + 1] += t * t;
         }
     }
     ranks_.sum(sums);
-    return sums[1] > 0 ? std::sqrt(sums[0] / sums[1]) : 0;
+    double error2 = 0, norm2 = 0, worst2 = 0;
+    for (std::size_t view = 0; view < cameras_.size(); ++view) {
+        error2 += sums[2 * view], norm2 += sums[2 * view + 1];
+        if (sums[2 * view + 1] > 0) worst2 = std::max(worst2, sums[2 * view] / sums[2 * view + 1]);
+    }
+    if (!(norm2 > 0))
+        throw Error(
+            "the error cannot be measured: no view shows anything of the data, whose parts "
+            "are too small for their distance; expected a budget or a block");
+    return {std::sqrt(worst2), std::sqrt(error2 / norm2)};
 }
 
 }  // namespace vog::mpi

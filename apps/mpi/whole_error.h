@@ -2,10 +2,12 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ranks.h"
 #include "vog/camera.h"
+#include "vog/convert_moments.h"
 #include "vog/gaussians.h"
 #include "vog/volume.h"
 
@@ -19,8 +21,9 @@ class WholeError {
     /// box      of the whole data, world space: frames the views
     WholeError(std::span<const Volume> volumes, const Box& box, const Ranks& ranks);
     /// models   of this rank
-    /// returns  the same number on every rank
-    double of(const std::vector<Gaussians>& models) const;
+    /// returns  worst and mean error of the views, the same on every rank
+    /// throws   vog::Error, on every rank, if no view shows anything
+    std::pair<double, double> of(const std::vector<Gaussians>& models) const;
 
   private:
     const Ranks& ranks_;

@@ -4,6 +4,8 @@
 // node of an octree its Gaussian. A cut through the octree, cubes that together hold every voxel
 // once, is a model: uniform with cubes of one size, adaptive with small cubes where they gain most.
 //   hard cell   every voxel belongs to the one cube that holds it
+//   overlapping cell
+//               voxels are shared by fixed windows, which reach half a cell into the neighbours
 //   soft cell   voxels are shared: cell i gets the share G_i(x) / sum_j G_j(x) of the voxel at x, G
 //               the Gaussians of the step before (expectation-maximisation); no ripples between
 // Method and measurements: docs/moments.md.
@@ -32,10 +34,15 @@ struct MomentOptions {
     int block_voxels = 0;  ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128; 0: no
     std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians; 0: no
     /// Adaptive cut of the fewest Gaussians, to 5 %, with a MomentReport::measured_error of at most
-    /// this, (0, 1). Used without block_voxels and budget.
-    double error = 0.03;
-    /// Expectation-maximisation steps from hard to soft cells, 0 to 1000. -1: 0 for a uniform cut,
-    /// kSoftSteps for a budget, kSearchSoftSteps for an error (its search makes several models).
+    /// this, (0, 1). 0: kDefaultError, but at most one Gaussian to kVoxelsPerGaussian voxels. Used
+    /// without block_voxels and budget.
+    double error = 0;
+    /// Expectation-maximisation steps from hard to soft cells, 0 to 1000; 0 leaves them hard: fast,
+    /// but uniform ones show a grid of dots along the axes. -1: kSoftSteps for a budget,
+    /// kSearchSoftSteps for an error (its search makes several models). -1 for a uniform cut:
+    /// overlapping cells in place of hard ones, up to 8 voxels in a single volume; then, for 4
+    /// voxels and more, kSoftSteps steps, or as many as keep steps times voxels below 1e8. Cells
+    /// that cannot overlap have 4 steps at least.
     int soft_steps = -1;
     float spread = 1;  ///< factor on each standard deviation at constant mass, [0.5, 2]
     /// Largest share of the mass that is dropped with the lightest cells, [0, 1).
@@ -52,6 +59,9 @@ struct MomentOptions {
     const Collective* collective = nullptr;
     Progress progress{};  ///< called with the finished fraction; empty: not
 };
+/// Default conversion: the measured error, and active voxels per Gaussian at which it stops.
+inline constexpr double kDefaultError = 0.03;
+inline constexpr std::size_t kVoxelsPerGaussian = 16;
 /// Default soft_steps for a budget and for each model in the search for an error.
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 
@@ -72,10 +82,13 @@ struct MomentReport {
     double mass_ratio = 1;          ///< mass of all cells, dropped ones included / mass of the data
     double dropped_mass_share = 0;  ///< mass of the dropped cells / mass of the data, [0, 1)
     std::size_t dropped_cells = 0;  ///< number of cells below the mass threshold
-    /// Relative L2 error of the optical depth T, sqrt(sum (T - T_ref)^2 / sum T_ref^2), over eight
-    /// views of 256^2 pixels around the data; T_ref by exact integration of the voxels. -1: not
-    /// measured. Above MomentOptions::error if the finest cut does not achieve it.
+    /// Relative L2 error of the optical depth T, sqrt(sum (T - T_ref)^2 / sum T_ref^2), in the worst
+    /// of the error views (error_views in vog/distributed.h); T_ref by exact integration of the
+    /// voxels. -1: not measured. Above MomentOptions::error if the finest cut does not achieve it.
     double measured_error = -1;
+    double mean_error = -1;  ///< the same over the pixels of all views together; -1: not measured
+    /// Whether the default stopped at one Gaussian to kVoxelsPerGaussian voxels, above its error.
+    bool stopped_by_count = false;
     /// Stages of the conversion in their order: name and duration, milliseconds.
     std::vector<std::pair<std::string, double>> stage_ms;
 };
@@ -87,6 +100,9 @@ std::string summary_text(const Gaussians& model, const MomentReport& report, con
 /// source_voxels  active voxels or particles of the source; 0: unknown
 std::string summary_text(std::uint64_t gaussians, std::uint64_t source_voxels,
                          const MomentReport& report, const std::string& of);
+
+/// The part of that text after the mass ratio: dropped cells, measured error; may be empty.
+std::string detail_text(const MomentReport& report);
 
 /// Options of a level of detail: uniform cells of 2, 4, 8, 16 or 32 voxels along an edge.
 /// lod     1 (finest) to 5

@@ -155,11 +155,19 @@ void write_model_index(const std::filesystem::path& file, std::span<const std::s
 /// throws   vog::Error for a missing file, or content of another form
 std::vector<std::filesystem::path> read_model_index(const std::filesystem::path& file);
 
-/// Views of the measured error (MomentReport::measured_error): eight cameras around a box, pi / 4
-/// apart in azimuth, at elevations of 0.35 and 0.87 rad above and below, else as paper_view.
+/// Views of the measured error (MomentReport::measured_error): twelve cameras around a box: the
+/// `paper` view and three more at its distance; along the three axes and two diagonals of faces,
+/// orthographic, where the faces of voxels line up; three at 1.5 bounding radii.
 /// box  world units
 std::vector<Camera> error_views(const Box& box);
 inline constexpr int kErrorViewSize_px = 256;  ///< width and height of these views, pixels
+/// Box that frames these views: `whole`, or, where it is more than twice as large, a box around all
+/// but a thousandth of the mass. A single voxel far away would otherwise leave nothing to see.
+/// volumes     of this process
+/// whole       box of the data of all processes, world units
+/// collective  sums over processes; null: a single process
+Box error_view_box(std::span<const Volume> volumes, const Box& whole,
+                   const Collective* collective = nullptr);
 
 /// Finds the smallest number of Gaussians, to 5 %, whose error is at most `target`, by false
 /// position on log(error) over log(count). convert_moments searches in the same way.

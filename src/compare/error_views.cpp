@@ -1,12 +1,17 @@
-// error_views.cpp: eight depth images of 256^2 pixels, and sums of errors over them.
+// error_views.cpp: depth images of 256^2 pixels around the mass, and sums of errors over them.
 #include "compare/error_views.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/parallel.h"
 #include "vog/distributed.h"
+#include "vog/error.h"
 #include "vog/reference.h"
 #include "vog/shade.h"
 #include "vog/splat.h"
@@ -22,20 +27,151 @@ constexpr int kSize_px = kErrorViewSize_px;
 }  // namespace
 
 std::vector<Camera> error_views(const Box& box) {
-    constexpr int kViews = 8;
+    constexpr double kNear = 1.5, kPaper = kPaperDistanceRadii;
+    constexpr bool kParallel = true;
+    struct View {
+        double azimuth_degrees, elevation_degrees, distance_radii;
+        bool orthographic = false;
+    };
+    constexpr std::array<View, 12> kViews{
+        {{kPaperAzimuthDegrees, kPaperElevationDegrees, kPaper},
+         {126, -29, kPaper},
+         {223, 50, kPaper},
+         {298, -11, kPaper},
+         {0, 0, kPaper, kParallel},  // x, y, z
+         {0, 90, kPaper, kParallel},
+         {90, 0, kPaper, kParallel},
+         {45, 0, kPaper, kParallel},  // diagonals of faces
+         {0, -45, kPaper, kParallel},
+         {74, 11, kNear},
+         {172, -46, kNear},
+         {180, 0, kNear}}};
     std::vector<Camera> cameras;
-    // Azimuths an eighth of a turn apart, starting with the paper's. Elevations alternate between
-    // the paper's and 50 degrees, above and below, so that no two views share an axis.
-    constexpr double kSteepDegrees = 50;
-    for (int view = 0; view < kViews; ++view) {
+    for (const View& view : kViews) {
         Orbit orbit;
-        orbit.azimuth_degrees += view * 45;
-        if (view & 1) orbit.elevation_degrees = kSteepDegrees;
-        if (view & 2) orbit.elevation_degrees *= -1;
-        orbit.distance_radii = kPaperDistanceRadii;
+        orbit.azimuth_degrees = view.azimuth_degrees;
+        orbit.elevation_degrees = view.elevation_degrees;
+        orbit.distance_radii = view.distance_radii;
+        orbit.orthographic = view.orthographic;
         cameras.push_back(orbit_view(box, orbit));
     }
     return cameras;
+}
+
+namespace comparison {
+
+void SquareSums::add(double error2, double norm2) {
+    error2_ += error2, norm2_ += norm2;
+    if (norm2 > 0) worst2_ = std::max(worst2_, error2 / norm2);
+}
+
+RelativeError SquareSums::error() const {
+    if (!(norm2_ > 0))
+        throw Error(
+            fmt::format("the error cannot be measured: {} views of {}x{} pixels show nothing of "
+                        "the data, whose "
+                        "parts are too small for their distance; expected a budget or a block",
+                        error_views(Box{}).size(), kSize_px, kSize_px));
+    return {std::sqrt(worst2_), std::sqrt(error2_ / norm2_)};
+}
+
+Box box_of_mass(
+    const Box& whole, const Collective& collective,
+    const std::function<void(const std::function<void(const Box&, double)>&)>& for_each) {
+    if (whole.empty()) return whole;
+    constexpr std::size_t kBins = 64;
+    constexpr double kOutside = 1e-3;  // of the mass, half of it at either end of an axis
+    Box box = whole;
+    // Each pass narrows an axis 64-fold at most: ten reach a voxel in any box of indices.
+    for (int pass = 0; pass < 10; ++pass) {
+        // Masses below the box, in its bins and above, for each axis.
+        constexpr std::size_t kRow = kBins + 2;
+        std::vector<double> bins(3 * kRow);
+        const Vec3d size = box.upper - box.lower;
+        for_each([&](const Box& part, double mass) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto bin_of = [&](double at) {
+                    const double bin = (at - box.lower[axis]) / size[axis] * kBins;
+                    return static_cast<std::size_t>(std::clamp(bin + 1, 0.0, kBins + 1.0));
+                };
+                if (!(size[axis] > 0)) continue;
+                double* row = bins.data() + static_cast<std::size_t>(axis) * kRow;
+                const std::size_t first = bin_of(part.lower[axis]), last = bin_of(part.upper[axis]);
+                for (std::size_t bin = first; bin <= last; ++bin)
+                    row[bin] += mass / static_cast<double>(last - first + 1);
+            }
+        });
+        collective.sum(bins);
+        Box next = box;
+        bool narrower = false;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double* row = bins.data() + static_cast<std::size_t>(axis) * kRow;
+            const double total = std::accumulate(row, row + kRow, 0.0);
+            if (!(total > 0)) continue;
+            std::size_t first = 0, last = kRow - 1;
+            double below = row[first], above = row[last];
+            while (below <= 0.5 * kOutside * total && first < last) below += row[++first];
+            while (above <= 0.5 * kOutside * total && last > first) above += row[--last];
+            const auto edge_of = [&](std::size_t bin) {
+                const auto inside = static_cast<double>(std::clamp<std::size_t>(bin, 1, kBins + 1));
+                return box.lower[axis] + (inside - 1) / kBins * size[axis];
+            };
+            next.lower[axis] = edge_of(first), next.upper[axis] = edge_of(last + 1);
+            narrower |= next.upper[axis] - next.lower[axis] < 0.5 * size[axis];
+        }
+        box = next;
+        if (!narrower) break;
+    }
+    return box.radius() < 0.5 * whole.radius() ? box : whole;
+}
+
+}  // namespace comparison
+
+namespace {
+
+/// Calls take with the box and the mass of each node, world space; masses in voxels.
+void for_each_node(std::span<const Volume> volumes,
+                   const std::function<void(const Box&, double)>& take) {
+    for (const Volume& volume : volumes) {
+        const auto box_of = [&](Vec3i origin, int edge) {
+            Box box;
+            for (int n = 0; n < 8; ++n) {
+                const Vec3i corner =
+                    origin + Vec3i{n & 4 ? edge : 0, n & 2 ? edge : 0, n & 1 ? edge : 0};
+                box.include(
+                    volume.world_from_index(vec_cast<double>(corner) - Vec3d{0.5, 0.5, 0.5}));
+            }
+            return box;
+        };
+        const double unit = voxel_volume(volume);
+        for (const Leaf& leaf : volume.leaves) {
+            check_interrupt();
+            double sum = 0;
+            for (const float value : leaf.value) sum += value;
+            if (sum > 0) take(box_of(leaf.origin, kLeafEdge), unit * sum);
+        }
+        for (const Tile& tile : volume.tiles)
+            if (tile.value > 0)
+                take(box_of(tile.origin, tile.edge), unit * tile.value * std::pow(tile.edge, 3));
+    }
+}
+
+/// Box of the heaviest node: one place to look at where the whole is too wide for pixels.
+Box heaviest_box(std::span<const Volume> volumes) {
+    Box heaviest;
+    double most = 0;
+    for_each_node(volumes, [&](const Box& box, double mass) {
+        if (mass > most) most = mass, heaviest = box;
+    });
+    return heaviest;
+}
+
+}  // namespace
+
+Box error_view_box(std::span<const Volume> volumes, const Box& whole,
+                   const Collective* collective) {
+    return box_of_mass(whole, collective_or_single(collective),
+                       [&](const auto& take) { for_each_node(volumes, take); });
 }
 
 CroppedDepth::CroppedDepth(const DepthImage& image) {
@@ -79,14 +215,31 @@ void add_reference(const Volume& volume, std::span<const Camera> cameras,
 
 }  // namespace
 
-ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) : cameras_(error_views(box)) {
+void ErrorViews::set_reference(std::span<const Volume> parts) {
     std::vector<DepthImage> images(cameras_.size(), DepthImage(kSize_px, kSize_px));
     for (const Volume& part : parts) add_reference(part, cameras_, images);
+    reference_.clear();
     for (const DepthImage& image : images) reference_.emplace_back(image);
     extinction_ = auto_extinction(images.front());
 }
 
-ErrorViews::ErrorViews(const Gaussians& finest) : cameras_(error_views(view_box(finest))) {
+ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box)
+    : cameras_(error_views(error_view_box(parts, box))) {
+    set_reference(parts);
+    if (!std::ranges::all_of(reference_, &CroppedDepth::empty)) return;
+    cameras_ = error_views(heaviest_box(parts));
+    set_reference(parts);
+}
+
+ErrorViews::ErrorViews(const Gaussians& finest) {
+    const auto for_each_gaussian = [&](const std::function<void(const Box&, double)>& take) {
+        for (std::size_t i = 0; i < finest.size(); ++i) {
+            const Vec3d at = vec_cast<double>(finest.mean[i]);
+            take({at, at}, mass(finest, i));
+        }
+    };
+    cameras_ = error_views(
+        box_of_mass(view_box(finest), collective_or_single(nullptr), for_each_gaussian));
     for (const Camera& camera : cameras_) {
         const DepthImage image = render_splat(finest, camera, kSize_px, kSize_px);
         if (reference_.empty()) extinction_ = auto_extinction(image);
@@ -104,17 +257,19 @@ void ErrorViews::for_each_picture(const Gaussians& model, const Take& take) cons
     }
 }
 
-double ErrorViews::relative_l2(const Gaussians& model) const {
-    double error2 = 0, norm2 = 0;
+RelativeError ErrorViews::relative_l2(const Gaussians& model) const {
+    SquareSums sums;
     for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
+        double error2 = 0, norm2 = 0;
         for (int y = 0; y < kSize_px; ++y)
             for (int x = 0; x < kSize_px; ++x) {
                 const double t = reference_[view].at(x, y), d = image.at(x, y) - t;
                 error2 += d * d;
                 norm2 += t * t;
             }
+        sums.add(error2, norm2);
     });
-    return norm2 > 0 ? std::sqrt(error2 / norm2) : 0;
+    return sums.error();
 }
 
 double ErrorViews::squared_error(double t, double reference) const {
@@ -141,7 +296,7 @@ std::vector<float> ErrorViews::error_of_each_gaussian(const Gaussians& model) co
             const Vec3d to = vec_cast<double>(model.mean[i]) - frame.eye;
             const double depth = dot(to, frame.forward);
             if (depth <= 0) return;
-            const double pixels = frame.pixels_per_unit / depth;
+            const double pixels = frame.pixels_at(depth);
             const double column = 0.5 * (kSize_px - 1) + pixels * dot(to, frame.right);
             const double row = 0.5 * (kSize_px - 1) - pixels * dot(to, frame.up);
             const Vec3d scale = vec_cast<double>(model.scale[i]);

@@ -1,11 +1,12 @@
-// error_views.h: errors of a model over eight views around the data: relative L2 of T, visible
-// error.
+// error_views.h: errors of a model over views around the data: relative L2 of T, visible error.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/distributed.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/volume.h"
@@ -23,6 +24,9 @@ class CroppedDepth {
         return inside ? values_[values.values + static_cast<std::size_t>(column - values.first)]
                       : 0;
     }
+
+    /// Whether every pixel is 0.
+    bool empty() const { return values_.empty(); }
 
   private:
     struct Row {
@@ -46,18 +50,43 @@ class CroppedDepth {
 /// Beyond 0.1 the L2 of T gains 2 % at most.
 inline constexpr double kDepthErrorWeight = 0.1;
 
-/// T of the data from eight directions, and the errors of models against it.
+/// Relative L2 of T, sqrt(sum (T - T_ref)^2 / sum T_ref^2).
+struct RelativeError {
+    double worst = -1;  ///< largest of the views
+    double mean = -1;   ///< over all pixels of all views
+};
+/// Sums of squares of the views, for RelativeError.
+class SquareSums {
+  public:
+    /// Adds a view. error2  sum (T - T_ref)^2; norm2  sum T_ref^2
+    void add(double error2, double norm2);
+    /// A view in which nothing of the data is visible has no error.
+    /// throws  vog::Error if no view shows anything
+    RelativeError error() const;
+
+  private:
+    double error2_ = 0, norm2_ = 0, worst2_ = 0;
+};
+
+/// Box around all but a thousandth of the masses of boxes, or `whole` unless more than twice as
+/// large.
+/// for_each  calls its argument with each box and its mass
+Box box_of_mass(
+    const Box& whole, const Collective& collective,
+    const std::function<void(const std::function<void(const Box&, double)>&)>& for_each);
+
+/// T of the data from several directions, and the errors of models against it.
 class ErrorViews {
   public:
     /// Views of voxels, by exact traversal.
     /// parts   their T add up
     /// box     of the whole data, world space: frames the views
+    /// throws  vog::Error if no view shows anything
     /// memory  half of the largest part's, during construction
     ErrorViews(std::span<const Volume> parts, const Box& box);
     /// Views of a model, the finest of the data.
     explicit ErrorViews(const Gaussians& finest);
-    /// sqrt(sum (T - T_ref)^2 / sum T_ref^2) over all pixels of all views
-    double relative_l2(const Gaussians& model) const;
+    RelativeError relative_l2(const Gaussians& model) const;
     /// Root mean square over all pixels of the visible error, dV^2 + kDepthErrorWeight dT^2, under
     /// the automatic extinction of the first view.
     double visible_rms(const Gaussians& model) const;
@@ -67,6 +96,7 @@ class ErrorViews {
     std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
 
   private:
+    void set_reference(std::span<const Volume> parts);
     /// Calls take(view, image) for the depth image of the model from each view.
     template <class Take>
     void for_each_picture(const Gaussians& model, const Take& take) const;

@@ -87,7 +87,8 @@ std::vector<Conversion> moment_conversions() {
                    "uniform");
     for (const char* step : {"lod1", "lod5"})
         add_budget(step, "as many as the paper's recipe", "mass");
-    add("adaptive", "default", fmt::format("error at most {}", MomentOptions{}.error),
+    add("adaptive", "default",
+        fmt::format("error at most {}, or 1/{} of the voxels", kDefaultError, kVoxelsPerGaussian),
         [](std::size_t) { return MomentOptions{}; });
     return conversions;
 }

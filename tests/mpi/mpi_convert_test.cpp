@@ -38,9 +38,10 @@ class mpi_convert_ranks : public mpi_convert, public testing::WithParamInterface
 /// The sample has tiles of 8^3 voxels; a cell of 32^3 spans many leaves.
 TEST_P(mpi_convert_ranks, uniform_cuts_are_the_same_bytes) {
     must("sample cloud c.vdb --size 64");
-    expect_same_bytes(GetParam(), "c.vdb --block 2");
-    expect_same_bytes(GetParam(), "c.vdb --block 8 --mass-threshold 0.02 --axis-aligned");
-    expect_same_bytes(GetParam(), "c.vdb --lod 5");
+    expect_same_bytes(GetParam(), "c.vdb --soft-steps 0 --block 2");
+    expect_same_bytes(GetParam(),
+                      "c.vdb --soft-steps 0 --block 8 --mass-threshold 0.02 --axis-aligned");
+    expect_same_bytes(GetParam(), "c.vdb --soft-steps 0 --lod 5");
 }
 
 INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::Values(1, 2, 3, 5),
@@ -48,8 +49,8 @@ INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::Values(1, 2, 3, 5),
 
 TEST_F(mpi_convert, cells_larger_than_the_volume_are_the_same_bytes) {
     must("sample explosion e.vdb --size 64");
-    expect_same_bytes(3, "e.vdb --block 128");
-    expect_same_bytes(2, "e.vdb --block 1");
+    expect_same_bytes(3, "e.vdb --soft-steps 0 --block 128");
+    expect_same_bytes(2, "e.vdb --soft-steps 0 --block 1");
 }
 
 TEST_F(mpi_convert, ranks_without_a_leaf_change_nothing) {
@@ -60,9 +61,18 @@ TEST_F(mpi_convert, ranks_without_a_leaf_change_nothing) {
     for (int n = 0; n < kLeafVoxels; ++n)
         for (Leaf& leaf : volume.leaves) leaf.set(n, 1.0f + static_cast<float>(n % 7));
     write_vdb(dir_ / "leaf.vdb", volume);
-    expect_same_bytes(4, "leaf.vdb --block 4");
+    expect_same_bytes(4, "leaf.vdb --soft-steps 0 --block 4");
     const auto [one, many] = both(4, "leaf.vdb --budget 12");
     EXPECT_LE(read_ply(dir_ / "many.ply").size(), 12u);
+}
+
+/// Overlapping cells, the default of vog convert, would need voxels of other parts.
+TEST_F(mpi_convert, uniform_cells_are_hard_by_default_and_a_note_says_so) {
+    must("sample cloud c.vdb --size 64");
+    must("convert --no-hierarchy c.vdb --block 4 --soft-steps 0 -o one.ply");
+    const auto result = must_mpi(2, "convert --no-hierarchy c.vdb --block 4 -o many.ply");
+    EXPECT_NE(result.error.find("uniform cells are hard"), std::string::npos) << result.error;
+    EXPECT_TRUE(read_text(dir_ / "one.ply") == read_text(dir_ / "many.ply"));
 }
 
 TEST_F(mpi_convert, many_files_are_divided_by_files) {
@@ -71,8 +81,8 @@ TEST_F(mpi_convert, many_files_are_divided_by_files) {
         must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
         volumes += fmt::format("v{}.vdb ", n);
     }
-    expect_same_bytes(2, volumes + "--no-mask --block 4");
-    expect_same_bytes(3, volumes + "--no-mask --block 4");
+    expect_same_bytes(2, volumes + "--no-mask --soft-steps 0 --block 4");
+    expect_same_bytes(3, volumes + "--no-mask --soft-steps 0 --block 4");
 }
 
 TEST_F(mpi_convert, particles_are_the_same_bytes) {
@@ -153,7 +163,7 @@ TEST_F(mpi_convert, error_bound_holds_for_the_whole_model) {
 TEST_F(mpi_convert, levels_keep_their_mass_and_picture) {
     must("sample amr a.vdb --size 64");
     const std::string levels = "a.vdb --grid 'density_L*' ";
-    both(3, levels + "--block 2");
+    both(3, levels + "--soft-steps 0 --block 2");
     const Gaussians one = read_ply(dir_ / "one.ply"), many = read_ply(dir_ / "many.ply");
     EXPECT_NEAR(mass(many), mass(one), 1e-5 * mass(one));
     EXPECT_EQ(many.source_voxels, one.source_voxels);
@@ -167,7 +177,7 @@ TEST_F(mpi_convert, levels_keep_their_mass_and_picture) {
 
 TEST_F(mpi_convert, split_models_are_one_model) {
     must("sample cloud c.vdb --size 64");
-    must("convert c.vdb -o one.ply --block 4 --no-hierarchy");
+    must("convert c.vdb -o one.ply --block 4 --soft-steps 0 --no-hierarchy");
     must_mpi(3, "convert c.vdb -o parts.ply --block 4 --split");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "parts.ply"));
     EXPECT_EQ(distance("one.ply", "parts.json"), 0);

@@ -58,9 +58,18 @@ Composite compose(const Levels& levels) {
 /// Note where even the finest model has a larger error than --error.
 void note_missed(const std::string& input, double measured, double target) {
     note(fmt::format(
-        "{}: measured error {:.4g}, above --error {}: even the finest cut is smoother than the "
-        "voxels; --error {:.2g} needs far fewer Gaussians",
+        "{}: measured error {:.4g} in the worst view, above --error {}: even the finest cut is "
+        "smoother than the voxels; --error {:.2g} needs far fewer Gaussians",
         input, measured, target, 1.25 * measured));
+}
+
+/// Note where the default stopped before its error.
+void note_stopped(const std::string& input, double measured) {
+    note(fmt::format(
+        "{}: measured error {:.4g} in the worst view: the default stops at one Gaussian "
+        "to {} voxels or at an error of {}, whichever is fewer; --error and --budget go "
+        "on",
+        input, measured, kVoxelsPerGaussian, kDefaultError));
 }
 
 nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, const CLI::App& command,
@@ -142,7 +151,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     MomentTotals totals;
     const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
         totals.add(one, part_mass);
-        if (one.measured_error > moments.error && !moments.block_voxels && !moments.budget)
+        if (one.stopped_by_count) note_stopped(part.source, one.measured_error);
+        if (moments.error > 0 && one.measured_error > moments.error && !moments.block_voxels &&
+            !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
         if (model.size() == 0 && model.source.empty())
             model = std::move(part);
@@ -278,7 +289,10 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                    count_text(made.gaussians), 100 * share, count_text(made.source_voxels),
                    kind == FileKind::points ? "particles" : "active voxels", bytes_text(made.bytes),
                    mass_ratio);
-        if (by_moments) fmt::print("{}\n{}\n", made.summary, times_text(moments.stage_ms));
+        // The file's summary repeats the counts; here what the first line lacks.
+        const std::string details = by_moments ? detail_text(moments.report(volume_mass)) : "";
+        if (!details.empty()) fmt::print("{}\n", details);
+        if (by_moments) fmt::print("{}\n", times_text(moments.stage_ms));
         return {};
     }
     nlohmann::ordered_json json = {
@@ -295,7 +309,11 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
         json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
         json["dropped_cells"] = moments.dropped_cells;
-        if (moments.worst_error >= 0) json["measured_error"] = moments.worst_error;
+        if (moments.worst_error >= 0) {
+            json["measured_error"] = moments.worst_error;
+            json["mean_error"] = moments.mean_error;
+            json["stopped_by_count"] = moments.stopped_by_count;
+        }
         for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;

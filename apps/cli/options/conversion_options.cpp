@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include "vog/distributed.h"
+
 namespace vog::cli {
 
 namespace {
@@ -142,11 +144,13 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         return command.add_option(name, value, text)->group(kMomentGroup);
     };
     add("--error", moments.error,
-        "Find the smallest model with at most this error: relative L2 of optical depth T against "
-        "the "
-        "voxels, over 8 views. The default for volumes; particles become one Gaussian each unless "
-        "--error, --budget, --block or --lod is given")
-        ->capture_default_str();
+        fmt::format(
+            "Find the smallest model with at most this error: relative L2 of optical depth T "
+            "against the voxels, in the worst of {} views. Default for volumes: {}, but at "
+            "most one Gaussian to {} voxels. Particles become one Gaussian each unless "
+            "--error, --budget, --block or --lod is given",
+            error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian))
+        ->check(CLI::Range(1e-9, 0.999999));
     add("--budget", moments.budget, "Find the best model with at most this many Gaussians")
         ->check(CLI::PositiveNumber);
     add("--block", moments.block_voxels,
@@ -155,9 +159,12 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
     add("--soft-steps", moments.soft_steps,
         fmt::format(
             "Steps of expectation-maximisation (EM) from hard cells, where a voxel counts for "
-            "one Gaussian, to soft cells, where it is divided among several: smoother "
-            "pictures. Default: 0 for uniform cells, {} for --budget, {} for --error",
-            kSoftSteps, kSearchSoftSteps))
+            "one Gaussian, to soft cells, where it is divided among several. 0: hard "
+            "cells, fast, but uniform ones show a grid of dots along the axes. Default: {} "
+            "for --budget, {} for --error. Uniform cells overlap by half a cell; above 2 "
+            "voxels up to {} steps follow, fewer for more than 4 million voxels. vog-mpi: "
+            "uniform cells are hard",
+            kSoftSteps, kSearchSoftSteps, kSoftSteps))
         ->check(CLI::Range(0, 1000));
     add("--refine", moments.refine_seconds,
         "Refine for up to this many seconds: Gaussians are split where pictures have the largest "

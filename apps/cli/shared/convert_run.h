@@ -44,6 +44,8 @@ struct VolumeConversion {
 struct MomentTotals {
     double cells_mass = 0, dropped_mass = 0;  ///< density times world volume
     double worst_error = -1;                  ///< relative L2 of T; below 0: not measured
+    double mean_error = -1;                   ///< likewise, over all views
+    bool stopped_by_count = false;            ///< MomentReport::stopped_by_count of any
     std::size_t dropped_cells = 0;
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
 
@@ -52,6 +54,8 @@ struct MomentTotals {
         dropped_mass += one.dropped_mass_share * volume_mass;
         dropped_cells += one.dropped_cells;
         worst_error = std::max(worst_error, one.measured_error);
+        mean_error = std::max(mean_error, one.mean_error);
+        stopped_by_count |= one.stopped_by_count;
         for (const auto& [name, ms] : one.stage_ms) {
             const auto known = std::find_if(stage_ms.begin(), stage_ms.end(),
                                             [&](const auto& stage) { return stage.first == name; });
@@ -63,8 +67,15 @@ struct MomentTotals {
     }
     /// The totals as the report of one conversion.
     MomentReport report(double data_mass) const {
-        return {data_mass > 0 ? cells_mass / data_mass : 1,
-                data_mass > 0 ? dropped_mass / data_mass : 0, dropped_cells, worst_error, stage_ms};
+        MomentReport all;
+        all.mass_ratio = data_mass > 0 ? cells_mass / data_mass : 1;
+        all.dropped_mass_share = data_mass > 0 ? dropped_mass / data_mass : 0;
+        all.dropped_cells = dropped_cells;
+        all.measured_error = worst_error;
+        all.mean_error = mean_error;
+        all.stopped_by_count = stopped_by_count;
+        all.stage_ms = stage_ms;
+        return all;
     }
 };
 

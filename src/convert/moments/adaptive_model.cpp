@@ -32,31 +32,36 @@ FieldTrees field_trees(const MomentJob& job) {
     return all;
 }
 
-/// Cells of the smallest budget at which the soft, thresholded model has at most options.error.
+/// Cells of the smallest budget at which the soft, thresholded model has at most the error; of the
+/// default at most one to kVoxelsPerGaussian voxels.
 FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
                   FieldEmSolver& em) {
+    const double target = job.error();
     std::size_t finest = 0;
     for (const CutTree& tree : all.trees) finest += finest_count(tree);
+    std::size_t most = finest;
+    if (job.options.error == 0)
+        most = std::clamp<std::size_t>(job.voxels() / kVoxelsPerGaussian, 1, finest);
     // Hard cells are made and measured in a tenth of the time of soft ones, and have a multiple of
     // their error: 1.6 to 2.3 times on smoke, cloud and fire, up to 3 on aquarius.
     constexpr double kHardOverSoft = 2;
     const double hard = job.soft_steps() > 0 ? kHardOverSoft : 1;
-    const SearchStart start =
-        search_start(hard * job.options.error, finest, [&](std::size_t budget) {
-            return measured_model(job, all.fields, views, best_cut(all.trees, budget)).error;
-        });
+    const SearchStart start = search_start(hard * target, most, [&](std::size_t budget) {
+        return measured_model(job, all.fields, views, best_cut(all.trees, budget)).error.worst;
+    });
     FieldCells best;
     const auto error_of_budget = [&](std::size_t budget) {
         FieldCells cells = best_cut(all.trees, budget);
         em.run(cells, job.soft_steps());
-        const double error = measured_model(job, all.fields, views, cells).error;
-        if (error <= job.options.error || budget >= finest) {
+        const RelativeError error = measured_model(job, all.fields, views, cells).error;
+        if (error.worst <= target || budget >= most) {
             best = std::move(cells);
-            job.report.measured_error = error;
+            job.report_error(error);
         }
-        return error;
+        return error.worst;
     };
-    smallest_budget(job.options.error, finest, error_of_budget, start);
+    smallest_budget(target, most, error_of_budget, start);
+    job.report.stopped_by_count = most < finest && job.report.measured_error > target;
     job.clock.end_stage("search", 0.9);
     return best;
 }

@@ -7,6 +7,7 @@
 
 #include "vog/convert_moments.h"
 #include "vog/convert_points.h"
+#include "vog/distributed.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -54,13 +55,25 @@ std::string summary_text(std::uint64_t gaussians, std::uint64_t source_voxels,
         text += fmt::format(
             ", {:.4g} % of the {}",
             100 * static_cast<double>(gaussians) / static_cast<double>(source_voxels), of);
-    text += fmt::format(", mass ratio {:.6f}", report.mass_ratio);
+    text += fmt::format(", mass ratio {:.5f}", report.mass_ratio - report.dropped_mass_share);
+    const std::string details = detail_text(report);
+    return details.empty() ? text : text + ", " + details;
+}
+
+std::string detail_text(const MomentReport& report) {
+    std::string text;
+    const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
     if (report.dropped_cells)
-        text += fmt::format(" before {} cells with {:.2g} of the mass were dropped",
-                            report.dropped_cells, report.dropped_mass_share);
+        add(fmt::format("{} cells with {:.2g} of the mass dropped", report.dropped_cells,
+                        report.dropped_mass_share));
     if (report.measured_error >= 0)
-        text += fmt::format(", measured error {:.4g} (relative L2 of T, 8 views of 256x256)",
-                            report.measured_error);
+        add(
+            fmt::format("measured error {:.4g} in the worst view, {:.4g} on average (relative "
+                        "L2 of T, {} views of {}x{})",
+                        report.measured_error, report.mean_error, error_views(Box{}).size(),
+                        kErrorViewSize_px, kErrorViewSize_px));
+    if (report.stopped_by_count)
+        add(fmt::format("stopped at one Gaussian to {} voxels", kVoxelsPerGaussian));
     return text;
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -27,7 +28,7 @@ void check(const MomentOptions& options) {
         refuse(fmt::format("block {} and budget {}, expected one of them", block, options.budget));
     if (block && !(block >= 1 && block <= 128 && std::has_single_bit(unsigned(block))))
         refuse(fmt::format("block {} voxels, expected a power of two from 1 to 128", block));
-    if (!(options.error > 0 && options.error < 1))
+    if (!(options.error >= 0 && options.error < 1))
         refuse(fmt::format("error {}, expected in (0, 1)", options.error));
     if (options.soft_steps < -1 || options.soft_steps > 1000)
         refuse(fmt::format("{} soft steps, expected 0 to 1000", options.soft_steps));
@@ -47,11 +48,18 @@ std::string option_text(const MomentJob& job) {
     const MomentOptions& o = job.options;
     std::string text = o.block_voxels ? fmt::format("--block {}", o.block_voxels)
                        : o.budget     ? fmt::format("--budget {}", o.budget)
-                                      : fmt::format("--error {}", o.error);
-    text += fmt::format(" --soft-steps {} --mass-threshold {}", job.soft_steps(), o.mass_threshold);
+                       : o.error > 0  ? fmt::format("--error {}", o.error)
+                                      : "";
+    const auto add = [&](const std::string& option) { text += (text.empty() ? "" : " ") + option; };
+    if (!job.overlaps()) add(fmt::format("--soft-steps {}", job.soft_steps()));
+    add(fmt::format("--mass-threshold {}", o.mass_threshold));
     if (o.spread != 1) text += fmt::format(" --spread {}", o.spread);
     if (o.refine_seconds > 0) text += fmt::format(" --refine {}", o.refine_seconds);
     if (o.axis_aligned) text += " --axis-aligned";
+    if (job.overlaps())
+        text += job.soft_steps()
+                    ? fmt::format(" (overlapping cells, {} soft steps)", job.soft_steps())
+                    : " (overlapping cells)";
     if (job.report.measured_error >= 0)
         text += fmt::format(" (measured error {:.4g})", job.report.measured_error);
     return text;
@@ -69,6 +77,29 @@ std::string source_text(std::span<const Volume> parts) {
     return all;
 }
 
+}  // namespace
+
+std::uint64_t moments::MomentJob::voxels() const {
+    std::uint64_t count = 0;
+    for (const Volume& part : parts) count += active_voxels(part);
+    return count;
+}
+
+int moments::MomentJob::soft_steps() const {
+    if (options.soft_steps >= 0) return options.soft_steps;
+    if (!options.block_voxels) return options.budget ? kSoftSteps : kSearchSoftSteps;
+    if (options.collective) return 0;
+    // The points of cells below 4 voxels cost five times as much: windows alone serve them.
+    constexpr int kLeastBlock = 4;
+    if (overlaps() && options.block_voxels < kLeastBlock) return 0;
+    const double steps = std::floor(kVoxelSteps / std::max(1.0, static_cast<double>(voxels())));
+    // Without overlapping cells some steps are needed against a grid of dots.
+    return static_cast<int>(
+        std::clamp<double>(steps, overlaps() ? 0 : kLeastSoftSteps, kSoftSteps));
+}
+
+namespace {
+
 Gaussians run(MomentJob& job) {
     job.report = {};
     for (const Volume& part : job.parts) job.data_mass += mass(part) / job.unit_volume();
@@ -82,7 +113,7 @@ Gaussians run(MomentJob& job) {
     Gaussians model = job.options.block_voxels ? uniform_model(job) : adaptive_model(job);
     model.cutoff = kMomentCutoff;
     if (job.options.measure && job.report.measured_error < 0) {
-        job.report.measured_error = ErrorViews(job.parts, job.box).relative_l2(model);
+        job.report_error(ErrorViews(job.parts, job.box).relative_l2(model));
         job.clock.end_stage("measure", 1);
     }
     model.box = job.box;

@@ -41,7 +41,7 @@ Gaussians thresholded_gaussians(MomentJob& job, std::span<const LatticeField> fi
 
 MeasuredModel measured_model(MomentJob& job, std::span<const LatticeField> fields,
                              const ErrorViews& views, FieldCells cells) {
-    MeasuredModel measured{thresholded_gaussians(job, fields, std::move(cells))};
+    MeasuredModel measured{thresholded_gaussians(job, fields, std::move(cells)), {}};
     measured.error = views.relative_l2(measured.model);
     return measured;
 }

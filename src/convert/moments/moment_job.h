@@ -17,6 +17,12 @@ namespace vog::moments {
 
 using namespace comparison;
 
+/// Default soft steps of a uniform cut: kSoftSteps for up to 4 million voxels, beyond as many as
+/// keep voxels times steps below this, ten to fifteen seconds on two cores.
+inline constexpr double kVoxelSteps = 1e8;
+/// The fewest of them where cells do not overlap: meshes, cells above 8 voxels.
+inline constexpr int kLeastSoftSteps = 4;
+
 /// Input, options and report of one conversion.
 struct MomentJob {
     std::span<const Volume> parts;  ///< disjoint
@@ -28,9 +34,18 @@ struct MomentJob {
     StageClock clock{report, options.progress};
 
     const Collective& collective() const { return collective_or_single(options.collective); }
-    int soft_steps() const {
-        if (options.soft_steps >= 0) return options.soft_steps;
-        return options.block_voxels ? 0 : options.budget ? kSoftSteps : kSearchSoftSteps;
+    /// Whether a uniform cut begins with overlapping cells.
+    bool overlaps() const {
+        return options.soft_steps < 0 && options.block_voxels && !levels &&
+               options.block_voxels <= kLeafEdge && !options.collective;
+    }
+    int soft_steps() const;
+    /// Largest measured error of an adaptive cut without a budget.
+    double error() const { return options.error > 0 ? options.error : kDefaultError; }
+    /// Active voxels of all parts.
+    std::uint64_t voxels() const;
+    void report_error(const RelativeError& error) {
+        report.measured_error = error.worst, report.mean_error = error.mean;
     }
     const Volume& volume() const { return parts.front(); }
     MomentFrame frame(const Affine& world_from_index) const {
@@ -93,7 +108,7 @@ Gaussians thresholded_gaussians(MomentJob& job, std::span<const LatticeField> fi
 /// The thresholded model and its relative L2 error of T over `views`.
 struct MeasuredModel {
     Gaussians model;
-    double error = -1;
+    RelativeError error;
 };
 MeasuredModel measured_model(MomentJob& job, std::span<const LatticeField> fields,
                              const ErrorViews& views, FieldCells cells);

@@ -1,9 +1,11 @@
 // uniform_model.cpp: --block: one Gaussian for each occupied cube of a number of voxels.
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "convert/moments/cells/leaf_cells.h"
+#include "convert/moments/cells/overlapping_cells.h"
 #include "convert/moments/cells/uniform_cells.h"
 #include "convert/moments/mass_threshold.h"
 #include "convert/moments/moment_job.h"
@@ -13,28 +15,44 @@ namespace vog::moments {
 
 namespace {
 
-/// Calls take(sums, center) for each cell of one chunk of nodes.
-template <class Take>
-void for_each_cell_of_chunk(const MomentJob& job, const std::vector<MortonNode>& nodes,
-                            std::size_t chunk, const Take& take) {
-    const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes.size());
-    for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
-        for_each_cell(job.volume(), nodes[n], job.options.block_voxels, take);
-}
+/// Source of a volume's cells, hard or overlapping, node by node.
+class CellSource {
+  public:
+    CellSource(const MomentJob& job, const std::vector<MortonNode>& nodes)
+        : volume_(job.volume()), nodes_(nodes), edge_(job.options.block_voxels) {
+        if (job.overlaps()) windows_.emplace(volume_, nodes_, edge_);
+    }
+    std::size_t chunk_count() const { return (nodes_.size() + kNodeChunk - 1) / kNodeChunk; }
+    /// Calls take(sums, center) for each cell of one chunk of nodes.
+    /// masses_only  take needs no other moments
+    template <class Take>
+    void for_each_cell_of_chunk(std::size_t chunk, bool masses_only, const Take& take) const {
+        const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes_.size());
+        OverlapScratch scratch;
+        for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
+            if (windows_)
+                for_each_overlapping_cell(*windows_, nodes_[n], scratch, masses_only, take);
+            else
+                for_each_cell(volume_, nodes_[n], edge_, take);
+    }
 
-std::size_t chunk_count(const std::vector<MortonNode>& nodes) {
-    return (nodes.size() + kNodeChunk - 1) / kNodeChunk;
-}
+  private:
+    const Volume& volume_;
+    const std::vector<MortonNode>& nodes_;
+    int edge_;
+    std::optional<OverlappingCells> windows_;
+};
 
-/// Model of hard cells of at most a leaf's edge in two passes over the leaves: masses, then
-/// Gaussians, written in place by every chunk. Beside the model it holds 4 bytes a cell, where
-/// uniform_cells holds 40 and the bricks, which --memory relies on; a test holds both to the same
-/// cells.
+/// Model of hard or overlapping cells of at most a leaf's edge in two passes over the leaves:
+/// masses, then Gaussians, written in place by every chunk. Beside the model it holds 4 bytes a
+/// cell, where uniform_cells holds 40 and the bricks, which --memory relies on; a test holds both
+/// to the same cells.
 Gaussians two_pass_model(MomentJob& job) {
     const std::vector<MortonNode> nodes = morton_nodes(job.volume());
-    std::vector<std::vector<float>> masses(chunk_count(nodes));
+    const CellSource source(job, nodes);
+    std::vector<std::vector<float>> masses(source.chunk_count());
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
-        for_each_cell_of_chunk(job, nodes, chunk, [&](const MomentSums& sums, Vec3d) {
+        source.for_each_cell_of_chunk(chunk, true, [&](const MomentSums& sums, Vec3d) {
             masses[chunk].push_back(static_cast<float>(sums.mass));
         });
     });
@@ -57,7 +75,7 @@ Gaussians two_pass_model(MomentJob& job) {
     const MomentFrame frame = job.frame(job.volume().world_from_index);
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         std::size_t i = first[chunk];
-        for_each_cell_of_chunk(job, nodes, chunk, [&](const MomentSums& sums, Vec3d center) {
+        source.for_each_cell_of_chunk(chunk, false, [&](const MomentSums& sums, Vec3d center) {
             if (static_cast<float>(sums.mass) < least) return;
             Moments moments = moments_of(sums);
             moments.mean = moments.mean + center;
@@ -72,11 +90,13 @@ Gaussians two_pass_model(MomentJob& job) {
 
 Gaussians uniform_model(MomentJob& job) {
     const int block = job.options.block_voxels;
-    const bool hard = job.soft_steps() == 0 && job.options.refine_seconds == 0;
-    if (!job.levels && hard && block <= kLeafEdge) return two_pass_model(job);
+    const bool one_pass = job.soft_steps() == 0 && job.options.refine_seconds == 0;
+    if (!job.levels && one_pass && block <= kLeafEdge) return two_pass_model(job);
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
-    for (const LatticeField& field : fields) cells.push_back(uniform_cells(field, block));
+    for (const LatticeField& field : fields)
+        cells.push_back(job.overlaps() ? overlapping_cells(job.volume(), field, block)
+                                       : uniform_cells(field, block));
     job.clock.end_stage("cells", 0.3);
     FieldEmSolver em(fields, job.options.refine_seconds > 0);
     em.run(cells, job.soft_steps());

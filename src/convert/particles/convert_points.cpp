@@ -251,7 +251,8 @@ Gaussians cut_model(PointJob& job) {
     MomentReport report;  // for `model`: each try overwrites job.report
     const auto error_of_budget = [&](std::size_t budget) {
         Gaussians tried = thresholded_gaussians(job, best_cut(tree, budget), mass_unit);
-        job.report.measured_error = views.relative_l2(tried);
+        const RelativeError error = views.relative_l2(tried);
+        job.report.measured_error = error.worst, job.report.mean_error = error.mean;
         if (job.report.measured_error <= options.error || budget >= finest) {
             model = std::move(tried);
             report = job.report;
@@ -318,7 +319,8 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);
     job.clock.end_stage("model", 0.9);
     if (options.measure && job.report.measured_error < 0) {
-        job.report.measured_error = ErrorViews(all_particles(job)).relative_l2(model);
+        const RelativeError error = ErrorViews(all_particles(job)).relative_l2(model);
+        job.report.measured_error = error.worst, job.report.mean_error = error.mean;
         job.clock.end_stage("measure", 1);
     }
     describe(model, points, options.value);

@@ -156,6 +156,7 @@ TEST(hierarchy, nodes_of_uniform_cells_are_the_next_uniform_cells) {
     const Volume volume = sample_cloud({.size = 64});
     MomentOptions options;
     options.mass_threshold = 0;
+    options.soft_steps = 0;
     options.block_voxels = 2;
     Gaussians fine = convert_moments(volume, options);
     options.block_voxels = 4;

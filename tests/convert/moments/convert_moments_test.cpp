@@ -26,6 +26,7 @@ constexpr double kFloat = 1e-6;
 MomentOptions block(int voxels) {
     MomentOptions options;
     options.block_voxels = voxels;
+    options.soft_steps = 0;
     options.mass_threshold = 0;
     return options;
 }

@@ -58,4 +58,16 @@ Gaussians PackedCells::to_gaussians(const MomentFrame& frame) && {
     return model;
 }
 
+PackedCells joined_cells(std::vector<PackedCells> parts, const PackedCells& none) {
+    PackedCells cells = none;
+    std::size_t count = 0;
+    for (const PackedCells& part : parts) count += part.size();
+    cells.reserve(count);
+    for (PackedCells& part : parts) {
+        cells.append(part);
+        part = PackedCells();
+    }
+    return cells;
+}
+
 }  // namespace vog::moments

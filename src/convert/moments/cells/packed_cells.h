@@ -3,6 +3,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "convert/moments/cells/bricks.h"
 #include "convert/moments/gaussian_moments.h"
@@ -56,5 +57,8 @@ class PackedCells {
     BigVector<Vec3f> variance_;  ///< xx yy zz
     BigVector<Quat> rest_;       ///< x y z: covariance xy xz yz; w: mass
 };
+
+/// The parts in their order, as one list; `none` has the field's bricks and no cells.
+PackedCells joined_cells(std::vector<PackedCells> parts, const PackedCells& none);
 
 }  // namespace vog::moments

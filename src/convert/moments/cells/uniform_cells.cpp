@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "convert/moments/cells/octree.h"
 #include "core/parallel.h"
@@ -67,15 +68,7 @@ PackedCells uniform_cells(const LatticeField& field, int block) {
                     parts[chunk].push_back(cell);
         }
     });
-    PackedCells cells = none;
-    std::size_t count = 0;
-    for (const PackedCells& part : parts) count += part.size();
-    cells.reserve(count);
-    for (PackedCells& part : parts) {
-        cells.append(part);
-        part = PackedCells();
-    }
-    return cells;
+    return joined_cells(std::move(parts), none);
 }
 
 }  // namespace vog::moments

@@ -138,20 +138,30 @@ void EmSolver::for_each_brick(const Moments& cell, const Take& take) const {
             const auto toward_zero = static_cast<std::int32_t>(at);
             return toward_zero - (at < toward_zero);
         };
-        for (std::int32_t x = brick_at(lower.x); x <= brick_at(upper.x); ++x)
-            for (std::int32_t y = brick_at(lower.y); y <= brick_at(upper.y); ++y) {
-                const std::int32_t last = brick_at(upper.z);
-                const auto begin = std::lower_bound(
-                    grid.places.begin(), grid.places.end(), Vec3i{x, y, brick_at(lower.z)},
-                    [](const Place& place, Vec3i at) {
-                        return std::tie(place.at.x, place.at.y, place.at.z) <
-                               std::tie(at.x, at.y, at.z);
-                    });
-                for (auto place = begin; place != grid.places.end() && place->at.x == x &&
-                                         place->at.y == y && place->at.z <= last;
-                     ++place)
-                    take(place->brick);
-            }
+        const Vec3i first{brick_at(lower.x), brick_at(lower.y), brick_at(lower.z)};
+        const Vec3i last{brick_at(upper.x), brick_at(upper.y), brick_at(upper.z)};
+        // From brick to brick in their order. A loop over all columns of the support would visit
+        // mostly empty ones where a coarse level's cell lies beside a much finer level.
+        auto place = grid.places.begin();
+        const auto skip_to = [&](Vec3i at) {
+            place = std::lower_bound(place, grid.places.end(), at, [](const Place& a, Vec3i b) {
+                return std::tie(a.at.x, a.at.y, a.at.z) < std::tie(b.x, b.y, b.z);
+            });
+        };
+        skip_to(first);
+        while (place != grid.places.end() && place->at.x <= last.x) {
+            const Vec3i at = place->at;
+            if (at.y < first.y)
+                skip_to({at.x, first.y, first.z});
+            else if (at.y > last.y)
+                skip_to({at.x + 1, first.y, first.z});
+            else if (at.z < first.z)
+                skip_to({at.x, at.y, first.z});
+            else if (at.z > last.z)
+                skip_to({at.x, at.y + 1, first.z});
+            else
+                take(place->brick), ++place;
+        }
     }
 }
 

@@ -33,19 +33,21 @@ FieldCells refine(MomentJob& job, std::span<const LatticeField> fields, FieldEmS
     for (const LatticeField& field : fields) visibility.emplace_back(field);
 
     FieldCells best;
-    double least_visible = 0, error = 0, error_limit = 0;
+    double least_visible = 0, error_limit = 0;
+    RelativeError error;
     /// Keeps cells with a lower visible error, unless their relative L2 exceeds its limit.
     const auto keep_if_better = [&](const FieldCells& tried) {
         const MeasuredModel measured = measured_model(job, fields, views, tried);
         const double visible = views.visible_rms(measured.model);
-        if (!best.empty() && (visible >= least_visible || measured.error > error_limit))
+        if (!best.empty() && (visible >= least_visible || measured.error.worst > error_limit))
             return false;
         best = tried, least_visible = visible, error = measured.error;
         return true;
     };
     keep_if_better(cells);
-    error_limit =
-        job.options.block_voxels || job.options.budget ? error : std::max(error, job.options.error);
+    error_limit = job.options.block_voxels || job.options.budget
+                      ? error.worst
+                      : std::max(error.worst, job.error());
     // The first round is EM alone. The share of cells that a round splits is halved whenever the
     // round did not help, down to a hundredth.
     constexpr int kSteps = 16;
@@ -66,7 +68,7 @@ FieldCells refine(MomentJob& job, std::span<const LatticeField> fields, FieldEmS
         else if ((share *= 0.5) < kLeastShare)
             break;
     }
-    job.report.measured_error = error;
+    job.report_error(error);
     job.clock.end_stage("refine", 1);
     return best;
 }

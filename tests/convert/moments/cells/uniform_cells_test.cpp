@@ -22,6 +22,7 @@ TEST(uniform_cells, are_the_gaussians_of_the_streamed_conversion) {
             SCOPED_TRACE(testing::Message() << "seed " << seed << ", block " << block);
             MomentOptions options;
             options.block_voxels = block;
+            options.soft_steps = 0;
             options.mass_threshold = 0;
             const Gaussians streamed = convert_moments(volume, options);
             const Gaussians held =

@@ -1,0 +1,83 @@
+// overlapping_cells.h: uniform cells whose windows overlap by half a cell, in one pass.
+// A hard cell of edge b has a Gaussian with the deviation of a box, 0.342 b after widening for the
+// cutoff: a constant field then varies by 27 % (root mean square) along the axes, a grid of dots. A
+// window has the weights 1/8, 7/8, 7/8, 1/8 on half cells along each axis, which add up to one:
+// deviation 0.453 b, 2.2 % along the axes, 1.8 % along diagonals of faces, 2.0 % of cubes.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/morton_nodes.h"
+#include "convert/moments/cells/packed_cells.h"
+
+namespace vog::moments {
+
+/// Share of the half cell next to a cell that belongs to its window, along one axis. The next
+/// dyadic fractions: 1/16 leaves 11 % along the axes; 1/4 1.6 %, but smoke at 2 voxels has L2 0.030
+/// in the paper view against 0.026 with 1/8.
+inline constexpr double kOuterWeight = 0.125;
+
+/// Buffers of one thread, reused from node to node.
+struct OverlapScratch {
+    std::vector<float> values;     ///< voxels of the node's cells and of one ring of cells around
+    std::vector<double> occupied;  ///< 1 for those cells with a voxel above 0, else 0
+    std::vector<double> window_sums, halves, along_x, along_y;
+    std::vector<MomentSums> half_sums;
+    std::vector<MomentSums> cells;  ///< the node's cells in Morton order, about their centres
+    int side = 1;                   ///< edge of these cells, voxels
+};
+
+/// Windows over the leaves and tiles of one volume. Occupied cells alone have windows: the share of
+/// an empty neighbour goes to the others, so that there are as many Gaussians as with hard cells.
+/// Cells of a tile above 8 voxels overlap each other only. Mass, mean and covariance of the whole
+/// are those of the voxels.
+class OverlappingCells {
+  public:
+    /// nodes  of the volume, sorted; both must outlive the object
+    /// edge   of a cell, voxels: 1, 2, 4 or 8
+    OverlappingCells(const Volume& volume, std::span<const MortonNode> nodes, int edge);
+    /// Sets scratch.cells and scratch.side; empty cells have mass 0.
+    /// masses_only  leaves the other moments unset, in a third of the time for fine cells
+    void take(const MortonNode& node, OverlapScratch& scratch, bool masses_only = false) const;
+
+  private:
+    template <int edge>
+    void take_leaf(const MortonNode& node, OverlapScratch& scratch, bool masses_only) const;
+    /// Copies voxels of the node and around into scratch.values; false if the node has no mass.
+    template <int edge>
+    bool gather(const MortonNode& node, OverlapScratch& scratch) const;
+    /// Sets scratch.occupied, and scratch.window_sums, the sum of the windows of occupied cells at
+    /// each half cell; false where all cells are occupied: sums of 1.
+    template <int edge>
+    bool find_shares(OverlapScratch& scratch) const;
+    /// Cells of 1 and 2 voxels: half cells have a mass alone, the windows are separable.
+    template <int edge>
+    void take_fine(OverlapScratch& scratch, bool shared, bool masses_only) const;
+    /// Cells of 4 and 8 voxels: half cells have moments of their own.
+    template <int edge>
+    void take_coarse(OverlapScratch& scratch, bool shared) const;
+    void take_tile(const Tile& tile, OverlapScratch& scratch) const;
+
+    const Volume& volume_;
+    std::span<const MortonNode> nodes_;
+    int edge_;
+};
+
+/// Calls take(sums, center) for each occupied cell of a node, as for_each_cell.
+template <class Take>
+void for_each_overlapping_cell(const OverlappingCells& windows, const MortonNode& node,
+                               OverlapScratch& scratch, bool masses_only, const Take& take) {
+    windows.take(node, scratch, masses_only);
+    for (std::size_t n = 0; n < scratch.cells.size(); ++n)
+        if (scratch.cells[n].mass > 0)
+            take(scratch.cells[n],
+                 cube_center(node.origin + scratch.side * morton_place(static_cast<int>(n)),
+                             scratch.side));
+}
+
+/// Cells of a single volume, overlapping, in Morton order; the start of soft steps.
+PackedCells overlapping_cells(const Volume& volume, const LatticeField& field, int edge);
+
+}  // namespace vog::moments
