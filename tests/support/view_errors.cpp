@@ -3,11 +3,12 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
+#include "vog/camera.h"
 #include "vog/reference.h"
 #include "vog/splat.h"
 
@@ -15,6 +16,11 @@ namespace vog::test {
 
 namespace {
 
+/// Azimuth and elevation, rad, as orbit_view.
+struct NamedDirection {
+    const char* name;
+    double azimuth, elevation;
+};
 constexpr double kRight = std::numbers::pi / 2, kHalf = std::numbers::pi / 4;
 const double kCube = std::atan(1 / std::numbers::sqrt2);  // elevation of a cube's diagonal
 const std::array<NamedDirection, 13> kDirections{{{"paper", kPaperAzimuthRad, kPaperElevationRad},
@@ -30,48 +36,37 @@ const std::array<NamedDirection, 13> kDirections{{{"paper", kPaperAzimuthRad, kP
                                                   {"2.2, 0.1", 2.2, 0.1},
                                                   {"4.0, -0.9", 4.0, -0.9},
                                                   {"5.4, 0.7", 5.4, 0.7}}};
-constexpr std::array<double, 3> kDistances{1.5, kPaperDistanceRadii, 6};
+constexpr std::array<double, 3> kDistances{kPaperDistanceRadii, 1.5, 6};
+
+double relative_l2(const DepthImage& exact, const DepthImage& image) {
+    double error2 = 0, norm2 = 0;
+    for (std::size_t n = 0; n < exact.depth.size(); ++n) {
+        const double t = exact.depth[n], d = image.depth[n] - t;
+        error2 += d * d, norm2 += t * t;
+    }
+    return std::sqrt(error2 / norm2);
+}
 
 }  // namespace
 
-std::span<const NamedDirection> directions() { return kDirections; }
-
-std::vector<std::vector<double>> view_errors(const Volume& volume, const Gaussians& model,
-                                             int paper_size_px) {
+std::vector<ViewError> view_errors(const Volume& volume, const Gaussians& model, int size_px) {
     const VoxelGrid grid = voxel_grid(volume);
+    const VoxelGrid linear = voxel_grid(volume, {Interpolation::linear, 0.5});
     SplatRenderer renderer(model);
-    std::vector<std::vector<double>> errors;
+    std::vector<ViewError> errors;
     for (const double distance : kDistances) {
-        errors.emplace_back();
-        // From afar more pixels: an image that samples every second voxel measures its own aliasing.
-        const auto size_px = static_cast<int>(paper_size_px * std::max(1.0, distance / 3));
+        const int size = distance > kPaperDistanceRadii ? 2 * size_px : size_px;
         for (const NamedDirection& from : kDirections) {
             const Camera camera = orbit_view(world_box(volume), from.azimuth, from.elevation,
                                              distance, kPaperFovDegrees);
-            const DepthImage exact =
-                render_reference(std::span(&grid, 1), camera, size_px, size_px);
-            const DepthImage image = renderer.render(camera, size_px, size_px);
-            double error2 = 0, norm2 = 0;
-            for (std::size_t n = 0; n < exact.depth.size(); ++n) {
-                const double t = exact.depth[n], d = image.depth[n] - t;
-                error2 += d * d, norm2 += t * t;
-            }
-            errors.back().push_back(std::sqrt(error2 / norm2));
+            const DepthImage exact = render_reference(std::span(&grid, 1), camera, size, size);
+            errors.push_back(
+                {fmt::format("{} at {} radii", from.name, distance),
+                 relative_l2(exact, renderer.render(camera, size, size)),
+                 relative_l2(exact, render_reference(std::span(&linear, 1), camera, size, size))});
         }
     }
     return errors;
-}
-
-WorstError worst_error(const Volume& volume, const Gaussians& model, int paper_size_px) {
-    const auto errors = view_errors(volume, model, paper_size_px);
-    WorstError worst;
-    worst.paper = errors[1][0];
-    for (std::size_t d = 0; d < errors.size(); ++d)
-        for (std::size_t n = 0; n < errors[d].size(); ++n)
-            if (errors[d][n] > worst.worst)
-                worst.worst = errors[d][n],
-                worst.view = fmt::format("{} at {} radii", kDirections[n].name, kDistances[d]);
-    return worst;
 }
 
 }  // namespace vog::test

@@ -1,35 +1,26 @@
 // view_errors.h: errors of a model from thirteen directions at three distances.
 #pragma once
 
-#include <span>
 #include <string>
 #include <vector>
 
-#include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/volume.h"
 
 namespace vog::test {
 
-/// A named direction towards the data: azimuth and elevation, rad, as orbit_view.
-struct NamedDirection {
-    const char* name;
-    double azimuth, elevation;
+/// Errors of one view against the exact integral through voxels of constant value, relative L2 of T.
+struct ViewError {
+    std::string name;  ///< direction and distance
+    double error = 0;  ///< of the model
+    double faces = 0;  ///< of the field interpolated linearly between the centres of voxels
 };
-/// The paper's view, then both ends of an axis, the others, face and cube diagonals and three more.
-std::span<const NamedDirection> directions();
 
-/// Relative L2 of T, [distance][direction], at 1.5, 3 and 6 bounding radii of the volume's box with
-/// the paper's field of view.
-/// paper_size_px  width and height of the images at 1.5 and 3 radii; twice as many at 6
-std::vector<std::vector<double>> view_errors(const Volume& volume, const Gaussians& model,
-                                             int paper_size_px);
-
-/// Largest of the errors, and the paper's view among them (3 radii).
-struct WorstError {
-    double worst = 0, paper = 0;
-    std::string view;  ///< name and distance of the worst one
-};
-WorstError worst_error(const Volume& volume, const Gaussians& model, int paper_size_px);
+/// The paper's view first, then both ends of an axis, the others, diagonals of faces and cubes and
+/// three more, each at 3, 1.5 and 6 bounding radii of the volume's box with the paper's field of
+/// view.
+/// size_px  width and height of the images at 1.5 and 3 radii; twice as many at 6, as an image that
+///          samples every second voxel measures its own aliasing
+std::vector<ViewError> view_errors(const Volume& volume, const Gaussians& model, int size_px);
 
 }  // namespace vog::test

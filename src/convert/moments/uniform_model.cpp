@@ -86,6 +86,19 @@ Gaussians two_pass_model(MomentJob& job) {
     return model;
 }
 
+/// Edge from which on soft cells are widened, voxels. In a constant field soft steps end at a
+/// deviation of 0.357 of the edge for cells of 8 voxels, at 0.386 for 4, whose voxels' own variance
+/// counts for more: ripples of 5 % and 2.4 % along the axes. Widened by 1.05: 2.7 %.
+constexpr int kWidenedEdge = 8;
+void widen(PackedCells& cells) {
+    constexpr double kFactor = 1.05;
+    vog::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t n) {
+        Moments cell = cells[n];
+        for (double& c : cell.covariance) c *= kFactor * kFactor;
+        cells.set(n, cell);
+    });
+}
+
 }  // namespace
 
 Gaussians uniform_model(MomentJob& job) {
@@ -100,6 +113,8 @@ Gaussians uniform_model(MomentJob& job) {
     job.clock.end_stage("cells", 0.3);
     FieldEmSolver em(fields, job.options.refine_seconds > 0);
     em.run(cells, job.soft_steps());
+    if (job.overlaps() && job.soft_steps() > 0 && block >= kWidenedEdge)
+        for (PackedCells& field : cells) widen(field);
     job.clock.end_stage("soften", 0.9);
     return final_model(job, fields, em, std::move(cells));
 }

@@ -276,7 +276,8 @@ TEST(moments, the_summary_reports_counts_mass_and_error) {
         convert_moments(volume, {.budget = 300, .mass_threshold = 0.01, .measure = true}, &report);
     EXPECT_EQ(model.summary, summary_text(model, report, "active voxels"));
     EXPECT_EQ(model.summary.find(std::to_string(model.size()) + " Gaussians, "), 0u);
-    EXPECT_NE(model.summary.find(" % of the active voxels, mass ratio 1.0000"), std::string::npos);
+    EXPECT_NE(model.summary.find(" % of the active voxels, mass ratio 0.99"), std::string::npos)
+        << "of the written model, without the dropped cells: " << model.summary;
     EXPECT_NE(model.summary.find("with 0.0"), std::string::npos)
         << "a share, not a mass: " << model.summary;
     EXPECT_NE(model.summary.find("measured error 0.0"), std::string::npos) << model.summary;
@@ -293,7 +294,7 @@ TEST(moments, bad_options_and_volumes_throw) {
     refuses([](MomentOptions& o) { o.block_voxels = 256; });
     refuses([](MomentOptions& o) { o.block_voxels = -1; });
     refuses([](MomentOptions& o) { o.budget = 5; });
-    refuses([](MomentOptions& o) { o.error = 0; });
+    refuses([](MomentOptions& o) { o.error = -0.1; });
     refuses([](MomentOptions& o) { o.error = NAN; });
     refuses([](MomentOptions& o) { o.spread = 3; });
     refuses([](MomentOptions& o) { o.mass_threshold = 1; });
