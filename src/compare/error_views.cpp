@@ -33,19 +33,18 @@ std::vector<Camera> error_views(const Box& box) {
         double azimuth_degrees, elevation_degrees, distance_radii;
         bool orthographic = false;
     };
-    constexpr std::array<View, 12> kViews{
-        {{kPaperAzimuthDegrees, kPaperElevationDegrees, kPaper},
-         {126, -29, kPaper},
-         {223, 50, kPaper},
-         {298, -11, kPaper},
-         {0, 0, kPaper, kParallel},  // x, y, z
-         {0, 90, kPaper, kParallel},
-         {90, 0, kPaper, kParallel},
-         {45, 0, kPaper, kParallel},  // diagonals of faces
-         {0, -45, kPaper, kParallel},
-         {74, 11, kNear},
-         {172, -46, kNear},
-         {180, 0, kNear}}};
+    constexpr std::array<View, 12> kViews{{{kPaperAzimuthDegrees, kPaperElevationDegrees, kPaper},
+                                           {126, -29, kPaper},
+                                           {223, 50, kPaper},
+                                           {298, -11, kPaper},
+                                           {0, 0, kPaper, kParallel},  // x, y, z
+                                           {0, 90, kPaper, kParallel},
+                                           {90, 0, kPaper, kParallel},
+                                           {45, 0, kPaper, kParallel},  // diagonals of faces
+                                           {0, -45, kPaper, kParallel},
+                                           {74, 11, kNear},
+                                           {172, -46, kNear},
+                                           {180, 0, kNear}}};
     std::vector<Camera> cameras;
     for (const View& view : kViews) {
         Orbit orbit;

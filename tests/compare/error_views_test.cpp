@@ -104,9 +104,13 @@ TEST(error_views, the_measured_error_holds_for_views_that_were_not_measured) {
     };
     constexpr double kTolerance = 1.15;
     for (int view = 0; view < 20; ++view) {
-        const Camera camera =
-            orbit_view(world_box(volume), uniform(0, 6.3), std::asin(uniform(-1, 1)),
-                       std::exp(uniform(std::log(1.5), std::log(20))), uniform(20, 45));
+        Orbit orbit;
+        orbit.azimuth_degrees = uniform(0, 360);
+        orbit.elevation_degrees = 57.3 * std::asin(uniform(-1, 1));
+        orbit.distance_radii = std::exp(uniform(std::log(1.5), std::log(20)));
+        orbit.fov_degrees = uniform(20, 45);
+        orbit.orthographic = view % 4 == 3;
+        const Camera camera = orbit_view(world_box(volume), orbit);
         const DepthImage exact = render_reference(std::span(&grid, 1), camera, 200, 200);
         const DepthImage image = render_splat(model, camera, 200, 200);
         double error2 = 0, norm2 = 0;

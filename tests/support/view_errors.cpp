@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 #include "vog/camera.h"
@@ -16,26 +15,25 @@ namespace vog::test {
 
 namespace {
 
-/// Azimuth and elevation, rad, as orbit_view.
 struct NamedDirection {
     const char* name;
-    double azimuth, elevation;
+    double azimuth_degrees, elevation_degrees;
 };
-constexpr double kRight = std::numbers::pi / 2, kHalf = std::numbers::pi / 4;
-const double kCube = std::atan(1 / std::numbers::sqrt2);  // elevation of a cube's diagonal
-const std::array<NamedDirection, 13> kDirections{{{"paper", kPaperAzimuthRad, kPaperElevationRad},
-                                                  {"x", 0, 0},
-                                                  {"-x", 2 * kRight, 0},
-                                                  {"y", 0, kRight},
-                                                  {"z", kRight, 0},
-                                                  {"xz", kHalf, 0},
-                                                  {"xy", 0, kHalf},
-                                                  {"yz", kRight, -kHalf},
-                                                  {"xyz", kHalf, kCube},
-                                                  {"-x-yz", 3 * kHalf, -kCube},
-                                                  {"2.2, 0.1", 2.2, 0.1},
-                                                  {"4.0, -0.9", 4.0, -0.9},
-                                                  {"5.4, 0.7", 5.4, 0.7}}};
+constexpr double kCubeDegrees = 35.26438968;  // elevation of a cube's diagonal
+constexpr std::array<NamedDirection, 13> kDirections{
+    {{"paper", kPaperAzimuthDegrees, kPaperElevationDegrees},
+     {"x", 0, 0},
+     {"-x", 180, 0},
+     {"y", 0, 90},
+     {"z", 90, 0},
+     {"xz", 45, 0},
+     {"xy", 0, 45},
+     {"yz", 90, -45},
+     {"xyz", 45, kCubeDegrees},
+     {"-x-yz", 135, -kCubeDegrees},
+     {"126, 6", 126, 6},
+     {"229, -52", 229, -52},
+     {"309, 40", 309, 40}}};
 constexpr std::array<double, 3> kDistances{kPaperDistanceRadii, 1.5, 6};
 
 double relative_l2(const DepthImage& exact, const DepthImage& image) {
@@ -57,8 +55,9 @@ std::vector<ViewError> view_errors(const Volume& volume, const Gaussians& model,
     for (const double distance : kDistances) {
         const int size = distance > kPaperDistanceRadii ? 2 * size_px : size_px;
         for (const NamedDirection& from : kDirections) {
-            const Camera camera = orbit_view(world_box(volume), from.azimuth, from.elevation,
-                                             distance, kPaperFovDegrees);
+            const Camera camera = orbit_view(
+                world_box(volume),
+                {from.azimuth_degrees, from.elevation_degrees, distance, kPaperFovDegrees});
             const DepthImage exact = render_reference(std::span(&grid, 1), camera, size, size);
             errors.push_back(
                 {fmt::format("{} at {} radii", from.name, distance),
