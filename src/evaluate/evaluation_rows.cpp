@@ -70,6 +70,7 @@ std::vector<Conversion> moment_conversions() {
             [block](std::size_t) {
                 MomentOptions options;
                 options.block_voxels = block;
+                options.soft_steps = 0;  // hard: the same for any number of vog-mpi's ranks
                 return options;
             });
     const auto add_budget = [&](const std::string& step, const std::string& label,

@@ -141,6 +141,7 @@ TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
     // All levels share one budget: separate conversions would give other counts.
     MomentOptions uniform;
     uniform.block_voxels = 4;
+    uniform.soft_steps = 0;
     const std::size_t cells = convert_moments(data, uniform).size();
     MomentOptions adaptive;
     adaptive.budget = cells;
