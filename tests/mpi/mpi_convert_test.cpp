@@ -155,8 +155,8 @@ TEST_F(mpi_convert, volume_without_mass_is_refused) {
 TEST_F(mpi_convert, error_bound_holds_for_the_whole_model) {
     must("sample explosion e.vdb --size 64");
     const auto json =
-        nlohmann::json::parse(must_mpi(2, "convert e.vdb -o many.ply --error 0.05 --json").out);
-    EXPECT_LE(json["measured_error"].get<double>(), 0.05);
+        nlohmann::json::parse(must_mpi(2, "convert e.vdb -o many.ply --error 0.15 --json").out);
+    EXPECT_LE(json["measured_error"].get<double>(), 0.15);
     EXPECT_GT(json["measured_error"].get<double>(), 0);
 }
 
