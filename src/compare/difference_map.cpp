@@ -5,15 +5,17 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "compare/bitmap_font.h"
 #include "compare/grey.h"
 #include "core/parallel.h"
+#include "shade/bitmap_font.h"
 #include "vog/compare.h"
 #include "vog/error.h"
 
 namespace vog {
 
 using namespace comparison;
+using shading::draw_text;
+using shading::kGlyphHeight;
 
 namespace {
 
