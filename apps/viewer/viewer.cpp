@@ -70,10 +70,10 @@ class Program {
           session_(options.read) {
         if (!options.script.empty()) script_.emplace(options.script);
         session_.settings.scale = options.scale;
-        // On software OpenGL the CPU splat is about fifty times as fast. Scripts start with OpenGL
-        // on every machine.
-        if (options.script.empty() && is_software_gl())
-            session_.settings.renderer = WindowRenderer::splat;
+        // On software OpenGL the CPU splat is about fifty times as fast.
+        if (is_software_gl()) session_.settings.renderer = WindowRenderer::splat;
+        // Sub-frames are for a camera at rest; a script accumulates what it says.
+        if (!options.script.empty()) session_.settings.subframes = 1;
         session_.look = options.look;
         session_.look_changed();
         if (options.extinction > 0) session_.set_first_exposure(options.extinction);

@@ -89,7 +89,7 @@ TEST_F(view_command, a_sessions_picture_is_the_command_lines) {
 TEST_F(view_command, the_split_shows_gaussians_and_voxels) {
     make_cloud();
     play("cloud.vdb",
-         "panels off\noverlay off\ncolorbar off\nsubframes 1\nlevel finest\nexposure 5\n"
+         "renderer gl\npanels off\noverlay off\ncolorbar off\nlevel finest\nexposure 5\n"
          "split 0.25\nwait\npicture split.png\n"
          "split off\nrenderer reference\nwait\npicture voxels.png\n"
          "renderer splat\nwait\npicture splat.png\n"
@@ -192,6 +192,35 @@ TEST_F(view_command, a_turntable_ends_where_it_began) {
     EXPECT_NE(read_image(dir_ / "turn" / "0003.png").pixel, read_image(dir_ / "first.png").pixel);
     EXPECT_TRUE(std::filesystem::exists(dir_ / "turn" / "0004.png"));
     EXPECT_FALSE(std::filesystem::exists(dir_ / "turn" / "0005.png"));
+}
+
+TEST_F(view_command, a_turntable_turns_about_the_up_axis_of_the_data) {
+    make_cloud();
+    play("cloud.ply", "panels off\nexposure 4\nwait\nsave-camera start.json\nturntable turn 4\n",
+         "--size 100x80");
+    // Half a turn: the eye on the other side of the vertical through look_at, at the same height.
+    auto camera = nlohmann::json::parse(read_text(dir_ / "start.json"));
+    for (const int axis : {0, 2}) {
+        const auto n = static_cast<std::size_t>(axis);
+        camera["eye"][n] = 2 * camera["look_at"][n].get<double>() - camera["eye"][n].get<double>();
+    }
+    write("opposite.json", camera.dump());
+    must("render cloud.ply -o expected.png --camera opposite.json --size 100x80 --extinction 4");
+    expect_same_picture("expected.png", (dir_ / "turn" / "0003.png").string());
+}
+
+TEST_F(view_command, scripts_accumulate_sub_frames_where_they_say_so) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o cloud.ply --block 1");
+    // Gaussians narrower than a pixel: sub-frames change the picture.
+    must("render cloud.ply --depth-out expected.exr --pixel-error 0 --size 24x20 --extinction 4");
+    play("cloud.ply",
+         "panels off\nparts 0\nexposure 4\nwait\ndepth one.exr\nsubframes 16\nwait\n"
+         "depth many.exr\n",
+         "--size 24x20");
+    const DepthImage expected = read_depth(dir_ / "expected.exr");
+    EXPECT_LE(compare(expected, read_depth(dir_ / "one.exr")).relative_l2, 1e-4);
+    EXPECT_GT(compare(expected, read_depth(dir_ / "many.exr")).relative_l2, 1e-2);
 }
 
 TEST_F(view_command, two_pixels_a_pixel_are_averaged) {

@@ -87,7 +87,8 @@ class Session {
     void save_picture(const std::filesystem::path& file);
     void save_depth(const std::filesystem::path& file);
     void save_look(const std::filesystem::path& file);
-    /// Saves `frames` pictures of a full turn about the up axis as 0001.png, ... in `folder`.
+    /// Saves `frames` pictures of a full turn about the first view's up axis, which is that of the
+    /// data, as 0001.png, ... in `folder`.
     void start_turntable(const std::filesystem::path& folder, int frames);
     bool turning() const { return turntable_.has_value(); }
 

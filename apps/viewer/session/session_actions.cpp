@@ -102,8 +102,10 @@ void Session::start_turntable(const fs::path& folder, int frames) {
 void Session::advance_turntable() {
     if (!turntable_) return;
     Turntable& t = *turntable_;
+    // About the up axis of the first view, not of the screen: the data stay upright.
     const auto at = [&](int frame) {
-        return orbited(t.start, 2 * std::numbers::pi * frame / t.frames, 0);
+        return turned_about(t.start, first_camera(scene.box).up,
+                            2 * std::numbers::pi * frame / t.frames);
     };
     const bool complete = left_.complete() && (!needs_right() || right_.complete());
     if (complete && t.next > 0) {

@@ -74,6 +74,10 @@ Camera orbited(const Camera& camera, double right_rad, double up_rad) {
     return turned_around(aside, axes_of(aside).right, -up_rad);
 }
 
+Camera turned_about(const Camera& camera, Vec3d axis, double angle_rad) {
+    return turned_around(camera, normalized(axis), angle_rad);
+}
+
 Camera looked_around(const Camera& camera, double right_rad, double up_rad) {
     const Axes axes = axes_of(camera);
     Camera result = camera;

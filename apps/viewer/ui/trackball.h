@@ -17,6 +17,9 @@ struct ScreenPoint {
 Camera rotated(const Camera& camera, ScreenPoint from, ScreenPoint to);
 /// Rotates the eye about look_at: right about the camera's up axis, then up about its right axis.
 Camera orbited(const Camera& camera, double right_rad, double up_rad);
+/// Rotates the camera about an axis through look_at, right-handed.
+/// axis  in world space, length > 0
+Camera turned_about(const Camera& camera, Vec3d axis, double angle_rad);
 /// Rotates the view direction about the eye.
 Camera looked_around(const Camera& camera, double right_rad, double up_rad);
 /// Rotates about the view direction; the picture turns clockwise.
