@@ -26,7 +26,7 @@ PUBLIC_HEADERS = {
     "core": "error linear memory progress text",
     "data": "camera dense distributed gaussians image levels lod points volume",
     "io": "openvdb ply volume_io",
-    "shade": "shade",
+    "shade": "quantity shade",
     "render": "gpu reference renderer splat trace",
     "compare": "compare",
     "convert": "convert convert_moments convert_paper convert_points",

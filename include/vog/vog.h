@@ -24,6 +24,7 @@
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
 //   shade    shade.h            T to colours by a transfer function
+//            quantity.h         column density maps, colour bars, values as files
 //   judge    compare.h          differences between two images
 //            evaluate.h         tables and figures of many conversions of one data set
 //   share    export_html.h      models as one HTML page
@@ -54,6 +55,7 @@
 #include "vog/ply.h"
 #include "vog/points.h"
 #include "vog/progress.h"
+#include "vog/quantity.h"
 #include "vog/reference.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"

@@ -12,6 +12,7 @@
 #include "shade/ramp.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
+#include "vog/quantity.h"
 
 namespace vog {
 
@@ -31,9 +32,10 @@ Rgba over(const Rgba& front, const Rgba& back) {
             back.a == 1 ? 1 : alpha};
 }
 
-}  // namespace
-
-Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options) {
+/// Shades by position(value), [0, 1], where a value is above 0.
+template <class Position>
+Image shade_by(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options,
+               const Position& position) {
     require_valid("transfer function " + tf.name, tf);
     const Rgba& background = options.background;
     for (const float c : {background.r, background.g, background.b, background.a})
@@ -54,7 +56,7 @@ Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOpti
                                   image.pixel[i] = background;
                                   continue;
                               }
-                              const float v = 1 - std::exp(-t);
+                              const float v = position(t);
                               const auto [r, g, b] = color(v);
                               const float a =
                                   (opaque ? 1 : opacity(v)[0]) * (options.blend ? v : 1);
@@ -62,6 +64,22 @@ Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOpti
                           }
                       });
     return image;
+}
+
+}  // namespace
+
+Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options) {
+    return shade_by(depth, tf, options, [](float t) { return 1 - std::exp(-t); });
+}
+
+Image shade_values(const DepthImage& values, const TransferFunction& tf, const ColorScale& scale,
+                   const ShadeOptions& options) {
+    if (options.blend)
+        throw Error("blend: fades by V = 1 - exp(-T), which a map of values does not have");
+    (void)scale_position(scale, 0);  // checks the scale
+    return shade_by(values, tf, options, [&](float value) {
+        return static_cast<float>(scale_position(scale, static_cast<double>(value)));
+    });
 }
 
 }  // namespace vog

@@ -1,0 +1,73 @@
+// vog/quantity.h: Pictures of a quantity in its unit: column density maps, colour bars, numbers.
+// Column density is the integral of density along a ray, T / extinction: density times world
+// length; of particles number or value per area.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vog/image.h"
+#include "vog/shade.h"
+
+namespace vog {
+
+/// Column density of a depth image: T at extinction 1.
+/// throws  vog::Error for a T that is negative or not finite
+[[nodiscard]] DepthImage column_density(const DepthImage& depth);
+
+/// Map from values to positions in a transfer function, [0, 1].
+struct ColorScale {
+    enum class Kind {
+        visibility,  ///< 1 - exp(-value), of T: as shade() does; low and high are not used
+        linear,      ///< (value - low) / (high - low)
+        log,         ///< log(value / low) / log(high / low)
+    };
+    Kind kind = Kind::visibility;
+    double low = 0, high = 1;  ///< values at positions 0 and 1, finite, low < high; log: low > 0
+};
+/// Position of a value; values beyond the range are at its ends.
+/// throws  vog::Error for an invalid scale
+double scale_position(const ColorScale& scale, double value);
+
+/// Scale of all values of images: linear from 0 to the largest, or logarithmic over the four
+/// decades below the largest, fewer where the smallest value above 0 is larger. Images without a
+/// value above 0 have the largest value 1.
+/// throws  vog::Error for a value that is negative or not finite
+ColorScale automatic_scale(std::span<const DepthImage> images, bool log);
+
+/// Shades values, such as column densities, by a scale: tf(position) where a value is above 0,
+/// the background elsewhere, mixed by the opacity as shade() does.
+/// throws  vog::Error as shade() does, for an invalid scale, and for options.blend, which is of V
+Image shade_values(const DepthImage& values, const TransferFunction& tf, const ColorScale& scale,
+                   const ShadeOptions& options = {});
+
+/// Values with a tick, ascending: 1, 2 or 5 times a power of ten apart; decades of a logarithmic
+/// scale, with 2 and 5 between where there is room; of visibility values up to T = 5.
+/// least_gap  least distance between ticks, as positions
+std::vector<double> scale_ticks(const ColorScale& scale, double least_gap);
+/// A tick's value: "0.05", "20", "1e-7".
+std::string tick_text(double value);
+
+/// Colour bar and title around a picture.
+struct Annotation {
+    std::string title;      ///< above the picture; empty: none
+    std::string label;      ///< beside the colour bar: "column density [g/cm2]"
+    bool color_bar = true;  ///< right of the picture
+};
+/// Adds a colour bar with ticks on the right and a title above; the picture itself is unchanged,
+/// at the left and below the title. Text is a bitmap font of ASCII and the signs of units (¹ ² ³ ⁻
+/// ° µ × ·), in whole multiples of 5x7 pixels, about 1/36 of the picture's height.
+/// background  colour of the margins; text is black or white, whichever differs more
+/// throws      vog::Error for a character without a glyph, text that does not fit, an invalid scale
+///             or tf
+Image annotated(const Image& picture, const TransferFunction& tf, const ColorScale& scale,
+                const Annotation& annotation, Rgba background = {0, 0, 0, 1});
+
+/// Writes values as float32: .npy (NumPy, [height, width]) or .exr (one channel Y), by extension.
+/// Written beside the file and renamed when whole.
+/// throws  vog::Error for another extension, or if the file cannot be written
+void write_values(const std::filesystem::path& file, const DepthImage& values);
+
+}  // namespace vog

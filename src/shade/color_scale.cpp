@@ -1,0 +1,138 @@
+// color_scale.cpp: Positions, ranges and ticks of a colour scale.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "data/image_checks.h"
+#include "vog/error.h"
+#include "vog/quantity.h"
+
+namespace vog {
+
+namespace {
+
+using Kind = ColorScale::Kind;
+
+void require_valid(const ColorScale& scale) {
+    if (scale.kind == Kind::visibility) return;
+    const bool log = scale.kind == Kind::log;
+    if (!std::isfinite(scale.low) || !std::isfinite(scale.high) || !(scale.low < scale.high) ||
+        (log && !(scale.low > 0)))
+        throw Error(
+            fmt::format("range {} to {}, expected finite numbers, the first below the "
+                        "second{}",
+                        scale.low, scale.high, log ? ", above 0 (logarithmic)" : ""));
+}
+
+/// Appends a tick unless it is closer than `gap` to one that is there.
+void add_tick(std::vector<double>& ticks, const ColorScale& scale, double value, double gap) {
+    // Ends of the range count in spite of rounding.
+    constexpr double kRounding = 1e-9;
+    if (scale.kind != Kind::visibility) {
+        const double reach = kRounding * (scale.high - scale.low);
+        if (value < scale.low - reach || value > scale.high + reach) return;
+    }
+    const double at = scale_position(scale, value);
+    for (const double tick : ticks)
+        if (std::abs(at - scale_position(scale, tick)) < gap) return;
+    ticks.push_back(value);
+}
+
+/// The least 1, 2 or 5 times a power of ten that is at least `least`.
+double round_step(double least) {
+    const double power = std::pow(10, std::floor(std::log10(least)));
+    for (const double step : {1.0, 2.0, 5.0})
+        if (step * power >= least * (1 - 1e-12)) return step * power;
+    return 10 * power;
+}
+
+}  // namespace
+
+double scale_position(const ColorScale& scale, double value) {
+    require_valid(scale);
+    if (scale.kind == Kind::visibility) return value > 0 ? -std::expm1(-value) : 0;
+    if (!(value > scale.low)) return 0;
+    if (value >= scale.high) return 1;
+    return scale.kind == Kind::linear
+               ? (value - scale.low) / (scale.high - scale.low)
+               : std::log(value / scale.low) / std::log(scale.high / scale.low);
+}
+
+DepthImage column_density(const DepthImage& depth) {
+    require_valid("column density", depth);
+    DepthImage column = depth;
+    set_extinction(column, 1);
+    return column;
+}
+
+ColorScale automatic_scale(std::span<const DepthImage> images, bool log) {
+    constexpr double kDecades = 1e4;
+    double largest = 0, smallest = std::numeric_limits<double>::infinity();
+    for (const DepthImage& image : images) {
+        require_valid("values", image);
+        for (const float value : image.depth) {
+            if (!(value > 0)) continue;
+            largest = std::max(largest, double{value});
+            smallest = std::min(smallest, double{value});
+        }
+    }
+    if (largest == 0) largest = 1;
+    if (!log) return {Kind::linear, 0, largest};
+    // One value alone gets the decade below it.
+    const double low = std::max(std::min(smallest, largest / 10), largest / kDecades);
+    return {Kind::log, low, largest};
+}
+
+std::vector<double> scale_ticks(const ColorScale& scale, double least_gap) {
+    require_valid(scale);
+    std::vector<double> ticks;
+    if (scale.kind == Kind::visibility) {
+        // By importance: the ends, then what divides the bar most evenly.
+        for (const double t : {0.0, 1.0, 0.5, 2.0, 0.2, 5.0, 3.0, 0.1})
+            add_tick(ticks, scale, t, least_gap);
+    } else if (scale.kind == Kind::linear) {
+        // Eight at most: more would be hard to tell apart.
+        const double step = round_step(std::max(least_gap, 1.0 / 8) * (scale.high - scale.low));
+        for (double n = std::ceil(scale.low / step - 1e-9); n * step <= scale.high + 1e-9 * step;
+             ++n)
+            add_tick(ticks, scale, n * step, 0);
+    } else {
+        const double first = std::floor(std::log10(scale.low));
+        const double last = std::ceil(std::log10(scale.high));
+        // Decades alone where they are many: every second, third, ... of them.
+        const double decade = 1 / std::log10(scale.high / scale.low);
+        const double every = std::max(1.0, std::ceil(least_gap / decade - 1e-9));
+        for (double n = first; n <= last; ++n)
+            if (std::fmod(std::abs(n), every) == 0)
+                add_tick(ticks, scale, std::pow(10, n), least_gap);
+        if (every == 1)
+            for (const double digit : {5.0, 2.0})
+                for (double n = first; n <= last; ++n)
+                    add_tick(ticks, scale, digit * std::pow(10, n), least_gap);
+        // A range within two such values: linear steps.
+        if (ticks.size() < 2)
+            for (const double value : scale_ticks({Kind::linear, scale.low, scale.high}, least_gap))
+                add_tick(ticks, scale, value, least_gap);
+    }
+    std::ranges::sort(ticks);
+    return ticks;
+}
+
+std::string tick_text(double value) {
+    if (value == 0) return "0";  // not -0
+    // Six digits take away the rounding of multiples: 0.30000000000000004.
+    std::string text = fmt::format("{:.6g}", value);
+    const std::size_t e = text.find('e');
+    if (e != std::string::npos) {
+        // 1e-07 as 1e-7, 1e+06 as 1e6
+        std::string exponent = text.substr(e + 1);
+        const bool negative = exponent.front() == '-';
+        exponent.erase(0, exponent.find_first_not_of("+-0"));
+        text = text.substr(0, e + 1) + (negative ? "-" : "") + exponent;
+    }
+    return text;
+}
+
+}  // namespace vog
