@@ -57,7 +57,7 @@ struct Annotation {
     bool color_bar = true;  ///< right of the picture
 };
 /// Adds a colour bar with ticks on the right and a title above; the picture itself is unchanged,
-/// at the left and below the title. Text is a bitmap font of ASCII and the signs of units (¹ ² ³ ⁻
+/// at the left and below the title. A picture lower than its label gets a margin below. Text is a bitmap font of ASCII and the signs of units (¹ ² ³ ⁻
 /// ° µ × ·), in whole multiples of 5x7 pixels, about 1/36 of the picture's height.
 /// background  colour of the margins; text is black or white, whichever differs more
 /// throws      vog::Error for a character without a glyph, text that does not fit, an invalid scale

@@ -20,7 +20,7 @@ struct Layout {
     int scale = 1, gap = 4, bar_width = 10, tick_length = 3;
     int bar_left = 0, text_left = 0, label_left = 0, right = 0;  ///< columns
     int top = 0, bottom = 0;                                     ///< rows of the bar: [top, bottom)
-    int picture_top = 0;
+    int picture_top = 0, height = 0;                             ///< height of the whole image
 };
 
 /// Scale at which text is 1/36 of the picture's height, at least 1: 2 at 512 pixels.
@@ -62,9 +62,12 @@ Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation
     at.gap *= at.scale, at.bar_width *= at.scale, at.tick_length *= at.scale;
     if (!annotation.title.empty()) at.picture_top = at.scale * kGlyphHeight + 2 * at.gap;
     at.right = picture.width;
+    at.height = at.picture_top + picture.height;
     if (!annotation.color_bar) return at;
+    // A picture smaller than its label gets a bar as long as the label.
+    at.height = std::max(at.height, at.picture_top + text_width(annotation.label, 1) + 2 * at.gap);
     at.top = at.picture_top + at.gap;
-    at.bottom = at.picture_top + picture.height - at.gap;
+    at.bottom = at.height - at.gap;
     at.bar_left = picture.width + 2 * at.gap;
     at.text_left = at.bar_left + at.bar_width + at.tick_length + at.gap / 2;
     int widest = 0;
@@ -112,7 +115,7 @@ Image annotated(const Image& picture, const TransferFunction& tf, const ColorSca
     require_glyphs("title", annotation.title);
     require_glyphs("label", annotation.label);
     const Layout at = layout_of(picture, scale, annotation);
-    Image image(at.right, at.picture_top + picture.height);
+    Image image(at.right, at.height);
     std::ranges::fill(image.pixel, background);
     for (int y = 0; y < picture.height; ++y)
         for (int x = 0; x < picture.width; ++x) image.at(x, at.picture_top + y) = picture.at(x, y);

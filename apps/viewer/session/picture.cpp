@@ -1,6 +1,7 @@
 // picture.cpp: accumulation of OpenGL sub-frames, and requests to the background renderer.
 #include "session/picture.h"
 
+#include <limits>
 #include <tuple>
 
 namespace vog::viewer {
@@ -93,12 +94,15 @@ void Picture::request(int rays) {
 
 void Picture::update_cpu(int subframes) {
     if (rays_requested_ == 0) request(1);
+    // More sub-frames than those of a complete picture: continues.
+    if (complete_ && subframes > complete_for_) refine(rays_requested_, subframes);
     if (complete_) return;
     const std::optional<RenderedPicture> picture = cpu_->take();
     if (!picture || picture->key != cpu_key_) return;
     if (!picture->error.empty()) {
         error_ = picture->error;
         complete_ = true;
+        complete_for_ = std::numeric_limits<int>::max();
         return;
     }
     require_target(key_.size);
@@ -109,14 +113,17 @@ void Picture::update_cpu(int subframes) {
     drawn_ = picture->drawn;
     ms_per_ray_ = ms_ / (double(key_.size.width) * key_.size.height * subframes_);
     ++revision_;
-    // Refinement by 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
+    refine(picture->rays, subframes);
+}
+
+void Picture::refine(int done, int subframes) {
+    // By 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
     constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB of T
-    const int rays = 2 * picture->rays;
+    const int rays = 2 * done;
     const std::int64_t all = std::int64_t{key_.size.width} * key_.size.height * rays * rays;
-    if (rays <= 4 && rays * rays <= subframes && all <= kRayLimit)
-        request(rays);
-    else
-        complete_ = true;
+    complete_ = !(rays <= 4 && rays * rays <= subframes && all <= kRayLimit);
+    complete_for_ = subframes;
+    if (!complete_) request(rays);
 }
 
 GlDepth Picture::depth() const {

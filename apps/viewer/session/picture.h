@@ -75,6 +75,8 @@ class Picture {
     const GlModel& cut_model(GlModels& models);
     void update_cpu(int subframes);
     void request(int rays);
+    /// Requests twice as many rays along each side of a pixel, or completes the picture.
+    void refine(int rays, int subframes);
     void require_target(PixelSize size);
 
     PictureKey key_;
@@ -94,6 +96,7 @@ class Picture {
     std::unique_ptr<BackgroundRenderer> cpu_;
     std::uint64_t cpu_key_ = 0;
     int rays_requested_ = 0;  ///< along each side of a pixel
+    int complete_for_ = 0;    ///< sub-frames of the request that complete_ fulfils
 };
 
 }  // namespace vog::viewer
