@@ -43,22 +43,39 @@ def blocks_of_cells(ds, field, level):
         yield first, value.reshape(1, 1, 1)
 
 
-def level_grid(ds, field, units, level, has_grids):
+def checked(values, first, rules, changed):
+    """The values as densities: negative or non-finite ones are refused unless `rules` accept them, and counted.
+    Returns values and a mask of the cells to write."""
+    finite = np.isfinite(values)
+    negative = finite & (values < 0)
+    for bad, rule, what in ((~finite, "skip_nonfinite", "not finite"), (negative, "clip_negative", "negative")):
+        if not bad.any():
+            continue
+        if not getattr(rules, rule):
+            index = first + np.argwhere(bad)[0]
+            sys.exit(f"enzo_to_vdb: {rules.dataset}: {bad.sum()} values of '{rules.field}' in a block are {what}, "
+                     f"the first at cell {index.tolist()}, expected densities (--{rule.replace('_', '-')})")
+        changed[rule] += int(bad.sum())
+    return np.where(negative, np.float32(0), values), finite
+
+
+def level_grid(ds, field, units, level, has_grids, rules, changed):
     """One level as a FloatGrid in world units, and its number of cells; None without cells."""
     grid = vdb.FloatGrid()
     cells = 0
     for first, values in (blocks_of_grids if has_grids else blocks_of_cells)(ds, field, level):
         # In code units, as values in g/cm^3 are below the range of single precision.
         values = np.ascontiguousarray((values.in_units(units) if units else values.in_base("code")).d, np.float32)
-        if values.min() > 0:
+        values, finite = checked(values, first, rules, changed)
+        if finite.all() and values.min() > 0:
             # copyFromArray leaves voxels of the background value 0 inactive; there are none here.
             grid.copyFromArray(values, ijk=tuple(int(i) for i in first))
         else:
             accessor = grid.getAccessor()
-            for offset in np.ndindex(values.shape):
+            for offset in np.argwhere(finite):
                 index = tuple(int(i) for i in first + offset)
-                accessor.setValueOn(index, max(float(values[offset]), 0.0))
-        cells += values.size
+                accessor.setValueOn(index, float(values[tuple(offset)]))
+        cells += int(finite.sum())
     if cells == 0:
         return None, 0
     width = ds.domain_width.in_units("code_length").d
@@ -79,6 +96,8 @@ def main():
     parser.add_argument("--field", default="density", help="name of a yt field (default: density)")
     parser.add_argument("--field-type", default="", help="type of the field: gas (the default), enzo, flash, ...")
     parser.add_argument("--units", default="", help="units of the values; default: code units")
+    parser.add_argument("--clip-negative", action="store_true", help="set negative values to 0, which are an error otherwise")
+    parser.add_argument("--skip-nonfinite", action="store_true", help="leave out cells with NaN or infinite values, which are an error otherwise")
     arguments = parser.parse_args()
 
     yt.set_log_level("error")
@@ -95,13 +114,18 @@ def main():
     os.makedirs(arguments.output, exist_ok=True)
     has_grids = len(getattr(ds.index, "grids", ())) > 0
     for level in range(ds.index.max_level + 1):
-        grid, cells = level_grid(ds, field, arguments.units, level, has_grids)
+        changed = {"clip_negative": 0, "skip_nonfinite": 0}
+        grid, cells = level_grid(ds, field, arguments.units, level, has_grids, arguments, changed)
         if grid is None:
             continue
         grid.name = arguments.field
         path = os.path.join(arguments.output, f"level{level}.vdb")
         vdb.write(path, grids=[grid])
         print(f"{path}: {cells} cells")
+        if changed["clip_negative"]:
+            print(f"{path}: {changed['clip_negative']} negative values of '{arguments.field}' set to 0", file=sys.stderr)
+        if changed["skip_nonfinite"]:
+            print(f"{path}: {changed['skip_nonfinite']} values of '{arguments.field}' not finite left out", file=sys.stderr)
 
 
 if __name__ == "__main__":

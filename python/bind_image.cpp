@@ -5,6 +5,7 @@
 #include "arrays.h"
 #include "vog/error.h"
 #include "vog/image.h"
+#include "vog/quantity.h"
 
 namespace vog::python {
 
@@ -42,6 +43,39 @@ Picture shaded(const DepthImage& depth, const py::object& tf, const py::object& 
     const TransferFunction map = transfer_function_of(tf);
     const ShadeOptions options{background_of(background), blend};
     return unlocked([&] { return Picture(shade(depth, map, options)); });
+}
+
+Picture plotted(const DepthImage& depth, const std::string& quantity, const py::object& tf,
+                const py::object& range, bool log, const std::string& units,
+                const std::string& title, bool color_bar, const py::object& background) {
+    if (quantity != "column" && quantity != "T")
+        throw Error("plot: quantity '" + quantity + "', expected 'column' or 'T'");
+    const bool column = quantity == "column";
+    if (!column && (log || !range.is_none() || !units.empty()))
+        throw Error("plot: log, range and units are of quantity 'column'");
+    const TransferFunction map = transfer_function_of(tf);
+    const ShadeOptions options{background_of(background), false};
+    ColorScale scale;
+    if (!range.is_none()) {
+        const auto [low, high] =
+            cast_to<std::pair<double, double>>(range, "range", "two numbers (low, high)");
+        scale = {log ? ColorScale::Kind::log : ColorScale::Kind::linear, low, high};
+    }
+    return unlocked([&] {
+        const DepthImage values = column ? column_density(depth) : depth;
+        if (column && scale.kind == ColorScale::Kind::visibility)
+            scale = automatic_scale({&values, 1}, log);
+        const Image image =
+            column ? shade_values(values, map, scale, options) : shade(depth, map, options);
+        std::string label = column ? "column density" : "optical depth T";
+        if (!units.empty()) label += " [" + units + "]";
+        return Picture(annotated(image, map, scale, {title, label, color_bar}, options.background));
+    });
+}
+
+py::array column_array(const DepthImage& depth) {
+    const DepthImage values = unlocked([&] { return column_density(depth); });
+    return py::array_t<float>({values.height, values.width}, values.depth.data());
 }
 
 Depth depth_from_numpy(const py::object& data, double extinction) {
@@ -113,6 +147,26 @@ extinction  factor on density that T includes, > 0)")
 tf          transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours
 background  (r, g, b) or (r, g, b, a) in [0, 1], 'black', 'white' or 'transparent'
 blend       True: colours fade into the background as V goes to 0)")
+        .def("column_density", &column_array,
+             R"(Column density, [height, width] float32: T / extinction, density times world length.
+
+Of particles: number or value per area. Rows from the top; 0 where the ray meets no density.)")
+        .def(
+            "plot", &plotted, py::arg("quantity") = "column", py::arg("tf") = kDefaultMap,
+            py::kw_only(), py::arg("range") = py::none(), py::arg("log") = false,
+            py::arg("units") = "", py::arg("title") = "", py::arg("color_bar") = true,
+            py::arg("background") = "black",
+            R"(Map of a quantity with a colour bar. Returns an Image, wider by the bar and higher by the title.
+
+quantity    'column': column density over range; 'T': optical depth, coloured by V = 1 - exp(-T) as shade()
+tf          transfer function, as in shade()
+range       (low, high) column densities at its ends; None: 0 to the largest, with log the four decades
+            below the largest, or fewer
+log         True: logarithmic colours, ticks at decades
+units       unit of column density, text for the colour bar
+title       text above the picture
+color_bar   False: no colour bar
+background  of empty pixels and margins, as in shade())")
         .def("_repr_png_",
              [](const DepthImage& self) {
                  return png_of(shaded(self, py::str(kDefaultMap), py::str("black"), false).image);

@@ -48,18 +48,23 @@ The arrays are views of the particles' memory: writing to them changes the parti
         .def_static(
             "load",
             [](const std::filesystem::path& file, const std::vector<std::string>& columns,
-               const std::string& grid) {
-                return std::make_shared<Points>(unlocked([&] {
-                    return read_points(file, {columns, grid});
+               const std::string& grid, bool skip_nonfinite) {
+                ValueNotes notes;
+                auto points = std::make_shared<Points>(unlocked([&] {
+                    return read_points(file, {columns, grid, {skip_nonfinite}}, &notes);
                 }));
+                if (const std::string text = values_text(notes, file.string()); !text.empty())
+                    warn({text});
+                return points;
             },
             py::arg("file"), py::kw_only(), py::arg("columns") = std::vector<std::string>{},
-            py::arg("grid") = "",
+            py::arg("grid") = "", py::arg("skip_nonfinite") = false,
             R"(Reads particles from text (.xyz, .txt, .dat, .csv, .tsv) or a PointDataGrid (.vdb). Returns Points.
 
 columns  text files: the columns of x, y, z, or of x, y, z, vx, vy, vz: names, or numbers from 1 as text.
          Default: columns of these names, else the first ones. Other numeric columns become attributes
 grid     .vdb files: name of the grid; default: the only one
+skip_nonfinite  leaves particles with NaN or infinite numbers out, which are an error otherwise
 
 Raises vog.Error for an unreadable file, with the line.)")
         .def_static("from_numpy", &from_numpy, py::arg("position"),

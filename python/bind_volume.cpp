@@ -88,24 +88,31 @@ Affine affine_of(const py::object& voxel_size, const py::object& origin, const p
 }
 
 std::shared_ptr<Volume> volume_from(const std::vector<Block>& blocks, const Affine& map,
-                                    const std::string& name) {
+                                    const std::string& name, const ValueRules& rules) {
     std::vector<DenseBlock> dense;
     for (const Block& block : blocks) dense.push_back(block.dense);
-    return std::make_shared<Volume>(unlocked([&] { return volume_from_dense(dense, map, name); }));
+    ValueNotes notes;
+    auto volume = std::make_shared<Volume>(
+        unlocked([&] { return volume_from_dense(dense, map, name, rules, &notes); }));
+    if (const std::string text = values_text(notes, name); !text.empty()) warn({text});
+    return volume;
 }
 
 std::shared_ptr<Volume> from_numpy(const py::object& array, const py::object& voxel_size,
                                    const py::object& origin, const py::object& matrix,
                                    const py::object& active, const std::array<int, 3>& first,
-                                   const std::string& name) {
+                                   const std::string& name, bool skip_nonfinite,
+                                   bool clip_negative) {
     std::vector<Block> blocks;
     blocks.push_back(block_of(array, active, index_of(first), name));
-    return volume_from(blocks, affine_of(voxel_size, origin, matrix), name);
+    return volume_from(blocks, affine_of(voxel_size, origin, matrix), name,
+                       {skip_nonfinite, clip_negative});
 }
 
 std::shared_ptr<Volume> from_blocks(const py::iterable& pairs, const py::object& voxel_size,
                                     const py::object& origin, const py::object& matrix,
-                                    bool all_active, const std::string& name) {
+                                    bool all_active, const std::string& name, bool skip_nonfinite,
+                                    bool clip_negative) {
     std::vector<Block> blocks;
     for (const py::handle pair : pairs) {
         const auto [first, array] = cast_to<std::pair<std::array<int, 3>, py::object>>(
@@ -116,7 +123,8 @@ std::shared_ptr<Volume> from_blocks(const py::iterable& pairs, const py::object&
                 numbers_of(array, name).attr("shape"), "bool");
         blocks.push_back(block_of(array, active, index_of(first), name));
     }
-    return volume_from(blocks, affine_of(voxel_size, origin, matrix), name);
+    return volume_from(blocks, affine_of(voxel_size, origin, matrix), name,
+                       {skip_nonfinite, clip_negative});
 }
 
 py::array_t<float> to_numpy(const Volume& volume, const std::optional<std::array<int, 3>>& first,
@@ -194,28 +202,34 @@ per world unit of length. Created by Volume.load, Volume.from_numpy and vog.samp
     c.def_static(
          "load",
          [](const std::filesystem::path& file, const std::string& grid, bool level_set_to_fog,
-            bool mask) {
+            bool mask, bool skip_nonfinite, bool clip_negative) {
              std::vector<std::string> notes;
              auto volume = std::make_shared<Volume>(unlocked([&] {
-                 return read_volume(file, {grid, level_set_to_fog, mask}, &notes);
+                 return read_volume(
+                     file, {grid, level_set_to_fog, mask, {skip_nonfinite, clip_negative}}, &notes);
              }));
              warn(notes);
              return volume;
          },
          py::arg("file"), py::arg("grid") = "", py::kw_only(), py::arg("level_set_to_fog") = false,
-         py::arg("mask") = false,
+         py::arg("mask") = false, py::arg("skip_nonfinite") = false,
+         py::arg("clip_negative") = false,
          R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file. Returns a Volume.
 
 grid              name of the grid; '': the only scalar grid, else 'density'
 level_set_to_fog  converts a level set to fog: density inside its surface
 mask              reads values > 0 as 1
+skip_nonfinite    leaves voxels with NaN or infinite values out: they are inactive
+clip_negative     sets negative values to 0
 
-Raises vog.Error for an unreadable file or an unknown grid; warns of replaced values.)")
+Raises vog.Error for an unreadable file, an unknown grid, and values that are negative or not finite, unless
+an option accepts them; then warns of their number.)")
         .def_static(
             "from_numpy", &from_numpy, py::arg("array"), py::arg("voxel_size") = py::none(),
             py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
             py::arg("active") = py::none(), py::arg("first") = std::array<int, 3>{0, 0, 0},
-            py::arg("name") = "density",
+            py::arg("name") = "density", py::arg("skip_nonfinite") = false,
+            py::arg("clip_negative") = false,
             R"(Creates a Volume from a dense array; by default the voxels with a density > 0 are active.
 
 array       [X, Y, Z] densities, finite and >= 0, per world unit; any real dtype and memory order; float32
@@ -225,12 +239,16 @@ origin      world position of the centre of voxel (0, 0, 0); default (0, 0, 0)
 matrix      in place of voxel_size and origin: [4, 4], world = matrix @ (i, j, k, 1)
 active      [X, Y, Z] bool: active voxels; default: those with a density > 0
 first       index (i, j, k) of array[0, 0, 0]; default (0, 0, 0)
+skip_nonfinite  leaves voxels with NaN or infinite values out, such as missing data
+clip_negative   sets negative values to 0
 
-Raises vog.Error for another shape or dtype and for negative or non-finite densities.)")
+Raises vog.Error for another shape or dtype, and for negative or non-finite densities unless an option accepts
+them; then warns of their number.)")
         .def_static(
             "from_blocks", &from_blocks, py::arg("blocks"), py::arg("voxel_size") = py::none(),
             py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
             py::arg("all_active") = false, py::arg("name") = "density",
+            py::arg("skip_nonfinite") = false, py::arg("clip_negative") = false,
             R"(Creates a Volume from several dense arrays, such as the patches of one AMR level.
 
 blocks      pairs ((i, j, k), array [X, Y, Z]): index of array[0, 0, 0], and densities; where blocks
@@ -281,6 +299,18 @@ shape  (X, Y, Z) in voxels; default: up to the upper corner of index_box)")
         .def(py::pickle(&volume_state, &volume_from_state));
 }
 
+/// throws vog::Error for volumes that are neither levels nor parts, unless there are masks
+/// force  true: validate() alone
+void require_mesh(const Levels& levels, bool force) {
+    validate(levels);
+    if (force || !levels.masks.empty()) return;
+    const Arrangement arrangement = unlocked([&] { return arrangement_of(levels); });
+    if (!arrangement.is_mesh())
+        throw Error(arrangement.text +
+                    "; expected one at a time, or Levels(volumes, force=True): the finest counts, "
+                    "of equal voxels the first");
+}
+
 void bind_levels_class(py::module_& m) {
     constexpr const char* kVolume = "a Volume";
     py::class_<Levels, std::shared_ptr<Levels>>(
@@ -291,21 +321,26 @@ A list of Volumes is accepted wherever Levels are.
 
 volumes  Volumes, in any order
 masks    one Volume per volume: where its values are > 0, the level is valid and hides coarser ones;
-         default: its active voxels)")
-        .def(py::init([](const py::iterable& volumes, const py::iterable& masks) {
+         default: its active voxels
+force    True: levels whatever their lattices; where voxels of one size overlap, the first counts
+
+Raises vog.Error, unless there are masks or force is True, for volumes that are neither levels (voxels that
+divide those of coarser levels evenly, inside their box) nor parts that do not overlap: time steps, say.)")
+        .def(py::init([](const py::iterable& volumes, const py::iterable& masks, bool force) {
                  auto levels = std::make_shared<Levels>();
                  for (const py::handle volume : volumes)
                      levels->volumes.push_back(cast_to<const Volume&>(volume, "volumes", kVolume));
                  for (const py::handle mask : masks)
                      levels->masks.push_back(cast_to<const Volume&>(mask, "masks", kVolume));
-                 validate(*levels);
+                 require_mesh(*levels, force);
                  return levels;
              }),
-             py::arg("volumes"), py::arg("masks") = py::tuple())
+             py::arg("volumes"), py::arg("masks") = py::tuple(), py::kw_only(),
+             py::arg("force") = false)
         .def_static(
             "load",
             [](const py::object& files, const std::string& grid, const std::string& mask,
-               bool level_set_to_fog) {
+               bool level_set_to_fog, bool force, bool skip_nonfinite, bool clip_negative) {
                 std::vector<std::filesystem::path> paths;
                 if (py::isinstance<py::str>(files) || py::hasattr(files, "__fspath__"))
                     paths.push_back(files.cast<std::filesystem::path>());
@@ -313,18 +348,27 @@ masks    one Volume per volume: where its values are > 0, the level is valid and
                     paths = cast_to<std::vector<std::filesystem::path>>(files, "files", "paths");
                 std::vector<std::string> notes;
                 auto levels = std::make_shared<Levels>(unlocked([&] {
-                    return read_levels(paths, {grid, mask, level_set_to_fog}, &notes);
+                    return read_levels(
+                        paths, {grid, mask, level_set_to_fog, {skip_nonfinite, clip_negative}},
+                        &notes);
                 }));
                 warn(notes);
+                require_mesh(*levels, force);
                 return levels;
             },
             py::arg("files"), py::arg("grid") = "", py::arg("mask") = "", py::kw_only(),
-            py::arg("level_set_to_fog") = false,
+            py::arg("level_set_to_fog") = false, py::arg("force") = false,
+            py::arg("skip_nonfinite") = false, py::arg("clip_negative") = false,
             R"(Reads levels from one or several .vdb or .nvdb files. Returns Levels.
 
 grid  name, or a pattern with * and ? for all grids that match: 'density_L*'
 mask  name of the mask grids; a * stands for the match of the * in grid
-level_set_to_fog  converts level sets to fog)")
+level_set_to_fog  converts level sets to fog
+force  True: levels whatever their lattices, as in Levels()
+skip_nonfinite, clip_negative  as in Volume.load)")
+        .def_property_readonly(
+            "arrangement", [](const Levels& self) { return arrangement_of(self).text; },
+            "How the volumes lie to each other, one line: levels, parts side by side, or neither.")
         .def(
             "__getitem__",
             [](const std::shared_ptr<Levels>& self, py::ssize_t i) {
@@ -376,6 +420,7 @@ std::shared_ptr<const Levels> levels_of(const py::object& data) {
         if (!py::isinstance<Volume>(volume)) return nullptr;
         levels->volumes.push_back(volume.cast<const Volume&>());
     }
+    require_mesh(*levels, false);
     return levels;
 }
 

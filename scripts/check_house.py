@@ -24,7 +24,7 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "evalua
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
 PUBLIC_HEADERS = {
     "core": "error linear memory progress text",
-    "data": "camera dense distributed gaussians image levels lod points volume",
+    "data": "camera dense distributed gaussians image levels lod points volume voxel_values",
     "io": "openvdb ply volume_io",
     "shade": "quantity shade",
     "render": "gpu reference renderer splat trace",

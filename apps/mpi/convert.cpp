@@ -343,11 +343,12 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
                                                  totals.report(data_mass), "active voxels");
     if (ranks.first() && !arguments.no_hierarchy)
         cli::note("no hierarchy is written: parts of a model have none (as --no-hierarchy)");
-    const cli::Converted made = stages.run("save", [&] {
+    cli::Converted made = stages.run("save", [&] {
         return split ? write_split(arguments.output, model, ranks)
                      : write_model(arguments.output, model, ranks);
     });
     if (!ranks.first()) return {};
+    made.notes = from.notes;
     return cli::report(arguments, cli::FileKind::volume, made, data_mass, totals, stages);
 }
 

@@ -45,7 +45,7 @@ std::vector<Volume> load_part(const cli::EvaluateArguments& arguments, const Ran
     if (part.is_mesh())
         throw Error(
             "levels of a mesh hide each other, which a distributed evaluation does not support; "
-            "expected one process (vog evaluate), or --no-mask");
+            "expected one process (vog evaluate), or --sum");
     if (part.by_files)
         throw Error(
             fmt::format("{} files for {} ranks: an evaluation divides every file among all ranks; "

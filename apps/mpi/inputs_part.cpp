@@ -21,32 +21,43 @@ VolumePart this_part(const Ranks& ranks, int align_voxels) {
 }
 
 void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options,
-               const VolumePart& part, std::uint64_t& negative, VolumesPart& result) {
+               const VolumePart& part, bool by_arrangement, ValueNotes& notes,
+               VolumesPart& result) {
     std::vector<VolumeReader> volumes, masks;
-    for (const auto& [file, grid, mask] : sources) {
-        volumes.emplace_back(file, VdbOptions{grid, options.level_set_to_fog, false});
-        if (!mask.empty()) masks.emplace_back(file, VdbOptions{mask, false, true});
-        result.box.include(volumes.back().world_box());
-        result.active_voxels += volumes.back().active_voxels();
+    for (const auto& [file, grid, mask] : sources)
+        volumes.emplace_back(file,
+                             VdbOptions{grid, options.level_set_to_fog, false, options.values});
+    if (by_arrangement) {
+        const Arrangement arrangement = arrangement_of(volumes);
+        cli::require_mesh(arrangement);
+        result.notes.push_back(arrangement.text);
     }
-    for (Levels& levels : read_level_parts(volumes, masks, part, &negative))
+    for (const auto& [file, grid, mask] : sources) {
+        if (!mask.empty()) masks.emplace_back(file, VdbOptions{mask, false, true, options.values});
+    }
+    for (const VolumeReader& volume : volumes) {
+        result.box.include(volume.world_box());
+        result.active_voxels += volume.active_voxels();
+    }
+    for (Levels& levels : read_level_parts(volumes, masks, part, &notes))
         result.sets.push_back({std::move(levels), Overlap::hide});
     // Every rank has counted the whole, and the counts are summed later: the root's is kept.
     if (part.index > 0) result.active_voxels = 0;
 }
 
 void read_sums(std::span<const LevelSource> sources, const LevelOptions& options,
-               const Ranks& ranks, int align_voxels, std::uint64_t& negative, VolumesPart& result) {
+               const Ranks& ranks, int align_voxels, ValueNotes& notes, VolumesPart& result) {
     std::vector<std::string> files;
     for (const LevelSource& source : sources) files.push_back(source.file.string());
     const auto shares = shares_of(files, ranks);
     result.sets.emplace_back();
     for (std::size_t n = 0; n < sources.size(); ++n) {
         if (!shares[n]) continue;
-        VolumeReader reader(sources[n].file, {sources[n].grid, options.level_set_to_fog, false});
+        VolumeReader reader(sources[n].file,
+                            {sources[n].grid, options.level_set_to_fog, false, options.values});
         VolumePart part = *shares[n];
         part.align_voxels = align_voxels;
-        result.sets.front().volumes.push_back(reader.read(part, &negative));
+        result.sets.front().volumes.push_back(reader.read(part, &notes));
         result.sources.push_back(n);
         result.by_files |= part.whole() && ranks.count() > 1;
         result.box.include(reader.world_box());
@@ -77,26 +88,36 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     const std::vector<LevelSource> sources = level_sources(paths, level_options);
     VolumesPart part;
     part.volumes = sources.size();
-    part.overlap = cli::overlap_of(sources.size(), options);
-    std::uint64_t negative = 0;
+    const cli::Combination combination = cli::combination_of(sources.size(), options);
+    part.overlap = combination.overlap;
+    if (!combination.text.empty()) part.notes.push_back(combination.text);
+    ValueNotes notes;
     if (part.is_mesh())
-        read_mesh(sources, level_options, this_part(ranks, align_voxels), negative, part);
+        read_mesh(sources, level_options, this_part(ranks, align_voxels),
+                  combination.by_arrangement, notes, part);
     else
-        read_sums(sources, level_options, ranks, align_voxels, negative, part);
+        read_sums(sources, level_options, ranks, align_voxels, notes, part);
     part.box = ranks.box_union(part.box);
     part.active_voxels = ranks.sum(part.active_voxels);
-    negative = ranks.sum(negative);
-    if (negative && ranks.first())
-        cli::note(fmt::format("{} negative values set to zero", negative));
+    for (std::uint64_t* count :
+         {&notes.clipped_negative, &notes.skipped_nonfinite, &notes.inactive_nonfinite})
+        *count = ranks.sum(*count);
+    if (const std::string text = values_text(notes, "voxels"); !text.empty())
+        part.notes.push_back(text);
+    for (const std::string& text : part.notes)
+        if (ranks.first()) cli::note(text);
     return part;
 }
 
 Gaussians read_particles_part(const std::vector<std::string>& files,
-                              const cli::PointInputOptions& options, const std::string& grid,
-                              const Ranks& ranks) {
+                              const cli::PointInputOptions& options,
+                              const cli::VolumeInputOptions& volume, const Ranks& ranks,
+                              std::vector<std::string>& notes) {
     PointOptions point_options = cli::point_options(options);
     point_options.collective = &ranks.collective();
-    const Gaussians all = convert_points(cli::load_points(files, options, grid), point_options);
+    const Gaussians all =
+        convert_points(cli::load_points(files, options, volume, notes), point_options);
+    if (ranks.first()) cli::print_notes(notes);
     const auto begin_of = [&](int rank) {
         return all.size() * static_cast<std::size_t>(rank) /
                static_cast<std::size_t>(ranks.count());

@@ -21,6 +21,7 @@ struct VolumesPart {
     std::size_t volumes = 0;          ///< number of volumes
     Box box;                          ///< world units
     std::uint64_t active_voxels = 0;  ///< as stored
+    std::vector<std::string> notes;   ///< printed about the inputs
 
     bool is_mesh() const { return overlap == Overlap::hide; }
 };
@@ -32,9 +33,11 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
 
 /// This rank's part of the particles, one Gaussian each, with the box of the whole. Every rank
 /// reads all particles, as adaptive widths depend on neighbours.
+/// notes  as of load_points; the root prints them
 Gaussians read_particles_part(const std::vector<std::string>& files,
-                              const cli::PointInputOptions& options, const std::string& grid,
-                              const Ranks& ranks);
+                              const cli::PointInputOptions& options,
+                              const cli::VolumeInputOptions& volume, const Ranks& ranks,
+                              std::vector<std::string>& notes);
 
 /// This rank's part of all models, joined to one, with the box of the whole.
 Gaussians read_models_part(const std::vector<std::string>& files, const Ranks& ranks);

@@ -52,6 +52,7 @@ void load_volumes(const DrawingArguments& arguments, const Ranks& ranks, Drawing
         cli::draw_volumes(arguments, set, drawings.back());
     }
     drawing.draw = draw_sum(std::move(drawings));
+    drawing.notes = part.notes;
     drawing.box = part.box;
     drawing.active_voxels = part.active_voxels;
     cli::set_primitives_text(drawing, part.is_mesh() ? part.volumes : 0);
@@ -61,7 +62,8 @@ void load_gaussians(const DrawingArguments& arguments, std::optional<double> ext
                     const Ranks& ranks, Drawing& drawing) {
     auto model = std::make_shared<Gaussians>(
         drawing.kind == FileKind::points
-            ? read_particles_part(arguments.inputs, arguments.points, arguments.volume.grid, ranks)
+            ? read_particles_part(arguments.inputs, arguments.points, arguments.volume, ranks,
+                                  drawing.notes)
             : read_models_part(arguments.inputs, ranks));
     const std::uint64_t count = ranks.sum(model->size());
     const Box box = model->box;

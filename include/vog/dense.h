@@ -10,6 +10,7 @@
 #include <string>
 
 #include "vog/volume.h"
+#include "vog/voxel_values.h"
 
 namespace vog {
 
@@ -28,12 +29,16 @@ struct DenseBlock {
 /// active at a voxel counts.
 /// world_from_index  from voxel indices to world units, not singular
 /// name              name of the volume; error messages begin with it
+/// rules             values to accept though they are no density; without a mask, voxels that
+///                   become 0 are inactive
+/// notes             receives the numbers of changed values; null: not reported
 /// throws            vog::Error for a size or index out of range, a singular map, no active voxel,
 ///                   or densities that are negative or not finite (their count and the first)
 /// cost              O(voxels) time, parallel; 2.1 kB for each 8^3 voxels with an active one
 [[nodiscard]] Volume volume_from_dense(std::span<const DenseBlock> blocks,
                                        const Affine& world_from_index = {},
-                                       const std::string& name = "density");
+                                       const std::string& name = "density",
+                                       const ValueRules& rules = {}, ValueNotes* notes = nullptr);
 
 /// Box of voxels.
 struct IndexBox {

@@ -15,6 +15,7 @@
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/volume.h"
+#include "vog/voxel_values.h"
 
 namespace vog {
 
@@ -87,9 +88,9 @@ class VolumeReader {
     Box world_box() const;                   ///< box of the whole volume, world units
     const Affine& world_from_index() const;  ///< from indices to world units
     /// Reads a part.
-    /// negative  is increased by the number of values below 0, which become 0; null: not counted
-    /// throws    vog::Error for an invalid part, corrupt bytes, or values not finite
-    Volume read(const VolumePart& part = {}, std::uint64_t* negative = nullptr);
+    /// notes   is increased by the numbers of changed values; null: not counted
+    /// throws  vog::Error for an invalid part, corrupt bytes, or values that the options refuse
+    Volume read(const VolumePart& part = {}, ValueNotes* notes = nullptr);
     /// Reads the leaves and tiles for which wanted(origin, edge) is true: origin the least voxel
     /// index of a node, edge its voxels (8, 128 or 4096).
     /// throws  vog::Error as read does
@@ -99,6 +100,11 @@ class VolumeReader {
     struct State;
     std::unique_ptr<State> state_;
 };
+
+/// As arrangement_of in vog/levels.h, for volumes in files: nodes are read where volumes may
+/// overlap, up to the first voxel that does.
+/// throws  vog::Error as VolumeReader::read does
+[[nodiscard]] Arrangement arrangement_of(std::span<VolumeReader> volumes);
 
 /// Place of one level of an adaptive mesh, and of its mask.
 struct LevelSource {
@@ -119,10 +125,10 @@ std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> fi
 /// volumes   levels, in any order
 /// masks     none, or one for each volume (Levels::masks)
 /// part      applied to each level by itself
-/// negative  as in VolumeReader::read
+/// notes     as in VolumeReader::read
 /// throws    vog::Error as the readers do
 std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<VolumeReader> masks,
-                                     const VolumePart& part, std::uint64_t* negative = nullptr);
+                                     const VolumePart& part, ValueNotes* notes = nullptr);
 
 /// Part of a model: run `index` of `count` runs with about the same number of Gaussians.
 struct ModelPart {

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "vog/volume.h"
@@ -41,6 +42,32 @@ void validate(const Levels& levels);
 
 /// Indices of the volumes by voxel volume, finest first; equal ones (to 1e-4) keep their order.
 std::vector<std::size_t> finest_first(std::span<const Volume> volumes);
+
+/// Whether two voxel volumes are equal, to 1e-4: transforms are often float32.
+bool same_voxel_volume(double a, double b);
+
+/// Arrangement of several volumes in space.
+struct Arrangement {
+    enum class Kind {
+        levels,       ///< each finer volume divides coarser voxels evenly and lies within their box
+        parts,        ///< no two volumes overlap: parts of one field
+        quantities,   ///< grid names that differ in more than digits
+        overlapping,  ///< an overlap that levels do not have: time steps, copies
+    };
+    Kind kind = Kind::levels;
+    std::string text;  ///< one line: "3 volumes are 3 levels of one mesh: ..."
+
+    /// Whether volumes may hide each other: nothing but coarser levels is hidden.
+    bool is_mesh() const { return kind == Kind::levels || kind == Kind::parts; }
+};
+
+/// Finds how volumes lie to each other by names, lattices and active voxels. Levels have voxels
+/// that divide those of all coarser levels into whole numbers, faces on faces, and lie within the
+/// box of the coarser levels, to a leaf; volumes of one voxel size must not overlap. Masks are
+/// not considered.
+/// throws vog::Error as validate() does
+/// cost   O(nodes); the voxels of nodes that may overlap, up to the first that do
+[[nodiscard]] Arrangement arrangement_of(const Levels& levels);
 
 /// Levels as volumes that do not overlap, so that T, mass and models of the parts add.
 struct Composite {

@@ -8,8 +8,9 @@
 
 namespace vog {
 
-/// Density volume of a grid. Values below zero become zero.
-/// throws  vog::Error for a level set, a non-affine or singular transform, values not finite
+/// Density volume of a grid.
+/// throws  vog::Error for a level set, a non-affine or singular transform, values negative or not
+///         finite (their count and the first index)
 Volume volume_from_grid(const openvdb::FloatGrid& grid);
 
 /// OpenVDB grid of class fog volume with the leaves, tiles, name and transform of a volume.

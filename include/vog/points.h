@@ -9,6 +9,7 @@
 
 #include "vog/linear.h"
 #include "vog/memory.h"
+#include "vog/voxel_values.h"
 
 namespace vog {
 
@@ -55,7 +56,8 @@ struct PointReadOptions {
     /// number from 1. Empty: the columns called x, y, z, vx, vy, vz (or pos_x, vel_x and the like);
     /// in a file without names the first three numbers of a line, and the next three as velocity.
     std::vector<std::string> columns{};
-    std::string grid{};  ///< name of the grid in a .vdb; empty: its only PointDataGrid
+    std::string grid{};   ///< name of the grid in a .vdb; empty: its only PointDataGrid
+    ValueRules values{};  ///< skip_nonfinite: leave out particles with a number not finite
 };
 
 /// Whether a .vdb has PointDataGrids and no other grids.
@@ -72,10 +74,18 @@ bool vdb_holds_points(const std::filesystem::path& file, const std::string& grid
 ///   .vdb  Attributes of every codec: P as position; a vector called velocity or v as velocity;
 ///         other numbers as attributes; other vectors by their length. Particles in the order of
 ///         leaves.
-/// throws  vog::Error for a missing or foreign file, no particles, unknown columns, and every line
-///         with another count of numbers than the first: file and line, got, expected
+/// notes   is increased by the number of particles left out; null: not counted
+/// throws  vog::Error for a missing or foreign file, no particles, unknown columns, every line
+///         with another count of numbers than the first: file and line, got, expected; and for
+///         numbers not finite, unless options.values accepts them
 /// cost    1 M lines of six numbers in about 0.2 s on two cores
-Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {});
+Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {},
+                   ValueNotes* notes = nullptr);
+
+/// Sets the negative values of an attribute to 0.
+/// name     of an attribute; others, such as "count", have no negative values
+/// returns  number of changed values
+std::uint64_t clip_negative(Points& points, const std::string& name);
 
 /// Writes particles, by extension: text that reads back bit for bit (.xyz with a line "# x y z ..."
 /// and blanks between; .csv; .tsv), or a PointDataGrid "points" (.vdb) of voxels of

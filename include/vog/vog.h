@@ -3,6 +3,7 @@
 // image.
 //
 //   data     volume.h           sparse density volumes: leaves of 8^3 voxels and tiles
+//            voxel_values.h     the rule for values that are no density
 //            points.h           particles, and their files
 //            levels.h           levels of adaptive meshes: volumes of different voxel size, one
 //                               field
@@ -65,3 +66,4 @@
 #include "vog/trace.h"
 #include "vog/volume.h"
 #include "vog/volume_io.h"
+#include "vog/voxel_values.h"

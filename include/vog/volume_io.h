@@ -11,6 +11,7 @@
 
 #include "vog/levels.h"
 #include "vog/volume.h"
+#include "vog/voxel_values.h"
 
 namespace vog {
 
@@ -22,11 +23,7 @@ struct VdbOptions {
     bool level_set_to_fog = false;
     /// Read a mask, of bool and mask grids too: active values above 0 become 1, all else inactive.
     bool mask = false;
-};
-
-/// Changes that a reader made to the values of a file.
-struct VdbNotes {
-    std::uint64_t clamped_negative = 0;  ///< active values below 0, set to 0; a tile counts once
+    ValueRules values{};  ///< values that are no density; negative ones are none of a mask
 };
 
 /// Reads one grid of an OpenVDB file as density: float, double, half-stored and integer grids, and
@@ -34,9 +31,10 @@ struct VdbNotes {
 /// notes   receives the changes made to values; null: not reported
 /// throws  vog::Error for a missing, foreign or truncated file; no, several or unknown grids (their
 ///         names are listed); a level set (unless options.level_set_to_fog); a frustum or singular
-///         transform; an empty grid; values not finite (their count and the first index)
+///         transform; an empty grid; values negative or not finite (their count and the first
+///         index), unless options.values accepts them
 Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {},
-                VdbNotes* notes = nullptr);
+                ValueNotes* notes = nullptr);
 
 /// Reads one grid of a NanoVDB file as density, by the rules of read_vdb. Files of major version
 /// 32, uncompressed, zip or blosc; floats, doubles, integers of 16, 32 and 64 bits, quantised
@@ -44,7 +42,7 @@ Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {
 /// notes   receives the changes made to values; null: not reported
 /// throws  vog::Error as read_vdb does, for a corrupt file, and for another major version
 Volume read_nvdb(const std::filesystem::path& file, const VdbOptions& options = {},
-                 VdbNotes* notes = nullptr);
+                 ValueNotes* notes = nullptr);
 
 /// Names of the grids of an OpenVDB file, in file order; "density[1]" where two have one name.
 /// throws  vog::Error for a missing, foreign or truncated file
@@ -55,8 +53,8 @@ std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
 std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
 
 /// Reads one grid as density, by extension: read_nvdb for .nvdb, else read_vdb.
-/// notes   receives a line for each change made to values, behind those already there: "a.vdb: 3
-///         negative values of 'density' set to zero"; null: not reported
+/// notes   receives a line on changes made to values, behind those already there; null: not
+///         reported
 /// throws  vog::Error as these readers do
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options = {},
                    std::vector<std::string>* notes = nullptr);
@@ -74,6 +72,7 @@ struct LevelOptions {
     /// that the * of `grid` matched. Empty: no masks.
     std::string mask{};
     bool level_set_to_fog = false;  ///< as VdbOptions::level_set_to_fog, for volumes, not for masks
+    ValueRules values{};            ///< as VdbOptions::values
 };
 
 /// Reads the levels of an adaptive mesh (vog/levels.h): one volume of each file, or one for each

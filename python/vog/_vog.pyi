@@ -131,6 +131,19 @@ class DepthImage:
     def shade(
         self, tf: _Map = ..., background: Union[str, _Vector] = ..., blend: bool = ...
     ) -> Image: ...
+    def column_density(self) -> NDArray[np.float32]: ...
+    def plot(
+        self,
+        quantity: str = ...,
+        tf: _Map = ...,
+        *,
+        range: Union[tuple[float, float], None] = ...,
+        log: bool = ...,
+        units: str = ...,
+        title: str = ...,
+        color_bar: bool = ...,
+        background: Union[str, _Vector] = ...,
+    ) -> Image: ...
     def _repr_png_(self) -> bytes: ...
     def __array__(self, dtype: Any = ...) -> NDArray[np.float32]: ...
 
@@ -150,7 +163,15 @@ class Image:
 class Volume:
     name: str
     @staticmethod
-    def load(file: _Path, grid: str = ..., *, level_set_to_fog: bool = ..., mask: bool = ...) -> Volume: ...
+    def load(
+        file: _Path,
+        grid: str = ...,
+        *,
+        level_set_to_fog: bool = ...,
+        mask: bool = ...,
+        skip_nonfinite: bool = ...,
+        clip_negative: bool = ...,
+    ) -> Volume: ...
     @staticmethod
     def from_numpy(
         array: ArrayLike,
@@ -161,6 +182,8 @@ class Volume:
         active: Union[NDArray[np.bool_], None] = ...,
         first: _Index = ...,
         name: str = ...,
+        skip_nonfinite: bool = ...,
+        clip_negative: bool = ...,
     ) -> Volume: ...
     @staticmethod
     def from_blocks(
@@ -171,6 +194,8 @@ class Volume:
         matrix: Union[ArrayLike, None] = ...,
         all_active: bool = ...,
         name: str = ...,
+        skip_nonfinite: bool = ...,
+        clip_negative: bool = ...,
     ) -> Volume: ...
     def to_numpy(
         self, first: Union[_Index, None] = ..., shape: Union[_Index, None] = ...
@@ -196,11 +221,20 @@ class Volume:
     def box(self) -> Union[NDArray[np.float64], None]: ...
 
 class Levels:
-    def __init__(self, volumes: Iterable[Volume], masks: Iterable[Volume] = ...) -> None: ...
+    def __init__(self, volumes: Iterable[Volume], masks: Iterable[Volume] = ..., *, force: bool = ...) -> None: ...
     @staticmethod
     def load(
-        files: Union[_Path, Sequence[_Path]], grid: str = ..., mask: str = ..., *, level_set_to_fog: bool = ...
+        files: Union[_Path, Sequence[_Path]],
+        grid: str = ...,
+        mask: str = ...,
+        *,
+        level_set_to_fog: bool = ...,
+        force: bool = ...,
+        skip_nonfinite: bool = ...,
+        clip_negative: bool = ...,
     ) -> Levels: ...
+    @property
+    def arrangement(self) -> str: ...
     def __getitem__(self, index: int) -> Volume: ...
     def __len__(self) -> int: ...
     @property
@@ -211,7 +245,9 @@ def grid_names(file: _Path) -> list[str]: ...
 class Points:
     source: str
     @staticmethod
-    def load(file: _Path, *, columns: Sequence[str] = ..., grid: str = ...) -> Points: ...
+    def load(
+        file: _Path, *, columns: Sequence[str] = ..., grid: str = ..., skip_nonfinite: bool = ...
+    ) -> Points: ...
     @staticmethod
     def from_numpy(
         position: ArrayLike,

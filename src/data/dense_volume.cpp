@@ -17,11 +17,12 @@ namespace {
 
 /// Overlap of one block with one leaf.
 struct Overlap {
-    Vec3i origin;               ///< of the leaf
-    std::uint32_t block = 0;    ///< index of the block
-    std::uint32_t invalid = 0;  ///< number of values that are negative or not finite
-    Vec3i first_invalid{};      ///< voxel of the first of them
-    bool active = false;        ///< some voxel is active
+    Vec3i origin;                                ///< of the leaf
+    std::uint32_t block = 0;                     ///< index of the block
+    std::uint32_t negative = 0, not_finite = 0;  ///< number of such values
+    std::uint32_t invalid = 0;                   ///< number of those that are refused
+    Vec3i first_invalid{};                       ///< voxel of the first of them
+    bool active = false;                         ///< some voxel is active
 };
 
 constexpr auto sort_key = [](const Overlap& o) {
@@ -84,12 +85,14 @@ std::vector<Overlap> overlapped_leaves(std::span<const DenseBlock> blocks) {
 }
 
 /// Sets `active` and the invalid values of an overlap.
-void check_values(const DenseBlock& block, Overlap& overlap) {
+void check_values(const DenseBlock& block, const ValueRules& rules, Overlap& overlap) {
     each_active(block, overlap.origin, [&](Vec3i index, float value) {
-        if (value >= 0 && std::isfinite(value)) {
-            overlap.active = true;
-            return;
-        }
+        const bool finite = std::isfinite(value);
+        // A negative value that becomes 0 is active where a mask says so.
+        overlap.active |= finite && (value > 0 || block.active);
+        if (finite && value >= 0) return;
+        ++(finite ? overlap.negative : overlap.not_finite);
+        if (finite ? rules.clip_negative : rules.skip_nonfinite) return;
         if (overlap.invalid++ == 0) overlap.first_invalid = index;
     });
 }
@@ -109,7 +112,8 @@ void require_densities(const std::vector<Overlap>& overlaps, std::span<const Den
                                     in_block.z * block.stride[2]];
     throw Error(
         fmt::format("{}: {} values that are no densities, the first {} at [{}, {}, {}], expected "
-                    "finite and >= 0",
+                    "finite and >= 0 (skip_nonfinite leaves such voxels out, clip_negative sets "
+                    "them to 0)",
                     name, invalid, value, at.x, at.y, at.z));
 }
 
@@ -118,14 +122,18 @@ bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::i
 }  // namespace
 
 Volume volume_from_dense(std::span<const DenseBlock> blocks, const Affine& world_from_index,
-                         const std::string& name) {
+                         const std::string& name, const ValueRules& rules, ValueNotes* notes) {
     for (const DenseBlock& block : blocks) check(block, name);
 
     // Only leaves with active voxels are made: an array may be mostly empty.
     std::vector<Overlap> overlaps = overlapped_leaves(blocks);
-    vog::parallel_for(std::size_t{0}, overlaps.size(),
-                      [&](std::size_t n) { check_values(blocks[overlaps[n].block], overlaps[n]); });
+    vog::parallel_for(std::size_t{0}, overlaps.size(), [&](std::size_t n) {
+        check_values(blocks[overlaps[n].block], rules, overlaps[n]);
+    });
     require_densities(overlaps, blocks, name);
+    if (notes)
+        for (const Overlap& overlap : overlaps)
+            notes->add({overlap.negative, overlap.not_finite, 0});
     std::erase_if(overlaps, [](const Overlap& overlap) { return !overlap.active; });
     if (overlaps.empty())
         throw Error(fmt::format("{}: no active voxel, expected some above 0", name));
@@ -144,8 +152,10 @@ Volume volume_from_dense(std::span<const DenseBlock> blocks, const Affine& world
         leaf.origin = overlaps[first[n]].origin;
         for (std::size_t r = first[n]; r < first[n + 1]; ++r)
             each_active(blocks[overlaps[r].block], leaf.origin, [&](Vec3i index, float value) {
+                const bool clipped = value < 0 && blocks[overlaps[r].block].active == nullptr;
+                if (!std::isfinite(value) || clipped) return;
                 const Vec3i d = index - leaf.origin;
-                leaf.set(leaf_offset(d.x, d.y, d.z), value);
+                leaf.set(leaf_offset(d.x, d.y, d.z), std::max(value, 0.0f));
             });
     });
     validate(volume);

@@ -29,6 +29,17 @@ const PointAttribute* speed_attribute(const Points& points) {
 
 }  // namespace
 
+std::uint64_t clip_negative(Points& points, const std::string& name) {
+    const auto found = std::ranges::find(points.attributes, name, &PointAttribute::name);
+    if (found == points.attributes.end()) return 0;
+    std::uint64_t clipped = 0;
+    for (float& value : found->value) {
+        clipped += value < 0;
+        value = std::max(value, 0.0f);
+    }
+    return clipped;
+}
+
 Box bounds(const Points& points) {
     Box box;
     for (std::size_t n = 0; n < points.size(); ++n) {

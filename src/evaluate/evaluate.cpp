@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <system_error>
 
 #include "evaluate/evaluated_volumes.h"
 #include "evaluate/evaluation_json.h"
@@ -31,6 +32,15 @@ Timing timing_of(std::vector<double> ms) {
     const std::size_t middle = ms.size() / 2;
     const double median = ms.size() % 2 ? ms[middle] : 0.5 * (ms[middle - 1] + ms[middle]);
     return {ms.front(), median, ms.back(), static_cast<int>(ms.size())};
+}
+
+/// throws vog::Error for a folder that cannot be created, such as the name of a file
+void make_folder(const fs::path& folder) {
+    std::error_code code;
+    fs::create_directories(folder, code);
+    if (!fs::is_directory(folder))
+        throw Error(fmt::format("{}: cannot create this folder{}", folder.string(),
+                                code ? ": " + code.message() : ""));
 }
 
 template <class Work>
@@ -96,7 +106,7 @@ class Run {
     Evaluation run() {
         const std::vector<EvaluationRow> kept =
             kept_rows(folder_ / "results.json", evaluation_, options_);
-        if (is_root()) fs::create_directories(folder_ / "pictures");
+        if (is_root()) make_folder(folder_ / "pictures");
         render_references();
         for (const Conversion& conversion : options_.conversions) {
             const auto same = [&](const EvaluationRow& row) {

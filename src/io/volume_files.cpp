@@ -68,12 +68,12 @@ std::vector<std::string> matching_grids(const std::filesystem::path& file,
 
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
                    std::vector<std::string>* notes) {
-    VdbNotes found;
+    ValueNotes found;
     Volume volume =
         is_nvdb(file) ? read_nvdb(file, options, &found) : read_vdb(file, options, &found);
-    if (notes && found.clamped_negative)
-        notes->push_back(fmt::format("{}: {} negative values of '{}' set to zero", file.string(),
-                                     found.clamped_negative, volume.name));
+    const std::string text =
+        values_text(found, fmt::format("{}: grid '{}'", file.string(), volume.name));
+    if (notes && !text.empty()) notes->push_back(text);
     return volume;
 }
 
@@ -84,7 +84,7 @@ std::vector<std::string> grid_names(const std::filesystem::path& file) {
 struct VolumeReader::State {
     std::optional<VdbReader> vdb{};
     Volume whole{};  ///< for files without partial reading (.nvdb)
-    VdbNotes notes{};
+    ValueNotes notes{};
 };
 
 VolumeReader::VolumeReader(const std::filesystem::path& file, const VdbOptions& options)
@@ -115,12 +115,12 @@ const Affine& VolumeReader::world_from_index() const {
     return state_->vdb ? state_->vdb->world_from_index() : state_->whole.world_from_index;
 }
 
-Volume VolumeReader::read(const VolumePart& part, std::uint64_t* negative) {
-    VdbNotes found;
+Volume VolumeReader::read(const VolumePart& part, ValueNotes* notes) {
+    ValueNotes found;
     Volume volume = state_->vdb ? state_->vdb->read(part, &found) : part_of(state_->whole, part);
     // Files that are read whole report their clamped values with the first part only.
     if (!state_->vdb && part.index == 0) found = state_->notes;
-    if (negative) *negative += found.clamped_negative;
+    if (notes) notes->add(found);
     return volume;
 }
 
@@ -153,8 +153,10 @@ Levels read_levels(std::span<const std::filesystem::path> files, const LevelOpti
                    std::vector<std::string>* notes) {
     Levels levels;
     for (const auto& [file, grid, mask] : level_sources(files, options)) {
-        levels.volumes.push_back(read_volume(file, {grid, options.level_set_to_fog, false}, notes));
-        if (!mask.empty()) levels.masks.push_back(read_volume(file, {mask, false, true}, notes));
+        levels.volumes.push_back(
+            read_volume(file, {grid, options.level_set_to_fog, false, options.values}, notes));
+        if (!mask.empty())
+            levels.masks.push_back(read_volume(file, {mask, false, true, options.values}, notes));
     }
     return levels;
 }

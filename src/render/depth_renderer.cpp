@@ -146,7 +146,7 @@ void check(Renderer renderer, RenderInput input, const RenderOptions& options) {
     if (renderer == Renderer::optix && input == RenderInput::levels)
         throw Error(
             "optix: levels of a mesh hide each other, which only the reference renderer knows; "
-            "give --no-mask to add them up");
+            "give --sum to add them up");
     (void)renderer_for(info_of(renderer).name, input);
     require_options(renderer, input, changed_options(options), OptionSpelling::arguments);
 }

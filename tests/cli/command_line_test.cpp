@@ -233,7 +233,7 @@ TEST_F(cli, levels_of_one_file_and_of_several_make_one_picture) {
     must("render amr.vdb --grid 'density_L*' --depth-out levels.exr --size 48 --extinction 5");
     must("render amr.vdb --grid density_L0 --depth-out coarse.exr --size 48 --extinction 5");
     must(
-        "render amr.vdb --grid 'density_L?' --no-mask --depth-out sum.exr --size 48 --extinction "
+        "render amr.vdb --grid 'density_L?' --sum --depth-out sum.exr --size 48 --extinction "
         "5");
     const auto mean = [&](const std::string& name) {
         double sum = 0;
@@ -264,7 +264,7 @@ TEST_F(cli, invalid_levels_are_refused) {
     must_fail(1, "render amr.vdb --grid 'density_L*' --mask 'm*' -o p.png", "no grid named 'm0'");
     must_fail(2, "render amr.vdb --grid 'density_L*' --mask m -o p.png", "expected a *");
     must_fail(2, "render amr.vdb --grid density_L0 --mask 'm*' -o p.png", "expected a *");
-    must_fail(2, "render amr.vdb --grid 'd*' --mask 'd*' --no-mask -o p.png", "exclude");
+    must_fail(2, "render amr.vdb --grid 'd*' --mask 'd*' --sum -o p.png", "exclude");
 }
 
 TEST_F(cli, traces_the_picture_it_splats) {
@@ -351,7 +351,7 @@ TEST_F(cli, options_of_another_renderer_are_refused) {
     must_fail(2, "render cloud.ply -o a.png --aabb-sigma 1 --pixel-error 1", "--aabb-sigma");
     must_fail(2, "render cloud.ply -o a.png --pixel-error -1", "--pixel-error");
     must("sample amr amr.vdb --size 64");
-    must_fail(1, "render amr.vdb --grid 'density_L*' -o a.png --renderer optix", "--no-mask");
+    must_fail(1, "render amr.vdb --grid 'density_L*' -o a.png --renderer optix", "--sum");
 }
 
 }  // namespace vog::test

@@ -145,7 +145,15 @@ TEST(dense, what_is_no_density_is_counted_and_shown) {
     EXPECT_EQ(
         message_of({&block, 1}),
         "density: 3 values that are no densities, the first nan at [1, 9, 4], expected finite "
-        "and >= 0");
+        "and >= 0 (skip_nonfinite leaves such voxels out, clip_negative sets them to 0)");
+    array.at({9, 1, 2}) = -2;
+    ValueNotes notes;
+    const Volume volume = volume_from_dense({&block, 1}, {}, "density", {true, true}, &notes);
+    EXPECT_EQ(notes.skipped_nonfinite, 2u);
+    EXPECT_EQ(notes.clipped_negative, 1u);
+    EXPECT_EQ(active_voxels(volume), 997u);
+    EXPECT_THROW(volume_from_dense({&block, 1}, {}, "density", {true, false}), Error);
+    EXPECT_THROW(volume_from_dense({&block, 1}, {}, "density", {false, true}), Error);
 }
 
 TEST(dense, arrays_that_are_no_volume_are_refused) {

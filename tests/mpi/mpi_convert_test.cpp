@@ -81,8 +81,8 @@ TEST_F(mpi_convert, many_files_are_divided_by_files) {
         must(fmt::format("sample cloud v{}.vdb --size 64 --seed {}", n, n + 1));
         volumes += fmt::format("v{}.vdb ", n);
     }
-    expect_same_bytes(2, volumes + "--no-mask --soft-steps 0 --block 4");
-    expect_same_bytes(3, volumes + "--no-mask --soft-steps 0 --block 4");
+    expect_same_bytes(2, volumes + "--sum --soft-steps 0 --block 4");
+    expect_same_bytes(3, volumes + "--sum --soft-steps 0 --block 4");
 }
 
 TEST_F(mpi_convert, particles_are_the_same_bytes) {

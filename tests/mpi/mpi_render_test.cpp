@@ -30,7 +30,7 @@ TEST_P(mpi_render, volumes_are_the_same) {
 TEST_P(mpi_render, levels_that_hide_each_other_are_the_same) {
     must("sample amr a.vdb --size 64");
     EXPECT_LE(differs("a.vdb --grid 'density_L*'"), kSameT);
-    EXPECT_LE(differs("a.vdb --grid 'density_L*' --no-mask"), kSameT);
+    EXPECT_LE(differs("a.vdb --grid 'density_L*' --sum"), kSameT);
 }
 
 TEST_P(mpi_render, models_are_the_same) {
@@ -127,8 +127,8 @@ TEST_F(mpi_inputs, many_files_are_divided_by_files) {
     must("render" + models + common + "one.exr");
     must_mpi(2, "render" + models + common + "many.exr");
     EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
-    must("render --no-mask" + volumes + common + "one.exr");
-    must_mpi(2, "render --no-mask" + volumes + common + "many.exr");
+    must("render --sum" + volumes + common + "one.exr");
+    must_mpi(2, "render --sum" + volumes + common + "many.exr");
     EXPECT_LE(difference("one.exr", "many.exr"), kSameT);
 }
 

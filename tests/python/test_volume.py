@@ -92,14 +92,52 @@ def test_files_round_trip(tmp_path, cloud):
         assert back.source == str(file)
 
 
-def test_negative_values_of_a_file_are_told(tmp_path):
+def test_negative_values_of_a_file_are_refused_or_clipped(tmp_path):
     vdb = pytest.importorskip("pyopenvdb", reason="needs python3-openvdb")
     grid = vdb.FloatGrid()
     grid.name = "density"
     grid.copyFromArray(np.full((4, 4, 4), -1.0) + 2.0 * (np.arange(64).reshape(4, 4, 4) > 9))
     vdb.write(str(tmp_path / "a.vdb"), grid)
-    with pytest.warns(UserWarning, match="10 negative values of 'density' set to zero"):
+    with pytest.raises(vog.Error, match="10 active values are negative, the first at index"):
         vog.Volume.load(tmp_path / "a.vdb")
+    with pytest.warns(UserWarning, match="10 negative values set to 0"):
+        vog.Volume.load(tmp_path / "a.vdb", clip_negative=True)
+
+
+def test_invalid_values_of_an_array_are_refused_or_accepted():
+    array = np.ones((9, 10, 11), np.float32)
+    array[1, 2, 3] = np.nan
+    array[4, 5, 6] = -2
+    with pytest.raises(vog.Error, match=r"2 values that are no densities, the first nan at \[1, 2, 3\]"):
+        vog.Volume.from_numpy(array)
+    with pytest.raises(vog.Error, match="1 values that are no densities, the first -2"):
+        vog.Volume.from_numpy(array, skip_nonfinite=True)
+    with pytest.warns(UserWarning, match="1 negative values set to 0; 1 values that are not finite left out"):
+        volume = vog.Volume.from_numpy(array, skip_nonfinite=True, clip_negative=True)
+    assert volume.active_voxels == array.size - 2
+    assert volume.mass == array.size - 2
+
+
+def test_volumes_that_overlap_are_no_levels(cloud):
+    for data in ([cloud, cloud], (cloud, cloud)):
+        with pytest.raises(vog.Error, match="voxels of one size at one place"):
+            vog.render(data, size=8)
+    with pytest.raises(vog.Error, match="force=True"):
+        vog.Levels([cloud, cloud])
+    forced = vog.Levels([cloud, cloud], force=True)
+    assert "no levels of a mesh" in forced.arrangement
+    assert np.allclose(vog.render(forced, size=16, extinction=1), vog.render(cloud, size=16, extinction=1))
+    levels = vog.sample_levels(64)
+    assert "3 levels of one mesh" in levels.arrangement
+    vog.Levels([levels[n] for n in range(3)])
+
+
+def test_non_finite_particles_are_refused_or_left_out(tmp_path):
+    (tmp_path / "a.xyz").write_text("1 2 3\nnan 5 6\n7 8 9\n")
+    with pytest.raises(vog.Error, match="a.xyz:2: got 'nan' in column 1, expected a finite number"):
+        vog.Points.load(tmp_path / "a.xyz")
+    with pytest.warns(UserWarning, match="1 values that are not finite left out"):
+        assert len(vog.Points.load(tmp_path / "a.xyz", skip_nonfinite=True)) == 2
 
 
 def test_pickles_are_whole(cloud):

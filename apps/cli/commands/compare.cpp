@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "shared/inputs.h"
+#include "shared/validators.h"
 #include "vog/error.h"
 
 namespace vog::cli {
@@ -132,7 +133,7 @@ void compare_depths(const CompareArguments& arguments) {
     fmt::print("{}\n", json.dump(2));
 }
 
-void compare_files(const CompareArguments& arguments) {
+void compare_files(const CompareArguments& arguments, const CLI::App& command) {
     if (!arguments.diff.empty())
         check_output(arguments.diff, {arguments.reference, arguments.image}, {".png"});
     const bool depth = is_depth_file(arguments.reference);
@@ -140,6 +141,11 @@ void compare_files(const CompareArguments& arguments) {
         throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image,
                                 depth ? "picture" : "depth image",
                                 depth ? "depth image" : "picture", arguments.reference));
+    if (!depth)
+        for (const char* option : {"--tf", "--extinction"})
+            if (command.count(option))
+                throw CLI::ValidationError(
+                    fmt::format("{}: is of depth images, got pictures", option));
     if (depth)
         compare_depths(arguments);
     else
@@ -168,7 +174,7 @@ void add_compare(CLI::App& app) {
         ->add_option("--diff-limit", arguments->diff_limit,
                      "Difference at the end of the heat map's scale, in units of 1/255; 0: the "
                      "largest difference, rounded up to 1, 2 or 5 times a power of ten")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command
         ->add_option(
@@ -185,7 +191,7 @@ void add_compare(CLI::App& app) {
         "--json", arguments->json,
         "Print one JSON object and nothing else on standard output; null: infinite or "
         "undefined");
-    command->callback([arguments] { compare_files(*arguments); });
+    command->callback([arguments, command] { compare_files(*arguments, *command); });
 }
 
 }  // namespace vog::cli

@@ -12,6 +12,7 @@
 #include "options/conversion_options.h"
 #include "shared/convert_run.h"
 #include "shared/sequence.h"
+#include "shared/validators.h"
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -88,15 +89,19 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     Stages stages(arguments.verbose && ranks.is_root);
     options.progress = stages.progress();
 
+    std::vector<std::string> notes;
     const Points points = stages.run("load", [&] {
-        return load_points(arguments.inputs, arguments.points, arguments.volume.grid);
+        return load_points(arguments.inputs, arguments.points, arguments.volume, notes);
     });
     if (!arguments.output.ends_with(".ply")) {
         if (!ranks.is_root) return {};
         stages.run("save", [&] { write_points(arguments.output, points); });
+        print_notes(notes);
         if (!arguments.json)
             fmt::print("{}: {} particles\n", arguments.output, count_text(points.size()));
-        return {{"output", arguments.output}, {"particles", points.size()}};
+        nlohmann::ordered_json json = {{"output", arguments.output}, {"particles", points.size()}};
+        if (!notes.empty()) json["notes"] = notes;
+        return json;
     }
     MomentReport one;
     Gaussians model = stages.run("convert", [&] {
@@ -105,6 +110,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
                      : convert_points(points, options, &one);
     });
     if (!ranks.is_root) return {};
+    print_notes(notes);
     double sum = 0;
     for (const float value : point_values(points, options.value)) sum += value;
     MomentTotals totals;
@@ -115,7 +121,9 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     if (!paper && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
-    return report(arguments, FileKind::points, converted(model, hierarchy), sum, totals, stages);
+    Converted made = converted(model, hierarchy);
+    made.notes = notes;
+    return report(arguments, FileKind::points, made, sum, totals, stages);
 }
 
 /// Converts all inputs to one model.
@@ -140,8 +148,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
-    const VolumeSet set =
+    const LoadedVolumes set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
+    print_notes(set.notes);
     const Composite mesh =
         set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
     const std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
@@ -175,7 +184,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
-    return report(arguments, kind, converted(model, hierarchy), volume_mass, totals, stages);
+    Converted made = converted(model, hierarchy);
+    made.notes = set.notes;
+    return report(arguments, kind, made, volume_mass, totals, stages);
 }
 
 /// Estimated memory of converting a file, bytes: its leaves twice, and once more for its octree.
@@ -186,6 +197,7 @@ std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string
     VdbOptions options;
     options.grid = arguments.volume.grid;
     options.level_set_to_fog = arguments.volume.level_set_to_fog;
+    options.values = arguments.volume.values;
     return kLeaves * sizeof(Leaf) * VolumeReader(input, options).leaf_count();
 }
 
@@ -259,6 +271,8 @@ void convert(const ConvertArguments& given, const CLI::App& command, const Conve
     arguments.inputs = expanded(given.inputs);
     const CommandMemory memory(arguments.memory);
     const ThreadLimit threads(arguments.threads);
+    if (arguments.again && !is_sequence(arguments.output))
+        throw CLI::ValidationError("--again: is of time series, expected a folder as -o");
     const nlohmann::ordered_json json =
         is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), ranks)
                                       : convert_one(arguments, command, ranks);
@@ -275,7 +289,8 @@ Converted converted(const Gaussians& model, const Hierarchy& hierarchy) {
             model.source_voxels,
             hierarchy.size(),
             ply_bytes(model, hierarchy),
-            mass(model)};
+            mass(model),
+            {}};
 }
 
 nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
@@ -318,6 +333,7 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
     }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     json["peak_memory"] = peak_memory();
+    if (!made.notes.empty()) json["notes"] = made.notes;
     return json;
 }
 
@@ -369,7 +385,7 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
                       "Write no level-of-detail hierarchy (coarser Gaussians for distant views): a "
                       "smaller file, but distant views cost as much as near ones");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command->add_flag("--json", arguments->json,
                       "Print one JSON object and nothing else on standard output");

@@ -3,11 +3,12 @@
 #include <fmt/core.h>
 
 #include <fstream>
-#include <sstream>
+#include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "shared/evaluate_run.h"
 #include "shared/terminal.h"
+#include "shared/validators.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 
@@ -28,16 +29,18 @@ void print(const Evaluation& evaluation) {
     }
 }
 
-Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ranks,
-                     Stages& stages) {
+Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ranks, Stages& stages,
+                     std::vector<std::string>& notes) {
     if (ranks.load) {
         const std::vector<Volume> volumes =
             stages.run("load", [&] { return ranks.load(arguments); });
         return stages.run("evaluate",
                           [&] { return evaluate(volumes, arguments.folder, arguments.options); });
     }
-    const VolumeSet set =
+    const LoadedVolumes set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
+    notes = set.notes;
+    print_notes(notes);
     return stages.run("evaluate", [&] {
         return set.is_mesh() ? evaluate(set, arguments.folder, arguments.options)
                              : evaluate(set.volumes, arguments.folder, arguments.options);
@@ -50,6 +53,9 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
         throw Error(fmt::format("{}: holds {}, expected a volume: its voxels are the reference",
                                 arguments.inputs.front(),
                                 kind == FileKind::model ? "a model" : "particles"));
+    if (std::filesystem::exists(arguments.folder) &&
+        !std::filesystem::is_directory(arguments.folder))
+        throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
     const Size size = parse_size(arguments.size);
     arguments.options.width = size.width;
     arguments.options.height = size.height;
@@ -60,14 +66,15 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     Stages stages(arguments.verbose && is_root);
     arguments.options.progress = stages.progress();
     arguments.options.collective = ranks.collective;
-    const Evaluation evaluation = evaluated(arguments, ranks, stages);
+    std::vector<std::string> notes;
+    const Evaluation evaluation = evaluated(arguments, ranks, stages, notes);
     if (!is_root) return;
 
     const std::filesystem::path folder = arguments.folder;
     if (arguments.json) {
-        std::ostringstream text;
-        text << std::ifstream(folder / "results.json").rdbuf();
-        fmt::print("{}", text.str());
+        auto json = nlohmann::ordered_json::parse(std::ifstream(folder / "results.json"));
+        if (!notes.empty()) json["notes"] = notes;
+        fmt::print("{}\n", json.dump(2));
         return;
     }
     print(evaluation);
@@ -85,7 +92,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
         "Measure all conversions of a volume against its voxels: the paper's tables and plots");
     command
         ->add_option("inputs", arguments->inputs,
-                     "Volumes (.vdb, .nvdb); several are rendered as one")
+                     "Volumes (.vdb, .nvdb); several: levels or parts of one mesh")
         ->required();
     command
         ->add_option("-o,--output", arguments->folder,
@@ -114,7 +121,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     command->add_flag("--resume", arguments->options.resume,
                       "Continue an interrupted evaluation: keep the conversions that are finished");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command->add_flag("--json", arguments->json,
                       "Print results.json and nothing else on standard output");

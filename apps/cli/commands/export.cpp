@@ -12,6 +12,7 @@
 #include "shared/inputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
+#include "shared/validators.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
@@ -45,8 +46,10 @@ std::string stem_of(const std::string& file) { return std::filesystem::path(file
 /// of its own, about 4 dB better than coarsening the finest one (docs/web.md).
 /// most  number of levels of detail at most
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
-                                       const Progress& progress) {
-    const VolumeSet set = load_volumes(arguments.inputs, arguments.volume);
+                                       const Progress& progress, std::vector<std::string>& notes) {
+    const LoadedVolumes set = load_volumes(arguments.inputs, arguments.volume);
+    notes = set.notes;
+    print_notes(notes);
     if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
@@ -73,19 +76,23 @@ std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::si
     return models;
 }
 
-Gaussians convert_particles(const ExportArguments& arguments, const Progress& progress) {
+Gaussians convert_particles(const ExportArguments& arguments, const Progress& progress,
+                            std::vector<std::string>& notes) {
     PointOptions options = point_options(arguments.points);
     options.budget = arguments.budget;
     options.progress = progress;
-    return convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
-                          options);
+    const Points points = load_points(arguments.inputs, arguments.points, arguments.volume, notes);
+    Gaussians model = convert_points(points, options);
+    print_notes(notes);
+    return model;
 }
 
 /// Entries of the page: one per model; one for all volumes or particles, converted with default
 /// options.
 /// most  number of levels of detail at most
 std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind kind,
-                                    std::size_t most, Stages& stages) {
+                                    std::size_t most, Stages& stages,
+                                    std::vector<std::string>& notes) {
     std::vector<HtmlModel> entries;
     if (kind == FileKind::model) {
         for (const std::string& input : arguments.inputs) {
@@ -100,9 +107,10 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
     entries.push_back({stem_of(arguments.inputs.front()), {}});
     HtmlModel& entry = entries.front();
     stages.run("convert", [&] {
-        entry.levels = kind == FileKind::volume
-                           ? convert_volumes(arguments, most, stages.progress())
-                           : detail_levels(convert_particles(arguments, stages.progress()), most);
+        entry.levels =
+            kind == FileKind::volume
+                ? convert_volumes(arguments, most, stages.progress(), notes)
+                : detail_levels(convert_particles(arguments, stages.progress(), notes), most);
     });
     note(fmt::format("{}: converted with the default options of vog convert: {} Gaussians",
                      arguments.inputs.front(), count_text(entry.levels.front().size())));
@@ -191,16 +199,20 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs, {".html", ".ply"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
+    refuse_volume_options(command, kind, arguments.inputs);
     const bool page = !arguments.output.ends_with(".ply");
     if (!page) {
         refuse_group(command, kPageGroup, "-o " + arguments.output);
         refuse_group(command, "View", "-o " + arguments.output);
     }
     Stages stages(arguments.verbose);
+    std::vector<std::string> notes;
     std::vector<HtmlModel> entries =
-        load_entries(arguments, kind, page ? arguments.levels : 1, stages);
-    return page ? write_page(arguments, command, std::move(entries), stages)
-                : Exported{write_joined(arguments, entries, stages)};
+        load_entries(arguments, kind, page ? arguments.levels : 1, stages, notes);
+    Exported made = page ? write_page(arguments, command, std::move(entries), stages)
+                         : Exported{write_joined(arguments, entries, stages)};
+    if (!notes.empty()) made.json["notes"] = notes;
+    return made;
 }
 
 /// Writes one page per input, under one camera, which frames all boxes, and the extinction of the
@@ -277,13 +289,13 @@ void add_export(CLI::App& app) {
             "--budget", arguments->budget,
             "Largest number of Gaussians per model; larger models are coarsened by joining "
             "neighbouring Gaussians")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     add_page_options(*command, *arguments);
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command->add_flag("--json", arguments->json,
                       "Print one JSON object and nothing else on standard output");

@@ -241,7 +241,9 @@ void info(const std::vector<std::string>& files, bool json) {
             continue;
         }
         const std::vector<GridInfo> infos =
-            file.ends_with(".nvdb") ? std::vector{info_of(read_nvdb(file))} : inspect_vdb(file);
+            file.ends_with(".nvdb")
+                ? std::vector{info_of(read_nvdb(file, {.values = {true, true}}))}
+                : inspect_vdb(file);
         if (!json) fmt::print("{}\n", file);
         Json grids = Json::array();
         for (const GridInfo& grid : infos) {

@@ -8,6 +8,7 @@
 #include "commands.h"
 #include "shared/render_run.h"
 #include "shared/sequence.h"
+#include "shared/terminal.h"
 
 namespace vog::cli {
 
@@ -22,8 +23,11 @@ struct PictureReport {
 };
 PictureReport report_of(const RenderedPicture& picture) {
     return {picture.output,
-            fmt::format("{}: {}x{}, {:.1f} ms, extinction {:.6g}", picture.output, picture.width,
-                        picture.height, picture.median_ms(), picture.extinction),
+            fmt::format("{}: {}x{}, {:.1f} ms, {}", picture.output, picture.width, picture.height,
+                        picture.median_ms(),
+                        picture.scale ? fmt::format("{:.1f} % of the pixels above the range",
+                                                    100 * picture.above_range)
+                                      : fmt::format("extinction {:.6g}", picture.extinction)),
             to_json(picture)};
 }
 
@@ -57,13 +61,20 @@ Box box_of_all(const RenderArguments& arguments, const std::vector<bool>& assign
 /// returns  the report of --json
 Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
                      const RenderRanks& ranks) {
+    const QuantityArguments& quantity = arguments.quantity;
     if (!arguments.depth_output.empty() && !is_sequence(arguments.depth_output))
         throw CLI::ValidationError("--depth-out takes a folder where -o does");
+    if (!quantity.values_output.empty() && !is_sequence(quantity.values_output))
+        throw CLI::ValidationError("--values-out takes a folder where -o does");
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
     const std::vector<Frame> frames = frames_of(inputs, arguments.output, ".png");
     const std::vector<Frame> depths = arguments.depth_output.empty()
                                           ? std::vector<Frame>{}
                                           : frames_of(inputs, arguments.depth_output, ".exr");
+    const std::vector<Frame> values = quantity.values_output.empty()
+                                          ? std::vector<Frame>{}
+                                          : frames_of(inputs, quantity.values_output, ".npy");
+    const bool fixes_range = quantity.column() && quantity.range.empty();
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;
@@ -71,20 +82,31 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     if (!ranks.is_root) one.view.save_camera.clear();
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
-        double extinction = 0;
+        double extinction = 0, low = 0, high = 0;
         if (assigned[n]) {
             one.drawing.inputs = {frames[n].input};
             one.output = frames[n].output;
             if (!depths.empty()) one.depth_output = depths[n].output;
+            if (!values.empty()) one.quantity.values_output = values[n].output;
             const RenderedPicture picture = render(one, command).value();
             extinction = picture.extinction;
+            if (picture.scale) low = picture.scale->low, high = picture.scale->high;
             own.push_back(report_of(picture));
             if (!arguments.json && !ranks.allgather) fmt::print("{}\n", own.back().line);
         }
         if (n > 0) continue;
-        // Only the rank that rendered the first picture has its extinction; the others have 0.
-        if (ranks.allreduce_max) extinction = ranks.allreduce_max(extinction);
+        // Only the rank that rendered the first picture has its figures; the others have 0.
+        if (ranks.allreduce_max)
+            for (double* figure : {&extinction, &low, &high})
+                *figure = ranks.allreduce_max(*figure);
         one.color.extinction = fmt::format("{:.17g}", extinction);
+        if (!fixes_range) continue;
+        one.quantity.range = fmt::format("{:.17g},{:.17g}", low, high);
+        if (ranks.is_root)
+            note(
+                fmt::format("colours of all pictures from {:.6g} to {:.6g}, the range of the "
+                            "first (--range sets another)",
+                            low, high));
     }
     std::map<std::string, PictureReport> by_output;
     for (PictureReport& report : allgather(own, ranks))

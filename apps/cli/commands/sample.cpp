@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
+#include "shared/validators.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {
@@ -89,7 +90,7 @@ void add_sample(CLI::App& app) {
     command->add_flag("--half", arguments->half,
                       "Store voxel values as 16-bit floats; not for particles");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");

@@ -8,6 +8,7 @@
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
+#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/shade.h"
 #ifdef VOG_VIEWER
@@ -35,25 +36,31 @@ struct WindowArguments {
 viewer::Content read_content(const std::vector<std::string>& files,
                              const WindowArguments& arguments) {
     viewer::Content content;
+    std::vector<std::string> notes;
     switch (common_kind(files, arguments.volume.grid)) {
         case FileKind::model:
             content.model = load_models(files, &content.hierarchy);
             break;
         case FileKind::points:
-            content.points = load_points(files, arguments.points, arguments.volume.grid);
+            content.points = load_points(files, arguments.points, arguments.volume, notes);
+            print_notes(notes);
             content.point_options = point_options(arguments.points);
             break;
         default:
-            content.volumes = load_volumes(files, arguments.volume);
+            LoadedVolumes loaded = load_volumes(files, arguments.volume);
+            print_notes(loaded.notes);
+            content.volumes = std::move(loaded);
     }
     return content;
 }
 
 void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     // Inputs and options are checked before a window opens.
-    if (!arguments.inputs.empty()) common_kind(arguments.inputs, arguments.volume.grid);
     for (const std::string& input : arguments.inputs)
         if (!std::filesystem::exists(input)) throw Error(fmt::format("{}: no such file", input));
+    if (!arguments.inputs.empty())
+        refuse_volume_options(command, common_kind(arguments.inputs, arguments.volume.grid),
+                              arguments.inputs);
     if (arguments.headless && arguments.script.empty())
         throw CLI::ValidationError("--headless: there is no window to use; expected --script");
 
@@ -97,10 +104,10 @@ void add_view(CLI::App& app) {
     auto arguments = std::make_shared<WindowArguments>();
     CLI::App* command =
         app.add_subcommand("view", "Explore volumes, particles and models in a window");
-    command->add_option(
-        "inputs", arguments->inputs,
-        "Volumes (several: levels of one mesh), particles or PLY models; more files can be "
-        "dropped on the window");
+    command->add_option("inputs", arguments->inputs,
+                        "Volumes (several: levels or parts of one mesh), particles or PLY models; "
+                        "more files can be "
+                        "dropped on the window");
     command->add_option("--size", arguments->size, "Size of the window in pixels, WxH")
         ->capture_default_str();
     command->add_option("--script", arguments->script,
@@ -121,7 +128,7 @@ void add_view(CLI::App& app) {
     add_view_options(*command, arguments->view);
     add_color_options(*command, arguments->color);
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command->callback([arguments, command] { open_viewer(*arguments, *command); });
 }

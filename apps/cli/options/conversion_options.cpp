@@ -1,5 +1,6 @@
 // conversion_options.cpp: help and checks of both methods' options.
 #include "options/conversion_options.h"
+#include "shared/validators.h"
 
 #include <fmt/core.h>
 
@@ -44,7 +45,7 @@ std::string cut_option(const CLI::App& command) {
 MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command) {
     MomentOptions options = arguments.moments;
     cut_option(command);
-    if (options.budget && arguments.inputs.size() > 1 && arguments.volume.no_mask)
+    if (options.budget && arguments.inputs.size() > 1 && arguments.volume.sum)
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     if (arguments.lod) options.block_voxels = moment_lod(arguments.lod).block_voxels;
@@ -54,6 +55,7 @@ MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& 
 void check_options(const ConvertArguments& arguments, const CLI::App& command, FileKind kind) {
     const bool particles = kind == FileKind::points;
     if (!particles) refuse_group(command, kPointGroup, "volumes");
+    refuse_volume_options(command, kind, arguments.inputs);
     refuse_group(command, arguments.method == "paper" ? kMomentGroup : kPaperGroup,
                  "--method " + arguments.method);
     if (!particles) return;
@@ -61,8 +63,7 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
         if (option->count() && option->get_group() == kPaperGroup &&
             option->get_name() != "--kappa")
             throw CLI::ValidationError(option->get_name() + " does not go with particles");
-    for (const char* option :
-         {"--spread", "--soft-steps", "--refine", "--level-set-to-fog", "--mask", "--no-mask"})
+    for (const char* option : {"--spread", "--soft-steps", "--refine"})
         if (command.count(option))
             throw CLI::ValidationError(fmt::format("{} does not go with particles", option));
     if (arguments.method == "paper" && arguments.lod)
@@ -106,14 +107,14 @@ void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
         .add_option("--opacity-threshold", paper.opacity_threshold,
                     "Drop groups of voxels whose mean density is at or below this; 0 drops empty "
                     "groups only")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str()
         ->group(group);
     command
         .add_option("--variance-threshold", paper.variance_threshold,
                     "--strategy variance: split groups whose variance of values exceeds this "
                     "fraction of the volume's")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str()
         ->group(group);
     command
@@ -133,7 +134,7 @@ void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
     command
         .add_option("--minimum-radius", paper.minimum_radius_voxels,
                     "Smallest radius of a Gaussian, voxels; a single voxel has 0.5")
-        ->check(CLI::PositiveNumber)
+        ->check(positive_number())
         ->capture_default_str()
         ->group(group);
 }
@@ -152,7 +153,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
             error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian))
         ->check(CLI::Range(1e-9, 0.999999));
     add("--budget", moments.budget, "Find the best model with at most this many Gaussians")
-        ->check(CLI::PositiveNumber);
+        ->check(positive_number());
     add("--block", moments.block_voxels,
         "One Gaussian per occupied cube of this edge, voxels: uniform cells")
         ->check(CLI::IsMember({1, 2, 4, 8, 16, 32, 64, 128}));

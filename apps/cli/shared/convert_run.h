@@ -83,9 +83,10 @@ struct MomentTotals {
 struct Converted {
     std::string method, options, summary;
     std::uint64_t gaussians = 0, source_voxels = 0;
-    std::uint64_t nodes = 0;  ///< of the hierarchy
-    std::uint64_t bytes = 0;  ///< size of the file
-    double mass = 0;          ///< density times world volume
+    std::uint64_t nodes = 0;           ///< of the hierarchy
+    std::uint64_t bytes = 0;           ///< size of the file
+    double mass = 0;                   ///< density times world volume
+    std::vector<std::string> notes{};  ///< printed about the inputs
 };
 Converted converted(const Gaussians& model, const Hierarchy& hierarchy);
 

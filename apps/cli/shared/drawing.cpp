@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "shared/terminal.h"
+#include "shared/validators.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 
@@ -122,7 +123,7 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
     command
         .add_option("--step", arguments.step_voxels,
                     "Step of linear interpolation, voxels; 0: exact, cell by cell")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command
         .add_option("--samples", arguments.samples,
@@ -135,14 +136,14 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         .add_option("--aabb-sigma", arguments.aabb_sigma,
                     "The paper's bounding boxes: a ray counts a Gaussian only if it meets the box "
                     "of this many times the paper's radii; 0: no boxes")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command
         .add_option("--pixel-error", arguments.pixel_error,
                     "Largest error of a coarser Gaussian that splat draws in place of finer ones, "
                     "pixels; 0: none is drawn; default: 1. Needs a hierarchy, which vog convert "
                     "writes; a model without one gets one when this option is given")
-        ->check(CLI::NonNegativeNumber);
+        ->check(non_negative_number());
     add_point_options(command, arguments.points);
 }
 
@@ -188,11 +189,16 @@ Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command
     drawing.kind = common_kind(arguments.inputs, arguments.volume.grid);
     const std::string& input = arguments.inputs.front();
     if (drawing.kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
+    refuse_volume_options(command, drawing.kind, arguments.inputs);
     const bool volumes = drawing.kind == FileKind::volume;
     drawing.renderer = !arguments.renderer.empty() ? renderer_named(arguments.renderer)
                        : volumes                   ? Renderer::reference
                                                    : Renderer::splat;
     check_renderer_options(drawing.renderer, drawing.kind, command);
+    if (command.count("--step") && arguments.interpolation != "linear")
+        throw CLI::ValidationError("--step: is of --interpolation linear");
+    if (command.count("--slab-hits") && arguments.anyhit != "collect")
+        throw CLI::ValidationError("--slab-hits: is of --anyhit collect");
     if (volumes && !draws(drawing.renderer, RenderInput::volumes))
         throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
                                 input, input));
@@ -207,18 +213,23 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
                      const CLI::App& command) {
     Drawing drawing = begin_drawing(arguments, command);
     if (drawing.kind == FileKind::volume) {
-        draw_volumes(arguments, load_volumes(arguments.inputs, arguments.volume), drawing);
+        const LoadedVolumes loaded = load_volumes(arguments.inputs, arguments.volume);
+        drawing.notes = loaded.notes;
+        draw_volumes(arguments, loaded, drawing);
+        print_notes(drawing.notes);
         return drawing;
     }
     // Particles become one Gaussian each, without a file between.
     auto hierarchy = std::make_shared<Hierarchy>();
     auto model = std::make_shared<Gaussians>(
         drawing.kind == FileKind::points
-            ? convert_points(load_points(arguments.inputs, arguments.points, arguments.volume.grid),
-                             point_options(arguments.points))
+            ? convert_points(
+                  load_points(arguments.inputs, arguments.points, arguments.volume, drawing.notes),
+                  point_options(arguments.points))
             : load_models(arguments.inputs,
                           drawing.renderer == Renderer::splat ? hierarchy.get() : nullptr));
     draw_model(arguments, extinction, model, hierarchy, drawing);
+    print_notes(drawing.notes);
     return drawing;
 }
 

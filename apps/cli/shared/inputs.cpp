@@ -54,6 +54,7 @@ FileKind kind_of(const fs::path& file, const std::string& grid) {
     if (extension == ".ply" || extension == ".json") return FileKind::model;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
         if (extension == text) return FileKind::points;
+    if (!fs::exists(file)) throw Error(fmt::format("{}: no such file", file.string()));
     throw Error(
         fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
                     ".tsv, .txt or .dat (particles), .ply or .json (model, index of models)",
@@ -74,44 +75,88 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
 void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
     command.add_option("--grid", options.grid,
                        "Grid to read by name; default: the only scalar grid, else 'density'. A "
-                       "pattern with * or ? reads all that match as levels of one mesh: "
+                       "pattern with * or ? reads all that match, as levels of one mesh: "
                        "'density_L*'");
     command.add_option(
         "--mask", options.mask,
         "Grid that marks the valid region of a level by values > 0: inside, the level "
         "hides coarser ones; outside, it is ignored. A * stands for the match of the "
         "* in --grid. Default: the level's own active voxels");
+    command.add_flag("--sum", options.sum, "Add up the densities of several volumes");
     command.add_flag(
-        "--no-mask", options.no_mask,
-        "Add up several volumes, in place of levels of one mesh, where finer ones hide "
-        "coarser ones");
+        "--mesh", options.mesh,
+        "Take several volumes as levels of one mesh, whatever their voxels: where they overlap, "
+        "the one of the smallest voxels counts, of equal ones the first. Without this option: "
+        "only volumes whose voxels divide each other evenly, or that do not overlap");
     command.add_flag("--level-set-to-fog", options.level_set_to_fog,
                      "Convert a level set to a fog volume: density inside its surface");
+    command.add_flag("--skip-nonfinite", options.values.skip_nonfinite,
+                     "Leave out voxels or particles with NaN or infinite values, which are an "
+                     "error otherwise; their number is reported");
+    command.add_flag("--clip-negative", options.values.clip_negative,
+                     "Set negative densities or masses to 0, which are an error otherwise; their "
+                     "number is reported");
 }
 
 LevelOptions level_options(const VolumeInputOptions& options) {
     const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
-    if (!options.mask.empty() && options.no_mask)
-        throw CLI::ValidationError("--mask and --no-mask exclude each other");
+    if (!options.mask.empty() && options.sum)
+        throw CLI::ValidationError("--mask and --sum exclude each other");
+    if (options.mesh && options.sum)
+        throw CLI::ValidationError("--mesh and --sum exclude each other");
     if (!options.mask.empty() && has_star(options.mask) != has_star(options.grid))
         throw CLI::ValidationError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or in neither",
                         options.grid, options.mask));
-    return {options.grid, options.mask, options.level_set_to_fog};
+    return {options.grid, options.mask, options.level_set_to_fog, options.values};
 }
 
-VolumeSet load_volumes(const std::vector<std::string>& files, const VolumeInputOptions& options) {
+LoadedVolumes load_volumes(const std::vector<std::string>& files,
+                           const VolumeInputOptions& options) {
     const std::vector<fs::path> paths(files.begin(), files.end());
-    std::vector<std::string> notes;
-    VolumeSet set{read_levels(paths, level_options(options), &notes)};
-    set.overlap = overlap_of(set.volumes.size(), options);
-    for (const std::string& text : notes) note(text);
-    return set;
+    LoadedVolumes loaded;
+    static_cast<Levels&>(loaded) = read_levels(paths, level_options(options), &loaded.notes);
+    const Combination combination = combination_of(loaded.volumes.size(), options);
+    loaded.overlap = combination.overlap;
+    std::string how = combination.text;
+    if (combination.by_arrangement) {
+        const Arrangement arrangement = arrangement_of(loaded);
+        require_mesh(arrangement);
+        how = arrangement.text;
+    }
+    if (!how.empty()) loaded.notes.push_back(how);
+    return loaded;
 }
 
-Overlap overlap_of(std::size_t volumes, const VolumeInputOptions& options) {
-    const bool mesh = !options.no_mask && (volumes > 1 || !options.mask.empty());
-    return mesh ? Overlap::hide : Overlap::add;
+Combination combination_of(std::size_t volumes, const VolumeInputOptions& options) {
+    const bool masked = !options.mask.empty();
+    if (volumes < 2 && (options.sum || options.mesh))
+        throw CLI::ValidationError(
+            fmt::format("--{}: got one volume, expected several", options.sum ? "sum" : "mesh"));
+    if (volumes < 2) return {masked ? Overlap::hide : Overlap::add, false, {}};
+    if (options.sum)
+        return {Overlap::add, false, fmt::format("{} volumes add up (--sum)", volumes)};
+    if (masked)
+        return {Overlap::hide, false,
+                fmt::format("{} volumes are levels of one mesh, valid inside their masks (--mask)",
+                            volumes)};
+    if (options.mesh)
+        return {Overlap::hide, false,
+                fmt::format("{} volumes are levels of one mesh (--mesh): the finest counts where "
+                            "they overlap, of equal voxels the first",
+                            volumes)};
+    return {Overlap::hide, true, {}};
+}
+
+void require_mesh(const Arrangement& arrangement) {
+    if (arrangement.is_mesh()) return;
+    const bool quantities = arrangement.kind == Arrangement::Kind::quantities;
+    throw Error(fmt::format(
+        "{}; expected {}, --sum (densities add up) or --mesh (the finest counts, of equal voxels "
+        "the first)",
+        arrangement.text,
+        quantities ? "one of them (--grid NAME)"
+                   : "one at a time (for time steps a folder: -o FOLDER/)"));
 }
 
 void add_point_options(CLI::App& command, PointInputOptions& options) {
@@ -144,11 +189,22 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
 }
 
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
-                   const std::string& grid) {
-    Points points = read_points(files.front(), {options.columns, grid});
-    for (std::size_t n = 1; n < files.size(); ++n)
-        append(points, read_points(files[n], {options.columns, grid}));
+                   const VolumeInputOptions& volume, std::vector<std::string>& notes) {
+    Points points;
+    for (const std::string& file : files) {
+        ValueNotes changed;
+        Points one = read_points(file, {options.columns, volume.grid, volume.values}, &changed);
+        if (volume.values.clip_negative)
+            changed.clipped_negative = clip_negative(one, options.value);
+        if (const std::string text = values_text(changed, file); !text.empty())
+            notes.push_back(text);
+        append(points, one);
+    }
     return points;
+}
+
+void print_notes(const std::vector<std::string>& notes) {
+    for (const std::string& text : notes) note(text);
 }
 
 PointOptions point_options(const PointInputOptions& options) {
@@ -169,6 +225,22 @@ void refuse_group(const CLI::App& command, const std::string& group, const std::
         if (option->get_group() == group && option->count())
             throw CLI::ValidationError(
                 fmt::format("{} does not go with {}", option->get_name(), with));
+}
+
+void refuse_volume_options(const CLI::App& command, FileKind kind,
+                           const std::vector<std::string>& inputs) {
+    if (kind == FileKind::volume) return;
+    const auto refuse = [&](std::initializer_list<const char*> options, const char* with) {
+        for (const char* option : options)
+            if (command.count(option))
+                throw CLI::ValidationError(fmt::format("{} does not go with {}", option, with));
+    };
+    const bool models = kind == FileKind::model;
+    refuse({"--mask", "--sum", "--mesh", "--level-set-to-fog"}, models ? "models" : "particles");
+    if (models) refuse({"--grid", "--skip-nonfinite", "--clip-negative"}, "models");
+    const bool text = std::ranges::none_of(
+        inputs, [](const std::string& input) { return extension_of(input) == ".vdb"; });
+    if (text) refuse({"--grid"}, "particles in text files");
 }
 
 std::vector<std::string> model_files(const std::vector<std::string>& files) {
@@ -198,14 +270,18 @@ Box box_of(const std::string& input, const VolumeInputOptions& volume,
            const PointInputOptions& points) {
     const FileKind kind = kind_of(input, volume.grid);
     if (kind == FileKind::model) return view_box(load_models({input}));
-    if (kind == FileKind::points)
+    if (kind == FileKind::points) {
+        std::vector<std::string> notes;
         return view_box(
-            convert_points(load_points({input}, points, volume.grid), point_options(points)));
+            convert_points(load_points({input}, points, volume, notes), point_options(points)));
+    }
     const bool one_grid = volume.grid.find_first_of("*?") == std::string::npos;
     if (extension_of(input) == ".vdb" && one_grid)
-        return VolumeReader(input, {volume.grid, volume.level_set_to_fog}).world_box();
+        return VolumeReader(input, {volume.grid, volume.level_set_to_fog, false, volume.values})
+            .world_box();
     Box box;
-    for (const Volume& level : load_volumes({input}, volume).volumes)
+    const fs::path file(input);
+    for (const Volume& level : read_levels(std::span(&file, 1), level_options(volume)).volumes)
         if (!level.empty()) box.include(world_box(level));
     return box;
 }

@@ -25,21 +25,38 @@ FileKind kind_of(const std::filesystem::path& file, const std::string& grid = {}
 FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid);
 
 struct VolumeInputOptions {
-    std::string grid;  ///< name or pattern with '*' and '?'; empty: the default grid
-    std::string mask;  ///< name; a '*' in it stands for the match of the '*' of `grid`
-    bool no_mask = false;
+    std::string grid;   ///< name or pattern with '*' and '?'; empty: the default grid
+    std::string mask;   ///< name; a '*' in it stands for the match of the '*' of `grid`
+    bool sum = false;   ///< densities of several volumes add up
+    bool mesh = false;  ///< several volumes are levels, whatever their lattices
     bool level_set_to_fog = false;
+    ValueRules values{};
 };
-/// Adds --grid, --mask, --no-mask and --level-set-to-fog.
+/// Adds --grid, --mask, --sum, --mesh, --level-set-to-fog,
+/// --skip-nonfinite and --clip-negative.
 void add_volume_options(CLI::App& command, VolumeInputOptions& options);
 /// Library options from the command line. throws CLI::ValidationError for options that exclude each
 /// other
 LevelOptions level_options(const VolumeInputOptions& options);
+/// Volumes with notes on how they combine and on values that reading changed.
+struct LoadedVolumes : VolumeSet {
+    std::vector<std::string> notes;  ///< one line each, to print and for --json
+};
 /// Reads volumes: one per file, or all grids whose names match --grid, with their masks where --mask
-/// is given. Notes on standard error for values that reading replaced.
-VolumeSet load_volumes(const std::vector<std::string>& files, const VolumeInputOptions& options);
-/// Several volumes, or masked ones, hide each other, unless --no-mask is given.
-Overlap overlap_of(std::size_t volumes, const VolumeInputOptions& options);
+/// is given.
+/// throws vog::Error for several volumes that are neither levels nor parts, unless --mesh or --sum
+///        is given
+LoadedVolumes load_volumes(const std::vector<std::string>& files,
+                           const VolumeInputOptions& options);
+/// Combination of several volumes by the options alone.
+struct Combination {
+    Overlap overlap = Overlap::add;
+    bool by_arrangement = false;  ///< no option says it: levels or parts by arrangement_of
+    std::string text;             ///< note on the options' effect; empty: one volume
+};
+Combination combination_of(std::size_t volumes, const VolumeInputOptions& options);
+/// throws vog::Error with the options that help, unless volumes may hide each other
+void require_mesh(const Arrangement& arrangement);
 
 inline constexpr const char* kPointGroup = "Particles";
 struct PointInputOptions {
@@ -50,8 +67,11 @@ struct PointInputOptions {
 /// Adds --columns, --value, --radius and --neighbours, as the group kPointGroup.
 void add_point_options(CLI::App& command, PointInputOptions& options);
 /// Reads the particles of all files as one set.
+/// notes  receives a line on each file's particles that were left out or changed
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
-                   const std::string& grid);
+                   const VolumeInputOptions& volume, std::vector<std::string>& notes);
+/// Prints each note on standard error.
+void print_notes(const std::vector<std::string>& notes);
 /// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError
 /// for a radius that is neither a number > 0 nor adaptive
 PointOptions point_options(const PointInputOptions& options);
@@ -59,6 +79,12 @@ PointOptions point_options(const PointInputOptions& options);
 /// throws CLI::ValidationError for a given option of this group: "--radius does not go with
 /// volumes"
 void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
+
+/// Refuses options of volumes that would have no effect on other inputs: all of them for models, of
+/// particles those of voxels, and --grid where all files are text.
+/// throws CLI::ValidationError: "--grid does not go with models"
+void refuse_volume_options(const CLI::App& command, FileKind kind,
+                           const std::vector<std::string>& inputs);
 
 /// Files of models, with each index (.json) replaced by the files it names.
 std::vector<std::string> model_files(const std::vector<std::string>& files);

@@ -7,15 +7,22 @@
 #include <nlohmann/json.hpp>
 
 #include "shared/terminal.h"
+#include "shared/validators.h"
 
 namespace vog::cli {
 
 namespace {
 
 /// throws CLI::ValidationError and vog::Error before any work
-void check_arguments(const RenderArguments& arguments, bool writes) {
-    if (arguments.output.empty() && arguments.depth_output.empty() && !arguments.repeat)
-        throw CLI::ValidationError("nothing to make: expected -o, --depth-out or --repeat");
+void check_arguments(const RenderArguments& arguments, const CLI::App& command, bool writes) {
+    const QuantityArguments& quantity = arguments.quantity;
+    if (arguments.output.empty() && arguments.depth_output.empty() &&
+        quantity.values_output.empty() && !arguments.repeat)
+        throw CLI::ValidationError(
+            "nothing to make: expected -o, --depth-out, --values-out or --repeat");
+    check_quantity_options(quantity, command, !arguments.output.empty());
+    if (writes && !quantity.values_output.empty())
+        check_output(quantity.values_output, arguments.drawing.inputs, {".npy", ".exr"});
     if (writes && !arguments.output.empty())
         check_output(arguments.output, arguments.drawing.inputs, {".png", ".exr"});
     if (writes && !arguments.depth_output.empty())
@@ -26,10 +33,52 @@ void check_arguments(const RenderArguments& arguments, bool writes) {
             "after the render; expected --extinction with a number");
 }
 
+/// Name of the shown quantity: "T", "column density", of particles "mass per area".
+std::string quantity_text(const RenderArguments& arguments, FileKind kind) {
+    if (!arguments.quantity.column()) return "T";
+    if (kind != FileKind::points) return "column density";
+    const std::string& value = arguments.drawing.points.value;
+    return (value.empty() || value == "count" ? "number" : value) + " per area";
+}
+
+/// Scale of the shown quantity.
+ColorScale scale_of(const QuantityArguments& quantity, const DepthImage& depth) {
+    if (!quantity.column()) return {};
+    if (const auto fixed = fixed_scale(quantity)) return *fixed;
+    return automatic_scale({&depth, 1}, quantity.log);
+}
+
+/// The picture with --color-bar and --title.
+Image pictured(const RenderArguments& arguments, const DepthImage& depth,
+               const TransferFunction& tf, const ColorScale& scale, const std::string& quantity) {
+    const ShadeOptions shading = shading_of(arguments.color);
+    Image image = scale.kind == ColorScale::Kind::visibility
+                      ? shade(depth, tf, shading)
+                      : shade_values(depth, tf, scale, shading);
+    const QuantityArguments& given = arguments.quantity;
+    if (!given.color_bar && given.title.empty()) return image;
+    std::string label = given.column() ? quantity : "optical depth T";
+    if (!given.units.empty()) label += fmt::format(" [{}]", given.units);
+    return annotated(image, tf, scale, {given.title, label, given.color_bar}, shading.background);
+}
+
+double share_above(const DepthImage& depth, double limit) {
+    const auto above =
+        std::ranges::count_if(depth.depth, [&](float value) { return double{value} > limit; });
+    return static_cast<double>(above) / static_cast<double>(depth.depth.size());
+}
+
 RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& drawing,
                            const DepthImage& depth, std::vector<double> render_ms,
-                           const Stages& stages) {
+                           const Stages& stages, const ColorScale& scale) {
     RenderedPicture picture;
+    picture.values_output = arguments.quantity.values_output;
+    picture.quantity = quantity_text(arguments, drawing.kind);
+    picture.units = arguments.quantity.units;
+    if (arguments.quantity.column()) {
+        picture.scale = scale;
+        picture.above_range = share_above(depth, scale.high);
+    }
     picture.output = arguments.output;
     picture.depth_output = arguments.depth_output;
     picture.renderer = info_of(drawing.renderer).name;
@@ -56,6 +105,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& draw
     picture.traced = drawing.traced();
     picture.stage_ms = stages.times();
     picture.peak_memory = peak_memory();
+    picture.notes = drawing.notes;
     return picture;
 }
 
@@ -87,6 +137,7 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
                                    {"threads", picture.threads},
                                    {"extinction", picture.extinction},
                                    {"covered", picture.covered},
+                                   {"quantity", picture.quantity},
                                    {"mean_t", picture.mean_t},
                                    {"max_t", picture.max_t},
                                    {"render_ms",
@@ -94,6 +145,13 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
                                      {"median", picture.median_ms()},
                                      {"max", picture.render_ms.back()},
                                      {"repeats", picture.render_ms.size()}}}};
+    if (!picture.values_output.empty()) json["values_output"] = picture.values_output;
+    if (picture.scale) {
+        json["units"] = picture.units;
+        json["range"] = {picture.scale->low, picture.scale->high};
+        json["log"] = picture.scale->kind == ColorScale::Kind::log;
+        json["above_range"] = picture.above_range;
+    }
     if (picture.cut)
         json["cut"] = {{"drawn", picture.cut->drawn()},
                        {"gaussians", picture.cut->leaves},
@@ -106,6 +164,7 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
     }
     for (const auto& [name, ms] : picture.stage_ms) json["ms"][name] = ms;
     json["peak_memory"] = picture.peak_memory;
+    if (!picture.notes.empty()) json["notes"] = picture.notes;
     return json;
 }
 
@@ -114,6 +173,15 @@ void print(const RenderedPicture& picture, bool repeated) {
         fmt::print("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered\n",
                    picture.output, picture.width, picture.height, picture.primitives_text,
                    picture.median_ms(), picture.extinction, 100 * picture.covered);
+    if (picture.scale && !picture.output.empty())
+        fmt::print("{}{}: colours from {:.6g} to {:.6g}{}, {:.1f} % of the pixels above\n",
+                   picture.quantity, picture.units.empty() ? "" : " [" + picture.units + "]",
+                   picture.scale->low, picture.scale->high,
+                   picture.scale->kind == ColorScale::Kind::log ? ", logarithmic" : "",
+                   100 * picture.above_range);
+    if (!picture.values_output.empty())
+        fmt::print("{}: {}{}, largest {:.6g}\n", picture.values_output, picture.quantity,
+                   picture.units.empty() ? "" : " [" + picture.units + "]", picture.max_t);
     if (picture.cut)
         fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
                    count_text(picture.cut->leaves), count_text(picture.cut->nodes),
@@ -141,9 +209,10 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     add_drawing_options(command, arguments.drawing);
     add_view_options(command, arguments.view);
     add_color_options(command, arguments.color);
+    add_quantity_options(command, arguments.quantity);
     add_memory_options(command, arguments.memory, "");
     command.add_option("--threads", arguments.threads, "Number of threads; 0: one per core")
-        ->check(CLI::NonNegativeNumber)
+        ->check(non_negative_number())
         ->capture_default_str();
     command
         .add_option("--repeat", arguments.repeat,
@@ -158,11 +227,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
 
 std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
                                       const RenderRanks& ranks) {
-    check_arguments(arguments, ranks.is_root);
+    check_arguments(arguments, command, ranks.is_root);
     const Size size = parse_size(arguments.size);
     const std::optional<double> extinction = fixed_extinction(arguments.color);
     const TransferFunction tf = load_transfer_function(arguments.color.tf);
-    const ShadeOptions shading = shading_of(arguments.color);
+    (void)shading_of(arguments.color);  // checks --background
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
 
@@ -185,14 +254,22 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
         }
     });
     if (!ranks.is_root) return std::nullopt;
-    set_extinction(depth, extinction ? *extinction : auto_extinction(depth));
+    // Column density is T at extinction 1.
+    const bool column = arguments.quantity.column();
+    set_extinction(depth, column ? 1 : extinction ? *extinction : auto_extinction(depth));
+    const ColorScale scale = scale_of(arguments.quantity, depth);
 
     if (!arguments.output.empty()) {
-        const Image image = stages.run("shade", [&] { return shade(depth, tf, shading); });
+        const std::string quantity = quantity_text(arguments, drawing.kind);
+        const Image image =
+            stages.run("shade", [&] { return pictured(arguments, depth, tf, scale, quantity); });
         stages.run("save", [&] { write_image(arguments.output, image); });
     }
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
-    RenderedPicture picture = figures_of(arguments, drawing, depth, std::move(render_ms), stages);
+    if (!arguments.quantity.values_output.empty())
+        write_values(arguments.quantity.values_output, depth);
+    RenderedPicture picture =
+        figures_of(arguments, drawing, depth, std::move(render_ms), stages, scale);
     picture.camera = camera;
     return picture;
 }

@@ -15,6 +15,7 @@
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "options/memory_options.h"
+#include "options/quantity_options.h"
 #include "shared/drawing.h"
 #include "vog/lod.h"
 #include "vog/trace.h"
@@ -25,6 +26,7 @@ struct RenderArguments {
     DrawingArguments drawing;
     ViewArguments view;
     ColorArguments color;
+    QuantityArguments quantity;
     MemoryArguments memory;
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
@@ -34,7 +36,11 @@ struct RenderArguments {
 
 /// Figures of one rendered picture, as the command reports them.
 struct RenderedPicture {
-    std::string output, depth_output;  ///< files written; empty: none
+    std::string output, depth_output, values_output;  ///< files written; empty: none
+    std::string quantity;                             ///< "T", "column density", "count per area"
+    std::string units;                                ///< of --units
+    std::optional<ColorScale> scale;                  ///< of column density
+    double above_range = 0;                           ///< fraction of pixels above scale->high
     std::string renderer, primitives_text;
     int width = 0, height = 0;  ///< pixels
     Camera camera;
@@ -48,6 +54,7 @@ struct RenderedPicture {
     std::optional<TraceReport> traced;  ///< renders by rays
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
     std::uint64_t peak_memory = 0;                         ///< bytes
+    std::vector<std::string> notes;                        ///< printed about the inputs
 
     double median_ms() const;
 };

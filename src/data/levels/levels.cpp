@@ -185,9 +185,12 @@ void validate(const Levels& levels) {
     for (const Volume& mask : levels.masks) validate(mask);
 }
 
-std::vector<std::size_t> finest_first(std::span<const Volume> volumes) {
-    // Relative difference of voxel volumes that count as equal: transforms are often float32.
+bool same_voxel_volume(double a, double b) {
     constexpr double kSame = 1e-4;
+    return std::max(a, b) <= (1 + kSame) * std::min(a, b);
+}
+
+std::vector<std::size_t> finest_first(std::span<const Volume> volumes) {
     std::vector<std::size_t> order(volumes.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     const auto size = [&](std::size_t n) { return voxel_volume(volumes[n]); };
@@ -195,7 +198,8 @@ std::vector<std::size_t> finest_first(std::span<const Volume> volumes) {
                      [&](std::size_t a, std::size_t b) { return size(a) < size(b); });
     for (std::size_t first = 0; first < order.size();) {
         std::size_t last = first + 1;
-        while (last < order.size() && size(order[last]) <= (1 + kSame) * size(order[first])) ++last;
+        while (last < order.size() && same_voxel_volume(size(order[last]), size(order[first])))
+            ++last;
         std::sort(order.begin() + static_cast<std::ptrdiff_t>(first),
                   order.begin() + static_cast<std::ptrdiff_t>(last));
         first = last;

@@ -174,11 +174,18 @@ class NanoReader {
         const auto& [from, origin] = leaves_[i];
         Leaf& leaf = volume_leaves_->leaves[i];
         leaf.origin = from_coord(to_coord(origin));
-        for (std::uint32_t n = 0; n < NanoLeafT::SIZE; ++n)
-            if (from->valueMask().isOn(n))
-                leaf.set(
-                    static_cast<int>(n),
-                    census.admit(density(convert<Value>(from->getValue(n))), i * kLeafVoxels + n));
+        for (std::uint32_t n = 0; n < NanoLeafT::SIZE; ++n) {
+            const float value = density(convert<Value>(from->getValue(n)));
+            const bool finite = std::isfinite(value);
+            if (!from->valueMask().isOn(n)) {
+                census.inactive_not_finite += !finite;
+                continue;
+            }
+            const auto offset = static_cast<int>(n);
+            const float admitted =
+                census.admit(value, i * kLeafVoxels + n, leaf.origin + offset_index(offset));
+            if (finite) leaf.set(offset, admitted);
+        }
     }
 
     template <class TreeT>

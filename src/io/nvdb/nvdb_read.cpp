@@ -44,7 +44,8 @@ const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
 }
 
 /// Converts leaves directly from the file; only tiles pass through an OpenVDB tree.
-Volume density_of(const NanoBuffer& buffer, const std::string& where, bool mask, VdbNotes& notes) {
+Volume density_of(const NanoBuffer& buffer, const std::string& where, const VdbOptions& options,
+                  ValueNotes& notes) {
     NanoLeaves from;
     const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where, &from);
     if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
@@ -55,8 +56,10 @@ Volume density_of(const NanoBuffer& buffer, const std::string& where, bool mask,
     check_transform(volume.world_from_index, where);
     volume.leaves = std::move(from.leaves);
     const Census tiles = tiles_from_grid(*grid, volume);
-    check_census(from.census, tiles, volume.leaves, volume.tiles, where, notes);
-    if (mask) {
+    check_census(leaves_then_tiles(from.census, tiles),
+                 options.mask ? mask_rules(options.values) : options.values, where, notes);
+    drop_empty_leaves(volume);
+    if (options.mask) {
         keep_positive(volume);
         notes = {};
     }
@@ -64,7 +67,7 @@ Volume density_of(const NanoBuffer& buffer, const std::string& where, bool mask,
 }
 
 Volume fog_of_level_set(const NanoBuffer& buffer, const std::string& where, bool mask,
-                        VdbNotes& notes) {
+                        ValueNotes& notes) {
     const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where);
     level_set_to_fog(*grid, where);
     return density_from_grid(*grid, nano_transform(buffer), where, notes, mask);
@@ -79,7 +82,7 @@ std::vector<std::string> nvdb_grid_names(const std::filesystem::path& path) {
     return list;
 }
 
-Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
+Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, ValueNotes* notes) {
     openvdb::initialize();
     NvdbFile file(path);
     if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
@@ -87,10 +90,10 @@ Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, V
     const std::string where = file.where(entry);
     return with_vdb_errors(where, [&] {
         const NanoBuffer buffer = file.load(entry);
-        VdbNotes found;
+        ValueNotes found;
         Volume volume = options.level_set_to_fog
                             ? fog_of_level_set(buffer, where, options.mask, found)
-                            : density_of(buffer, where, options.mask, found);
+                            : density_of(buffer, where, options, found);
         if (volume.empty())
             throw Error(fmt::format("{}: no active voxels{}", where,
                                     options.mask ? " above 0, expected a mask" : ""));

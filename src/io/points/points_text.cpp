@@ -106,7 +106,8 @@ struct Chunk {
 /// Parses the particles of one chunk into their final arrays.
 class ChunkReader {
   public:
-    ChunkReader(const PointColumns& columns, Points& points) : columns_(columns), points_(points) {}
+    ChunkReader(const PointColumns& columns, Points& points, bool skip_nonfinite)
+        : columns_(columns), points_(points), skip_nonfinite_(skip_nonfinite) {}
 
     void read(std::string_view text, Chunk& chunk) const {
         for (std::uint64_t line = chunk.first_line; !text.empty(); ++line) {
@@ -132,18 +133,26 @@ class ChunkReader {
         if (role < kFirstVelocity)
             points_.position[n][role] = value;
         else if (role < kFirstAttribute)
-            points_.velocity[n][role - kFirstVelocity] = static_cast<float>(value);
+            points_.velocity[n][role - kFirstVelocity] = float_of(value);
         else
             points_.attributes[static_cast<std::size_t>(role - kFirstAttribute)].value[n] =
-                static_cast<float>(value);
+                float_of(value);
     }
-    static bool fits(int role, double value) {
+    /// Conversion beyond float's range is undefined behaviour: such values become infinite.
+    static float float_of(double value) {
+        return std::abs(value) > double{std::numeric_limits<float>::max()}
+                   ? std::numeric_limits<float>::infinity()
+                   : static_cast<float>(value);
+    }
+    bool fits(int role, double value) const {
+        if (skip_nonfinite_) return true;  // left out when all are read
         return role < kFirstVelocity ? std::isfinite(value)
                                      : std::abs(value) <= double{std::numeric_limits<float>::max()};
     }
 
     const PointColumns& columns_;
     Points& points_;
+    bool skip_nonfinite_;
 };
 
 bool ChunkReader::read_particle(std::string_view line, std::uint64_t n) const {
@@ -173,7 +182,10 @@ std::string ChunkReader::fault(std::string_view line) const {
         if (!parse_number(fields[column], value))
             return fmt::format("got '{}' in column {}, expected a number", text, column + 1);
         if (!fits(role, value))
-            return fmt::format("got '{}' in column {}, expected a finite number", text, column + 1);
+            return fmt::format(
+                "got '{}' in column {}, expected a finite number (--skip-nonfinite "
+                "leaves such particles out)",
+                text, column + 1);
     }
     return "malformed";
 }
@@ -247,7 +259,7 @@ Points read_points_text(const std::filesystem::path& path, const PointReadOption
     points.source = path.string();
     for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
     resize(points, lines - columns.first_line, columns);
-    const ChunkReader reader(columns, points);
+    const ChunkReader reader(columns, points, options.values.skip_nonfinite);
     vog::parallel_for(std::size_t{0}, chunks.size(),
                       [&](std::size_t n) { reader.read(lines_of(n), chunks[n]); });
     std::uint64_t particles = 0;

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <span>
 
 #include "io/vdb/vdb_grid.h"
 #include "vog/volume_io.h"
@@ -14,6 +13,9 @@ namespace vog::vdb {
 
 inline Vec3i from_coord(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
 inline openvdb::Coord to_coord(Vec3i v) { return {v.x, v.y, v.z}; }
+
+/// Voxel of an offset in a leaf, relative to the leaf's origin.
+inline Vec3i offset_index(int offset) { return {offset >> 6, (offset >> 3) & 7, offset & 7}; }
 
 /// Density of a value: the number itself, or the length of a vector.
 template <class Value>
@@ -31,52 +33,80 @@ float density(const Value& value) {
     }
 }
 
-/// Counts of invalid active values; a tile is one value.
+/// Counts of invalid values; a tile is one value.
 struct Census {
-    std::uint64_t negative = 0, not_finite = 0;
-    /// Smallest `place` of a value that is not finite.
-    std::uint64_t first_not_finite = std::numeric_limits<std::uint64_t>::max();
+    /// Active values of one kind, with the first of them.
+    struct Count {
+        std::uint64_t values = 0;
+        std::uint64_t first = std::numeric_limits<std::uint64_t>::max();  ///< position among all
+        Vec3i index{};                                                    ///< voxel of `first`
+
+        void add(std::uint64_t place, Vec3i at) {
+            ++values;
+            if (place >= first) return;
+            first = place;
+            index = at;
+        }
+        void add(const Count& other) {
+            values += other.values;
+            if (other.first >= first) return;
+            first = other.first;
+            index = other.index;
+        }
+    };
+    Count negative, not_finite;
+    std::uint64_t inactive_not_finite = 0;
 
     /// Counts an invalid value and returns 0 for it; returns other values unchanged.
     /// place  position of the value among all
-    float admit(float value, std::uint64_t place) {
+    /// index  its voxel
+    float admit(float value, std::uint64_t place, Vec3i index) {
         if (!std::isfinite(value)) {
-            ++not_finite;
-            first_not_finite = std::min(first_not_finite, place);
+            not_finite.add(place, index);
             return 0;
         }
         if (value < 0) {
-            ++negative;
+            negative.add(place, index);
             return 0;
         }
         return value;
     }
     static Census sum(Census a, const Census& b) {
-        a.negative += b.negative;
-        a.not_finite += b.not_finite;
-        a.first_not_finite = std::min(a.first_not_finite, b.first_not_finite);
+        a.negative.add(b.negative);
+        a.not_finite.add(b.not_finite);
+        a.inactive_not_finite += b.inactive_not_finite;
         return a;
     }
 };
 
-/// Converts an OpenVDB leaf to a volume's leaf.
+/// Converts an OpenVDB leaf to a volume's leaf. Values that are not finite become inactive.
 /// i  index of the leaf in the volume
 template <class LeafT>
 void convert_leaf(const LeafT& from, std::size_t i, Leaf& to, Census& census) {
     to.origin = from_coord(from.origin());
-    for (openvdb::Index word = 0; word < to.mask.size(); ++word)
-        to.mask[word] = from.valueMask().template getWord<openvdb::Index64>(word);
-    for (auto voxel = from.cbeginValueOn(); voxel; ++voxel)
-        to.value[voxel.pos()] = census.admit(density(*voxel), i * kLeafVoxels + voxel.pos());
+    for (auto voxel = from.cbeginValueOn(); voxel; ++voxel) {
+        const auto offset = static_cast<int>(voxel.pos());
+        const float value = density(*voxel);
+        const float admitted =
+            census.admit(value, i * kLeafVoxels + voxel.pos(), to.origin + offset_index(offset));
+        if (std::isfinite(value)) to.set(offset, admitted);
+    }
+    for (auto voxel = from.cbeginValueOff(); voxel; ++voxel)
+        census.inactive_not_finite += !std::isfinite(density(*voxel));
 }
 
-/// Converts active tiles to volume.tiles, sorted by origin.
+/// Converts active tiles to volume.tiles, sorted by origin; without those not finite.
 Census tiles_from_grid(const openvdb::GridBase& grid, Volume& volume);
 
-/// Records the number of negative values in `notes`.
-/// throws vog::Error for values that are not finite
-void check_census(const Census& leaves, const Census& tiles, std::span<const Leaf> volume_leaves,
-                  std::span<const Tile> volume_tiles, const std::string& where, VdbNotes& notes);
+/// Sum in which values of tiles lie behind those of leaves.
+Census leaves_then_tiles(const Census& leaves, Census tiles);
+/// Records changed values in `notes`.
+/// rules  values to accept
+/// throws vog::Error for values that are not finite, or negative, unless `rules` accept them
+void check_census(const Census& census, const ValueRules& rules, const std::string& where,
+                  ValueNotes& notes);
+/// Drops leaves without active voxels.
+void drop_empty_leaves(Volume& volume);
 /// throws vog::Error for a transform that is singular or null (not affine)
 void check_transform(const std::optional<Affine>& world_from_index, const std::string& where);
 /// Sets values above 0 to 1 and makes all others inactive.

@@ -12,6 +12,7 @@
 
 #include "core/parallel.h"
 #include "io/vdb/vdb_density.h"
+#include "io/vdb/vdb_volume.h"
 
 namespace vog::vdb {
 
@@ -51,12 +52,13 @@ void throw_not_density(const std::string& where, const std::string& tree_type) {
                             short_type(tree_type)));
 }
 
-VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask)
+VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask, const ValueRules& rules)
     : file_(file),
       where_(file.where(entry)),
       tree_type_(entry.tree_type),
       owner_(tree_owner(file, entry)),
-      mask_(mask) {
+      mask_(mask),
+      rules_(mask ? mask_rules(rules) : rules) {
     with_vdb_errors(where_, [&] {
         read_layout();
         if (&owner_ != &entry) {
@@ -157,7 +159,7 @@ void VdbLeaves::read_leaves(const GridT& grid, std::span<const std::uint32_t> nu
     }
 }
 
-Volume VdbLeaves::read(const VolumePart& part, VdbNotes& notes) {
+Volume VdbLeaves::read(const VolumePart& part, ValueNotes& notes) {
     std::vector<PartNode> nodes;
     for (const LeafRange& leaf : leaves_)
         nodes.push_back({leaf.origin, static_cast<std::uint32_t>(active_count(leaf))});
@@ -165,7 +167,7 @@ Volume VdbLeaves::read(const VolumePart& part, VdbNotes& notes) {
     return read_nodes(nodes_of(nodes, part), part.index == 0, notes);
 }
 
-Volume VdbLeaves::read_where(const NodeChoice& selected, VdbNotes& notes) {
+Volume VdbLeaves::read_where(const NodeChoice& selected, ValueNotes& notes) {
     std::vector<std::uint32_t> numbers;
     for (std::size_t n = 0; n < leaves_.size(); ++n)
         if (selected(leaves_[n].origin, kLeafEdge))
@@ -177,7 +179,7 @@ Volume VdbLeaves::read_where(const NodeChoice& selected, VdbNotes& notes) {
 }
 
 Volume VdbLeaves::read_nodes(std::vector<std::uint32_t> numbers, bool count_tiles,
-                             VdbNotes& notes) {
+                             ValueNotes& notes) {
     const auto tiles = std::ranges::lower_bound(numbers, leaves_.size());
 
     Volume volume;
@@ -188,9 +190,10 @@ Volume VdbLeaves::read_nodes(std::vector<std::uint32_t> numbers, bool count_tile
     Census census;
     empty_grid_->apply<KnownGrids>(
         [&](const auto& grid) { read_leaves(grid, numbers, volume, census); });
-    Census tiles_census = tile_census_;
-    if (!count_tiles) tiles_census.negative = 0;
-    check_census(census, tiles_census, volume.leaves, tiles_.tiles, where_, notes);
+    // Tiles are checked in every part, but counted in one alone.
+    check_census(leaves_then_tiles(census, tile_census_), rules_, where_, notes);
+    if (!count_tiles) check_census(census, rules_, where_, notes);
+    drop_empty_leaves(volume);
     if (mask_) {
         keep_positive(volume);
         notes = {};

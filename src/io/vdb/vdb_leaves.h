@@ -25,7 +25,7 @@ class VdbLeaves {
     /// mask   as VdbOptions::mask
     /// throws vog::Error for a truncated or corrupt grid, a transform that is not affine, values
     ///        that are no density
-    VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask);
+    VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask, const ValueRules& rules);
 
     openvdb::GridClass grid_class() const;
     bool empty() const { return leaves_.empty() && tiles_.tiles.empty(); }
@@ -34,8 +34,8 @@ class VdbLeaves {
     Box world_box() const;
     const Affine& world_from_index() const { return tiles_.world_from_index; }
     /// Reads a part of the grid. The volume has no name or source.
-    Volume read(const VolumePart& part, VdbNotes& notes);
-    Volume read_where(const NodeChoice& selected, VdbNotes& notes);
+    Volume read(const VolumePart& part, ValueNotes& notes);
+    Volume read_where(const NodeChoice& selected, ValueNotes& notes);
 
   private:
     using LeafRange = CheckedTree::LeafRange;
@@ -43,8 +43,8 @@ class VdbLeaves {
     void read_topology(std::uint64_t tree_begin, std::uint64_t end);
     /// Reads nodes by number: leaves first, then tiles.
     /// numbers      ascending
-    /// count_tiles  whether negative tiles are counted in `notes`
-    Volume read_nodes(std::vector<std::uint32_t> numbers, bool count_tiles, VdbNotes& notes);
+    /// count_tiles  whether invalid tiles are counted in `notes`
+    Volume read_nodes(std::vector<std::uint32_t> numbers, bool count_tiles, ValueNotes& notes);
     template <class GridT>
     void read_leaves(const GridT& grid, std::span<const std::uint32_t> numbers, Volume& volume,
                      Census& census);
@@ -53,6 +53,7 @@ class VdbLeaves {
     std::string where_, tree_type_;
     const VdbEntry& owner_;
     bool mask_ = false;
+    ValueRules rules_;
     VdbHead head_;
     TreeStorage storage_;
     openvdb::GridBase::Ptr empty_grid_;  ///< has the tree's type and background

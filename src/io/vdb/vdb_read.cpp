@@ -79,12 +79,12 @@ struct VdbReader::State {
     std::string where;
     std::optional<VdbLeaves> leaves;  ///< for partial reading; none: the whole grid is in `fog`
     Volume fog;
-    VdbNotes notes;
+    ValueNotes notes;
 
     State(const std::filesystem::path& path, const VdbOptions& requested);
     void read_level_set();
     template <class Choose, class Part>
-    Volume read(const Choose& of_file, const Part& of_fog, VdbNotes* returned_notes);
+    Volume read(const Choose& of_file, const Part& of_fog, ValueNotes* returned_notes);
 };
 
 VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& requested)
@@ -96,7 +96,7 @@ VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& req
         read_level_set();
         return;
     }
-    leaves.emplace(file, entry, options.mask);
+    leaves.emplace(file, entry, options.mask, options.values);
     if (leaves->grid_class() == openvdb::GRID_LEVEL_SET)
         throw Error(fmt::format(
             "{}: a level set, expected density (--level-set-to-fog converts it)", where));
@@ -140,9 +140,10 @@ const Affine& VdbReader::world_from_index() const {
 
 /// Reads by of_file(leaves, notes), or by of_fog() if the whole grid is in memory.
 template <class Choose, class Part>
-Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog, VdbNotes* returned_notes) {
+Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog,
+                              ValueNotes* returned_notes) {
     return with_vdb_errors(where, [&] {
-        VdbNotes found = notes;
+        ValueNotes found = notes;
         Volume volume = leaves ? of_file(*leaves, found) : of_fog();
         volume.name = entry.plain_name;
         volume.source = file.name();
@@ -151,22 +152,24 @@ Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog, VdbNote
     });
 }
 
-Volume VdbReader::read(const VolumePart& part, VdbNotes* notes) {
+Volume VdbReader::read(const VolumePart& part, ValueNotes* notes) {
     Volume volume =
-        state_->read([&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read(part, found); },
+        state_->read([&](VdbLeaves& leaves, ValueNotes& found) { return leaves.read(part, found); },
                      [&] { return part_of(state_->fog, part); }, notes);
-    if (state_->options.mask && part.whole() && volume.empty())
-        throw Error(fmt::format("{}: no active voxels above 0, expected a mask", state_->where));
+    if (part.whole() && volume.empty())
+        throw Error(fmt::format(
+            "{}: no active voxels{}", state_->where,
+            state_->options.mask ? " above 0, expected a mask" : " with a finite value"));
     return volume;
 }
 
-Volume VdbReader::read_where(const NodeChoice& selected, VdbNotes* notes) {
+Volume VdbReader::read_where(const NodeChoice& selected, ValueNotes* notes) {
     return state_->read(
-        [&](VdbLeaves& leaves, VdbNotes& found) { return leaves.read_where(selected, found); },
+        [&](VdbLeaves& leaves, ValueNotes& found) { return leaves.read_where(selected, found); },
         [&] { return nodes_where(state_->fog, selected); }, notes);
 }
 
-Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, VdbNotes* notes) {
+Volume read_vdb(const std::filesystem::path& path, const VdbOptions& options, ValueNotes* notes) {
     return VdbReader(path, options).read({}, notes);
 }
 

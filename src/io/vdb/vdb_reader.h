@@ -28,10 +28,10 @@ class VdbReader {
     /// Reads one part.
     /// throws vog::Error for values that are not finite, corrupt bytes, a whole mask without
     ///        a value above 0
-    Volume read(const VolumePart& part = {}, VdbNotes* notes = nullptr);
+    Volume read(const VolumePart& part = {}, ValueNotes* notes = nullptr);
     /// Reads the selected leaves and tiles.
     /// throws vog::Error as read does
-    Volume read_where(const NodeChoice& selected, VdbNotes* notes = nullptr);
+    Volume read_where(const NodeChoice& selected, ValueNotes* notes = nullptr);
 
   private:
     struct State;

@@ -62,23 +62,29 @@ Census convert_tiles(const GridT& grid, Volume& volume) {
         volume.tiles.push_back(
             {from_coord(tile.getCoord()), kTileEdge[tile.getLevel()], density(*tile)});
     std::ranges::sort(volume.tiles, {}, kByOrigin);
-    for (std::size_t i = 0; i < volume.tiles.size(); ++i)
-        volume.tiles[i].value = census.admit(volume.tiles[i].value, i);
+    for (std::size_t i = 0; i < volume.tiles.size(); ++i) {
+        Tile& one = volume.tiles[i];
+        const float admitted = census.admit(one.value, i, one.origin);
+        if (std::isfinite(one.value)) one.value = admitted;
+    }
+    std::erase_if(volume.tiles, [](const Tile& one) { return !std::isfinite(one.value); });
     return census;
 }
 
 template <class GridT>
-void convert(const GridT& grid, const std::string& where, Volume& volume, VdbNotes& notes) {
+void convert(const GridT& grid, const ValueRules& rules, const std::string& where, Volume& volume,
+             ValueNotes& notes) {
     const Census leaves = convert_leaves(grid, volume);
-    check_census(leaves, convert_tiles(grid, volume), volume.leaves, volume.tiles, where, notes);
+    check_census(leaves_then_tiles(leaves, convert_tiles(grid, volume)), rules, where, notes);
+    drop_empty_leaves(volume);
 }
 
 template <class GridT>
 void sdf_to_fog(GridT& grid, const std::string& where) {
     // Checked first: the conversion would drop values that are not finite.
     Volume values;
-    VdbNotes notes;
-    convert(grid, where, values, notes);
+    ValueNotes notes;
+    convert(grid, {false, true}, where, values, notes);
     if (!(grid.background() > 0) || !std::isfinite(grid.background()))
         throw Error(fmt::format("{}: background {}, expected the half width of a narrow band > 0",
                                 where, grid.background()));
@@ -87,22 +93,23 @@ void sdf_to_fog(GridT& grid, const std::string& where) {
 
 }  // namespace
 
-void vdb::check_census(const Census& leaves, const Census& tiles,
-                       std::span<const Leaf> volume_leaves, std::span<const Tile> volume_tiles,
-                       const std::string& where, VdbNotes& notes) {
-    notes.clamped_negative = leaves.negative + tiles.negative;
-    const std::uint64_t not_finite = leaves.not_finite + tiles.not_finite;
-    if (not_finite == 0) return;
-    Vec3i first;
-    if (leaves.not_finite > 0) {
-        const auto offset = static_cast<int>(leaves.first_not_finite % kLeafVoxels);
-        const Leaf& leaf = volume_leaves[leaves.first_not_finite / kLeafVoxels];
-        first = leaf.origin + Vec3i{offset >> 6, (offset >> 3) & 7, offset & 7};
-    } else {
-        first = volume_tiles[tiles.first_not_finite].origin;
-    }
-    throw Error(fmt::format("{}: {} active values are not finite, the first at index [{}, {}, {}]",
-                            where, not_finite, first.x, first.y, first.z));
+void vdb::check_census(const Census& census, const ValueRules& rules, const std::string& where,
+                       ValueNotes& notes) {
+    const auto refuse = [&](const Census::Count& count, const char* what, const char* expected) {
+        throw Error(fmt::format(
+            "{}: {} active values are {}, the first at index [{}, {}, {}], "
+            "expected finite densities >= 0 ({})",
+            where, count.values, what, count.index.x, count.index.y, count.index.z, expected));
+    };
+    if (census.not_finite.values && !rules.skip_nonfinite)
+        refuse(census.not_finite, "not finite", "--skip-nonfinite leaves such voxels out");
+    if (census.negative.values && !rules.clip_negative)
+        refuse(census.negative, "negative", "--clip-negative sets them to 0");
+    notes = {census.negative.values, census.not_finite.values, census.inactive_not_finite};
+}
+
+void vdb::drop_empty_leaves(Volume& volume) {
+    std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
 }
 
 void vdb::check_transform(const std::optional<Affine>& world_from_index, const std::string& where) {
@@ -123,9 +130,20 @@ void vdb::keep_positive(Volume& volume) {
             if (leaf.value[static_cast<std::size_t>(n)] > 0) kept.set(n, 1);
         leaf = kept;
     }
-    std::erase_if(volume.leaves, [](const Leaf& leaf) { return leaf.active_count() == 0; });
+    drop_empty_leaves(volume);
     std::erase_if(volume.tiles, [](const Tile& tile) { return tile.value <= 0; });
     for (Tile& tile : volume.tiles) tile.value = 1;
+}
+
+Census vdb::leaves_then_tiles(const Census& leaves, Census tiles) {
+    for (Census::Count* count : {&tiles.negative, &tiles.not_finite})
+        if (count->values > 0) count->first += std::uint64_t{1} << 62;
+    return Census::sum(leaves, tiles);
+}
+
+ValueRules vdb::mask_rules(ValueRules rules) {
+    rules.clip_negative = true;
+    return rules;
 }
 
 Census vdb::tiles_from_grid(const openvdb::GridBase& grid, Volume& volume) {
@@ -136,11 +154,14 @@ Census vdb::tiles_from_grid(const openvdb::GridBase& grid, Volume& volume) {
 
 Volume vdb::density_from_grid(const openvdb::GridBase& grid,
                               const std::optional<Affine>& world_from_index,
-                              const std::string& where, VdbNotes& notes, bool mask) {
+                              const std::string& where, ValueNotes& notes, bool mask,
+                              const ValueRules& rules) {
     check_transform(world_from_index, where);
     Volume volume;
     volume.world_from_index = *world_from_index;
-    const auto fill = [&](const auto& typed) { convert(typed, where, volume, notes); };
+    const auto fill = [&](const auto& typed) {
+        convert(typed, mask ? mask_rules(rules) : rules, where, volume, notes);
+    };
     const bool known = mask ? grid.apply<KnownGrids>(fill) : grid.apply<DensityGrids>(fill);
     if (!known)
         throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
@@ -177,7 +198,7 @@ Volume volume_from_grid(const openvdb::FloatGrid& grid) {
     const std::string bytes = transform.str();
     MemoryBytes in(bytes, where, 0);
 
-    VdbNotes notes;
+    ValueNotes notes;
     Volume volume = density_from_grid(grid, read_transform(in), where, notes);
     volume.name = grid.getName();
     return volume;

@@ -9,15 +9,16 @@
 
 namespace vog::vdb {
 
-/// Volume of the active values: numbers unchanged, vectors by length, negative numbers as 0. It has
-/// no name or source.
+/// Volume of the active values: numbers unchanged, vectors by length. It has no name or source.
 /// where   start of messages
-/// throws  vog::Error for a transform that is singular or null (not affine), for non-finite values
-///         and for grids that hold no numbers
+/// throws  vog::Error for a transform that is singular or null (not affine), for negative and
+///         non-finite values unless `rules` accept them, and for grids that hold no numbers
 /// mask    values above 0 become 1, all others inactive; bool and mask grids are accepted too
 Volume density_from_grid(const openvdb::GridBase& grid,
                          const std::optional<Affine>& world_from_index, const std::string& where,
-                         VdbNotes& notes, bool mask = false);
+                         ValueNotes& notes, bool mask = false, const ValueRules& rules = {});
+/// Rules for a mask, of which negative values are no part.
+ValueRules mask_rules(ValueRules rules);
 
 /// Converts a level set to fog: 1 inside, a ramp from 0 to 1 over the inner narrow band.
 /// throws vog::Error unless it is a float or double grid of class level set or unknown

@@ -385,7 +385,8 @@ TEST(points_convert, options_and_values_out_of_range_are_refused) {
     PointOptions options;
     options.value = "mass";
     EXPECT_EQ(error_of([&] { (void)convert_points(bad, options); }),
-              "made.xyz: 'mass' of particle 3 is -2, expected 0 or more");
+              "made.xyz: 'mass' of particle 3 is -2, expected 0 or more (--clip-negative sets "
+              "negative ones to 0)");
     bad.attributes[0].value.assign(10, 0);
     EXPECT_EQ(error_of([&] { (void)convert_points(bad, options); }),
               "made.xyz: 'mass' is 0 for all particles");

@@ -98,12 +98,12 @@ TEST(nvdb, every_codec_gives_the_volume_back) {
     for (const Codec codec : {Codec::NONE, Codec::ZIP, Codec::BLOSC}) {
         const auto file = folder / "small.nvdb";
         write(file, nano(grid_from_volume(volume)), codec);
-        VdbNotes notes;
+        ValueNotes notes;
         const Volume read = read_nvdb(file, {}, &notes);
         expect_same(read, volume, 0);
         EXPECT_EQ(read.name, "density");
         EXPECT_EQ(read.source, file.string());
-        EXPECT_EQ(notes.clamped_negative, 0u);
+        EXPECT_EQ(notes.clipped_negative, 0u);
     }
 }
 
@@ -133,6 +133,7 @@ TEST(nvdb, other_numbers_and_vectors_are_read) {
         write(folder / "a.nvdb", builder.getHandle(1.0, nanovdb::Vec3d(0), "a"));
         VdbOptions options;
         options.grid = "a";
+        options.values.clip_negative = true;
         const Volume volume = read_nvdb(folder / "a.nvdb", options);
         ASSERT_EQ(volume.leaves.size(), 1u);
         EXPECT_EQ(volume.leaves[0].active_count(), 1);
@@ -182,22 +183,28 @@ TEST(nvdb, grids_are_chosen_by_name) {
     EXPECT_NE(refusal(file), "");
 }
 
-TEST(nvdb, negative_values_become_zero_and_others_are_refused) {
+TEST(nvdb, invalid_values_are_refused_or_accepted_by_the_rules) {
     const test::TempDir folder;
     const auto grid = openvdb::FloatGrid::create();
     grid->setName("density");
     for (int i = 0; i < 3; ++i) grid->tree().setValue({i, 0, 0}, float(i - 2));
     grid->tree().setValueOff({5, 5, 5}, 9);
     write(folder / "a.nvdb", nano(grid));
-    VdbNotes notes;
-    const Volume volume = read_nvdb(folder / "a.nvdb", {}, &notes);
-    EXPECT_EQ(notes.clamped_negative, 2u);
+    ValueNotes notes;
+    expect_says(refusal(folder / "a.nvdb"),
+                "2 active values are negative, the first at index [0, 0, 0]");
+    VdbOptions accept;
+    accept.values = {true, true};
+    const Volume volume = read_nvdb(folder / "a.nvdb", accept, &notes);
+    EXPECT_EQ(notes.clipped_negative, 2u);
     EXPECT_EQ(mass(volume), 0) << "inactive values do not count";
     EXPECT_EQ(active_voxels(volume), 3u);
 
     grid->tree().setValue({9, 0, 0}, std::numeric_limits<float>::quiet_NaN());
     write(folder / "a.nvdb", nano(grid));
     expect_says(refusal(folder / "a.nvdb"), "1 active values are not finite");
+    EXPECT_EQ(active_voxels(read_nvdb(folder / "a.nvdb", accept, &notes)), 3u);
+    EXPECT_EQ(notes.skipped_nonfinite, 1u);
     write(folder / "empty.nvdb", nano(openvdb::FloatGrid::create()));
     expect_says(refusal(folder / "empty.nvdb"), "no active voxels");
 }

@@ -125,11 +125,14 @@ TEST_F(points_text, every_malformed_line_is_named) {
     EXPECT_EQ(refused(good + "1 2 3.0.1 4 5 6\n"),
               "p.xyz:2: got '3.0.1' in column 3, expected a number");
     EXPECT_EQ(refused(good + "1 nan 3 4 5 6\n"),
-              "p.xyz:2: got 'nan' in column 2, expected a finite number");
+              "p.xyz:2: got 'nan' in column 2, expected a finite number (--skip-nonfinite leaves "
+              "such particles out)");
     EXPECT_EQ(refused(good + "1 2 3 4 5 1e39\n"),
-              "p.xyz:2: got '1e39' in column 6, expected a finite number");
+              "p.xyz:2: got '1e39' in column 6, expected a finite number (--skip-nonfinite leaves "
+              "such particles out)");
     EXPECT_EQ(refused(good + "1 2 1e999 4 5 6\n"),
-              "p.xyz:2: got '1e999' in column 3, expected a finite number");
+              "p.xyz:2: got '1e999' in column 3, expected a finite number (--skip-nonfinite leaves "
+              "such particles out)");
     EXPECT_EQ(refused("1,2,3\n1,,3\n", "p.csv"), "p.csv:2: got '' in column 2, expected a number");
     EXPECT_EQ(refused("1,2,3\n1,2,3,\n", "p.csv"), "p.csv:2: got 4 columns, expected 3");
     EXPECT_EQ(refused(good + "a\n" + good + "b\n"),

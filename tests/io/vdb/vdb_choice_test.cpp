@@ -182,12 +182,12 @@ TEST(vdb_choice, masks_are_values_above_zero_of_any_type) {
     write_grids(dir / "m.vdb", {floats, bools, masks});
     for (const char* name : {"floats", "bools", "masks"}) {
         SCOPED_TRACE(name);
-        VdbNotes notes;
+        ValueNotes notes;
         const Volume mask = read_vdb(dir / "m.vdb", {name, false, true}, &notes);
         EXPECT_EQ(active_voxels(mask), 1u);
         ASSERT_EQ(mask.leaves.size(), 1u);
         EXPECT_EQ(mask.leaves[0].value[leaf_offset(1, 2, 3)], 1);
-        EXPECT_EQ(notes.clamped_negative, 0u) << "nothing of density was changed";
+        EXPECT_EQ(notes.clipped_negative, 0u) << "nothing of density was changed";
     }
     expect_message({grid_with("empty", 0)},
                    ": grid 'empty': no active voxels above 0, expected a mask",

@@ -28,7 +28,7 @@ using test::write_grids;
 
 /// Writes `grids` to a file and reads one of them, whole and in parts.
 Volume through_file(const openvdb::GridPtrVec& grids, const VdbOptions& options = {},
-                    VdbNotes* notes = nullptr) {
+                    ValueNotes* notes = nullptr) {
     const TempDir dir;
     write_grids(dir / "grid.vdb", grids);
     const Volume whole = read_vdb(dir / "grid.vdb", options, notes);
@@ -108,13 +108,20 @@ TEST(vdb, leaves_without_active_voxels_are_dropped) {
     EXPECT_EQ(through_file({grid}).leaves.size(), 1u);
 }
 
-TEST(vdb, negative_values_become_zero_and_are_counted) {
+TEST(vdb, negative_values_are_refused_or_become_zero_and_are_counted) {
     const auto grid = make_grid("density");
     for (int i = 0; i < 20; ++i) set_voxel(*grid, {i, 0, 0}, static_cast<float>(i - 5));
     grid->tree().addTile(1, Coord(0, 64, 0), -1, true);
-    VdbNotes notes;
-    const Volume volume = through_file({grid}, {}, &notes);
-    EXPECT_EQ(notes.clamped_negative, 5u + 1u);  // a tile is one value
+    ValueNotes notes;
+    const std::string message = test::error_of([&] { through_file({grid}); });
+    EXPECT_NE(message.find("6 active values are negative, the first at index [0, 0, 0]"),
+              std::string::npos)
+        << message;
+    EXPECT_NE(message.find("--clip-negative"), std::string::npos) << message;
+    VdbOptions clip;
+    clip.values.clip_negative = true;
+    const Volume volume = through_file({grid}, clip, &notes);
+    EXPECT_EQ(notes.clipped_negative, 5u + 1u);  // a tile is one value
     EXPECT_EQ(active_voxels(volume), 20u + 512u);
     EXPECT_EQ(volume.tiles[0].value, 0);
     EXPECT_EQ(volume.leaves[0].value[leaf_offset(4, 0, 0)], 0);
@@ -134,6 +141,21 @@ TEST(vdb, values_that_are_not_finite_are_refused_with_count_and_first_index) {
               std::string::npos)
         << message;
     EXPECT_NE(message.find("grid.vdb: grid 'density'"), std::string::npos) << message;
+
+    VdbOptions skip;
+    skip.values.skip_nonfinite = true;
+    set_voxel(*grid, {0, 0, 0}, 3);
+    grid->tree().setValueOff({0, 0, 1}, nan);
+    ValueNotes notes;
+    const Volume volume = through_file({grid}, skip, &notes);
+    EXPECT_EQ(notes.skipped_nonfinite, 4u);
+    EXPECT_EQ(notes.inactive_nonfinite, 1u);
+    EXPECT_EQ(active_voxels(volume), 1u) << "voxels and tiles without a value are inactive";
+    EXPECT_EQ(volume.leaves.size(), 1u);
+    EXPECT_NO_THROW(validate(volume));
+    EXPECT_EQ(values_text(notes, "a.vdb"),
+              "a.vdb: 4 values that are not finite left out; 1 inactive voxels with a value that "
+              "is not finite: empty space");
 
     const auto large = make_grid<openvdb::DoubleGrid>("density");
     set_voxel(*large, {0, 0, 0}, 1e300);  // finite, but no float

@@ -1,0 +1,90 @@
+// quantity_options.cpp: help and evaluation of the options of the shown quantity.
+#include "options/quantity_options.h"
+
+#include <fmt/core.h>
+
+#include "shared/inputs.h"
+
+namespace vog::cli {
+
+namespace {
+constexpr const char* kQuantityGroup = "Quantity";
+}
+
+void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
+    command
+        .add_option("--show", arguments.show,
+                    "Quantity of the picture: T (optical depth, coloured by V = 1 - exp(-T)), or "
+                    "column: column density, the integral of density along the ray in world units "
+                    "(of particles: number or value per area), coloured over --range")
+        ->check(CLI::IsMember({"T", "column"}))
+        ->capture_default_str()
+        ->group(kQuantityGroup);
+    command
+        .add_option("--range", arguments.range,
+                    "Column densities LO,HI at the two ends of --tf; default: 0 to the largest of "
+                    "the first picture; with --log the four decades below the largest, or fewer")
+        ->group(kQuantityGroup);
+    command.add_flag("--log", arguments.log, "Logarithmic colour scale of column density")
+        ->group(kQuantityGroup);
+    command
+        .add_option("--units", arguments.units,
+                    "Unit of column density, for the colour bar and the report: text, such as "
+                    "'g/cm2'")
+        ->group(kQuantityGroup);
+    command
+        .add_flag("--color-bar", arguments.color_bar,
+                  "Add a colour bar with ticks on the right of the picture, which becomes wider")
+        ->group(kQuantityGroup);
+    command.add_option("--title", arguments.title, "Text above the picture, which becomes higher")
+        ->group(kQuantityGroup);
+    command
+        .add_option("--values-out", arguments.values_output,
+                    "File of the shown quantity as float32 numbers, height x width, rows from the "
+                    "top: .npy or .exr. A folder where -o is one: .npy files")
+        ->group(kQuantityGroup);
+}
+
+std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments) {
+    if (arguments.range.empty()) return std::nullopt;
+    const std::size_t comma = arguments.range.find(',');
+    const auto wrong = [&] {
+        return CLI::ValidationError(
+            fmt::format("--range {}: expected LO,HI, two numbers, the first below the second{}",
+                        arguments.range, arguments.log ? " and above 0 (--log)" : ""));
+    };
+    if (comma == std::string::npos) throw wrong();
+    try {
+        std::size_t low_end = 0, high_end = 0;
+        const std::string low = arguments.range.substr(0, comma);
+        const std::string high = arguments.range.substr(comma + 1);
+        const ColorScale scale{arguments.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
+                               std::stod(low, &low_end), std::stod(high, &high_end)};
+        if (low_end != low.size() || high_end != high.size()) throw wrong();
+        (void)scale_position(scale, 0);  // checks the range
+        return scale;
+    } catch (const std::exception&) {
+        throw wrong();
+    }
+}
+
+void check_quantity_options(const QuantityArguments& arguments, const CLI::App& command,
+                            bool pictures) {
+    const auto refuse = [&](const char* option, const char* reason) {
+        if (command.count(option))
+            throw CLI::ValidationError(fmt::format("{}: {}", option, reason));
+    };
+    if (!arguments.column()) {
+        for (const char* option : {"--range", "--log", "--units"})
+            refuse(option, "is of column density, expected --show column");
+    } else {
+        refuse("--extinction", "column density has none, expected it without --show column");
+        refuse("--blend", "fades by V, expected it without --show column");
+    }
+    if (!pictures)
+        for (const char* option : {"--range", "--log", "--color-bar", "--title"})
+            refuse(option, "is of a picture, expected -o");
+    (void)fixed_scale(arguments);
+}
+
+}  // namespace vog::cli

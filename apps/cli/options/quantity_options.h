@@ -1,0 +1,30 @@
+// quantity_options.h: options of the quantity that a picture shows, its colour bar and its numbers.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "vog/quantity.h"
+
+namespace vog::cli {
+
+struct QuantityArguments {
+    std::string show = "T", range, units, title, values_output;
+    bool log = false, color_bar = false;
+
+    bool column() const { return show == "column"; }
+};
+
+/// Adds --show, --range, --log, --units, --color-bar, --title and --values-out.
+void add_quantity_options(CLI::App& command, QuantityArguments& arguments);
+
+/// throws CLI::ValidationError for options without effect beside the others, and for a range that
+///        is none
+/// pictures  whether a picture is written
+void check_quantity_options(const QuantityArguments& arguments, const CLI::App& command,
+                            bool pictures);
+/// The scale of --range and --log; none without --range.
+std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments);
+
+}  // namespace vog::cli

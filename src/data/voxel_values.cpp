@@ -1,0 +1,19 @@
+// voxel_values.cpp: Changed values in words.
+#include "vog/voxel_values.h"
+
+#include <fmt/core.h>
+
+namespace vog {
+
+std::string values_text(const ValueNotes& notes, const std::string& where) {
+    std::string text;
+    const auto add = [&](std::uint64_t count, const char* what) {
+        if (count) text += fmt::format("{}{} {}", text.empty() ? ": " : "; ", count, what);
+    };
+    add(notes.clipped_negative, "negative values set to 0");
+    add(notes.skipped_nonfinite, "values that are not finite left out");
+    add(notes.inactive_nonfinite, "inactive voxels with a value that is not finite: empty space");
+    return text.empty() ? text : where + text;
+}
+
+}  // namespace vog

@@ -1,0 +1,158 @@
+// inputs_test.cpp: several volumes as levels, parts or sums; values that are no density; options
+// without effect.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/command.h"
+#include "support/level_volumes.h"
+#include "vog/image.h"
+#include "vog/volume_io.h"
+
+namespace vog::test {
+
+namespace {
+
+using Json = nlohmann::json;
+
+/// Mean of a depth image, or of the one of a command.
+double mean_of(const DepthImage& depth) {
+    double sum = 0;
+    for (const float t : depth.depth) sum += double{t};
+    return sum / static_cast<double>(depth.depth.size());
+}
+
+}  // namespace
+
+class inputs : public CommandLine {
+  protected:
+    /// A cube of 20^3 voxels.
+    /// shift  along x, voxels
+    void write_cube(const std::string& file, double shift = 0, float density = 0.5f,
+                    const std::string& name = "density") const {
+        Volume cube = cube_of(20, density, {{}, {shift, 0, 0}});
+        cube.name = name;
+        write_vdb(dir_ / file, cube);
+    }
+    double mean_t(const std::string& arguments) const {
+        must("render " + arguments + " --depth-out T.exr --size 32 --extinction 1");
+        return mean_of(read_depth(dir_ / "T.exr"));
+    }
+};
+
+TEST_F(inputs, time_steps_are_never_taken_for_levels) {
+    write_cube("step_1.vdb", 0, 0.5f);
+    write_cube("step_2.vdb", 0.25, 0.9f);
+    const std::string problem = "voxels of one size at one place";
+    for (const std::string command :
+         {"render 'step_*.vdb' -o a.png", "convert 'step_*.vdb' -o a.ply",
+          "export 'step_*.vdb' -o a.html", "evaluate step_1.vdb step_2.vdb -o report"}) {
+        must_fail(1, command, problem);
+        for (const char* choice : {"-o FOLDER/", "--sum", "--mesh"}) must_fail(1, command, choice);
+    }
+    for (const char* file : {"a.png", "a.ply", "a.html", "report"})
+        EXPECT_FALSE(std::filesystem::exists(dir_ / file)) << file;
+    must("render 'step_*.vdb' -o pictures/ --size 16");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "pictures/step_2.png"));
+    must_fail(2, "render 'step_*.vdb' -o a.png --sum --mesh", "exclude each other");
+    must_fail(2, "render step_1.vdb -o a.png --sum", "got one volume");
+}
+
+TEST_F(inputs, volumes_add_up_or_hide_each_other_where_it_is_said) {
+    write_cube("a.vdb", 0, 0.5f);
+    write_cube("b.vdb", 0, 0.9f);
+    const std::string camera = "--eye 10,10,90 --look-at 9.5,9.5,9.5 ";
+    const double a = mean_t("a.vdb " + camera), b = mean_t("b.vdb " + camera);
+    EXPECT_NEAR(mean_t("a.vdb b.vdb --sum " + camera), a + b, 1e-5 * (a + b));
+    EXPECT_NEAR(mean_t("b.vdb a.vdb --mesh " + camera), b, 1e-5 * b) << "the first counts";
+    const Result summed = must("render a.vdb b.vdb --sum -o s.png --size 16 --json");
+    EXPECT_EQ(Json::parse(summed.out)["notes"][0], "2 volumes add up (--sum)");
+    EXPECT_NE(summed.error.find("2 volumes add up (--sum)"), std::string::npos) << summed.error;
+    const auto converted =
+        Json::parse(must("convert a.vdb b.vdb --mesh --block 4 -o m.ply --json").out);
+    EXPECT_NE(converted["notes"][0].get<std::string>().find("(--mesh)"), std::string::npos);
+}
+
+TEST_F(inputs, parts_and_levels_are_found_and_said) {
+    write_cube("left.vdb");
+    write_cube("right.vdb", 20);
+    const Result parts = must("render left.vdb right.vdb -o p.png --size 16 --json");
+    EXPECT_NE(parts.error.find("2 volumes are parts side by side"), std::string::npos);
+    EXPECT_NE(Json::parse(parts.out)["notes"][0].get<std::string>().find("parts side by side"),
+              std::string::npos);
+    EXPECT_NEAR(mean_t("left.vdb right.vdb"), mean_t("left.vdb right.vdb --sum"), 1e-6);
+    must("sample amr amr.vdb --size 64");
+    const Result levels = must("render amr.vdb --grid 'density_L*' -o p.png --size 16 --json");
+    EXPECT_EQ(Json::parse(levels.out)["notes"][0],
+              "3 volumes are 3 levels of one mesh: the finest counts where they overlap");
+    EXPECT_EQ(
+        Json::parse(must("evaluate amr.vdb --grid 'density_L*' -o r --size 16 --repeat 1 --json")
+                        .out)["notes"]
+            .size(),
+        1u);
+    EXPECT_FALSE(Json::parse(must("render left.vdb -o p.png --json").out).contains("notes"));
+}
+
+TEST_F(inputs, grids_of_different_names_are_different_quantities) {
+    Volume density = cube_of(20, 0.5f, {}), heat = density;
+    density.name = "density";
+    heat.name = "temperature";
+    write_vdb(dir_ / "both.vdb", std::vector<Volume>{density, heat});
+    must_fail(1, "render both.vdb --grid '*' -o a.png", "are different quantities");
+    must_fail(1, "convert both.vdb --grid '*' -o a.ply", "--grid NAME");
+    must("render both.vdb --grid '*' --sum -o a.png --size 16");
+}
+
+TEST_F(inputs, real_time_steps_quantities_and_levels) {
+    VOG_NEEDS_DATA("plume/plume_0028.vdb");
+    VOG_NEEDS_DATA("fire.vdb");
+    VOG_NEEDS_DATA("enzo/level0.vdb");
+    const std::string data = data_dir().string() + "/";
+    must_fail(1, "render '" + data + "plume/*.vdb' -o a.png", "voxels of one size at one place");
+    must_fail(1, "render '" + data + "fire.vdb' --grid '*' -o a.png", "are different quantities");
+    EXPECT_NE(must("render '" + data + "enzo/*.vdb' -o a.png --size 16").error.find("3 levels"),
+              std::string::npos);
+}
+
+TEST_F(inputs, invalid_values_are_refused_or_said) {
+    write("points.csv", "x,y,z,mass\n0,0,0,1\n1,0,0,nan\n0,1,0,2\n0,0,1,-3\n1,1,1,4\n");
+    must_fail(1, "convert points.csv -o a.ply --value mass",
+              "points.csv:3: got 'nan' in column 4, expected a finite number (--skip-nonfinite");
+    must_fail(1, "convert points.csv -o a.ply --value mass --skip-nonfinite",
+              "is -3, expected 0 or more (--clip-negative");
+    for (const std::string command :
+         {"convert points.csv -o a.ply", "render points.csv -o a.png"}) {
+        const Result result =
+            must(command + " --value mass --skip-nonfinite --clip-negative --json");
+        const std::string text =
+            "points.csv: 1 negative values set to 0; 1 values that are not finite left out";
+        EXPECT_EQ(Json::parse(result.out)["notes"][0], text);
+        EXPECT_NE(result.error.find(text), std::string::npos) << result.error;
+    }
+}
+
+TEST_F(inputs, options_without_effect_are_refused) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --block 8");
+    must("render c.ply -o a.png --size 16 --depth-out T.exr");
+    write("p.xyz", "1 2 3\n4 5 6\n7 8 9\n");
+    must_fail(2, "render c.vdb -o a.png --step 0.5", "--step: is of --interpolation linear");
+    must_fail(2, "render c.ply -o a.png --renderer trace --slab-hits 4", "--slab-hits");
+    must_fail(2, "compare a.png a.png --tf jet", "--tf: is of depth images");
+    must_fail(2, "compare a.png a.png --extinction 2", "--extinction: is of depth images");
+    must_fail(2, "render c.ply -o b.png --grid density", "--grid does not go with models");
+    must_fail(2, "export c.ply -o b.html --sum", "--sum does not go with models");
+    must_fail(2, "render p.xyz -o b.png --radius 1 --grid a", "--grid does not go with particles");
+    must_fail(2, "convert c.vdb -o b.ply --again", "--again: is of time series");
+    must_fail(1, "render nofile -o b.png", "nofile: no such file");
+    must_fail(1, "evaluate c.vdb -o a.png", "a.png: is a file, expected a folder");
+    for (const char* wrong : {"0", "-3", "many"}) {
+        const Result result = run(std::string("convert c.vdb -o b.ply --budget ") + wrong);
+        EXPECT_EQ(result.exit_code, 2);
+        EXPECT_NE(result.error.find("--budget"), std::string::npos);
+        EXPECT_LT(result.error.size(), 120u) << result.error;
+    }
+    must_fail(2, "render c.vdb -o b.png --threads -1", "-1: expected a number >= 0");
+}
+
+}  // namespace vog::test
