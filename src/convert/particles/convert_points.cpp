@@ -71,9 +71,10 @@ BigVector<float> masses(const Points& points, const std::string& name) {
     bool any = false;
     for (std::size_t n = 0; n < values.size(); ++n) {
         if (values[n] < 0)
-            throw Error(fmt::format("{}: '{}' of particle {} is {}, expected 0 or more "
-                                    "(--clip-negative sets negative ones to 0)",
-                                    name_of(points), name, n, values[n]));
+            throw Error(
+                fmt::format("{}: '{}' of particle {} is {}, expected 0 or more "
+                            "(--clip-negative sets negative ones to 0)",
+                            name_of(points), name, n, values[n]));
         any |= values[n] > 0;
         keep_memory_at(n);
     }
