@@ -60,9 +60,9 @@ TEST_P(pixel_mean_of, needles_and_discs_keep_their_mass) {
 TEST_P(pixel_mean_of, wider_ones_are_exact_at_pixel_centres) {
     const Gaussians model = random_gaussians(40, 0.2, 0.5, 63);
     for (const double distance : {0.8, 4.0}) {
-        const Camera camera = orbit_view(
-            {{-1, -1, -1}, {1, 1, 1}},
-            {.azimuth_degrees = 20, .distance_radii = distance, .fov_degrees = 40});
+        const Camera camera =
+            orbit_view({{-1, -1, -1}, {1, 1, 1}},
+                       {.azimuth_degrees = 20, .distance_radii = distance, .fov_degrees = 40});
         constexpr int kSize = 80;
         const CameraFrame frame = frame_of(camera, kSize, kSize);
         const DepthImage image = GetParam().render(model, camera, kSize, kSize);

@@ -70,7 +70,8 @@ PixelMean pixel_mean(const Gaussians& model, std::size_t i, const CameraFrame& f
     const double slanted = frame.orthographic ? 0 : 1;  // 0: rays have no slope
     const Vec3d column =
         (1 / per_pixel) * (frame.right - (slanted * dot(p, frame.right) / z) * frame.forward);
-    const Vec3d row = (1 / per_pixel) * (frame.up - (slanted * dot(p, frame.up) / z) * frame.forward);
+    const Vec3d row =
+        (1 / per_pixel) * (frame.up - (slanted * dot(p, frame.up) / z) * frame.forward);
     ScreenCovariance screen = screen_covariance(covariance, column, row);
     const double least = kLeast * kLeast / variance;
     if (screen.small < least) {

@@ -219,9 +219,8 @@ std::vector<double> exact_depth(const Scene& scene) {
             for (std::size_t i = 0; i < drawn.size(); ++i)
                 sum +=
                     drawn[i].density *
-                    segment_integral(
-                        drawn[i].w * (vec_cast<double>(scene.model.mean[i]) - origin),
-                        drawn[i].w * direction, scene.model.cutoff);
+                    segment_integral(drawn[i].w * (vec_cast<double>(scene.model.mean[i]) - origin),
+                                     drawn[i].w * direction, scene.model.cutoff);
             depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(scene.width) +
                   static_cast<std::size_t>(column)] = sum;
         }

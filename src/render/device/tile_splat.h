@@ -315,8 +315,7 @@ VOG_HD void divide_by_sum(const SplatKernel& model, const MeanPoint& at,
                           TileSplat& out) {
     if (!(screen.small < model.sampled2)) return;
     // Over the screen tau / |D| has the integral mass over the area of a pixel there.
-    const double area =
-        sqrt(dot(at.per_column, at.per_column) * dot(at.per_row, at.per_row));
+    const double area = sqrt(dot(at.per_column, at.per_column) * dot(at.per_row, at.per_row));
     out.share = share_of_sum(out, model, screen, extent / at.distance, mass * model.mass / area);
     out.weight *= out.share;
 }

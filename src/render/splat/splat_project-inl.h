@@ -186,8 +186,8 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, const SplatModel& 
     const V own_reach = hn::Mul(hn::Set(d, cutoff), hn::Sqrt(dot(shape.spread_f, shape.spread_f)));
     const V max_pixel = hn::Set(d, kMaxPixel);
     const auto in_front = hn::Ge(forward, hn::Mul(hn::Set(d, kInFront), own_reach));
-    const MeanPoint<V> at = kParallel ? MeanPoint<V>{zero, zero, ppu, zero}
-                                      : mean_point(d, right, up, forward, ppu);
+    const MeanPoint<V> at =
+        kParallel ? MeanPoint<V>{zero, zero, ppu, zero} : mean_point(d, right, up, forward, ppu);
     const V least_variance = widen(d, at, model.limits, in_front, axes, scale, shape);
     const auto& [spread_r, spread_u, spread_f, right_over, up_over, forward_over, peak, volume,
                  inverse_peak_volume] = shape;

@@ -12,9 +12,9 @@
 /// The view at the means.
 template <class V>
 struct MeanPoint {
-    V slope_r, slope_u;     ///< of the rays there, right and up over forward; parallel rays: 0
-    V pixels;               ///< that a world unit across the view covers
-    V per_depth2;           ///< 1 / distance² along the view; parallel rays: 0
+    V slope_r, slope_u;  ///< of the rays there, right and up over forward; parallel rays: 0
+    V pixels;            ///< that a world unit across the view covers
+    V per_depth2;        ///< 1 / distance² along the view; parallel rays: 0
 };
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE MeanPoint<V> mean_point(D d, V right, V up, V forward, V pixels_per_unit) {

@@ -33,10 +33,10 @@ void expect_exact(const Gaussians& model, const DepthImage& image, int step) {
             const Vec3d direction = normalized(frame.direction(column, row));
             double exact = 0;
             for (std::size_t i = 0; i < drawn.size(); ++i)
-                exact += drawn[i].density *
-                         segment_integral(
-                             drawn[i].w * (vec_cast<double>(model.mean[i]) - frame.eye),
-                             drawn[i].w * direction, model.cutoff);
+                exact +=
+                    drawn[i].density *
+                    segment_integral(drawn[i].w * (vec_cast<double>(model.mean[i]) - frame.eye),
+                                     drawn[i].w * direction, model.cutoff);
             ASSERT_NEAR(image.at(column, row), exact, 1e-4 * largest) << column << ' ' << row;
         }
 }
