@@ -282,7 +282,8 @@ TEST_F(cli, traces_the_picture_it_splats) {
         EXPECT_GT(json["hits"], 0);
         const DepthImage trace = read_depth(dir_ / "trace.exr");
         for (std::size_t n = 0; n < splat.depth.size(); ++n)
-            ASSERT_NEAR(trace.depth[n], splat.depth[n], 1e-4f * largest) << "pixel " << n;
+            // Near the size of a pixel both round the share of a Gaussian for themselves.
+            ASSERT_NEAR(trace.depth[n], splat.depth[n], 3e-4f * largest) << "pixel " << n;
     }
     must("render cloud.ply --kappa 0.1 --renderer trace --aabb-sigma 1 -o boxes.png");
     must(

@@ -117,6 +117,7 @@ Gaussians run(MomentJob& job) {
         job.clock.end_stage("measure", 1);
     }
     model.box = job.box;
+    check_density_range(model, job.volume().source.empty() ? "volume" : job.volume().source);
     model.source = source_text(job.parts);
     model.method = "moments";
     model.options = option_text(job);

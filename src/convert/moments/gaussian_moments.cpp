@@ -2,11 +2,15 @@
 // moments.
 #include "convert/moments/gaussian_moments.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/paging.h"
+#include "vog/error.h"
 
 namespace vog::moments {
 
@@ -146,6 +150,19 @@ std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i) {
     for (Vec3d& row : scaled.row) row = {row.x * s.x, row.y * s.y, row.z * s.z};
     const auto at = [&](std::size_t a, std::size_t b) { return dot(scaled.row[a], scaled.row[b]); };
     return {at(0, 0), at(0, 1), at(0, 2), at(1, 1), at(1, 2), at(2, 2)};
+}
+
+void check_density_range(const Gaussians& model, const std::string& source) {
+    constexpr float kSmallest = std::numeric_limits<float>::min();
+    float largest = 0;
+    for (const float density : model.density) largest = std::max(largest, density);
+    if (model.size() == 0 || (largest >= kSmallest && std::isfinite(largest))) return;
+    throw Error(
+        fmt::format("{}: {:.2g} world units across, which gives densities {} {:.2g}, expected "
+                    "within the range of "
+                    "32-bit floats: other units of length or of values",
+                    source, 2 * model.box.radius(), largest < kSmallest ? "below" : "above",
+                    largest < kSmallest ? kSmallest : std::numeric_limits<float>::max()));
 }
 
 }  // namespace vog::moments

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 
 #include "core/morton.h"
 #include "vog/convert_moments.h"
@@ -91,5 +92,10 @@ void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,
 std::array<double, 6> kernel_covariance(const Gaussians& model, std::size_t i);
 /// Resizes the arrays to `count` Gaussians, rotations unless axis-aligned.
 void resize(Gaussians& model, std::size_t count, bool axis_aligned);
+
+/// Checks that densities stay within the range of float32, the precision of models.
+/// source  name for the message
+/// throws  vog::Error if one is infinite, or the largest is below float's smallest normal number
+void check_density_range(const Gaussians& model, const std::string& source);
 
 }  // namespace vog::moments

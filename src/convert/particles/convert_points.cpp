@@ -319,6 +319,7 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     job.clock.end_stage("radii", 0.5);
 
     Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);
+    check_density_range(model, name_of(points));
     job.clock.end_stage("model", 0.9);
     if (options.measure && job.report.measured_error < 0) {
         const RelativeError error = ErrorViews(all_particles(job)).relative_l2(model);

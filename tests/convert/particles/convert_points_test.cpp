@@ -10,6 +10,7 @@
 
 #include "convert/particles/nearest_neighbours.h"
 #include "support/refused_files.h"
+#include "support/scenes.h"
 #include "vog/compare.h"
 #include "vog/convert_points.h"
 #include "vog/splat.h"
@@ -224,16 +225,19 @@ TEST(points_convert, a_picture_is_the_sum_of_the_particles_own_gaussians) {
     const Gaussians model = convert_points(points);
     const Camera camera = paper_view(model.box);
     const DepthImage image = render_splat(model, camera, 48, 40);
-    const CameraFrame frame = frame_of(camera, 48, 40);
-    double largest = 0;
-    for (const float t : image.depth) largest = std::max(largest, double{t});
-    for (int row = 0; row < 40; ++row)
-        for (int column = 0; column < 48; ++column) {
-            double t = 0;
-            for (std::size_t i = 0; i < model.size(); ++i)
-                t += optical_depth(model, i, frame.eye, frame.direction(column, row));
-            EXPECT_NEAR(image.depth[std::size_t(row * 48 + column)], t, 2e-5 * largest);
-        }
+    const std::vector<double> exact = exact_depth({"particles", model, camera, 48, 40});
+    const double largest = *std::max_element(exact.begin(), exact.end());
+    for (std::size_t n = 0; n < exact.size(); ++n)
+        EXPECT_NEAR(image.depth[n], exact[n], 2e-5 * largest);
+}
+
+TEST(points_convert, densities_beyond_float_are_refused) {
+    for (const auto& [factor, text] :
+         {std::pair{1e21, "below 1.2e-38"}, {1e-30, "above 3.4e+38"}}) {
+        Points points = clustered(300);
+        for (Vec3d& p : points.position) p = factor * p;
+        EXPECT_NE(error_of([&] { (void)convert_points(points); }).find(text), std::string::npos);
+    }
 }
 
 TEST(points_convert, the_requested_error_is_met_with_few) {
