@@ -262,10 +262,10 @@ class Pages(unittest.TestCase):
     def test_colours_exposure_and_fading_are_vog_renders(self):
         self.open()
         self.set("map", "viridis", "change")
-        self.expect_same(tf="viridis")
+        self.expect_same(tf="viridis", least=55)
         self.set("exposure", 1.5)
         self.assertAlmostEqual(self.value("vog.state.exposure"), 2 ** 1.5)
-        self.expect_same(tf="viridis")
+        self.expect_same(tf="viridis", least=55)
         self.value("document.getElementById('fade').click()")
         self.expect_same("fine.ply", "--blend", tf="viridis")
         plain = self.bytes()
