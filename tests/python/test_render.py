@@ -114,6 +114,21 @@ def test_parallel_rays_sum_to_the_mass(model, cloud):
             assert mass == pytest.approx(data.mass, rel=1e-4 if view == "paper" else within)
 
 
+def test_any_unit_of_length_gives_the_same_picture():
+    z, y, x = np.mgrid[:20, :20, :20] - 9.5
+    density = np.exp(-(x**2 + y**2 + z**2) / 20).astype(np.float32)
+    for renderer in ("splat", "trace", "reference"):
+        pictures = []
+        for unit in (1, 1e-30, 1e-21, 1e21, 1e30):
+            volume = vog.Volume.from_numpy(density, voxel_size=unit)
+            data = volume if renderer == "reference" else vog.convert(volume, block=2)
+            depth = vog.render(data, size=48, renderer=renderer)
+            pictures.append(1 - np.exp(-np.asarray(depth, dtype=float)))
+        assert pictures[0].max() > 0.9
+        for other in pictures[1:]:
+            assert np.abs(other - pictures[0]).max() < 1e-5, renderer
+
+
 def test_a_scene_draws_many_views(model, cloud):
     for data, renderer in ((model, "splat"), (model, "trace"), (cloud, "reference")):
         scene = vog.Scene(data, renderer=renderer)
