@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "shared/inputs.h"
+#include "shared/validators.h"
 
 namespace vog::cli {
 
@@ -120,7 +121,7 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
             "Distance of the eye from the centre of the input's bounding box, in bounding radii "
             "(half the box's diagonal). Default: the distance at which the box fills 95 % of the "
             "picture's width or height")
-        ->check(CLI::PositiveNumber)
+        ->check(positive_number())
         ->group(group);
     command.add_option("--fov", arguments.fov_degrees, "Full vertical field of view, degrees")
         ->check(CLI::Range(0.001, 179.999))
@@ -135,7 +136,7 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
             "--width", arguments.width,
             "Width of an orthographic picture, world units. Default: the bounding box fills "
             "95 % of the picture's width or height")
-        ->check(CLI::PositiveNumber)
+        ->check(positive_number())
         ->group(group);
     command
         .add_option("--eye", arguments.eye,
