@@ -17,7 +17,7 @@ trap 'rm -rf "$folder"' EXIT
 row() {  # volume, options of the grid, options of the conversion
     # shellcheck disable=SC2086  # options are several words
     "$vog" convert "$data/$1.vdb" $2 -o "$folder/m.ply" --measure --no-hierarchy --json $3 > "$folder/convert.json"
-    "$vog" render "$folder/m.ply" -o "$folder/m.png" --size 512 --depth-out "$folder/m.exr" > /dev/null
+    "$vog" render "$folder/m.ply" -o "$folder/m.png" --size 512 --view paper --depth-out "$folder/m.exr" > /dev/null
     "$vog" compare "$folder/exact.exr" "$folder/m.exr" --json > "$folder/compare.json"
     python3 - "$folder" "$1" "$3" << 'PYTHON'
 import json, sys
@@ -34,7 +34,7 @@ echo "| data | cells | Gaussians | share | PSNR of V | L2 of T | mean of 12 view
 echo "|---|---|---|---|---|---|---|---|"
 while read -r volume coarse middle fine grid; do
     # shellcheck disable=SC2086
-    "$vog" render "$data/$volume.vdb" $grid -o "$folder/r.png" --size 512 \
+    "$vog" render "$data/$volume.vdb" $grid -o "$folder/r.png" --size 512 --view paper \
         --depth-out "$folder/exact.exr" > /dev/null
     for cells in "--block 8" "--block 4" "--block 2"; do row "$volume" "$grid" "$cells"; done
     for count in "$coarse" "$middle" "$fine"; do row "$volume" "$grid" "--budget $count $*"; done
