@@ -1,4 +1,5 @@
 // bind_gaussians.cpp: Gaussians: array views, selection, concatenation, files.
+#include <algorithm>
 #include <memory>
 #include <numeric>
 
@@ -14,14 +15,43 @@ namespace {
 
 using Model = std::shared_ptr<Gaussians>;
 
+py::array_t<double> array_of(Vec3d v) {
+    py::array_t<double> array(3);
+    for (int axis = 0; axis < 3; ++axis) array.mutable_at(axis) = v[axis];
+    return array;
+}
+
+/// throws vog::Error where a mean given in double precision moves by more than an eighth of its
+///        Gaussian's largest scale, as a float
+void require_precise(const py::object& mean, const Gaussians& model) {
+    if (py::isinstance<py::array_t<float>>(mean) || model.scale.size() != model.size()) return;
+    const BigVector<Vec3d> exact = vector_of<Vec3d, double>(mean, "mean");
+    for (std::size_t i = 0; i < exact.size(); ++i) {
+        const Vec3f s = model.scale[i];
+        const double moved = length(vec_cast<double>(model.mean[i]) - exact[i]);
+        if (moved > 0.125 * double{std::max({s.x, s.y, s.z})})
+            throw Error("mean: row " + std::to_string(i) + " would move by " +
+                        std::to_string(moved) +
+                        " as float32, expected means relative to a near point, with origin=point");
+    }
+}
+
 Model from_arrays(const py::object& mean, const py::object& scale, const py::object& density,
-                  const py::object& rotation, float cutoff, const py::object& box) {
+                  const py::object& rotation, float cutoff, const py::object& box,
+                  const py::object& origin) {
     auto model = std::make_shared<Gaussians>();
     model->mean = vector_of<Vec3f, float>(mean, "mean");
+    if (!origin.is_none()) {
+        const auto o = row_of<double>(origin, "origin");
+        if (o.size() != 3)
+            throw Error("origin: " + std::to_string(o.size()) + " numbers, expected 3");
+        model->origin = {o.at(0), o.at(1), o.at(2)};
+    }
     const py::array_t<float> peak = row_of<float>(density, "density");
     model->density = {peak.data(), peak.data() + peak.size()};
     model->scale = vector_of<Vec3f, float>(scale, "scale");
     if (!rotation.is_none()) model->rotation = vector_of<Quat, float>(rotation, "rotation");
+    require_precise(mean, *model);
     model->cutoff = cutoff;
     model->box = box_of(box);
     validate(*model);
@@ -78,11 +108,11 @@ py::tuple state_of(const py::object& self) {
     return py::make_tuple(self.attr("mean"), self.attr("scale"), self.attr("density"),
                           model.axis_aligned() ? py::none() : py::object(self.attr("rotation")),
                           model.cutoff, box_array(model.box), model.source_voxels, model.source,
-                          model.method, model.options, model.summary);
+                          model.method, model.options, model.summary, array_of(model.origin));
 }
 Model from_state(const py::tuple& state) {
-    Model model =
-        from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(), state[5]);
+    Model model = from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(),
+                              state[5], state[11]);
     model->source_voxels = state[6].cast<std::uint64_t>();
     model->source = state[7].cast<std::string>();
     model->method = state[8].cast<std::string>();
@@ -96,7 +126,21 @@ void bind_arrays(py::class_<Gaussians, Model>& c) {
          "mean",
          [](const py::object& self) { return view_of<float>(self.cast<Gaussians&>().mean, self); },
          [](Gaussians& self, const py::object& data) { assign<float>(self.mean, data, "mean"); },
-         "[N, 3] float32 view: centres in world space.")
+         "[N, 3] float32 view: centres, relative to origin.")
+        .def_property_readonly(
+            "origin", [](const Gaussians& self) { return array_of(self.origin); },
+            "[3] float64: point of the world that means are relative to; 0 for data near 0.")
+        .def_property_readonly(
+            "world_mean",
+            [](const Gaussians& self) {
+                py::array_t<double> means({static_cast<py::ssize_t>(self.size()), py::ssize_t{3}});
+                auto rows = means.mutable_unchecked<2>();
+                for (std::size_t i = 0; i < self.size(); ++i)
+                    for (int axis = 0; axis < 3; ++axis)
+                        rows(static_cast<py::ssize_t>(i), axis) = world_mean(self, i)[axis];
+                return means;
+            },
+            "[N, 3] float64 copy: centres in world space, origin + mean.")
         .def_property(
             "scale",
             [](const py::object& self) {
@@ -139,21 +183,24 @@ void bind_gaussians(py::module_& m) {
         m, "Gaussians",
         R"(Model: a density that is the sum of N truncated 3D Gaussians in world space.
 
-sigma(x) = sum_i density[i] exp(-|W_i (x - mean[i])|^2 / 2)   for |W_i (x - mean[i])| <= cutoff
-W_i = diag(1 / scale[i]) R(rotation[i])^T                     R: rotation matrix of the quaternion
+sigma(x) = sum_i density[i] exp(-|W_i d_i|^2 / 2)   for |W_i d_i| <= cutoff
+d_i = x - (origin + mean[i])
+W_i = diag(1 / scale[i]) R(rotation[i])^T           R: rotation matrix of the quaternion
 
 mean, scale, rotation and density are NumPy views of the model's memory: writing to them changes the
 model. model[index] selects Gaussians (a slice, a mask, numbers); a + b concatenates two models.)");
     c.def(py::init(&from_arrays), py::arg("mean"), py::arg("scale"), py::arg("density"),
           py::arg("rotation") = py::none(), py::kw_only(), py::arg("cutoff") = 2.25f,
-          py::arg("box") = py::none(), R"(Creates a model from arrays, which are copied.
+          py::arg("box") = py::none(), py::arg("origin") = py::none(),
+          R"(Creates a model from arrays, which are copied.
 
-mean      [N, 3] centres, world units
+mean      [N, 3] centres minus origin, world units, stored as float32
 scale     [N, 3] standard deviations, > 0, world units
 density   [N] peak densities, >= 0, per world unit
 rotation  [N, 4] quaternions (w, x, y, z); None: all axis-aligned
 cutoff    truncation radius of the kernels, standard deviations, (0, 8]
-box       [2, 3] corners that views frame; None: bounding box of the Gaussians
+box       [2, 3] corners that views frame, world units; None: bounding box of the Gaussians
+origin    [3] float64 point of the world that means are relative to, for data far from 0; None: 0
 
 Raises vog.Error for other shapes and values out of range.)")
         .def_static(

@@ -279,6 +279,7 @@ Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<
         append(all, one);
     }
     all.box = from.box;
+    all.origin = model_origin(from.box);
     return all;
 }
 
@@ -307,10 +308,11 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
                                        const VolumeConversion& given, cli::Stages& stages,
                                        bool split, const Ranks& ranks) {
     check(given, ranks);
-    const VolumeConversion options = hard_by_default(given, ranks);
+    VolumeConversion options = hard_by_default(given, ranks);
     VolumesPart from = stages.run("load", [&] {
         return read_volumes_part(arguments.inputs, arguments.volume, ranks, align_voxels(options));
     });
+    options.moments.origin = options.paper.origin = model_origin(from.box);
     const std::vector<InputPart> parts = stages.run("compose", [&] { return input_parts(from); });
     if (options.by_moments) require_mass(parts, ranks);
     // Hidden voxels of levels do not count, as in a single process.

@@ -62,6 +62,9 @@ struct CameraFrame {
 /// throws         vog::Error if eye equals look_at, up is zero or parallel to the view, the angle,
 ///                width or size is out of range, or a component is not finite
 CameraFrame frame_of(const Camera& camera, int width, int height);
+/// The same rays in coordinates relative to a point, such as Gaussians::origin. Renderers of models
+/// draw through these: the eye becomes float, if at all, after the subtraction.
+CameraFrame relative_to(CameraFrame frame, Vec3d origin);
 
 inline constexpr double kPaperAzimuthDegrees = 34.37746770784939;    ///< 0.6 rad
 inline constexpr double kPaperElevationDegrees = 20.05352282957881;  ///< 0.35 rad

@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -53,6 +54,8 @@ struct MomentOptions {
     double refine_seconds = 0;
     bool axis_aligned = false;  ///< diagonal covariance, no rotations: 28 bytes each, not 44
     bool measure = false;       ///< report the measured error of a uniform cut or a budget too
+    /// Gaussians::origin, world units. None: model_origin of the data's box. For parts of one model.
+    std::optional<Vec3d> origin{};
     /// Processes that each hold a part of the volume (vog/distributed.h). Only for block_voxels
     /// with soft_steps 0, without refinement and measure; parts must be aligned to cells, then the
     /// union of the results equals the single-process model. Null: a single process.

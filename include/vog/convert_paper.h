@@ -6,6 +6,7 @@
 // in its bounding box: the paper's radius is half the box, the standard deviation radius / sqrt(2).
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "vog/gaussians.h"
@@ -47,7 +48,9 @@ struct PaperOptions {
     /// leaf_clusters: largest difference of the means of two leaves, as a share of the larger one,
     /// [0, 1].
     float similarity = 0.1f;
-    int tree_depth = 3;   ///< tree_mirror: 1: nodes of 4096^3 voxels, 2: 128^3, 3: leaves, 8^3
+    int tree_depth = 3;  ///< tree_mirror: 1: nodes of 4096^3 voxels, 2: 128^3, 3: leaves, 8^3
+    /// Gaussians::origin, world units. None: model_origin of the data's box. For parts of one model.
+    std::optional<Vec3d> origin{};
     Progress progress{};  ///< called with the finished fraction; empty: not
 };
 

@@ -140,7 +140,7 @@ struct ModelPart {
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part);
 
 /// Header of the PLY file that write_ply writes, for a file written by several processes.
-/// description  cutoff, box and texts of the model; its Gaussians are ignored
+/// description  cutoff, origin, box and texts of the model; its Gaussians are ignored
 /// count        Gaussians in the whole file
 /// rotated      whether rows have rotations
 std::string ply_header(const Gaussians& description, std::uint64_t count, bool rotated);

@@ -155,6 +155,8 @@ struct Box {
     friend bool operator==(const Box&, const Box&) = default;
 };
 
+/// The box moved by a vector; an empty one stays empty.
+inline Box moved(const Box& box, Vec3d by) { return {box.lower + by, box.upper + by}; }
 /// Axis-aligned box around the eight mapped corners of `box`; empty for an empty box.
 Box transformed(const Affine& map, const Box& box);
 

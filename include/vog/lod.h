@@ -22,7 +22,8 @@ namespace vog {
 /// Forest of M nodes whose leaves are the N Gaussians of a model. Nodes are stored level by level,
 /// roots first, the children of a node side by side, and so are the leaves.
 struct Hierarchy {
-    Gaussians nodes;  ///< [M] with the mass, mean and covariance of all leaves below
+    /// [M] with the mass, mean and covariance of all leaves below, relative to the model's origin.
+    Gaussians nodes;
     /// [M] Children of node n: the nodes first_node[n] ... first_node[n] + node_count[n] - 1, all
     /// behind n, and the leaves first_leaf[n] ... first_leaf[n] + leaf_count[n] - 1 of the model.
     std::vector<std::uint32_t> first_node, first_leaf;
@@ -56,15 +57,14 @@ struct HierarchyOptions {
 [[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
 
 /// Checks the arrays of a hierarchy against its model and the ranges above.
-/// leaves  N, Gaussians of the model
-/// cutoff  cutoff of the model, standard deviations
+/// model   with the same origin and cutoff
 /// where   name in the error message
 /// throws  vog::Error naming `where` and the first offence
-void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
-              const std::string& where);
+void validate(const Hierarchy& hierarchy, const Gaussians& model, const std::string& where);
 
 /// Appends the hierarchy of another model, when vog::append has joined or will join the models.
-/// Each keeps its own levels; write_ply refuses the result.
+/// Each keeps its own levels; write_ply refuses the result. Where origins differ, nodes may get
+/// another origin than the joined model: set_origin(hierarchy.nodes, model.origin) follows.
 /// leaves  N of the first model, before it is joined
 /// throws  vog::Error if the cutoffs differ
 void append(Hierarchy& hierarchy, const Hierarchy& other, std::size_t leaves);

@@ -233,7 +233,7 @@ ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box)
 ErrorViews::ErrorViews(const Gaussians& finest) {
     const auto for_each_gaussian = [&](const std::function<void(const Box&, double)>& take) {
         for (std::size_t i = 0; i < finest.size(); ++i) {
-            const Vec3d at = vec_cast<double>(finest.mean[i]);
+            const Vec3d at = world_mean(finest, i);
             take({at, at}, mass(finest, i));
         }
     };
@@ -292,7 +292,7 @@ std::vector<float> ErrorViews::error_of_each_gaussian(const Gaussians& model) co
     for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
         const CameraFrame frame = frame_of(cameras_[view], kSize_px, kSize_px);
         vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
-            const Vec3d to = vec_cast<double>(model.mean[i]) - frame.eye;
+            const Vec3d to = world_mean(model, i) - frame.eye;
             const double depth = dot(to, frame.forward);
             if (depth <= 0) return;
             const double pixels = frame.pixels_at(depth);

@@ -171,6 +171,12 @@ CameraFrame frame_of(const Camera& camera, int width, int height) {
     return frame;
 }
 
+CameraFrame relative_to(CameraFrame frame, Vec3d origin) {
+    frame.eye = frame.eye - origin;
+    frame.first_origin = frame.first_origin - origin;
+    return frame;
+}
+
 Camera orbit_view(const Box& box, const Orbit& orbit, double aspect) {
     check(orbit, aspect);
     Camera camera;

@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,9 +14,58 @@ namespace vog {
 
 namespace {
 
-bool finite(Vec3f v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+template <class T>
+bool finite(Vec3<T> v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+/// Means relative to another origin. throws vog::Error as set_origin does
+BigVector<Vec3f> means_from(const Gaussians& gaussians, Vec3d origin) {
+    const Vec3d shift = gaussians.origin - origin;
+    BigVector<Vec3f> means;
+    means.reserve(gaussians.size());
+    for (std::size_t i = 0; i < gaussians.size(); ++i) {
+        const Vec3d exact = vec_cast<double>(gaussians.mean[i]) + shift;
+        means.push_back(vec_cast<float>(exact));
+        const double rounding = length(vec_cast<double>(means.back()) - exact);
+        const Vec3f s = gaussians.scale[i];
+        if (!(rounding <= 0.125 * double{std::max({s.x, s.y, s.z})}))
+            throw Error(fmt::format(
+                "{}: Gaussian {} of scale {:.3g} would move by {:.3g} in a model of origin {} {} "
+                "{}, whose means are 32-bit floats: expected models nearer to each other",
+                gaussians.source.empty() ? "model" : gaussians.source, i, std::max({s.x, s.y, s.z}),
+                rounding, origin.x, origin.y, origin.z));
+        keep_memory_at(i);
+    }
+    return means;
+}
 
 }  // namespace
+
+Vec3d model_origin(const Box& box) {
+    if (box.empty()) return {};
+    double farthest = 0;
+    for (int axis = 0; axis < 3; ++axis)
+        farthest = std::max({farthest, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
+    // Floats resolve 2^-24 of a coordinate: at 32 radii 1/150 of a voxel of a volume of 4096^3.
+    constexpr double kFar = 32;
+    const double radius = box.radius();
+    if (!(farthest > kFar * radius)) return {};
+    // Rounded, so that boxes of about one size and place give one origin, of few digits.
+    Vec3d origin = box.center();
+    const double unit = radius > 0 ? std::exp2(std::ilogb(radius)) : 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double rounded = unit * std::round(origin[axis] / unit);
+        if (std::isfinite(rounded)) origin[axis] = rounded + 0.0;  // not -0
+    }
+    return origin;
+}
+
+void set_origin(Gaussians& gaussians, Vec3d origin) {
+    if (origin == gaussians.origin) return;
+    gaussians.mean = means_from(gaussians, origin);
+    gaussians.origin = origin;
+}
 
 double mass_within(double cutoff) {
     return std::erf(cutoff / std::numbers::sqrt2) -
@@ -59,7 +109,7 @@ Box support_box(const Gaussians& gaussians, std::size_t i) {
     // Half extent along world axis j: k sqrt(Sigma_jj), Sigma = R diag(s²) Rᵀ.
     const Mat3 r = gaussians.axis_aligned() ? Mat3{} : matrix_from_quat(gaussians.rotation[i]);
     const Vec3d s = vec_cast<double>(gaussians.scale[i]);
-    const Vec3d center = vec_cast<double>(gaussians.mean[i]);
+    const Vec3d center = world_mean(gaussians, i);
     Box box{center, center};
     for (int axis = 0; axis < 3; ++axis) {
         const Vec3d row = r.row[static_cast<std::size_t>(axis)];
@@ -97,12 +147,20 @@ void append(Gaussians& gaussians, const Gaussians& other) {
             fmt::format("{}: cutoff {}, expected {} as in {}: models with different kernels "
                         "cannot be one model",
                         other.source, other.cutoff, gaussians.cutoff, gaussians.source));
+    BigVector<Vec3f> moved;  // means of `other`, if origins differ
+    const bool same_origin = gaussians.origin == other.origin;
+    if (!same_origin) {
+        Box both = view_box(gaussians);
+        both.include(view_box(other));
+        set_origin(gaussians, model_origin(both));
+        moved = means_from(other, gaussians.origin);
+    }
     if (!gaussians.axis_aligned() || !other.axis_aligned()) {
         resize_kept(gaussians.rotation, gaussians.size());
         append_kept(gaussians.rotation, other.rotation);
         resize_kept(gaussians.rotation, gaussians.size() + other.size());
     }
-    append_kept(gaussians.mean, other.mean);
+    append_kept(gaussians.mean, same_origin ? other.mean : moved);
     append_kept(gaussians.scale, other.scale);
     append_kept(gaussians.density, other.density);
     gaussians.box.include(other.box);
@@ -118,6 +176,7 @@ Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index)
         if (i >= gaussians.size())
             throw Error(fmt::format("Gaussian {}, expected below {}", i, gaussians.size()));
     Gaussians some;
+    some.origin = gaussians.origin;
     some.cutoff = gaussians.cutoff;
     some.box = gaussians.box;
     some.source = gaussians.source;
@@ -145,6 +204,9 @@ void validate(const Gaussians& gaussians) {
         fail(fmt::format(
             "arrays of different lengths: {} means, {} scales, {} rotations, {} densities", n,
             gaussians.scale.size(), gaussians.rotation.size(), gaussians.density.size()));
+    const Vec3d origin = gaussians.origin;
+    if (!finite(origin))
+        fail(fmt::format("origin {} {} {}, expected finite", origin.x, origin.y, origin.z));
     if (!(gaussians.cutoff > 0 && gaussians.cutoff <= 8))
         fail(fmt::format("cutoff {}, expected in (0, 8] standard deviations", gaussians.cutoff));
     for (std::size_t i = 0; i < n; ++i) {

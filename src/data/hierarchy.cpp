@@ -50,6 +50,8 @@ void check_children(const Hierarchy& hierarchy, std::size_t leaves, const std::s
     }
 }
 
+std::string text(Vec3d v) { return fmt::format("{} {} {}", v.x, v.y, v.z); }
+
 }  // namespace
 
 void link(Hierarchy& hierarchy, std::size_t leaves, const std::string& where) {
@@ -77,8 +79,7 @@ bool in_one_order(const Hierarchy& hierarchy) {
     return true;
 }
 
-void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
-              const std::string& where) {
+void validate(const Hierarchy& hierarchy, const Gaussians& model, const std::string& where) {
     const std::size_t count = hierarchy.size();
     const auto fail = [&](const std::string& what) {
         throw Error(fmt::format("{}: {}", where, what));
@@ -88,10 +89,13 @@ void validate(const Hierarchy& hierarchy, std::size_t leaves, double cutoff,
         hierarchy.radius.size() != count || hierarchy.error.size() != count)
         fail(fmt::format("hierarchy of {} nodes: arrays of different lengths", count));
     if (count == 0) return;
-    check_children(hierarchy, leaves, where);
-    if (double{hierarchy.nodes.cutoff} != cutoff)
+    check_children(hierarchy, model.size(), where);
+    if (hierarchy.nodes.cutoff != model.cutoff)
         fail(fmt::format("hierarchy: cutoff {}, expected the model's {}", hierarchy.nodes.cutoff,
-                         cutoff));
+                         model.cutoff));
+    if (hierarchy.nodes.origin != model.origin)
+        fail(fmt::format("hierarchy: origin {}, expected the model's {}",
+                         text(hierarchy.nodes.origin), text(model.origin)));
     try {
         validate(hierarchy.nodes);
     } catch (const Error& error) {

@@ -260,7 +260,8 @@ class Run {
         double rotated = model.axis_aligned() ? 0 : 1;  // an empty part is axis-aligned
         collective_or_single(options_.collective).max(std::span(&rotated, 1));
         Gaussians about;  // header of the whole model
-        about.cutoff = model.cutoff, about.box = model.box, about.source = model.source;
+        about.cutoff = model.cutoff, about.origin = model.origin, about.box = model.box,
+        about.source = model.source;
         about.method = model.method, about.options = model.options;
         about.summary = model.summary, about.source_voxels = model.source_voxels;
         if (collective_or_single(options_.collective).shared())

@@ -9,7 +9,7 @@ namespace vog {
 
 double optical_depth(const Gaussians& gaussians, std::size_t i, Vec3d origin, Vec3d direction) {
     const Mat3 w = whitening(gaussians, i);
-    const Vec3d e = w * (vec_cast<double>(gaussians.mean[i]) - origin);
+    const Vec3d e = w * (vec_cast<double>(gaussians.mean[i]) - (origin - gaussians.origin));
     const Vec3d d = w * normalized(direction);
     return gaussians.density[i] * segment_integral(e, d, double{gaussians.cutoff});
 }

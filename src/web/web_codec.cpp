@@ -134,13 +134,14 @@ struct Sorted {
 Sorted sorted_shapes(const Gaussians& model, const WebFrame& frame) {
     const std::vector<std::uint32_t> order = morton_order(model);
     Sorted sorted;
+    const Vec3d center = frame.center - model.origin;
     sorted.mean.resize(order.size());
     sorted.log_scale.resize(order.size());
     sorted.rotation.resize(order.size());
     sorted.log_mass.resize(order.size());
     vog::parallel_for(std::size_t{0}, order.size(), [&](std::size_t n) {
         const std::size_t i = order[n];
-        sorted.mean[n] = (1 / frame.unit) * (vec_cast<double>(model.mean[i]) - frame.center);
+        sorted.mean[n] = (1 / frame.unit) * (vec_cast<double>(model.mean[i]) - center);
         Shape shape{vec_cast<double>(model.scale[i]), {}};
         if (!model.axis_aligned()) shape = smallest_rotation(shape.scale, model.rotation[i]);
         sorted.rotation[n] = shape.rotation;
@@ -195,7 +196,7 @@ WebFrame web_frame(const Gaussians& model) {
     Box means;
     for (const Vec3f& mean : model.mean) means.include(vec_cast<double>(mean));
     if (means.empty()) return {};
-    WebFrame frame{means.center(), means.radius()};
+    WebFrame frame{model.origin + means.center(), means.radius()};
     for (const Vec3f& s : model.scale)
         frame.unit = std::max({frame.unit, double{s.x}, double{s.y}, double{s.z}});
     return frame;

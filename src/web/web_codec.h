@@ -11,7 +11,7 @@ namespace vog::web {
 
 /// Origin and unit of length of a page's numbers, from the finest level and shared by all.
 struct WebFrame {
-    Vec3d center;
+    Vec3d center;  ///< world units
     double unit = 1;
 };
 /// Centre of the means, and the radius of their box or the largest scale if larger.

@@ -83,6 +83,55 @@ TEST(gaussians, append_keeps_mass_and_gives_rotations_to_all) {
     EXPECT_THROW(append(both, other), Error);
 }
 
+TEST(gaussians, origin_is_that_of_a_box_far_from_0) {
+    const auto cube = [](Vec3d center, double half) {
+        return Box{center - Vec3d{half, half, half}, center + Vec3d{half, half, half}};
+    };
+    EXPECT_EQ(model_origin({}), Vec3d{});
+    EXPECT_EQ(model_origin(cube({0, 0, 0}, 1e9)), Vec3d{});
+    EXPECT_EQ(model_origin(cube({50, 0, 0}, 1)), Vec3d{});
+    // A power of two near the radius, 1.7: a multiple of 1; of a radius of 173: of 128.
+    EXPECT_EQ(model_origin(cube({60.3, 1.2, -0.4}, 1)), (Vec3d{60, 1, 0}));
+    EXPECT_EQ(model_origin(cube({5000000.1, 1e9, -7}, 100)), (Vec3d{5000064, 1e9, 0}));
+    EXPECT_EQ(model_origin(cube({0.1, 1e-3, 7e15}, 0)), (Vec3d{0.1, 1e-3, 7e15}));
+    EXPECT_EQ(model_origin(cube({1e300, 0, 0}, 1e-300)), (Vec3d{1e300, 0, 0}));
+}
+
+TEST(gaussians, another_origin_leaves_them_where_they_are) {
+    Gaussians model = random_gaussians(20, 0.05, 0.5, 8);
+    model.origin = {1e9, 5000000.1, -3};
+    const Gaussians before = model;
+    set_origin(model, {1e9 - 4, 5000000, 0});
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        EXPECT_LT(length(world_mean(model, i) - world_mean(before, i)), 1e-6);
+        EXPECT_LT(length(support_box(model, i).lower - support_box(before, i).lower), 1e-6);
+    }
+    EXPECT_EQ(view_box(select(model, std::vector<std::size_t>{3})), support_box(model, 3));
+    EXPECT_THROW(set_origin(model, {}), Error);  // floats near 1e9 are 64 apart
+    EXPECT_EQ(model.origin, (Vec3d{1e9 - 4, 5000000, 0}));
+    model.origin.y = NAN;
+    EXPECT_THROW(validate(model), Error);
+}
+
+TEST(gaussians, append_gives_models_of_two_origins_one) {
+    Gaussians a = random_gaussians(20, 0.05, 0.5, 9), b = a;
+    a.origin = {1e9, 0, 0}, b.origin = {1e9 + 30, 1, 0};
+    Gaussians both = a;
+    append(both, b);
+    validate(both);
+    ASSERT_EQ(both.size(), 40u);
+    for (std::size_t i = 0; i < 20; ++i) {
+        EXPECT_LT(length(world_mean(both, i) - world_mean(a, i)), 1e-5);
+        EXPECT_LT(length(world_mean(both, 20 + i) - world_mean(b, i)), 1e-5);
+    }
+    EXPECT_LT(std::abs(both.origin.x - 1e9), 100);
+
+    Gaussians near = random_gaussians(20, 0.05, 0.5, 10);
+    const Gaussians unchanged = near;
+    EXPECT_THROW(append(near, a), Error);  // 1e9 apart: floats cannot hold both
+    EXPECT_EQ(near.mean, unchanged.mean);
+}
+
 TEST(gaussians, select_takes_any_in_any_order_and_keeps_the_view) {
     Gaussians model;
     for (int i = 0; i < 5; ++i)

@@ -91,6 +91,26 @@ TEST_F(mpi_convert, particles_are_the_same_bytes) {
     expect_same_bytes(3, "p.xyz --budget 100");
 }
 
+/// Parts of data far from the origin share the origin of the whole.
+TEST_F(mpi_convert, data_far_from_the_origin_are_as_good) {
+    must("sample cloud c.vdb --size 64");
+    Volume volume = read_volume(dir_ / "c.vdb");
+    volume.world_from_index = {{{Vec3d{0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}},
+                               {5000000.1, -1e8, 3}};
+    write_vdb(dir_ / "far.vdb", volume);
+    expect_same_bytes(3, "far.vdb --soft-steps 0 --block 4");
+    both(3, "far.vdb --budget 600");
+    EXPECT_LE(distance("far.vdb", "many.ply"), 1.25 * distance("far.vdb", "one.ply"));
+    both(3, "far.vdb --method paper --lod 4");
+    EXPECT_LE(distance("one.ply", "many.ply"), 1e-4);
+    must("convert far.vdb -o one.ply --block 4 --soft-steps 0 --no-hierarchy");
+    must_mpi(3, "convert far.vdb -o parts.ply --block 4 --split");
+    EXPECT_EQ(distance("one.ply", "parts.json"), 0);
+    must("render one.ply --size 64 --extinction 1 --depth-out r.exr");
+    must_mpi(3, "render one.ply --size 64 --extinction 1 --depth-out i.exr");
+    EXPECT_LE(compare(read_depth(dir_ / "r.exr"), read_depth(dir_ / "i.exr")).relative_l2, 1e-5);
+}
+
 /// The same Gaussians, leaf by leaf, but in the order of the parts.
 TEST_F(mpi_convert, paper_makes_the_same_gaussians) {
     must("sample cloud c.vdb --size 64");

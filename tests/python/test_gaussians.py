@@ -125,6 +125,34 @@ def test_assignments_keep_the_shape_and_bad_values_are_found():
         vog.render(model, size=8)
 
 
+def test_models_far_from_the_origin_keep_their_places(tmp_path):
+    at = np.array([5000000.1, -1e9, 3])
+    volume = vog.Volume.from_numpy(np.ones((8, 8, 8)), voxel_size=0.1, origin=at)
+    model = vog.convert(volume, block=2)
+    assert model.origin.dtype == np.float64 and np.abs(model.origin - at).max() < 2
+    assert model.world_mean.dtype == np.float64 and np.array_equal(model.world_mean, model.origin + model.mean)
+    assert np.allclose(model.world_mean.mean(axis=0), at + 0.35, rtol=0, atol=1e-3)
+    model.save(tmp_path / "a.ply")
+    for back in (vog.Gaussians.load(tmp_path / "a.ply"), pickle.loads(pickle.dumps(model)), model[:]):
+        assert np.array_equal(back.origin, model.origin) and np.array_equal(back.mean, model.mean)
+    near = vog.convert(vog.Volume.from_numpy(np.ones((8, 8, 8)), voxel_size=0.1), block=2)
+    assert np.array_equal(near.origin, [0, 0, 0])
+    depth = [vog.render(m, vog.Camera.paper_view(m), 64, extinction=1).depth for m in (near, model)]
+    assert np.allclose(depth[0], depth[1], rtol=0, atol=1e-3 * depth[0].max())
+
+
+def test_means_that_float32_cannot_hold_are_refused():
+    far, ones = np.array([[1e9 + 0.25, 0, 0]]), [[1, 1, 1]]
+    with pytest.raises(vog.Error, match="mean: row 0 would move by 0.25.* origin=point"):
+        vog.Gaussians(far, ones, [1])
+    model = vog.Gaussians(far - [1e9, 0, 0], ones, [1], origin=[1e9, 0, 0])
+    assert np.array_equal(model.world_mean, far) and model.box[0, 0] == pytest.approx(1e9 - 2)
+    with pytest.raises(vog.Error, match="origin: 2 numbers, expected 3"):
+        vog.Gaussians(far, ones, [1], origin=[1, 2])
+    with pytest.raises(vog.Error, match="would move by"):
+        two() + model
+
+
 def test_an_empty_model_is_one():
     empty = vog.Gaussians(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     assert len(empty) == 0 and empty.box is None and empty.mean.shape == (0, 3)

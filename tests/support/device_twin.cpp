@@ -16,7 +16,8 @@ using namespace vog::trace;
 DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& camera, int width,
                                   int height) {
     const CudaModel model = cuda_model(gaussians, 0);
-    const device::Camera frame = scene_camera(frame_of(camera, width, height), model.unit);
+    const device::Camera frame =
+        scene_camera(relative_to(frame_of(camera, width, height), model.origin), model.unit);
     DepthImage image(width, height);
     const device::Kernel& kernel = model.kernel.kernel;
     std::vector<double> sum(image.depth.size());

@@ -60,7 +60,7 @@ PixelMean pixel_mean(const Gaussians& model, std::size_t i, const CameraFrame& f
     PixelMean out;
     out.w = whitening(model, i);
     out.density = model.density[i];
-    const Vec3d p = vec_cast<double>(model.mean[i]) - frame.eye;
+    const Vec3d p = world_mean(model, i) - frame.eye;
     const double z = dot(p, frame.forward), per_pixel = 1 / frame.pixels_at(z);
     const Mat3 axes = inverse(out.w);
     Mat3 covariance = axes * transpose(axes);
@@ -102,7 +102,7 @@ PixelMean pixel_mean(const Gaussians& model, std::size_t i, const CameraFrame& f
     for (int down = -kReach; down <= kReach; ++down)
         for (int right = -kReach; right <= kReach; ++right) {
             const double at_x = std::round(x) + right, at_y = std::round(y) + down;
-            const Vec3d e = vec_cast<double>(model.mean[i]) - frame.origin(at_x, at_y);
+            const Vec3d e = world_mean(model, i) - frame.origin(at_x, at_y);
             total += segment_integral(out.w * e, out.w * frame.direction(at_x, at_y), k);
         }
     const double integral = std::pow(2 * std::numbers::pi, 1.5) * mass_within(k) /

@@ -129,6 +129,15 @@ Gaussians moved(Gaussians model, float distance) {
     return model;
 }
 
+/// The scene moved to a place where floats are 8 units apart.
+Scene at_an_origin(Scene scene, const std::string& name) {
+    scene.name = name;
+    scene.model.origin = {5000000.1, -3e7, 1e8};
+    scene.camera.eye = scene.camera.eye + scene.model.origin;
+    scene.camera.look_at = scene.camera.look_at + scene.model.origin;
+    return scene;
+}
+
 }  // namespace
 
 std::vector<Scene> scenes() {
@@ -178,6 +187,8 @@ std::vector<Scene> scenes() {
         {"flat_tilted", one({0, 0, 0}, {0.5f, 1e-6f, 0.4f}, 1e6f, tilted), front, 33, 33});
     all.push_back({"far_from_the_origin", moved(random_gaussians(300, 0.05, 0.2, 13), 4096),
                    camera_at({4096, 0, 5}, 40, {4096, 0, 0})});
+    all.push_back(at_an_origin(all[12], "inside_at_an_origin"));
+    all.push_back(at_an_origin(all[14], "many_at_an_origin"));
     // Parallel rays, from outside, through the middle, beside the data, of every cutoff.
     const auto parallel = [&](Camera camera, double width) {
         camera.orthographic_width = width;
@@ -196,6 +207,7 @@ std::vector<Scene> scenes() {
                    parallel(camera_at({1.2, 0.7, 3}, 40, {1.2, 0.7, 0}), 0.8), 32, 48});
     all.push_back({"parallel_paper_cutoff", random_gaussians(300, 0.05, 0.2, 7, 3.0349f),
                    parallel(camera_at({-3, 1, 0.5}, 40), 2)});
+    all.push_back(at_an_origin(all.back(), "parallel_at_an_origin"));
     all.push_back({"parallel_far_eye", random_gaussians(50, 0.02, 0.2, 10),
                    parallel(camera_at({0, 300, 2000}, 40), 2.5)});
     all.push_back(scaled(all.back(), "parallel_centimetres", 1e24));
@@ -217,10 +229,9 @@ std::vector<double> exact_depth(const Scene& scene) {
             const Vec3d origin = frame.origin(column, row);
             double sum = 0;
             for (std::size_t i = 0; i < drawn.size(); ++i)
-                sum +=
-                    drawn[i].density *
-                    segment_integral(drawn[i].w * (vec_cast<double>(scene.model.mean[i]) - origin),
-                                     drawn[i].w * direction, scene.model.cutoff);
+                sum += drawn[i].density *
+                       segment_integral(drawn[i].w * (world_mean(scene.model, i) - origin),
+                                        drawn[i].w * direction, scene.model.cutoff);
             depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(scene.width) +
                   static_cast<std::size_t>(column)] = sum;
         }

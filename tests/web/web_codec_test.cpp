@@ -129,6 +129,21 @@ TEST(web_codec, every_part_is_within_its_bound) {
     }
 }
 
+/// The page's numbers are relative to the centre, which alone is far away.
+TEST(web_codec, far_from_the_origin_it_is_the_same) {
+    const Gaussians near = random_gaussians(300, 0.01, 0.2, 5);
+    Gaussians far = near;
+    far.origin = {1 << 30, -4096, 0};  // no rounding
+    const WebFrame frame = web_frame(near), far_frame = web_frame(far);
+    EXPECT_LT(length(far_frame.center - (far.origin + frame.center)), 1e-6);
+    EXPECT_EQ(far_frame.unit, frame.unit);
+    // Centres at 1e9 are rounded to 1e-7, 1e-3 of the finest step.
+    const WebLevel level = web_level(near, frame), far_level = web_level(far, far_frame);
+    ASSERT_EQ(far_level.words.size(), level.words.size());
+    for (std::size_t n = 0; n < level.words.size(); ++n)
+        ASSERT_NEAR(far_level.words[n], level.words[n], 1) << n;
+}
+
 /// Two clusters of narrow Gaussians, each quantised far more finely than 1/65536 of their distance.
 TEST(web_codec, narrow_gaussians_far_apart_keep_their_places) {
     Random random(4);

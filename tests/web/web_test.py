@@ -329,6 +329,23 @@ class Pages(unittest.TestCase):
         (self.folder / "before.png").write_bytes(expected)
         self.assertGreater(self.psnr("before.png", self.picture()), LEAST_PSNR_DB)  # eight digits
 
+    def test_data_far_from_the_origin_have_their_picture_and_link(self):
+        numbers = random.Random(4)
+        (self.folder / "far.xyz").write_text("".join(
+            "{:.4f} {:.4f} {:.4f}\n".format(*(1e7 * (k - 1) + numbers.gauss(0, 0.1) for k in range(3)))
+            for _ in range(500)))
+        vog("convert", "far.xyz", "-o", "far.ply", "--no-hierarchy")
+        vog("export", "far.ply", "-o", "far.html", "--tf", "gray")
+        self.open("far.html")
+        self.expect_same("far.ply")
+        self.browser.wheel(160, 120, -120)
+        (self.folder / "before.png").write_bytes(self.bytes())
+        self.value("""(() => { Object.defineProperty(navigator, 'clipboard', { value:
+            { writeText: async (text) => { window.copied = text; } } }); })()""")
+        self.value("document.getElementById('link').click()")
+        self.open("far.html", "#" + self.value("copied").split("#", 1)[1] + "&subframes=1")
+        self.assertGreater(self.psnr("before.png", self.picture()), LEAST_PSNR_DB)
+
     def test_an_address_of_nonsense_is_ignored(self):
         self.open()
         expected = self.bytes()

@@ -156,7 +156,12 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     const std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
     Gaussians model;
     double volume_mass = 0;
-    for (const Volume& volume : volumes) volume_mass += mass(volume);
+    Box box;
+    for (const Volume& volume : volumes) {
+        volume_mass += mass(volume);
+        box.include(world_box(volume));
+    }
+    moments.origin = paper.origin = model_origin(set.is_mesh() ? mesh.box : box);
     MomentTotals totals;
     const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
         totals.add(one, part_mass);

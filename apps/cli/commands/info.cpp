@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -24,7 +25,22 @@ Json array(const Box& box) {
     if (box.empty()) return nullptr;
     return {{"lower", array(box.lower)}, {"upper", array(box.upper)}};
 }
-std::string text(Vec3d v) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", v.x, v.y, v.z); }
+/// Both corners, with as many digits as tell them apart: 6 of the box's size.
+std::string text(const Box& box) {
+    const Vec3d size = box.upper - box.lower;
+    double least = std::numeric_limits<double>::infinity(), farthest = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (size[axis] > 0) least = std::min(least, size[axis]);
+        farthest = std::max({farthest, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
+    }
+    const double more = std::ceil(std::log10(std::max(1.0, farthest / least)));
+    constexpr int kDigits = 6, kMost = 17;
+    const int digits = std::min(kMost, kDigits + static_cast<int>(std::min(more, 1.0 * kMost)));
+    const auto corner = [&](Vec3d v) {
+        return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", v.x, digits, v.y, digits, v.z, digits);
+    };
+    return corner(box.lower) + " to " + corner(box.upper);
+}
 std::string text(Vec3i v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
 Json as_json(const GridInfo& grid) {
@@ -77,8 +93,7 @@ void print(const GridInfo& grid) {
         line("value range", fmt::format("{:.6g} to {:.6g}", grid.min, grid.max));
     }
     if (grid.affine) {
-        if (!grid.world.empty())
-            line("world box", text(grid.world.lower) + " to " + text(grid.world.upper));
+        if (!grid.world.empty()) line("world box", text(grid.world));
         const Mat3& m = grid.world_from_index.linear;
         line("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}", length(m.column(0)),
                                        length(m.column(1)), length(m.column(2))));
@@ -144,6 +159,7 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
             {"mass", mass(model)},
             {"bounds", array(bounds)},
             {"box", array(model.box)},
+            {"origin", array(model.origin)},
             {"nodes", hierarchy.size()},
             {"bytes", ply_bytes(model, hierarchy)},
             {"source", model.source},
@@ -164,9 +180,11 @@ void print(const Gaussians& model, const Hierarchy& hierarchy) {
          count_text(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
     line("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
     line("mass", fmt::format("{:.8g} (density times world volume)", mass(model)));
-    if (!bounds.empty()) line("bounds", text(bounds.lower) + " to " + text(bounds.upper));
-    if (!model.box.empty())
-        line("data box", text(model.box.lower) + " to " + text(model.box.upper));
+    if (!bounds.empty()) line("bounds", text(bounds));
+    if (!model.box.empty()) line("data box", text(model.box));
+    const Vec3d o = model.origin;
+    if (o != Vec3d{})
+        line("origin", fmt::format("({}, {}, {}), which means are relative to", o.x, o.y, o.z));
     if (!model.source.empty()) line("source", model.source);
     if (model.source_voxels)
         line("share", fmt::format("{:.3g} % of {} active voxels or particles",
@@ -212,7 +230,7 @@ void print(const Points& points) {
     const Box box = bounds(points);
     fmt::print("particles\n");
     line("count", count_text(points.size()));
-    line("box", text(box.lower) + " to " + text(box.upper));
+    line("box", text(box));
     line("velocities", points.velocity.empty() ? "none" : "yes");
     for (const ValueRange& range : value_ranges(points))
         line(range.name, fmt::format("{:.6g} to {:.6g}", range.low, range.high));

@@ -263,6 +263,7 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
         append(model, read_ply(file, hierarchy ? &one : nullptr));
         if (hierarchy) append(*hierarchy, one, before);
     }
+    if (hierarchy) set_origin(hierarchy->nodes, model.origin);
     return model;
 }
 

@@ -26,14 +26,15 @@ GlModel::GlModel(const Gaussians& gaussians)
     Box means;
     for (const Vec3f& mean : gaussians.mean) means.include(vec_cast<double>(mean));
     if (!means.empty()) {
-        center_ = means.center();
+        center_ = gaussians.origin + means.center();
         unit_ = means.radius();
         for (const Vec3f& scale : gaussians.scale)
             unit_ = std::max({unit_, double{scale.x}, double{scale.y}, double{scale.z}});
     }
+    const Vec3d center = center_ - gaussians.origin;
     std::vector<Instance> instances(size_);
     for (std::size_t i = 0; i < size_; ++i) {
-        const Vec3d mean = (1 / unit_) * (vec_cast<double>(gaussians.mean[i]) - center_);
+        const Vec3d mean = (1 / unit_) * (vec_cast<double>(gaussians.mean[i]) - center);
         const Vec3d scale = (1 / unit_) * vec_cast<double>(gaussians.scale[i]);
         const Quat q = gaussians.axis_aligned() ? Quat{} : gaussians.rotation[i];
         const double norm = 1 / std::hypot(std::hypot(q.w, q.x), std::hypot(q.y, q.z));

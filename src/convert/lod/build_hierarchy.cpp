@@ -137,6 +137,7 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     auto [tree, levels] = mean_octree(model, options);
     link(tree, model.size(), name_of(model));
     tree.nodes.cutoff = model.cutoff;
+    tree.nodes.origin = model.origin;
     resize(tree.nodes, tree.size(), model.axis_aligned());
     tree.radius.resize(tree.size());
     const MomentFrame frame = moment_frame(Affine{}, model.axis_aligned(), 1, model.cutoff);

@@ -27,11 +27,12 @@ struct Place {
     }
 };
 
-/// Map from world space to the lattice of the codes, coordinates in [0, 2^21).
-Affine code_from_world(const Gaussians& model, const HierarchyOptions& options) {
+/// Map from means to the lattice of the codes, coordinates in [0, 2^21).
+Affine code_from_mean(const Gaussians& model, const HierarchyOptions& options) {
     constexpr double kSide = 1 << kMortonAxisBits;
     Box means;
-    const Affine& lattice = options.index_from_world.value_or(Affine{});
+    Affine lattice = options.index_from_world.value_or(Affine{});
+    lattice.translation = options.index_from_world ? lattice(model.origin) : Vec3d{};
     for (const Vec3f& mean : model.mean) means.include(lattice(vec_cast<double>(mean)));
     const Vec3d edges = means.upper - means.lower;
     const double edge = std::max({edges.x, edges.y, edges.z});
@@ -180,7 +181,7 @@ std::vector<Run> add_level(std::span<const Place> places, std::span<const Run> c
 MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options) {
     MeanOctree tree{{}, {0}};
     if (model.size() < 2) return tree;
-    const Affine code_from = code_from_world(model, options);
+    const Affine code_from = code_from_mean(model, options);
     const std::vector<Place> places = sorted_places(model, code_from);
     // World length of a step of the codes, the longest of the three axes.
     const Mat3 world_from_code = inverse(code_from.linear);

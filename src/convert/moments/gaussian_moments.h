@@ -72,7 +72,7 @@ LeafSums<2 * edge> merge_eight(const LeafSums<edge>& fine);
 
 /// Constants that the Gaussians of one model share.
 struct MomentFrame {
-    Affine world_from_index;
+    Affine world_from_index;  ///< to world coordinates relative to Gaussians::origin
     double voxel_volume = 1;
     bool axis_aligned = false;
     double spread = 1;

@@ -19,6 +19,7 @@ Gaussians all_gaussians(const MomentJob& job, std::span<const LatticeField> fiel
             append(model, part);
     }
     model.cutoff = kMomentCutoff;
+    model.origin = job.origin();
     return model;
 }
 

@@ -48,8 +48,11 @@ struct MomentJob {
         report.measured_error = error.worst, report.mean_error = error.mean;
     }
     const Volume& volume() const { return parts.front(); }
+    Vec3d origin() const { return options.origin.value_or(model_origin(box)); }
+    /// Constants of the Gaussians of a field; their means are relative to origin().
     MomentFrame frame(const Affine& world_from_index) const {
-        return moment_frame(world_from_index, options.axis_aligned, options.spread);
+        return moment_frame({world_from_index.linear, world_from_index.translation - origin()},
+                            options.axis_aligned, options.spread);
     }
     /// Volume of the field's voxels, in unit_volume().
     double voxels_in(const LatticeField& field) const {

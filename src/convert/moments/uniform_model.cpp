@@ -71,6 +71,7 @@ Gaussians two_pass_model(MomentJob& job) {
         masses[chunk] = std::vector<float>();  // {} would keep its memory
     }
     Gaussians model;
+    model.origin = job.origin();
     resize(model, first.back(), job.options.axis_aligned);
     const MomentFrame frame = job.frame(job.volume().world_from_index);
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {

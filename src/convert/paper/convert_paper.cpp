@@ -248,13 +248,16 @@ Gaussians convert_paper(const Volume& volume, const PaperOptions& options) {
     Gaussians model;
     model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(static_cast<double>(options.kappa))));
     model.box = world_box(volume);
+    model.origin = options.origin.value_or(model_origin(model.box));
     model.source_voxels = active_voxels(volume);
     model.source = std::filesystem::path(volume.source).filename().string();
     if (!volume.name.empty()) model.source += (model.source.empty() ? "" : " ") + volume.name;
     model.method = "paper";
     model.options = flags(options);
 
-    const GroupFit fit = make_group_fit(volume, options, model.cutoff);
+    GroupFit fit = make_group_fit(volume, options, model.cutoff);
+    Vec3d& translation = fit.frame.world_from_index.translation;
+    translation = translation - model.origin;
     append_by_strategy(volume, options, fit, model);
     // Tiles are boxes of one value, whatever their level.
     if (options.strategy != Strategy::tree_mirror) append_groups(fit, tile_groups(volume), model);
@@ -265,8 +268,10 @@ Gaussians convert_paper(const Volume& volume, const PaperOptions& options) {
 Gaussians convert_paper(const Composite& data, const PaperOptions& options) {
     if (data.parts.empty())
         throw Error("convert: no voxel is left, expected one or more within the masks");
+    PaperOptions of_parts = options;
+    of_parts.origin = options.origin.value_or(model_origin(data.box));
     Gaussians model;
-    for (const Volume& part : data.parts) append(model, convert_paper(part, options));
+    for (const Volume& part : data.parts) append(model, convert_paper(part, of_parts));
     model.box = data.box;
     model.source_voxels = data.voxels;
     return model;

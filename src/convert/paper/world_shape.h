@@ -21,7 +21,7 @@ struct WorldFrame {
         orthogonal,  ///< index axes stay perpendicular: one rotation for all Gaussians
         sheared,     ///< every shape needs an eigendecomposition
     };
-    Affine world_from_index;
+    Affine world_from_index;  ///< of a conversion: relative to Gaussians::origin
     Kind kind = Kind::aligned;
     Vec3d column_length{1, 1, 1};               ///< world length of a voxel along each index axis
     std::array<int, 3> index_axis = {0, 1, 2};  ///< aligned: the index axis along each world axis

@@ -41,6 +41,7 @@ struct PointJob {
     BigVector<float> values;   ///< [N] mass of each particle
     BigVector<double> radius;  ///< [N] standard deviations, world units
     double total = 0;          ///< sum of the values
+    Vec3d origin{};            ///< of the model
     PointGrid grid{};          ///< for cuts and adaptive radii only
     StageClock clock{report, options.progress};
 
@@ -138,6 +139,13 @@ Box view_box_of(const Points& points) {
     return box.radius() > 0 ? box : Box{};
 }
 
+/// Origin of the model of particles that are Gaussians of at least this standard deviation.
+Vec3d origin_of(const Points& points, double radius) {
+    const Vec3d reach{radius, radius, radius};
+    const Box box = bounds(points);
+    return model_origin({box.lower - reach, box.upper + reach});
+}
+
 /// One isotropic Gaussian for each particle with mass.
 Gaussians all_particles(const PointJob& job) {
     BigVector<std::uint32_t> kept;
@@ -149,6 +157,7 @@ Gaussians all_particles(const PointJob& job) {
     Gaussians model;
     model.cutoff = kMomentCutoff;
     model.box = view_box_of(job.points);
+    model.origin = job.origin;
     resize(model, kept.size(), true);
     const MomentFrame frame = moment_frame({}, true, 1);
     vog::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t i) {
@@ -156,7 +165,7 @@ Gaussians all_particles(const PointJob& job) {
         const double variance = job.radius[n] * job.radius[n];
         set_gaussian(model, i,
                      {double{job.values[n]},
-                      job.points.position[n],
+                      job.points.position[n] - model.origin,
                       {variance, 0, 0, variance, 0, variance}},
                      frame);
     });
@@ -223,12 +232,13 @@ Gaussians thresholded_gaussians(PointJob& job, const BigVector<Moments>& cells, 
 
     const double edge = job.grid.voxel_size;
     const Affine world_from_grid{{{Vec3d{edge, 0, 0}, {0, edge, 0}, {0, 0, edge}}},
-                                 job.grid.origin};
+                                 job.grid.origin - job.origin};
     MomentFrame frame = moment_frame(world_from_grid, job.options.axis_aligned, 1);
     frame.voxel_volume = mass_unit;  // cells hold masses, not densities
     Gaussians model;
     model.cutoff = kMomentCutoff;
     model.box = view_box_of(job.points);
+    model.origin = job.origin;
     resize(model, kept.size(), job.options.axis_aligned);
     vog::parallel_for(std::size_t{0}, kept.size(),
                       [&](std::size_t i) { set_gaussian(model, i, cells[kept[i]], frame); });
@@ -308,6 +318,7 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
         job.total += job.values[n];
         keep_memory_at(n);
     }
+    job.origin = origin_of(points, options.radius);
     job.clock.end_stage("check", 0.05);
 
     if (options.radius == 0 || job.cuts()) {
@@ -348,10 +359,11 @@ Gaussians convert_points_paper(const Points& points, const std::string& value, d
     Gaussians model;
     model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(kappa)));
     model.box = view_box_of(points);
+    model.origin = origin_of(points, paper_radius);
     for (const std::uint32_t n : order.index) {
         if (!(values[n] > 0)) continue;
         const auto s = static_cast<float>(paper_radius / std::numbers::sqrt2);
-        model.mean.push_back(vec_cast<float>(points.position[n]));
+        model.mean.push_back(vec_cast<float>(points.position[n] - model.origin));
         model.scale.push_back({s, s, s});
         model.density.push_back(values[n]);
     }

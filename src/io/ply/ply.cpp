@@ -145,7 +145,8 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
         fail(file, "cannot be read to its end");
     hierarchy->nodes.cutoff = model.cutoff;
     link(*hierarchy, count, file.string());
-    validate(*hierarchy, count, model.cutoff, file.string());
+    hierarchy->nodes.origin = model.origin;
+    validate(*hierarchy, model, file.string());
     return model;
 }
 
@@ -191,7 +192,7 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
                const Hierarchy& hierarchy) {
     validate(gaussians);
     const bool rotated = !gaussians.axis_aligned();
-    validate(hierarchy, gaussians.size(), gaussians.cutoff, file.string());
+    validate(hierarchy, gaussians, file.string());
     if (!hierarchy.empty() && hierarchy.nodes.axis_aligned() != gaussians.axis_aligned())
         fail(file,
              "the model has rotations and its hierarchy has none, or the reverse; expected both "

@@ -214,6 +214,10 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
     std::string value;
     if (!comment(header, "cutoff", value)) fail(file, "no header line 'comment cutoff'");
     model.cutoff = static_cast<float>(numbers(file, "cutoff", value, 1)[0]);
+    if (comment(header, "origin", value)) {
+        const auto o = numbers(file, "origin", value, 3);
+        model.origin = {o[0], o[1], o[2]};
+    }
     if (comment(header, "box", value)) {
         const auto b = numbers(file, "box", value, 6);
         model.box = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
@@ -243,6 +247,9 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     text +=
         "comment units scale: standard deviations in world units, density: peak per world unit, "
         "rot: quaternion w x y z\n";
+    if (model.origin != Vec3d{})
+        text += fmt::format("comment origin {} {} {}\n", model.origin.x, model.origin.y,
+                            model.origin.z);
     if (!model.box.empty())
         text +=
             fmt::format("comment box {} {} {} {} {} {}\n", model.box.lower.x, model.box.lower.y,

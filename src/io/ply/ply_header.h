@@ -41,7 +41,7 @@ Layout layout_of(const std::filesystem::path& file, const Header& header);
 std::size_t check_nodes(const std::filesystem::path& file, const Header& header, Layout layout,
                         bool axis_aligned);
 
-/// Sets cutoff, box, source voxels, source, method, options and summary from vog's comments.
+/// Sets cutoff, origin, box, source voxels, source, method, options and summary from vog's comments.
 /// throws vog::Error if the cutoff is missing or a number is malformed
 void read_comments(const std::filesystem::path& file, const Header& header, Gaussians& model);
 

@@ -16,6 +16,7 @@ CudaModel cuda_model(const Gaussians& gaussians, double kappa) {
     if (gaussians.size() >= std::numeric_limits<std::int32_t>::max())
         throw Error(fmt::format("cuda: {} Gaussians, expected fewer than 2^31", gaussians.size()));
     CudaModel model;
+    model.origin = gaussians.origin;
     model.kernel = trace::splat_kernel(cutoff_of_kappa(kappa, gaussians.cutoff));
 
     Box bounds;

@@ -9,6 +9,7 @@
 namespace vog::gpu {
 
 struct CudaModel {
+    Vec3d origin;                                  ///< Gaussians::origin, of means and cameras
     std::vector<device::SplatGaussian> gaussians;  ///< scene units
     device::SplatKernel kernel{};
     double unit = 1;  ///< world units of one scene unit: a power of two

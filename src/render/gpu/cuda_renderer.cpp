@@ -39,7 +39,8 @@ double CudaSplat::gpu_ms() const { return state_->timer.ms(); }
 
 DepthImage CudaSplat::render(const Camera& camera, int width, int height) {
     State& s = *state_;
-    const device::Camera frame = scene_camera(frame_of(camera, width, height), s.model.unit);
+    const device::Camera frame =
+        scene_camera(relative_to(frame_of(camera, width, height), s.model.origin), s.model.unit);
     DepthImage image(width, height);
     if (s.count == 0) return image;
     s.depth.reserve(image.depth.size(), "the picture");

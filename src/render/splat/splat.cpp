@@ -178,7 +178,8 @@ SplatRenderer& SplatRenderer::operator=(SplatRenderer&&) noexcept = default;
 void SplatRenderer::render(const Camera& camera, int width, int height, DepthImage& image,
                            const Progress& progress) {
     State& s = *state_;
-    const CameraFrame frame = frame_of(camera, width, height);
+    const CameraFrame world_frame = frame_of(camera, width, height);
+    const CameraFrame frame = relative_to(world_frame, s.all->origin);
     if (width > kMaxSide || height > kMaxSide)
         throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
                                 height, kMaxSide));
@@ -191,7 +192,7 @@ void SplatRenderer::render(const Camera& camera, int width, int height, DepthIma
         return render_boxes(*s.kernels, s.model, s.kernel, frame, s.options.aabb_sigma, report,
                             image);
 
-    if (s.cut) s.model.gaussians = &s.cut->choose(frame, s.options.cut);
+    if (s.cut) s.model.gaussians = &s.cut->choose(world_frame, s.options.cut);
     // Batches bound the memory of the splats for models of any size.
     const std::size_t size = s.model.gaussians->size();
     const std::size_t batch = TileBins::most_splats(width, height);

@@ -118,7 +118,7 @@ BoxedSplats project_boxed(const SplatKernels& kernels, const SplatModel& model,
                           const CameraFrame& frame, double aabb_sigma, std::size_t first,
                           std::size_t last) {
     constexpr std::size_t kChunk = 4096;
-    const Box scene = view_box(*model.gaussians);
+    const Box scene = moved(view_box(*model.gaussians), -model.gaussians->origin);
     std::vector<BoxedSplats> parts((last - first + kChunk - 1) / kChunk);
     vog::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t n) {
         const std::size_t begin = first + n * kChunk, end = std::min(begin + kChunk, last);

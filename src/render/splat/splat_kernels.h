@@ -95,6 +95,7 @@ inline TileRange range_in(const TilePixels& tile, const PixelBounds& bounds) {
 struct SplatKernels {
     std::int64_t target = 0;  ///< Highway's target bit; 0: one lane, no SIMD
     /// Projects Gaussians first ... last - 1 to run.far[run.count] and on; near ones are appended.
+    /// The frame is relative to Gaussians::origin.
     void (*project)(const SplatModel& model, const CameraFrame& frame, std::size_t first,
                     std::size_t last, SplatRun& run);
     /// Adds splats[index[0]] ... splats[index[count - 1]] to the pixels of `tile` they touch.

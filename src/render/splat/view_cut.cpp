@@ -256,12 +256,13 @@ void ViewCut::State::gather() {
 
 ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy, double cutoff)
     : state_(std::make_unique<State>()) {
-    validate(hierarchy, model.size(), model.cutoff, model.source.empty() ? "model" : model.source);
+    validate(hierarchy, model, model.source.empty() ? "model" : model.source);
     // Supports of a larger cutoff are wider; those of a smaller one still lie in the same balls.
     const double wider = std::max(1.0, cutoff / double{model.cutoff});
     state_->model = &model;
     state_->hierarchy = &hierarchy;
     state_->chosen.cutoff = model.cutoff;
+    state_->chosen.origin = model.origin;
     state_->roots = not_in_runs(hierarchy.size(), hierarchy.first_node, hierarchy.node_count);
     state_->loose = not_in_runs(model.size(), hierarchy.first_leaf, hierarchy.leaf_count);
     state_->bounds.resize(hierarchy.size());
@@ -280,7 +281,7 @@ const Gaussians& ViewCut::choose(const CameraFrame& frame, const CutOptions& opt
     if (!(options.pixel_error >= 0))
         throw Error(fmt::format("pixel error {}, expected a number >= 0", options.pixel_error));
     State& s = *state_;
-    const View view(frame, options);
+    const View view(relative_to(frame, s.model->origin), options);
     s.sweep(view);
     s.place();
     if (s.report.leaves == s.model->size()) return *s.model;

@@ -60,7 +60,8 @@ DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width
                         const TraceOptions& options, TraceReport* report) {
     check_trace_options(options);
     const TraceScene::Data& data = scene.data();
-    const device::Camera frame = scene_camera(frame_of(camera, width, height), data.model.unit);
+    const device::Camera frame = scene_camera(
+        relative_to(frame_of(camera, width, height), data.model.origin), data.model.unit);
     DepthImage image(width, height);
     TraceReport total;
     if (data.model.gaussians.empty()) {

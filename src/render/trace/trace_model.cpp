@@ -94,13 +94,14 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
     check(gaussians, aabb_sigma);
     const double cutoff = cutoff_of_kappa(kappa, gaussians.cutoff);
     TraceModel model;
+    model.origin = gaussians.origin;
     model.boxed = aabb_sigma > 0;
     model.cutoff2 = static_cast<float>(cutoff * cutoff);
     model.kernel = splat_kernel(cutoff);
 
-    // Boxes in world units, and their common bounds.
+    // Boxes in world units from the origin, and their common bounds.
     const double radii = model.boxed ? aabb_sigma * std::numbers::sqrt2 : cutoff;
-    const Box scene = view_box(gaussians);
+    const Box scene = moved(view_box(gaussians), -model.origin);
     std::vector<Box> boxes(gaussians.size());
     Box bounds;
     for (std::size_t i = 0; i < gaussians.size(); ++i) {

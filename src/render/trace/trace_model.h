@@ -19,6 +19,7 @@ struct FloatBox {
 };
 
 struct TraceModel {
+    Vec3d origin;  ///< Gaussians::origin; all other members are relative to it
     std::vector<device::Gaussian> gaussians;
     std::vector<FloatBox> boxes;
     device::Bounds bounds{};       ///< of all boxes and supports, scene units
@@ -37,6 +38,7 @@ struct TraceModel {
 TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kappa);
 
 /// The camera in scene units.
+/// frame  relative to the model's origin
 device::Camera scene_camera(const CameraFrame& frame, double unit);
 
 /// Margin of the boxes on every side, scene units. A hierarchy's rays are in floats: origins up to 1

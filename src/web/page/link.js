@@ -1,6 +1,7 @@
 // link.js: settings in the address behind #, as in #embed&map=viridis&eye=1,2,3&at=0,0,0. The page
 // never changes its own address.
 import { isUsable } from './camera.js';
+import { length, sub } from './vectors.js';
 
 const vector = (text) => {
   const v = (text ?? '').split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
@@ -43,13 +44,18 @@ export function readLink(hash, camera) {
 
 /** Address suffix of a view, for readLink. */
 export function writeLink(state) {
-  const digits = (v) => v.map((x) => Number(x.toPrecision(8))).join(',');
+  const { eye, at, up, fov, span } = state.camera;
+  // Eight digits of the distance, whatever the distance to the world's origin.
+  const farthest = Math.max(...[...eye, ...at].map(Math.abs));
+  const more = Math.max(0, Math.floor(Math.log10(farthest / length(sub(at, eye)))));
+  const digits = (v, count = 8) =>
+    v.map((x) => Number(x.toPrecision(Math.min(17, count)))).join(',');
   const words = [`model=${state.model + 1}`, `level=${state.level + 1}`];
   words.push(`map=${encodeURIComponent(state.map)}`);
   words.push(`exposure=${Number(state.exposure.toPrecision(4))}`);
   words.push(`reverse=${state.reverse ? 1 : 0}`, `fade=${state.fade ? 1 : 0}`);
-  const { eye, at, up, fov, span } = state.camera;
-  words.push(`eye=${digits(eye)}`, `at=${digits(at)}`, `up=${digits(up)}`, `fov=${digits([fov])}`);
+  words.push(`eye=${digits(eye, 8 + more)}`, `at=${digits(at, 8 + more)}`);
+  words.push(`up=${digits(up)}`, `fov=${digits([fov])}`);
   if (span) words.push(`span=${digits([span])}`);
   return `#${words.join('&')}`;
 }

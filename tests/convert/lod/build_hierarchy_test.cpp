@@ -108,7 +108,7 @@ void expect_balls_that_hold(const Gaussians& model, const Hierarchy& tree) {
 
 /// Every leaf belongs to one node, nodes have 2 to 8 children, and the order is breadth-first.
 void expect_a_tree(const Gaussians& model, const Hierarchy& tree) {
-    validate(tree, model.size(), model.cutoff, "tree");
+    validate(tree, model, "tree");
     EXPECT_TRUE(in_one_order(tree));
     ASSERT_GT(tree.size(), 0u);
     std::size_t node = 1, leaf = 0;  // the root is the first
@@ -239,7 +239,7 @@ TEST(hierarchy, joined_models_have_joined_hierarchies) {
     append(tree, build_hierarchy(other), model.size());
     append(model, other);
     append(tree, Hierarchy{}, model.size());
-    validate(tree, model.size(), model.cutoff, "joined");
+    validate(tree, model, "joined");
     EXPECT_FALSE(in_one_order(tree));
     expect_moments_of_leaves(model, tree);
     expect_balls_that_hold(model, tree);
@@ -253,7 +253,7 @@ TEST(hierarchy, invalid_hierarchies_are_refused_by_their_first_wrong_node) {
         spoil(tree);
         try {
             link(tree, model.size(), "file");
-            validate(tree, model.size(), model.cutoff, "file");
+            validate(tree, model, "file");
         } catch (const Error& error) {
             EXPECT_EQ(std::string(error.what()).rfind("file: ", 0), 0u) << error.what();
             return std::string(error.what());
@@ -278,7 +278,7 @@ TEST(hierarchy, invalid_hierarchies_are_refused_by_their_first_wrong_node) {
         Hierarchy tree = good;
         spoil(tree);
         try {
-            validate(tree, model.size(), model.cutoff, "memory");
+            validate(tree, model, "memory");
         } catch (const Error& error) {
             return std::string(error.what());
         }

@@ -36,7 +36,7 @@ std::vector<IndexBox> index_boxes(const Gaussians& model) {
             const double radius = std::sqrt(2.0) * model.scale[i][axis];
             const auto n = static_cast<std::size_t>(axis);
             size[n] = static_cast<int>(std::lround(2 * radius));
-            lower[n] = static_cast<int>(std::lround(model.mean[i][axis] - radius + 0.5));
+            lower[n] = static_cast<int>(std::lround(world_mean(model, i)[axis] - radius + 0.5));
         }
         boxes.emplace_back(lower[0], lower[1], lower[2], size[0], size[1], size[2]);
     }

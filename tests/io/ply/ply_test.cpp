@@ -68,10 +68,13 @@ TEST(ply, models_come_back_bit_for_bit) {
     const TempDir dir;
     Gaussians plain = random_gaussians(1000, 1e-6, 1, 1);
     plain.rotation.clear();
+    Gaussians far = plain;
+    far.origin = {5000000.1, -1e9, 1.0 / 3};
     for (const Gaussians& model : {labelled(random_gaussians(70000, 1e-6, 1, 2, 3.0349f)),
-                                   labelled(plain), labelled(Gaussians{})}) {
+                                   labelled(plain), labelled(far), labelled(Gaussians{})}) {
         write_ply(dir / "m.ply", model);
         const Gaussians back = read_ply(dir / "m.ply");
+        EXPECT_EQ(back.origin, model.origin);
         EXPECT_EQ(back.mean, model.mean);
         EXPECT_EQ(back.scale, model.scale);
         EXPECT_EQ(back.rotation, model.rotation);
@@ -91,12 +94,14 @@ TEST(ply, hierarchies_come_back_bit_for_bit_and_may_be_left_unread) {
     const TempDir dir;
     Gaussians plain = random_gaussians(500, 0.01, 0.1, 6);
     plain.rotation.clear();
+    plain.origin = {1e9, 0, 0.1};
     for (Gaussians model : {random_gaussians(3000, 0.01, 0.1, 7), plain}) {
         const Hierarchy tree = build_hierarchy(model);
         write_ply(dir / "m.ply", model, tree);
         EXPECT_EQ(std::filesystem::file_size(dir / "m.ply"), ply_bytes(model, tree));
         Hierarchy back;
         EXPECT_EQ(read_ply(dir / "m.ply", &back).mean, model.mean);
+        EXPECT_EQ(back.nodes.origin, model.origin);
         EXPECT_EQ(back.nodes.mean, tree.nodes.mean);
         EXPECT_EQ(back.nodes.scale, tree.nodes.scale);
         EXPECT_EQ(back.nodes.rotation, tree.nodes.rotation);
@@ -162,7 +167,7 @@ TEST(ply, a_hierarchy_spoiled_anywhere_ends_in_one_line_or_is_one) {
             try {
                 Hierarchy read;
                 const Gaussians back = read_ply(dir / "spoiled.ply", &read);
-                validate(read, back.size(), back.cutoff, "read");
+                validate(read, back, "read");
             } catch (const Error& error) {
                 const std::string what = error.what();
                 ASSERT_NE(what.find("spoiled.ply: "), std::string::npos) << what;
@@ -220,6 +225,11 @@ TEST(ply, header_says_every_convention) {
                              "comment reached mass ratio 1.00000\n", "property float rot_0\n",
                              "property float density\n"})
         EXPECT_NE(text.find(line), std::string::npos) << line;
+    EXPECT_EQ(text.find("comment origin"), std::string::npos);
+    Gaussians far = random_gaussians(3, 0.1, 1, 3);
+    far.origin = {5000000.1, -1e9, 0};
+    EXPECT_NE(ply_header(far, 3, true).find("\ncomment origin 5000000.1 -1000000000 0\n"),
+              std::string::npos);
 }
 
 TEST(ply, every_truncation_length_throws) {
@@ -316,6 +326,10 @@ TEST(ply, what_it_does_not_understand_is_refused_by_name) {
     EXPECT_EQ(with({{"density", 1}}), "no error");
     EXPECT_NE(with({{"density", 1}}, "").find("comment cutoff"), std::string::npos);
     EXPECT_NE(with({{"density", 1}}, "comment cutoff wide\n").find("not a number"),
+              std::string::npos);
+    EXPECT_NE(with({{"density", 1}}, "comment cutoff 2\ncomment origin 1 2\n").find("expected 3"),
+              std::string::npos);
+    EXPECT_NE(with({{"density", 1}}, "comment cutoff 2\ncomment origin 1 2 nan\n").find("origin"),
               std::string::npos);
     EXPECT_NE(with({}).find("none of the layouts"), std::string::npos);
     EXPECT_NE(with({{"density", 1}, {"opacity", 1}}).find("none of the layouts"),

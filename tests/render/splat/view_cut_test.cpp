@@ -108,7 +108,7 @@ TEST(view_cut, joined_models_are_drawn_in_one_order) {
         append(all.model, other.model);
         append(all.model, random_gaussians(20, 0.01, 0.1, seed + 2));
     }
-    validate(all.hierarchy, all.model.size(), all.model.cutoff, "joined");
+    validate(all.hierarchy, all.model, "joined");
     for (const Camera& camera : cameras()) {
         EXPECT_EQ(draw(all, camera, 60, 90, {0, true}).depth,
                   render_splat(all.model, camera, 60, 90).depth);
@@ -275,6 +275,9 @@ TEST(view_cut, hierarchies_of_other_models_are_refused) {
     SplatOptions options;
     options.hierarchy = &large.hierarchy;
     EXPECT_THROW(SplatRenderer(small.model, options), Error);
+    Gaussians far = large.model;
+    far.origin = {1e9, 0, 0};
+    EXPECT_THROW(ViewCut(far, large.hierarchy), Error);
     Hierarchy cut_short = large.hierarchy;
     cut_short.leaf_count.pop_back();
     EXPECT_THROW(ViewCut(large.model, cut_short), Error);

@@ -64,7 +64,7 @@ device::Launch OptixModel::State::launch_for(const CameraFrame& frame,
                                              const TraceOptions& options) const {
     device::Launch launch{};
     launch.traversable = hierarchy->handle();
-    launch.camera = scene_camera(frame, model.unit);
+    launch.camera = scene_camera(relative_to(frame, model.origin), model.unit);
     launch.bounds = model.bounds;
     launch.gaussians = gaussians.data();
     launch.center = model.center;
