@@ -37,7 +37,7 @@ while read -r volume coarse middle fine grid; do
     "$vog" render "$data/$volume.vdb" $grid -o "$folder/r.png" --size 512 --view paper \
         --depth-out "$folder/exact.exr" > /dev/null
     for cells in "--block 8" "--block 4" "--block 2"; do row "$volume" "$grid" "$cells"; done
-    for count in "$coarse" "$middle" "$fine"; do row "$volume" "$grid" "--budget $count $*"; done
+    for count in "$coarse" "$middle" "$fine"; do row "$volume" "$grid" "--budget $count${*:+ $*}"; done
 done << 'VOLUMES'
 smoke 3148 19936 141652
 cloud 1247 7482 50708
