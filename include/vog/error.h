@@ -11,8 +11,9 @@ namespace vog {
 /// values that would be valid: `smoke.vdb: no grid named 'density' (it has: temperature, flame)`.
 class Error : public std::runtime_error {
   public:
-    /// message  one line of UTF-8 without a newline
-    explicit Error(const std::string& message) : std::runtime_error(message) {}
+    /// message  one line; names and bytes from files may be in it as they are: what() is
+    ///          printable(message)
+    explicit Error(const std::string& message);
 };
 
 }  // namespace vog

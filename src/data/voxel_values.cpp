@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include "vog/text.h"
+
 namespace vog {
 
 std::string values_text(const ValueNotes& notes, const std::string& where) {
@@ -13,7 +15,7 @@ std::string values_text(const ValueNotes& notes, const std::string& where) {
     add(notes.clipped_negative, "negative values set to 0");
     add(notes.skipped_nonfinite, "values that are not finite left out");
     add(notes.inactive_nonfinite, "inactive voxels with a value that is not finite: empty space");
-    return text.empty() ? text : where + text;
+    return text.empty() ? text : printable(where) + text;
 }
 
 }  // namespace vog

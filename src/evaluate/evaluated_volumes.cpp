@@ -8,6 +8,8 @@
 #include <fstream>
 #include <limits>
 
+#include "vog/text.h"
+
 namespace vog::evaluation {
 
 namespace {
@@ -91,7 +93,7 @@ Evaluation begin_evaluation(std::span<const Volume> volumes, const EvaluateOptio
     collective_or_single(options.collective).sum(evaluation.mass);
     evaluation.width = options.width;
     evaluation.height = options.height;
-    evaluation.tf = options.tf;
+    evaluation.tf = printable(options.tf);
     evaluation.extinction = options.extinction > 0 ? fmt::format("{}", options.extinction) : "auto";
     evaluation.machine = processor_name();
     evaluation.threads = thread_count();

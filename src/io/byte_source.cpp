@@ -11,14 +11,6 @@
 
 namespace vog {
 
-std::string printable(std::string text) {
-    constexpr std::size_t kLongest = 100;
-    if (text.size() > kLongest) text.replace(kLongest, std::string::npos, "...");
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-    return text;
-}
-
 std::string ByteSource::string() {
     const auto length = number<std::uint32_t>();
     return {take(length), length};

@@ -13,11 +13,16 @@
 #include <vector>
 
 #include "vog/memory.h"
+#include "vog/text.h"
 
 namespace vog {
 
-/// Name from a file for a one-line message: at most 100 bytes, control characters replaced by '?'.
-std::string printable(std::string text);
+/// Name of a grid in lists and messages, and to select it by: printable, and at most 100 bytes of
+/// it. The same for a name that has this form already, so that both forms select the grid.
+inline std::string grid_name(std::string_view stored) {
+    constexpr std::size_t kLongest = 100;
+    return printable(stored, kLongest);
+}
 
 /// Sequential little-endian bytes. Every read past the end throws vog::Error.
 class ByteSource {

@@ -32,14 +32,27 @@ bool is_nvdb(const std::filesystem::path& file) {
 bool is_pattern(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
 bool has_star(const std::string& name) { return name.find('*') != std::string::npos; }
 
-/// Whether a name matches a pattern, where * stands for any text and ? for any character.
+/// Whether a name matches a pattern, where * stands for any text and ? for any byte. A mismatch
+/// goes back to the latest * alone, which takes one byte more: a longer text for an earlier *
+/// leaves less for the rest. Not fnmatch: brackets and backslashes stand for themselves.
+/// cost  O(pattern * name)
 bool matches(std::string_view pattern, std::string_view name) {
-    if (pattern.empty()) return name.empty();
-    if (pattern.front() == '*')
-        return matches(pattern.substr(1), name) ||
-               (!name.empty() && matches(pattern, name.substr(1)));
-    return !name.empty() && (pattern.front() == '?' || pattern.front() == name.front()) &&
-           matches(pattern.substr(1), name.substr(1));
+    constexpr std::size_t kNone = std::string_view::npos;
+    std::size_t p = 0, n = 0, star = kNone, star_end = 0;
+    while (n < name.size()) {
+        if (p < pattern.size() && pattern[p] == '*') {
+            star = p++;
+            star_end = n;
+        } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == name[n])) {
+            ++p, ++n;
+        } else if (star != kNone) {
+            p = star + 1;
+            n = ++star_end;
+        } else {
+            return false;
+        }
+    }
+    return pattern.find_first_not_of('*', p) == kNone;
 }
 
 /// Shortest text that the first * of a pattern stands for in a matching name; empty without a *.

@@ -124,7 +124,7 @@ void NvdbFile::read_segment() {
         const auto description = file_.number<Description>();
         NvdbEntry entry;
         const char* name = file_.take(description.name_bytes);
-        entry.name = printable({name, strnlen(name, description.name_bytes)});
+        entry.name = grid_name({name, strnlen(name, description.name_bytes)});
         entry.type = description.type;
         entry.codec = codec;
         entry.grid_bytes = description.grid_bytes;

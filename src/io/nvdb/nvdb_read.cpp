@@ -19,7 +19,8 @@ namespace {
 
 /// Grid of this name; without a name the only scalar grid, else the one named density.
 /// throws vog::Error if there is none or more than one
-const NvdbEntry& choose(const NvdbFile& file, const std::string& name) {
+const NvdbEntry& choose(const NvdbFile& file, const std::string& requested) {
+    const std::string name = grid_name(requested);
     std::vector<std::string> names;
     std::vector<const NvdbEntry*> named, scalar;
     for (const NvdbEntry& entry : file.entries()) {
@@ -98,7 +99,7 @@ Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, V
             throw Error(fmt::format("{}: no active voxels{}", where,
                                     options.mask ? " above 0, expected a mask" : ""));
         volume.name = entry.name;
-        volume.source = file.name();
+        volume.source = printable(file.name());
         if (notes) *notes = found;
         return volume;
     });

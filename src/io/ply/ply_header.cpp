@@ -13,6 +13,7 @@
 
 #include "io/ply/ply_nodes.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog::ply {
 
@@ -113,10 +114,12 @@ class HeaderReader {
     bool has_format_ = false, has_vertices_ = false;
 };
 
-/// Text behind `key` and a blank of the first such comment, in `rest`; null if there is none.
+/// Printable text behind `key` and a blank of the first such comment, in `rest`; null if there is
+/// none.
 const std::string* comment(const Header& header, const std::string& key, std::string& rest) {
     for (const std::string& text : header.comments)
-        if (text.starts_with(key + " ")) return rest = text.substr(key.size() + 1), &rest;
+        if (text.starts_with(key + " "))
+            return rest = printable(text.substr(key.size() + 1)), &rest;
     return nullptr;
 }
 

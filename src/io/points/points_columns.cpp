@@ -12,6 +12,7 @@
 
 #include "io/points/text_fields.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog::point_files {
 
@@ -42,7 +43,8 @@ struct Head {
 
 /// Fields as column names if they are one per column, no numbers and all distinct; else empty.
 Names as_names(const std::vector<std::string_view>& fields, std::size_t columns) {
-    Names names(fields.begin(), fields.end());
+    Names names;
+    for (const std::string_view field : fields) names.push_back(printable(field));
     Names sorted = names;
     std::ranges::sort(sorted);
     if (names.size() != columns || std::ranges::any_of(names, is_number) ||
@@ -108,7 +110,7 @@ std::optional<Three> named_three(const Names& names, std::span<const std::string
 /// Index of a column by name, or by number from 1.
 std::size_t find_column(const std::filesystem::path& file, const Head& head,
                         const std::string& column) {
-    const auto named = std::ranges::find(head.names, column);
+    const auto named = std::ranges::find(head.names, printable(column));
     if (named != head.names.end()) return static_cast<std::size_t>(named - head.names.begin());
     std::size_t number = 0;
     const auto [stop, code] = std::from_chars(column.data(), column.data() + column.size(), number);

@@ -16,6 +16,7 @@
 #include "io/points/points_files.h"
 #include "io/points/text_fields.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog::point_files {
 
@@ -69,10 +70,18 @@ class LineFile {
             if (line_end) buffer.resize(static_cast<const char*>(line_end) - buffer.data() + 1);
             end += more;
         }
-        return {buffer.data() + skipped, buffer.size() - skipped};
+        const std::string_view text(buffer.data() + skipped, buffer.size() - skipped);
+        return begin == 0 ? without_byte_order_mark(text) : text;
     }
 
   private:
+    /// Spreadsheets put the mark before UTF-8 too, where it says nothing.
+    std::string_view without_byte_order_mark(std::string_view text) const {
+        if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+            throw Error(fmt::format("{}: text in UTF-16, expected UTF-8 or ASCII", name_));
+        if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+        return text;
+    }
     void read(std::uint64_t at, char* to, std::size_t count) const {
         while (count > 0) {
             const ssize_t got = ::pread(descriptor_, to, count, static_cast<off_t>(at));
@@ -256,7 +265,7 @@ Points read_points_text(const std::filesystem::path& path, const PointReadOption
     const std::uint64_t lines = chunks.back().first_line + chunks.back().line_count;
 
     Points points;
-    points.source = path.string();
+    points.source = printable(path.string());
     for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
     resize(points, lines - columns.first_line, columns);
     const ChunkReader reader(columns, points, options.values.skip_nonfinite);

@@ -26,7 +26,8 @@ const VdbEntry* the_only(const std::vector<const VdbEntry*>& candidates) {
     return candidates.size() == 1 ? candidates.front() : nullptr;
 }
 
-const VdbEntry& entry_named(const VdbFile& file, const std::string& name) {
+const VdbEntry& entry_named(const VdbFile& file, const std::string& requested) {
+    const std::string name = grid_name(requested);
     std::vector<const VdbEntry*> exact, plain;
     for (const VdbEntry& entry : file.entries()) {
         if (entry.name == name) exact.push_back(&entry);
@@ -146,7 +147,7 @@ Volume VdbReader::State::read(const Choose& of_file, const Part& of_fog,
         ValueNotes found = notes;
         Volume volume = leaves ? of_file(*leaves, found) : of_fog();
         volume.name = entry.plain_name;
-        volume.source = file.name();
+        volume.source = printable(file.name());
         if (returned_notes) *returned_notes = found;
         return volume;
     });

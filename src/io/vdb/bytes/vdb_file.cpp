@@ -56,10 +56,10 @@ void VdbFile::read_entry() {
     VdbEntry entry;
     entry.unique_name = file_.string();
     const std::size_t separator = entry.unique_name.find(kNumberSeparator);
-    entry.plain_name = printable(entry.unique_name.substr(0, separator));
+    entry.plain_name = grid_name(entry.unique_name.substr(0, separator));
     entry.name = entry.plain_name;
     if (separator != std::string::npos)
-        entry.name += fmt::format("[{}]", printable(entry.unique_name.substr(separator + 1)));
+        entry.name += fmt::format("[{}]", grid_name(entry.unique_name.substr(separator + 1)));
 
     entry.tree_type = file_.string();
     entry.half_stored = entry.tree_type.ends_with(kHalfSuffix);
@@ -89,7 +89,7 @@ VdbHead read_vdb_head(ByteSource& in) {
     VdbHead head;
     head.compression = in.number<std::uint32_t>();
     if (head.compression > 7) in.fail(fmt::format("corrupt: compression {}", head.compression));
-    head.grid_class = printable(read_vdb_metadata(in));
+    head.grid_class = grid_name(read_vdb_metadata(in));
     if (head.grid_class.empty()) head.grid_class = "unknown";
     head.world_from_index = read_transform(in);
     return head;

@@ -194,7 +194,8 @@ class PointGridReader {
             if (vector && (at.name == "velocity" || at.name == "v") && points.velocity.empty())
                 read_velocity(found, points.velocity);
             else
-                read_attribute(found, points.attributes.emplace_back(PointAttribute{at.name, {}}));
+                read_attribute(
+                    found, points.attributes.emplace_back(PointAttribute{printable(at.name), {}}));
         }
         return points;
     }
@@ -278,7 +279,8 @@ class PointGridReader {
 
 /// Grid of points with this name; without a name, the only one.
 /// throws vog::Error if there is none or more than one
-const VdbEntry& point_entry(const VdbFile& file, const std::string& name) {
+const VdbEntry& point_entry(const VdbFile& file, const std::string& requested) {
+    const std::string name = grid_name(requested);
     std::vector<const VdbEntry*> found;
     std::vector<std::string> names;
     for (const VdbEntry& entry : file.entries()) {
@@ -295,8 +297,9 @@ const VdbEntry& point_entry(const VdbFile& file, const std::string& name) {
 
 }  // namespace
 
-bool vdb_holds_points(const std::filesystem::path& path, const std::string& grid) {
+bool vdb_holds_points(const std::filesystem::path& path, const std::string& requested) {
     const VdbFile file(path);
+    const std::string grid = grid_name(requested);
     bool points = false, density = false;
     for (const VdbEntry& entry : file.entries()) {
         if (!grid.empty() && entry.name != grid && entry.plain_name != grid) continue;
@@ -322,7 +325,7 @@ Points point_files::read_points_vdb(const std::filesystem::path& path,
         const CheckedTree tree = check_tree(in, storage);
         if (tree.points == 0) throw Error(fmt::format("{}: no particles", where));
         Points points = PointGridReader(in, tree, *head.world_from_index).read();
-        points.source = file.name();
+        points.source = printable(file.name());
         validate(points);
         return points;
     });
