@@ -23,7 +23,7 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "evalua
 # A public header stands where the lowest source that defines something of it stands, so that this source may
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
 PUBLIC_HEADERS = {
-    "core": "error linear memory progress text",
+    "core": "error linear memory progress temporary_file text",
     "data": "camera dense distributed gaussians image levels lod points volume voxel_values",
     "io": "openvdb ply volume_io",
     "shade": "quantity shade",

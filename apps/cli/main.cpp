@@ -1,15 +1,38 @@
 // main.cpp: the vog command. Exit codes: 0 success, 1 failure (one line on standard error), 2 wrong
 // usage.
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <CLI/CLI.hpp>
+#include <exception>
 #include <new>
+#include <sstream>
+#include <string>
 
 #include "commands.h"
-#include "vog/error.h"
+#include "shared/terminal.h"
+
+namespace {
+
+void run(CLI::App& app, int argc, char** argv) {
+    // CLI11 would report a missing subcommand, not the unknown one.
+    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
+    if (argc > 1 && argv[1][0] != '-' &&
+        std::none_of(commands.begin(), commands.end(),
+                     [&](const CLI::App* command) { return command->get_name() == argv[1]; }))
+        throw CLI::ValidationError(std::string("no subcommand '") + argv[1] + "'");
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& text) {
+        std::ostringstream out;
+        app.exit(text, out, out);  // --help, --version
+        vog::cli::print_text(out.str());
+    }
+    vog::cli::finish_output();
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
+    vog::cli::prepare_process();
     CLI::App app{
         "vog converts sparse volumes and particles into 3D Gaussians, without training, and "
         "renders\n"
@@ -40,23 +63,15 @@ int main(int argc, char** argv) {
     vog::cli::add_export(app);
 
     try {
-        // CLI11 would report a missing subcommand, not the unknown one.
-        const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-        if (argc > 1 && argv[1][0] != '-' &&
-            std::none_of(commands.begin(), commands.end(),
-                         [&](const CLI::App* command) { return command->get_name() == argv[1]; }))
-            throw CLI::ValidationError(std::string("no subcommand '") + argv[1] + "'");
-        app.parse(argc, argv);
+        run(app, argc, argv);
         return 0;
-    } catch (const CLI::Success& text) {
-        return app.exit(text);  // --help, --version
     } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "vog: {}\nRun with --help for usage.\n", error.what());
+        vog::cli::print_failure("vog", error.what(), 2);
         return 2;
     } catch (const std::bad_alloc&) {
-        fmt::print(stderr, "vog: out of memory\n");
+        vog::cli::print_failure("vog", "out of memory");
     } catch (const std::exception& error) {
-        fmt::print(stderr, "vog: {}\n", error.what());
+        vog::cli::print_failure("vog", vog::cli::failure_text(error));
     }
     return 1;
 }

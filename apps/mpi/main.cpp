@@ -1,13 +1,12 @@
 // main.cpp: the vog-mpi command. Exit codes are those of vog, equal on every rank; the root prints.
-#include <fmt/core.h>
-
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 #include <new>
+#include <sstream>
 
 #include "commands.h"
 #include "ranks.h"
-#include "vog/error.h"
+#include "shared/terminal.h"
 
 namespace {
 
@@ -17,23 +16,28 @@ using namespace vog::mpi;
 /// throws  Ended after a failure that all ranks know of already
 Failure run(CLI::App& app, const Ranks& ranks, int argc, char** argv) {
     try {
-        app.parse(argc, argv);
-        return {};
-    } catch (const CLI::Success& text) {  // --help, --version
-        if (ranks.first()) app.exit(text);
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::Success& text) {  // --help, --version
+            std::ostringstream out;
+            app.exit(text, out, out);
+            if (ranks.first()) vog::cli::print_text(out.str());
+        }
+        vog::cli::finish_output();
         return {};
     } catch (const CLI::ParseError& error) {
         return {2, error.what()};
     } catch (const std::bad_alloc&) {
         return {1, "out of memory"};
     } catch (const std::exception& error) {
-        return {1, error.what()};
+        return {1, vog::cli::failure_text(error)};
     }
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+    vog::cli::prepare_process();
     const Ranks ranks(&argc, &argv);
     CLI::App app{
         "vog-mpi runs vog's convert, render and evaluate on several processes (MPI ranks), each "
@@ -55,8 +59,7 @@ int main(int argc, char** argv) {
         return 0;
     } catch (const Ended& end) {
         if (ranks.first())
-            fmt::print(stderr, "vog-mpi: {}\n{}", end.failure.text,
-                       end.failure.exit_code == 2 ? "Run with --help for usage.\n" : "");
+            vog::cli::print_failure("vog-mpi", end.failure.text, end.failure.exit_code);
         return end.failure.exit_code;
     }
 }

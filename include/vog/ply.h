@@ -20,6 +20,9 @@ namespace vog {
 ///            short or long body, values out of range
 Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy = nullptr);
 
+/// Whether a file is a model of the length that its header states; values are not read.
+bool is_whole_ply(const std::filesystem::path& file);
+
 /// Writes a model in vog's own layout, beside the file, renamed when whole.
 /// hierarchy  hierarchy of this model, written behind it; empty: none
 /// throws     vog::Error for an invalid model or hierarchy, or if the file cannot be written

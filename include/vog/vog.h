@@ -33,7 +33,8 @@
 //            linear.h           vectors, matrices, affine maps, boxes
 //            memory.h           arrays larger than memory
 //            progress.h         progress, interruption, number of threads
-//            text.h             counts and sizes as text
+//            temporary_file.h   files renamed when complete, and their removal on signals
+//            text.h             counts, sizes and names from files as text
 //
 // Not included here: openvdb.h (volumes from and to OpenVDB grids in memory; needs OpenVDB's
 // headers) and distributed.h (one data set divided among processes; used by vog-mpi).
@@ -62,6 +63,7 @@
 #include "vog/sample.h"
 #include "vog/shade.h"
 #include "vog/splat.h"
+#include "vog/temporary_file.h"
 #include "vog/text.h"
 #include "vog/trace.h"
 #include "vog/volume.h"

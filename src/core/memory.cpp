@@ -108,6 +108,16 @@ FilePolicy& policy() {
     throw Error(fmt::format("{}: {}: {}", folder.string(), what, std::strerror(error)));
 }
 
+/// The system's folder for temporary files.
+std::filesystem::path default_scratch_folder() {
+    std::error_code code;
+    const std::filesystem::path folder = std::filesystem::temp_directory_path(code);
+    if (!code) return folder;
+    const char* named = std::getenv("TMPDIR");
+    throw Error(fmt::format("TMPDIR={}: no folder for scratch files, expected one that exists",
+                            named ? named : ""));
+}
+
 /// Opens a file without a name: O_TMPFILE, or a temporary file unlinked at once.
 int open_nameless(const std::filesystem::path& folder) {
     int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
@@ -196,7 +206,7 @@ MemoryLimit::MemoryLimit(std::uint64_t bytes, const std::filesystem::path& folde
     if (bytes < kLeastLimit)
         throw Error(
             fmt::format("memory limit of {} bytes, expected at least {}", bytes, kLeastLimit));
-    const auto where = folder.empty() ? std::filesystem::temp_directory_path() : folder;
+    const auto where = folder.empty() ? default_scratch_folder() : folder;
     ::close(open_nameless(where));
     struct statfs kind {};
     if (::statfs(where.c_str(), &kind) == 0 && kind.f_type == TMPFS_MAGIC)

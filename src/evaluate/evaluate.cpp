@@ -64,6 +64,11 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
     if (settings(earlier) != settings(now))
         throw Error(fmt::format("{}: results of {}, expected {} (without resume they are replaced)",
                                 file.string(), settings(earlier), settings(now)));
+    if (earlier.views.size() != now.views.size())
+        throw Error(
+            fmt::format("{}: results of {} views, expected {} (without resume they are "
+                        "replaced)",
+                        file.string(), earlier.views.size(), now.views.size()));
     return std::move(earlier.rows);
 }
 
@@ -115,13 +120,15 @@ class Run {
             const auto found = std::find_if(kept.begin(), kept.end(), same);
             if (found == kept.end()) {
                 evaluation_.rows.push_back(make_row(conversion));
+                // Not after kept rows: the file has all of them, and would lose the others.
+                if (is_root()) write_results(folder_ / "results.json", evaluation_);
             } else {
                 evaluation_.rows.push_back(*found);
                 advance(evaluation_.views.size());
             }
-            if (is_root()) write_results(folder_ / "results.json", evaluation_);
         }
         if (!is_root()) return evaluation_;
+        write_results(folder_ / "results.json", evaluation_);
         write_markdown(folder_ / "results.md", evaluation_);
         write_report(folder_ / "index.html", evaluation_, folder_ / "pictures");
         return evaluation_;

@@ -286,12 +286,7 @@ void write_report(const fs::path& file, const Evaluation& evaluation, const fs::
     for (const ReportTable& table : report_tables(evaluation)) page += table_html(table);
     page += gallery_html(evaluation, pictures);
     page += "</main></body></html>\n";
-    write_beside_and_rename(file, [&](const fs::path& path) {
-        std::ofstream out(path, std::ios::binary);
-        out << page;
-        if (!out.flush())
-            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
-    });
+    write_file(file, [&](std::ofstream& out) { out << page; });
 }
 
 }  // namespace vog::evaluation

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
+#include "core/json_fault.h"
 #include "vog/error.h"
 
 namespace vog::evaluation {
@@ -128,7 +129,7 @@ EvaluationRow row_from(const Json& json) {
     return row;
 }
 
-Evaluation evaluation_from(const Json& json) {
+Evaluation evaluation_from(const std::filesystem::path& file, const Json& json) {
     Evaluation evaluation;
     const Json& data = json.at("data");
     evaluation.title = data.at("title").get<std::string>();
@@ -147,7 +148,13 @@ Evaluation evaluation_from(const Json& json) {
     evaluation.machine = json.at("machine").at("processor").get<std::string>();
     evaluation.threads = json.at("machine").at("threads").get<int>();
     for (const Json& view : json.at("views")) evaluation.views.push_back(view_from(view));
-    for (const Json& row : json.at("rows")) evaluation.rows.push_back(row_from(row));
+    for (const Json& row : json.at("rows")) {
+        evaluation.rows.push_back(row_from(row));
+        if (evaluation.rows.back().views.size() != evaluation.views.size())
+            throw Error(fmt::format("{}: {} views of '{}', expected {}", file.string(),
+                                    evaluation.rows.back().views.size(),
+                                    evaluation.rows.back().label, evaluation.views.size()));
+    }
     return evaluation;
 }
 
@@ -174,11 +181,8 @@ void write_results(const std::filesystem::path& file, const Evaluation& evaluati
                  {"rows", Json::array()}};
     for (const EvaluationView& view : evaluation.views) json["views"].push_back(to_json(view));
     for (const EvaluationRow& row : evaluation.rows) json["rows"].push_back(to_json(row));
-    write_beside_and_rename(file, [&](const std::filesystem::path& path) {
-        std::ofstream out(path, std::ios::binary);
-        out << json.dump(1) << "\n";
-        if (!out.flush()) throw Error(fmt::format("{}: cannot be written", file.string()));
-    });
+    const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
+    write_file(file, [&](std::ofstream& out) { out << text << "\n"; });
 }
 
 Evaluation read_results(const std::filesystem::path& file) {
@@ -189,10 +193,12 @@ Evaluation read_results(const std::filesystem::path& file) {
         if (json.at("format") != kFormat)
             throw Error(fmt::format("{}: format {}, expected \"{}\"", file.string(),
                                     json.at("format").dump(), kFormat));
-        return evaluation_from(json);
+        return evaluation_from(file, json);
     } catch (const nlohmann::json::exception& error) {
-        throw Error(
-            fmt::format("{}: not the results of an evaluation: {}", file.string(), error.what()));
+        throw Error(fmt::format(
+            "{}: not the results of an evaluation, or damaged: {} (without resume they are "
+            "replaced)",
+            file.string(), json_fault(error)));
     }
 }
 

@@ -40,12 +40,7 @@ void write_markdown(const std::filesystem::path& file, const Evaluation& evaluat
     std::string text = fmt::format("# Evaluation of {}\n\n", evaluation.title);
     for (const std::string& fact : report_facts(evaluation)) text += fmt::format("- {}\n", fact);
     for (const ReportTable& table : report_tables(evaluation)) text += table_text(table);
-    write_beside_and_rename(file, [&](const std::filesystem::path& path) {
-        std::ofstream out(path, std::ios::binary);
-        out << text;
-        if (!out.flush())
-            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
-    });
+    write_file(file, [&](std::ofstream& out) { out << text; });
 }
 
 }  // namespace vog::evaluation

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
+#include "core/json_fault.h"
 #include "vog/camera.h"
 #include "vog/error.h"
 
@@ -48,7 +49,7 @@ Camera read_camera(const std::filesystem::path& file) {
             }
         }
     } catch (const nlohmann::json::exception& error) {
-        throw Error(fmt::format("{}: not a camera file: {}", file.string(), error.what()));
+        throw Error(fmt::format("{}: not a camera file: {}", file.string(), json_fault(error)));
     }
     if (!has_eye || !has_look_at)
         throw Error(fmt::format("{}: no key '{}'", file.string(), has_eye ? "look_at" : "eye"));
@@ -64,11 +65,7 @@ void write_camera(const std::filesystem::path& file, const Camera& camera) {
         json["orthographic_width"] = camera.orthographic_width;
     else
         json["fov_degrees"] = camera.fov_degrees;
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream out(beside);
-        out << json.dump(2) << "\n";
-        if (!out.flush()) throw Error(fmt::format("{}: cannot write", file.string()));
-    });
+    write_file(file, [&](std::ofstream& out) { out << json.dump(2) << "\n"; });
 }
 
 }  // namespace vog

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
+#include "core/json_fault.h"
 #include "shade/color_spaces.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
@@ -261,10 +262,8 @@ TransferFunction read_transfer_function(const std::filesystem::path& file) {
     try {
         std::ifstream stream(file, std::ios::binary);
         tf = from_json(json::parse(stream), where);
-    } catch (const json::parse_error& error) {
-        throw Error(fmt::format("{}not JSON: error at byte {}", where, error.byte));
     } catch (const json::exception& error) {
-        throw Error(fmt::format("{}{}", where, error.what()));
+        throw Error(where + json_fault(error));
     }
     if (tf.name.empty()) tf.name = file.stem().string();
     require_valid(file.string(), tf);
@@ -290,12 +289,7 @@ void write_transfer_function(const std::filesystem::path& file, const TransferFu
     }
     text += tf.opacity.empty() ? "\n}\n" : "\n  ]\n}\n";
 
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream stream(beside, std::ios::binary);
-        stream << text;
-        stream.close();
-        if (!stream) throw Error(fmt::format("{}: cannot write", file.string()));
-    });
+    write_file(file, [&](std::ofstream& out) { out << text; });
 }
 
 TransferFunction load_transfer_function(const std::string& name_or_file) {

@@ -36,12 +36,10 @@ void write_values(const std::filesystem::path& file, const DepthImage& values) {
                                 file.string(), extension));
     require_valid(file.string(), values);
     static_assert(std::endian::native == std::endian::little);
-    write_beside_and_rename(file, [&](const std::filesystem::path& path) {
-        std::ofstream out(path, std::ios::binary);
+    write_file(file, [&](std::ofstream& out) {
         out << npy_header(values.width, values.height);
         out.write(reinterpret_cast<const char*>(values.depth.data()),
                   static_cast<std::streamsize>(values.depth.size() * sizeof(float)));
-        if (!out.flush()) throw Error(fmt::format("{}: cannot write", file.string()));
     });
 }
 

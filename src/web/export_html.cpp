@@ -249,12 +249,7 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
                                        {"script", bundle()}});
     report.bytes = text.size();
     report.viewer_bytes = report.bytes - report.viewer_bytes;
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream out(beside, std::ios::binary);
-        out << text;
-        if (!out.flush())
-            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
-    });
+    write_file(file, [&](std::ofstream& out) { out << text; });
     return report;
 }
 

@@ -8,6 +8,8 @@
 
 #include "commands.h"
 #include "shared/inputs.h"
+#include "shared/outputs.h"
+#include "shared/terminal.h"
 #include "shared/validators.h"
 #include "vog/error.h"
 
@@ -32,7 +34,9 @@ std::string decibels(double psnr_db) {
 std::string similarity(double ssim) {
     return std::isnan(ssim) ? "none (below 11x11 pixels)" : fmt::format("{:.5f}", ssim);
 }
-void line(const char* name, const std::string& value) { fmt::print("{:<20} {}\n", name, value); }
+void line(const char* name, const std::string& value) {
+    print_line(fmt::format("{:<20} {}", name, value));
+}
 
 void print(const PictureDifference& difference) {
     line("SSIM", similarity(difference.ssim));
@@ -80,7 +84,7 @@ void compare_pictures(const CompareArguments& arguments) {
                  {"identical", difference.largest == 0},
                  {"psnr_rgb_db", number(difference.psnr_db)}};
     add(json, difference);
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
 }
 
 /// Scales the reference's T to the extinction of --extinction; compare() scales the other image.
@@ -130,12 +134,13 @@ void compare_depths(const CompareArguments& arguments) {
                  {"dt", difference.largest_dt},
                  {"dt_at", {difference.largest_column, difference.largest_row}}};
     add(json, difference.grey);
-    fmt::print("{}\n", json.dump(2));
+    print_json(json);
 }
 
 void compare_files(const CompareArguments& arguments, const CLI::App& command) {
     if (!arguments.diff.empty())
-        check_output(arguments.diff, {arguments.reference, arguments.image}, {".png"});
+        check_output(arguments.diff, {arguments.reference, arguments.image, arguments.tf},
+                     {".png"});
     const bool depth = is_depth_file(arguments.reference);
     if (is_depth_file(arguments.image) != depth)
         throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image,

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "options/conversion_options.h"
 #include "shared/convert_run.h"
+#include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/validators.h"
 #include "vog/convert_moments.h"
@@ -98,7 +99,8 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
         stages.run("save", [&] { write_points(arguments.output, points); });
         print_notes(notes);
         if (!arguments.json)
-            fmt::print("{}: {} particles\n", arguments.output, count_text(points.size()));
+            print_line(
+                fmt::format("{}: {} particles", arguments.output, count_text(points.size())));
         nlohmann::ordered_json json = {{"output", arguments.output}, {"particles", points.size()}};
         if (!notes.empty()) json["notes"] = notes;
         return json;
@@ -197,8 +199,11 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
 /// Estimated memory of converting a file, bytes: its leaves twice, and once more for its octree.
 std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string& input) {
     constexpr std::uint64_t kBytesPerFileByte = 8, kLeaves = 3;
-    if (kind_of(input, arguments.volume.grid) != FileKind::volume || input.ends_with(".nvdb"))
-        return kBytesPerFileByte * std::filesystem::file_size(input);
+    if (kind_of(input, arguments.volume.grid) != FileKind::volume || input.ends_with(".nvdb")) {
+        std::error_code missing;  // reported by its reader
+        const std::uint64_t bytes = std::filesystem::file_size(input, missing);
+        return missing ? 0 : kBytesPerFileByte * bytes;
+    }
     VdbOptions options;
     options.grid = arguments.volume.grid;
     options.level_set_to_fog = arguments.volume.level_set_to_fog;
@@ -221,7 +226,7 @@ void keep_assigned(std::vector<Frame>& frames, const ConvertRanks& ranks) {
 nlohmann::ordered_json joined(nlohmann::ordered_json own, const ConvertRanks& ranks) {
     if (!ranks.allgather) return own;
     nlohmann::ordered_json all;
-    for (const std::string& text : ranks.allgather(own.dump())) {
+    for (const std::string& text : ranks.allgather(json_line(own))) {
         const auto one = nlohmann::ordered_json::parse(text);
         if (all.is_null()) {
             all = one;
@@ -281,7 +286,7 @@ void convert(const ConvertArguments& given, const CLI::App& command, const Conve
     const nlohmann::ordered_json json =
         is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), ranks)
                                       : convert_one(arguments, command, ranks);
-    if (arguments.json && ranks.is_root) fmt::print("{}\n", json.dump(2));
+    if (arguments.json && ranks.is_root) print_json(json);
 }
 
 }  // namespace
@@ -305,14 +310,15 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
     const bool by_moments = arguments.method == "moments";
     const double share = share_of_voxels(made);
     if (!arguments.json) {
-        fmt::print("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}\n", arguments.output,
-                   count_text(made.gaussians), 100 * share, count_text(made.source_voxels),
-                   kind == FileKind::points ? "particles" : "active voxels", bytes_text(made.bytes),
-                   mass_ratio);
+        print_line(fmt::format("{}: {} Gaussians, {:.3g} % of {} {}, {}, mass ratio {:.5f}",
+                               arguments.output, count_text(made.gaussians), 100 * share,
+                               count_text(made.source_voxels),
+                               kind == FileKind::points ? "particles" : "active voxels",
+                               bytes_text(made.bytes), mass_ratio));
         // The file's summary repeats the counts; here what the first line lacks.
         const std::string details = by_moments ? detail_text(moments.report(volume_mass)) : "";
-        if (!details.empty()) fmt::print("{}\n", details);
-        if (by_moments) fmt::print("{}\n", times_text(moments.stage_ms));
+        if (!details.empty()) print_line(details);
+        if (by_moments) print_line(times_text(moments.stage_ms));
         return {};
     }
     nlohmann::ordered_json json = {

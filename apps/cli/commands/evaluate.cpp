@@ -18,14 +18,14 @@ namespace {
 
 /// Prints one line per conversion: figures of the paper view and the worst PSNR of all views.
 void print(const Evaluation& evaluation) {
-    fmt::print("{:<14} {:>10} {:>9} {:>9} {:>9} {:>8} {:>8}\n", "", "Gaussians", "V, dB", "worst",
-               "L2 of T", "bias", "frames/s");
+    print_line(fmt::format("{:<14} {:>10} {:>9} {:>9} {:>9} {:>8} {:>8}", "", "Gaussians", "V, dB",
+                           "worst", "L2 of T", "bias", "frames/s"));
     for (const EvaluationRow& row : evaluation.rows) {
         const ViewResult& paper = row.views.front();
-        fmt::print("{:<14} {:>10} {:>9.2f} {:>9.2f} {:>9.4f} {:>8.3f} {:>8.1f}\n",
-                   row.series + " " + row.step, count_text(row.gaussians), paper.psnr_v_db,
-                   spread(row, &ViewResult::psnr_v_db, true).worst, paper.relative_l2, paper.bias,
-                   1000 / paper.render.median_ms);
+        print_line(fmt::format("{:<14} {:>10} {:>9.2f} {:>9.2f} {:>9.4f} {:>8.3f} {:>8.1f}",
+                               row.series + " " + row.step, count_text(row.gaussians),
+                               paper.psnr_v_db, spread(row, &ViewResult::psnr_v_db, true).worst,
+                               paper.relative_l2, paper.bias, 1000 / paper.render.median_ms));
     }
 }
 
@@ -74,11 +74,11 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     if (arguments.json) {
         auto json = nlohmann::ordered_json::parse(std::ifstream(folder / "results.json"));
         if (!notes.empty()) json["notes"] = notes;
-        fmt::print("{}\n", json.dump(2));
+        print_json(json);
         return;
     }
     print(evaluation);
-    fmt::print("{}\n", (folder / "index.html").string());
+    print_line((folder / "index.html").string());
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
+#include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
@@ -40,7 +41,10 @@ struct ExportArguments {
     std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
 
-std::string stem_of(const std::string& file) { return std::filesystem::path(file).stem().string(); }
+/// Name of a file without folder and extension, for people.
+std::string stem_of(const std::string& file) {
+    return printable(std::filesystem::path(file).stem().string());
+}
 
 /// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion
 /// of its own, about 4 dB better than coarsening the finest one (docs/web.md).
@@ -123,8 +127,8 @@ Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
     stages.run("save", [&] { write_ply(arguments.output, model); });
     if (!arguments.json)
-        fmt::print("{}: {} Gaussians, {}\n", arguments.output, count_text(model.size()),
-                   bytes_text(ply_bytes(model)));
+        print_line(fmt::format("{}: {} Gaussians, {}", arguments.output, count_text(model.size()),
+                               bytes_text(ply_bytes(model))));
     return {{"output", arguments.output}, {"gaussians", model.size()}, {"bytes", ply_bytes(model)}};
 }
 
@@ -135,10 +139,10 @@ Json report_page(const ExportArguments& arguments, const std::vector<HtmlModel>&
             std::string counts;
             for (const Gaussians& level : entry.levels)
                 counts += (counts.empty() ? "" : ", ") + count_text(level.size());
-            fmt::print("{}: {} Gaussians\n", entry.name, counts);
+            print_line(fmt::format("{}: {} Gaussians", entry.name, counts));
         }
-        fmt::print("{}: {}, {} of them the viewer\n", arguments.output, bytes_text(report.bytes),
-                   bytes_text(report.viewer_bytes));
+        print_line(fmt::format("{}: {}, {} of them the viewer", arguments.output,
+                               bytes_text(report.bytes), bytes_text(report.viewer_bytes)));
     }
     Json json = {{"output", arguments.output},
                  {"bytes", report.bytes},
@@ -241,10 +245,14 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
 void export_files(const ExportArguments& given, const CLI::App& command) {
     ExportArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
+    std::vector<std::string> read = arguments.inputs;
+    read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf});
+    check_distinct(
+        {is_sequence(arguments.output) ? "" : arguments.output, arguments.view.save_camera}, read);
     const ThreadLimit limit(arguments.threads);
     const Json json = is_sequence(arguments.output) ? export_sequence(arguments, command)
                                                     : export_one(arguments, command).json;
-    if (arguments.json) fmt::print("{}\n", json.dump(2));
+    if (arguments.json) print_json(json);
 }
 
 void add_page_options(CLI::App& command, ExportArguments& arguments) {

@@ -74,9 +74,9 @@ Json as_json(const GridInfo& grid) {
 
 void print(const GridInfo& grid) {
     const auto line = [](const char* name, const std::string& value) {
-        fmt::print("  {:<14} {}\n", name, value);
+        print_line(fmt::format("  {:<14} {}", name, value));
     };
-    fmt::print("grid '{}'\n", grid.name);
+    print_line(fmt::format("grid '{}'", grid.name));
     line("type", grid.type + (grid.half_stored ? ", stored as half" : ""));
     line("class", grid.grid_class);
     if (grid.points) line("points", count_text(grid.points));
@@ -171,11 +171,11 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
 
 void print(const Gaussians& model, const Hierarchy& hierarchy) {
     const auto line = [](const char* name, const std::string& value) {
-        fmt::print("  {:<14} {}\n", name, value);
+        print_line(fmt::format("  {:<14} {}", name, value));
     };
     Box bounds;
     for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
-    fmt::print("model\n");
+    print_line("model");
     line("Gaussians",
          count_text(model.size()) + (model.axis_aligned() ? ", axis-aligned" : ", rotated"));
     line("kernel", fmt::format("Gaussian, cut at {:.6g} standard deviations", model.cutoff));
@@ -225,10 +225,10 @@ Json as_json(const Points& points) {
 
 void print(const Points& points) {
     const auto line = [](const std::string& name, const std::string& value) {
-        fmt::print("  {:<14} {}\n", name, value);
+        print_line(fmt::format("  {:<14} {}", name, value));
     };
     const Box box = bounds(points);
-    fmt::print("particles\n");
+    print_line("particles");
     line("count", count_text(points.size()));
     line("box", text(box));
     line("velocities", points.velocity.empty() ? "none" : "yes");
@@ -244,7 +244,7 @@ void info(const std::vector<std::string>& files, bool json) {
             const Gaussians model = read_ply(file, &hierarchy);
             all.push_back({{"file", file}, {"model", as_json(model, hierarchy)}});
             if (!json) {
-                fmt::print("{}\n", file);
+                print_line(file);
                 print(model, hierarchy);
             }
             continue;
@@ -253,7 +253,7 @@ void info(const std::vector<std::string>& files, bool json) {
             const Points points = read_points(file);
             all.push_back({{"file", file}, {"points", as_json(points)}});
             if (!json) {
-                fmt::print("{}\n", file);
+                print_line(file);
                 print(points);
             }
             continue;
@@ -262,7 +262,7 @@ void info(const std::vector<std::string>& files, bool json) {
             file.ends_with(".nvdb")
                 ? std::vector{info_of(read_nvdb(file, {.values = {true, true}}))}
                 : inspect_vdb(file);
-        if (!json) fmt::print("{}\n", file);
+        if (!json) print_line(file);
         Json grids = Json::array();
         for (const GridInfo& grid : infos) {
             grids.push_back(as_json(grid));
@@ -270,7 +270,7 @@ void info(const std::vector<std::string>& files, bool json) {
         }
         all.push_back({{"file", file}, {"grids", grids}});
     }
-    if (json) fmt::print("{}\n", Json{{"files", all}}.dump(2));
+    if (json) print_json(Json{{"files", all}});
 }
 
 }  // namespace

@@ -1,11 +1,12 @@
 // render.cpp: vog render: load -> render -> shade -> image, for one picture or one per input.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "shared/outputs.h"
 #include "shared/render_run.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
@@ -18,11 +19,12 @@ using Json = nlohmann::ordered_json;
 
 /// Report of one picture of a sequence: a line of text and JSON.
 struct PictureReport {
-    std::string output, line;
+    std::size_t frame = 0;
+    std::string line;
     Json json;
 };
-PictureReport report_of(const RenderedPicture& picture) {
-    return {picture.output,
+PictureReport report_of(std::size_t frame, const RenderedPicture& picture) {
+    return {frame,
             fmt::format("{}: {}x{}, {:.1f} ms, {}", picture.output, picture.width, picture.height,
                         picture.median_ms(),
                         picture.scale ? fmt::format("{:.1f} % of the pixels above the range",
@@ -38,11 +40,11 @@ std::vector<PictureReport> allgather(const std::vector<PictureReport>& own,
     if (!ranks.allgather) return own;
     Json sent = Json::array();
     for (const PictureReport& report : own)
-        sent.push_back(Json::array({report.output, report.line, report.json}));
+        sent.push_back(Json::array({report.frame, report.line, report.json}));
     std::vector<PictureReport> all;
-    for (const std::string& text : ranks.allgather(sent.dump()))
+    for (const std::string& text : ranks.allgather(json_line(sent)))
         for (const Json& report : Json::parse(text))
-            all.push_back({report[0].get<std::string>(), report[1].get<std::string>(), report[2]});
+            all.push_back({report[0].get<std::size_t>(), report[1].get<std::string>(), report[2]});
     return all;
 }
 
@@ -91,8 +93,8 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
             const RenderedPicture picture = render(one, command).value();
             extinction = picture.extinction;
             if (picture.scale) low = picture.scale->low, high = picture.scale->high;
-            own.push_back(report_of(picture));
-            if (!arguments.json && !ranks.allgather) fmt::print("{}\n", own.back().line);
+            own.push_back(report_of(n, picture));
+            if (!arguments.json && !ranks.allgather) print_line(own.back().line);
         }
         if (n > 0) continue;
         // Only the rank that rendered the first picture has its figures; the others have 0.
@@ -108,32 +110,44 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
                             "first (--range sets another)",
                             low, high));
     }
-    std::map<std::string, PictureReport> by_output;
-    for (PictureReport& report : allgather(own, ranks))
-        by_output[report.output] = std::move(report);
+    std::vector<PictureReport> all = allgather(own, ranks);
+    std::ranges::sort(all, {}, &PictureReport::frame);
     Json pictures = Json::array();
-    for (const Frame& frame : frames) {
-        const PictureReport& report = by_output.at(frame.output);
-        if (!arguments.json && ranks.allgather && ranks.is_root) fmt::print("{}\n", report.line);
+    for (const PictureReport& report : all) {
+        if (!arguments.json && ranks.allgather && ranks.is_root) print_line(report.line);
         pictures.push_back(report.json);
     }
     return {{"output", arguments.output}, {"pictures", pictures}};
+}
+
+/// Files that are written, without the folders of a sequence, whose files have different extensions.
+std::vector<std::string> written_files(const RenderArguments& arguments) {
+    std::vector<std::string> files{arguments.output, arguments.depth_output,
+                                   arguments.quantity.values_output, arguments.view.save_camera};
+    std::erase_if(files, is_sequence);
+    return files;
+}
+std::vector<std::string> read_files(const RenderArguments& arguments) {
+    std::vector<std::string> files = arguments.drawing.inputs;
+    files.insert(files.end(), {arguments.view.camera_file, arguments.color.tf});
+    return files;
 }
 
 /// Runs the command and prints its report, on the root.
 void render_files(const RenderArguments& given, const CLI::App& command, const RenderRanks& ranks) {
     RenderArguments arguments = given;
     arguments.drawing.inputs = expanded(given.drawing.inputs);
+    if (ranks.is_root) check_distinct(written_files(arguments), read_files(arguments));
     const CommandMemory memory(arguments.memory);
     if (is_sequence(arguments.output)) {
         const Json report = render_sequence(arguments, command, ranks);
-        if (arguments.json && ranks.is_root) fmt::print("{}\n", report.dump(2));
+        if (arguments.json && ranks.is_root) print_json(report);
         return;
     }
     const std::optional<RenderedPicture> picture = render(arguments, command, ranks);
     if (!picture) return;
     if (arguments.json)
-        fmt::print("{}\n", to_json(*picture).dump(2));
+        print_json(to_json(*picture));
     else
         print(*picture, arguments.repeat > 0);
 }

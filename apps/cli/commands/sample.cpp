@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "shared/inputs.h"
+#include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
 #include "vog/volume_io.h"
@@ -32,7 +33,7 @@ void sample_points(const SampleArguments& arguments) {
     if (arguments.size) options.size = arguments.size;
     const Points points = stages.run("sample", [&] { return sample_particles(options); });
     stages.run("write", [&] { write_points(arguments.output, points); });
-    fmt::print("{}: {} particles\n", arguments.output, count_text(points.size()));
+    print_line(fmt::format("{}: {} particles", arguments.output, count_text(points.size())));
 }
 
 void sample(const SampleArguments& arguments) {
@@ -51,10 +52,10 @@ void sample(const SampleArguments& arguments) {
     });
     stages.run("write", [&] { write_vdb(arguments.output, volumes, arguments.half); });
     for (const Volume& volume : volumes)
-        fmt::print("{}: {}, {} active voxels in {} leaves and {} tiles\n", arguments.output,
-                   volumes.size() > 1 ? volume.name : arguments.kind,
-                   count_text(active_voxels(volume)), count_text(volume.leaves.size()),
-                   count_text(volume.tiles.size()));
+        print_line(fmt::format("{}: {}, {} active voxels in {} leaves and {} tiles",
+                               arguments.output, volumes.size() > 1 ? volume.name : arguments.kind,
+                               count_text(active_voxels(volume)), count_text(volume.leaves.size()),
+                               count_text(volume.tiles.size())));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
+#include "shared/outputs.h"
 #include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/shade.h"
@@ -61,6 +62,9 @@ void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     if (!arguments.inputs.empty())
         refuse_volume_options(command, common_kind(arguments.inputs, arguments.volume.grid),
                               arguments.inputs);
+    std::vector<std::string> read = arguments.inputs;
+    read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf, arguments.script});
+    check_distinct({arguments.view.save_camera}, read);
     if (arguments.headless && arguments.script.empty())
         throw CLI::ValidationError("--headless: there is no window to use; expected --script");
 

@@ -21,13 +21,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-std::string extension_of(const fs::path& file) {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension;
-}
-
 /// Finite numbers separated by commas; empty for other texts.
 std::vector<double> numbers(const std::string& text) {
     std::vector<double> values;
@@ -45,20 +38,28 @@ std::vector<double> numbers(const std::string& text) {
 
 }  // namespace
 
-FileKind kind_of(const fs::path& file, const std::string& grid) {
+std::string extension_of(const std::string& file) {
+    std::string extension = fs::path(file).extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+FileKind kind_of(const std::string& file, const std::string& grid) {
     const std::string extension = extension_of(file);
     // A missing file is reported by its reader.
-    if (extension == ".vdb" && fs::is_regular_file(file) && vdb_holds_points(file, grid))
+    std::error_code code;
+    if (extension == ".vdb" && fs::is_regular_file(file, code) && vdb_holds_points(file, grid))
         return FileKind::points;
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
     if (extension == ".ply" || extension == ".json") return FileKind::model;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
         if (extension == text) return FileKind::points;
-    if (!fs::exists(file)) throw Error(fmt::format("{}: no such file", file.string()));
+    if (!fs::exists(file, code)) throw Error(fmt::format("{}: no such file", file));
     throw Error(
         fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
                     ".tsv, .txt or .dat (particles), .ply or .json (model, index of models)",
-                    file.string(), extension));
+                    file, extension));
 }
 
 FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid) {
@@ -336,22 +337,6 @@ double parse_extinction(const std::string& text) {
     }
     throw CLI::ValidationError(
         fmt::format("--extinction {}: expected a number > 0 or 'auto'", text));
-}
-
-void check_output(const std::string& output, const std::vector<std::string>& inputs,
-                  const std::vector<std::string>& extensions) {
-    const std::string extension = extension_of(output);
-    if (std::find(extensions.begin(), extensions.end(), extension) == extensions.end())
-        throw Error(fmt::format("{}: cannot write '{}' files here, expected {}", output, extension,
-                                fmt::join(extensions, " or ")));
-    const fs::path folder =
-        fs::path(output).has_parent_path() ? fs::path(output).parent_path() : ".";
-    if (!fs::is_directory(folder))
-        throw Error(fmt::format("{}: cannot write: no folder '{}'", output, folder.string()));
-    std::error_code code;
-    for (const std::string& input : inputs)
-        if (fs::equivalent(output, input, code))
-            throw Error(fmt::format("{}: is an input too, expected another output", output));
 }
 
 }  // namespace vog::cli

@@ -16,11 +16,14 @@
 
 namespace vog::cli {
 
+/// Extension in lower case, with its dot: ".ply".
+std::string extension_of(const std::string& file);
+
 enum class FileKind { volume, points, model };
 
 /// Kind of a file by its extension; a .vdb by the contents of its grids of this name.
 /// throws vog::Error for an unknown extension, with the known ones
-FileKind kind_of(const std::filesystem::path& file, const std::string& grid = {});
+FileKind kind_of(const std::string& file, const std::string& grid = {});
 /// The common kind of all inputs. throws vog::Error where they differ
 FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid);
 
@@ -109,10 +112,4 @@ Vec3d parse_vector(const std::string& option, const std::string& text);
 
 /// Parses a number > 0; words such as auto are the caller's. throws CLI::ValidationError for others
 double parse_extinction(const std::string& text);
-
-/// Checks an output before any work. throws vog::Error unless its extension is one of `extensions`,
-/// its folder exists and it is none of the inputs
-void check_output(const std::string& output, const std::vector<std::string>& inputs,
-                  const std::vector<std::string>& extensions);
-
 }  // namespace vog::cli

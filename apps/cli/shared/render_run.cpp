@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
 
@@ -170,29 +171,32 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
 
 void print(const RenderedPicture& picture, bool repeated) {
     if (!picture.output.empty())
-        fmt::print("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered\n",
-                   picture.output, picture.width, picture.height, picture.primitives_text,
-                   picture.median_ms(), picture.extinction, 100 * picture.covered);
+        print_line(fmt::format("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered",
+                               picture.output, picture.width, picture.height,
+                               picture.primitives_text, picture.median_ms(), picture.extinction,
+                               100 * picture.covered));
     if (picture.scale && !picture.output.empty())
-        fmt::print("{}{}: colours from {:.6g} to {:.6g}{}, {:.1f} % of the pixels above\n",
-                   picture.quantity, picture.units.empty() ? "" : " [" + picture.units + "]",
-                   picture.scale->low, picture.scale->high,
-                   picture.scale->kind == ColorScale::Kind::log ? ", logarithmic" : "",
-                   100 * picture.above_range);
+        print_line(
+            fmt::format("{}{}: colours from {:.6g} to {:.6g}{}, {:.1f} % of the pixels above",
+                        picture.quantity, picture.units.empty() ? "" : " [" + picture.units + "]",
+                        picture.scale->low, picture.scale->high,
+                        picture.scale->kind == ColorScale::Kind::log ? ", logarithmic" : "",
+                        100 * picture.above_range));
     if (!picture.values_output.empty())
-        fmt::print("{}: {}{}, largest {:.6g}\n", picture.values_output, picture.quantity,
-                   picture.units.empty() ? "" : " [" + picture.units + "]", picture.max_t);
+        print_line(fmt::format("{}: {}{}, largest {:.6g}", picture.values_output, picture.quantity,
+                               picture.units.empty() ? "" : " [" + picture.units + "]",
+                               picture.max_t));
     if (picture.cut)
-        fmt::print("cut: {} Gaussians and {} nodes drawn, {} nodes visited\n",
-                   count_text(picture.cut->leaves), count_text(picture.cut->nodes),
-                   count_text(picture.cut->visited));
+        print_line(fmt::format("cut: {} Gaussians and {} nodes drawn, {} nodes visited",
+                               count_text(picture.cut->leaves), count_text(picture.cut->nodes),
+                               count_text(picture.cut->visited)));
     if (!picture.depth_output.empty())
-        fmt::print("{}: T, mean {:.6g}, largest {:.6g}\n", picture.depth_output, picture.mean_t,
-                   picture.max_t);
+        print_line(fmt::format("{}: T, mean {:.6g}, largest {:.6g}", picture.depth_output,
+                               picture.mean_t, picture.max_t));
     if (repeated)
-        fmt::print("render: min {:.2f} ms, median {:.2f} ms, max {:.2f} ms over {}\n",
-                   picture.render_ms.front(), picture.median_ms(), picture.render_ms.back(),
-                   picture.render_ms.size());
+        print_line(fmt::format("render: min {:.2f} ms, median {:.2f} ms, max {:.2f} ms over {}",
+                               picture.render_ms.front(), picture.median_ms(),
+                               picture.render_ms.back(), picture.render_ms.size()));
 }
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {

@@ -15,6 +15,7 @@
 #include <thread>
 
 #include "vog/error.h"
+#include "vog/ply.h"
 #include "vog/progress.h"
 
 namespace vog::cli {
@@ -53,7 +54,8 @@ bool natural_less(const std::string& a, const std::string& b) {
 std::vector<std::string> expanded(const std::vector<std::string>& inputs) {
     std::vector<std::string> files;
     for (const std::string& input : inputs) {
-        if (input.find_first_of("*?") == std::string::npos || fs::exists(input)) {
+        std::error_code code;
+        if (input.find_first_of("*?") == std::string::npos || fs::exists(input, code)) {
             files.push_back(input);
             continue;
         }
@@ -69,15 +71,16 @@ std::vector<std::string> expanded(const std::vector<std::string>& inputs) {
 }
 
 bool is_sequence(const std::string& output) {
-    return output.ends_with('/') || fs::is_directory(output);
+    std::error_code code;
+    return output.ends_with('/') || fs::is_directory(output, code);
 }
 
 std::vector<Frame> frames_of(const std::vector<std::string>& inputs, const std::string& folder,
                              const std::string& extension) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (!fs::is_directory(folder))
-        throw Error(fmt::format("{}: cannot create this folder: {}", folder, error.message()));
+    std::error_code code;
+    fs::create_directories(folder, code);
+    if (std::error_code ignored; !fs::is_directory(folder, ignored))
+        throw Error(fmt::format("{}: cannot create this folder: {}", folder, code.message()));
     std::vector<Frame> frames;
     std::map<fs::path, std::string> owner;
     for (const std::string& input : inputs) {
@@ -86,7 +89,7 @@ std::vector<Frame> frames_of(const std::vector<std::string>& inputs, const std::
         if (!is_new)
             throw Error(fmt::format("{}: would be written for both {} and {}", output.string(),
                                     other->second, input));
-        if (fs::exists(output) && fs::equivalent(output, input))
+        if (fs::equivalent(output, input, code))
             throw Error(fmt::format("{}: is an input and would be overwritten", input));
         frames.push_back({input, output.string()});
     }
@@ -98,7 +101,7 @@ bool is_fresh(const Frame& frame) {
     const auto made = fs::last_write_time(frame.output, missing);
     if (missing) return false;
     const auto given = fs::last_write_time(frame.input, missing);
-    return !missing && made > given;
+    return !missing && made > given && is_whole_ply(frame.output);
 }
 
 void for_each_frame(const std::vector<Frame>& frames, std::uint64_t memory,

@@ -26,7 +26,8 @@ struct Frame {
 std::vector<Frame> frames_of(const std::vector<std::string>& inputs, const std::string& folder,
                              const std::string& extension);
 
-/// Whether the output exists and is newer than its input.
+/// Whether the output is a whole model and newer than its input. A system that stopped may leave an
+/// empty file.
 bool is_fresh(const Frame& frame);
 
 /// Runs work(frame) for every frame, concurrently as far as memory allows. The first error stops

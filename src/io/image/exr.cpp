@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdint>
 #include <exception>
 #include <fstream>
 #include <new>
@@ -23,6 +25,7 @@
 #include "data/image_checks.h"
 #include "io/image/image_files.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog {
 
@@ -31,18 +34,11 @@ namespace {
 
 constexpr const char* kExtinction = "extinction";  ///< header attribute of a depth image
 
-/// Replaces all but printable ASCII characters by '?', for one-line messages.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if (c < ' ' || c > '~') c = '?';
-    return text;
-}
-
 /// Text of an OpenEXR exception, without the file name before `". `.
 std::string reason(const std::exception& error) {
     std::string text = error.what();
     if (const auto cut = text.find("\". "); cut != std::string::npos) text.erase(0, cut + 3);
-    return printable(text);
+    return text;
 }
 
 /// Checks the sizes of all header attributes against the size of the file: OpenEXR allocates the
@@ -71,7 +67,7 @@ void require_valid_header(const std::filesystem::path& file) {
         const std::int64_t size = next_number();
         if (!stream || size < 0 || size > bytes - static_cast<std::int64_t>(stream.tellg()))
             throw Error(fmt::format("{}: not a whole EXR image: attribute {} goes beyond the end",
-                                    name, printable(attribute)));
+                                    name, printable(attribute, 100)));
         stream.seekg(size, std::ios::cur);
     }
 }
@@ -178,8 +174,44 @@ double read_extinction(const ExrFile& exr) {
     if (const auto* narrow = header.findTypedAttribute<Imf::FloatAttribute>(kExtinction))
         return narrow->value();
     throw Error(fmt::format("{}: attribute {} is of type '{}', expected double or float", exr.name,
-                            kExtinction, printable(header[kExtinction].typeName())));
+                            kExtinction, header[kExtinction].typeName()));
 }
+
+/// Bytes to a file for OpenEXR, whose destructors write too and must not throw: the first error is
+/// kept until finish().
+class ExrOutput : public Imf::OStream {
+  public:
+    explicit ExrOutput(std::ofstream& out) : Imf::OStream("EXR"), out_(out) {
+        out_.exceptions(std::ios::goodbit);
+    }
+    void write(const char bytes[], int count) override {
+        if (failed()) return;
+        out_.write(bytes, count);
+        position_ += static_cast<std::uint64_t>(count);
+        keep_error();
+    }
+    std::uint64_t tellp() override { return position_; }
+    void seekp(std::uint64_t position) override {
+        if (failed()) return;
+        out_.seekp(static_cast<std::streamoff>(position));
+        position_ = position;
+        keep_error();
+    }
+    /// throws std::ios_base::failure for the first error, with its errno
+    void finish() {
+        errno = error_;
+        out_.exceptions(std::ios::failbit | std::ios::badbit);
+    }
+
+  private:
+    bool failed() const { return !out_; }
+    void keep_error() {
+        if (failed()) error_ = errno;
+    }
+    std::ofstream& out_;
+    std::uint64_t position_ = 0;
+    int error_ = 0;
+};
 
 /// Writes interleaved float32 channels with lossless compression.
 void write_channels(const std::filesystem::path& file, Imf::Header header, const float* values,
@@ -194,23 +226,16 @@ void write_channels(const std::filesystem::path& file, Imf::Header header, const
                       Imf::Slice::Make(Imf::FLOAT, values + i, Imath::V2i(0, 0), width, height,
                                        pixel_bytes, pixel_bytes * static_cast<std::size_t>(width)));
     }
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream stream(beside, std::ios::binary);
-        const auto fail = [&](const std::string& why) -> Error {
-            return Error(fmt::format("{}: cannot write: {}", file.string(), why));
-        };
-        if (!stream) throw fail("the file cannot be opened");
+    write_file(file, [&](std::ofstream& out) {
+        ExrOutput bytes(out);
         try {
-            Imf::StdOFStream bytes(stream, "EXR");
             Imf::OutputFile output(bytes, header);
             output.setFrameBuffer(buffer);
             output.writePixels(height);
         } catch (const std::exception& error) {
-            throw fail(reason(error));
+            throw Error(fmt::format("{}: cannot write: {}", file.string(), reason(error)));
         }
-        // OutputFile's destructor writes the offset table and ignores errors such as a full disk.
-        stream.close();
-        if (!stream) throw fail("the disk is full or failed");
+        bytes.finish();
     });
 }
 
@@ -228,7 +253,7 @@ DepthImage read_depth(const std::filesystem::path& file) {
         ExrFile exr(file);
         if (exr.channel_names() != "Y")
             throw Error(fmt::format("{}: channels {}, expected only Y: a depth image", exr.name,
-                                    printable(exr.channel_names())));
+                                    exr.channel_names()));
         require_channel_type(exr, "Y", false);
         DepthImage image;
         image.width = static_cast<int>(exr.width());
@@ -246,8 +271,7 @@ Image image_files::read_exr(const std::filesystem::path& file) {
         const std::string names = exr.channel_names();
         if (names != "B, G, R" && names != "A, B, G, R")
             throw Error(fmt::format("{}: channels {}, expected R, G, B and perhaps A{}", exr.name,
-                                    printable(names),
-                                    names == "Y" ? " (this is a depth image)" : ""));
+                                    names, names == "Y" ? " (this is a depth image)" : ""));
         for (const char* name : {"R", "G", "B"}) require_channel_type(exr, name, true);
         if (names.front() == 'A') require_channel_type(exr, "A", true);
         Image image;

@@ -5,7 +5,6 @@
 #include <png.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <csetjmp>
 #include <cstdio>
@@ -222,13 +221,9 @@ std::vector<std::uint8_t> png_bytes(const Image& image) {
 void write_png(const std::filesystem::path& file, const Image& image) {
     require_valid(file.string(), image);
     const std::vector<std::uint8_t> content = png_bytes(image);
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream out(beside, std::ios::binary);
+    write_file(file, [&](std::ofstream& out) {
         out.write(reinterpret_cast<const char*>(content.data()),
                   static_cast<std::streamsize>(content.size()));
-        // A full disk may be reported only by the flush.
-        if (!out.flush())
-            throw Error(fmt::format("{}: cannot write: {}", file.string(), std::strerror(errno)));
     });
 }
 

@@ -109,16 +109,26 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
     return model;
 }
 
+/// Reads a header, and checks the length of what follows.
+struct CheckedHeader : Header {
+    Layout layout = Layout::vog;
+    bool rotated = false;
+
+    CheckedHeader(const std::filesystem::path& file, std::istream& in)
+        : Header(read_header(file, in)),
+          layout(layout_of(file, *this)),
+          rotated(std::ranges::find(properties, "rot_0") != properties.end()) {
+        check_length(file, *this, check_nodes(file, *this, layout, !rotated));
+    }
+};
+
 /// hierarchy  receives the nodes; null to leave them unread, as for a part of the model
 Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
                      Hierarchy* hierarchy) {
     require_readable(file);
     std::ifstream in(file, std::ios::binary);
-    const Header header = read_header(file, in);
-    const Layout layout = layout_of(file, header);
-    const bool rotated = std::find(header.properties.begin(), header.properties.end(), "rot_0") !=
-                         header.properties.end();
-    check_length(file, header, check_nodes(file, header, layout, !rotated));
+    const CheckedHeader header(file, in);
+    const auto [layout, rotated] = std::pair(header.layout, header.rotated);
 
     const auto first_of = [&](int index) {
         const auto i = static_cast<std::uint64_t>(index);
@@ -151,6 +161,17 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
 }
 
 }  // namespace
+
+bool is_whole_ply(const std::filesystem::path& file) {
+    try {
+        require_readable(file);
+        std::ifstream in(file, std::ios::binary);
+        CheckedHeader(file, in);
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
 
 Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
     return read_model(file, {}, hierarchy);
@@ -202,8 +223,7 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
              "a hierarchy joined from several, expected one built of the whole model "
              "(build_hierarchy)");
     const std::string header = header_text(gaussians, gaussians.size(), rotated, hierarchy);
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream out(beside, std::ios::binary);
+    write_file(file, [&](std::ofstream& out) {
         out << header;
         for (std::size_t first = 0; first < gaussians.size(); first += kBlock) {
             const std::vector<float> rows =
@@ -212,7 +232,6 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
                       static_cast<std::streamsize>(rows.size() * sizeof(float)));
         }
         write_nodes(out, hierarchy);
-        if (!out.flush()) fail(file, "cannot write: the disk may be full");
     });
 }
 

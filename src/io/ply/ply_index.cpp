@@ -8,6 +8,7 @@
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
+#include "vog/text.h"
 
 namespace vog {
 
@@ -23,13 +24,14 @@ constexpr const char* kKey = "vog_models";
 }  // namespace
 
 void write_model_index(const std::filesystem::path& file, std::span<const std::string> models) {
+    for (const std::string& name : models)
+        if (printable(name) != name)
+            throw Error(
+                fmt::format("{}: cannot write: an index holds names in UTF-8 without "
+                            "control characters, got '{}'",
+                            file.string(), name));
     const nlohmann::json json = {{kKey, std::vector<std::string>(models.begin(), models.end())}};
-    write_beside_and_rename(file, [&](const std::filesystem::path& beside) {
-        std::ofstream out(beside, std::ios::binary);
-        out << json.dump(2) << '\n';
-        if (!out.flush())
-            throw Error(fmt::format("{}: cannot write: the disk may be full", file.string()));
-    });
+    write_file(file, [&](std::ofstream& out) { out << json.dump(2) << '\n'; });
 }
 
 std::vector<std::filesystem::path> read_model_index(const std::filesystem::path& file) {

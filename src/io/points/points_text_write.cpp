@@ -2,16 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
-#include <fstream>
-#include <system_error>
 
 #include "core/atomic_file.h"
 #include "core/parallel.h"
 #include "io/points/points_columns.h"
 #include "io/points/points_files.h"
-#include "vog/error.h"
 
 namespace vog::point_files {
 
@@ -54,28 +50,18 @@ std::string header(const Points& points, char separator) {
 void write_points_text(const std::filesystem::path& file, const Points& points) {
     const char own = text_separator(file, "");
     const char separator = own ? own : ' ';
-    write_beside_and_rename(file, [&](const std::filesystem::path& path) {
-        errno = 0;
-        try {
-            std::ofstream out(path, std::ios::binary);
-            out.exceptions(std::ios::failbit | std::ios::badbit);
-            out << (own ? "" : "# ") << header(points, separator);
-            // 16 chunks at a time, so that the whole text is never in memory.
-            constexpr std::size_t kChunk = 1 << 14, kChunks = 16;
-            for (std::size_t first = 0; first < points.size(); first += kChunk * kChunks) {
-                std::vector<std::string> text(kChunks);
-                vog::parallel_for(std::size_t{0}, kChunks, [&](std::size_t n) {
-                    const std::size_t from = std::min(first + n * kChunk, points.size());
-                    text[n] =
-                        lines_of(points, from, std::min(from + kChunk, points.size()), separator);
-                });
-                for (const std::string& part : text)
-                    out.write(part.data(), static_cast<std::streamsize>(part.size()));
-            }
-            out.close();
-        } catch (const std::ios_base::failure&) {
-            throw Error(fmt::format("{}: cannot write: {}", file.string(),
-                                    std::generic_category().message(errno ? errno : EIO)));
+    write_file(file, [&](std::ofstream& out) {
+        out << (own ? "" : "# ") << header(points, separator);
+        // 16 chunks at a time, so that the whole text is never in memory.
+        constexpr std::size_t kChunk = 1 << 14, kChunks = 16;
+        for (std::size_t first = 0; first < points.size(); first += kChunk * kChunks) {
+            std::vector<std::string> text(kChunks);
+            vog::parallel_for(std::size_t{0}, kChunks, [&](std::size_t n) {
+                const std::size_t from = std::min(first + n * kChunk, points.size());
+                text[n] = lines_of(points, from, std::min(from + kChunk, points.size()), separator);
+            });
+            for (const std::string& part : text)
+                out.write(part.data(), static_cast<std::streamsize>(part.size()));
         }
     });
 }

@@ -4,9 +4,7 @@
 #include <openvdb/io/Archive.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <fstream>
-#include <system_error>
 
 #include "core/atomic_file.h"
 #include "io/vdb/vdb_volume.h"
@@ -57,6 +55,14 @@ void write_header(std::ostream& out, std::size_t grids) {
     put(out, static_cast<std::int32_t>(grids));
 }
 
+/// Position in the file. A failing tellp changes no state of the stream.
+/// throws std::ios_base::failure
+std::int64_t position(std::ostream& out) {
+    const std::int64_t at = out.tellp();
+    if (at < 0) out.setstate(std::ios::failbit);
+    return at;
+}
+
 void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
     // The stream's metadata counts the passes in which points are written.
@@ -66,19 +72,19 @@ void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     openvdb::writeString(out, grid.getName());
     openvdb::writeString(out, grid.type() + (grid.saveFloatAsHalf() ? "_HalfFloat" : ""));
     openvdb::writeString(out, "");  // no grid to share a tree with
-    const auto positions = out.tellp();
+    const std::int64_t positions = position(out);
     for (int i = 0; i < 3; ++i) put(out, std::int64_t{0});
 
-    const std::int64_t begin = out.tellp();
+    const std::int64_t begin = position(out);
     put(out, compression);
     grid.writeMeta(out);
     grid.writeTransform(out);
     grid.writeTopology(out);
-    const std::int64_t voxels = out.tellp();
+    const std::int64_t voxels = position(out);
     grid.writeBuffers(out);
-    const std::int64_t end = out.tellp();
+    const std::int64_t end = position(out);
     out.seekp(positions);
-    for (const std::int64_t position : {begin, voxels, end}) put(out, position);
+    for (const std::int64_t at : {begin, voxels, end}) put(out, at);
     out.seekp(end);
     openvdb::io::setStreamMetadataPtr(out, none, false);
 }
@@ -89,21 +95,12 @@ void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
                           const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
     const std::string where = file.string();
     with_vdb_errors(where, [&] {
-        write_beside_and_rename(file, [&](const std::filesystem::path& path) {
-            errno = 0;
-            try {
-                std::ofstream out(path, std::ios::binary);
-                out.exceptions(std::ios::failbit | std::ios::badbit);
-                write_header(out, count);
-                for (std::size_t n = 0; n < count; ++n) {
-                    const openvdb::GridBase::Ptr grid = grid_of(n);
-                    grid->setCreator("vog");
-                    write_grid(out, *grid);
-                }
-                out.close();
-            } catch (const std::ios_base::failure&) {
-                throw Error(fmt::format("{}: cannot write: {}", where,
-                                        std::generic_category().message(errno ? errno : EIO)));
+        write_file(file, [&](std::ofstream& out) {
+            write_header(out, count);
+            for (std::size_t n = 0; n < count; ++n) {
+                const openvdb::GridBase::Ptr grid = grid_of(n);
+                grid->setCreator("vog");
+                write_grid(out, *grid);
             }
         });
     });
