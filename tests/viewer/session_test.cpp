@@ -245,11 +245,31 @@ TEST_F(view_command, two_pixels_a_pixel_are_averaged) {
 TEST_F(view_command, bad_scripts_are_refused_by_line) {
     make_cloud();
     refuses("wait\n\nfrobnicate 3\n", "play.vog:3: no action 'frobnicate'");
-    refuses("orbit 3\n", "play.vog:1: 'orbit 3', expected: orbit RIGHT UP");
-    refuses("wait\ngamma much\n", "play.vog:2: 'gamma much', expected: gamma EXPONENT");
+    refuses("orbit 3\n", "play.vog:1: 'orbit 3', expected more words: orbit RIGHT UP");
+    refuses("wait\ngamma much\n",
+            "play.vog:2: 'gamma much', expected numbers from 0.1 to 10: gamma EXPONENT");
     refuses("wait\ntf nosuchmap\n", "play.vog:2: nosuchmap");
     refuses("wait\nlevel 77\n", "play.vog:2: no level '77'");
-    refuses("size 0 100\n", "play.vog:1: a window of 0x100 pixels");
+    refuses("size 0 100\n", "play.vog:1: 'size 0 100', expected whole numbers from 1 to 16384");
+    refuses("size 64.5 48\n", "expected whole numbers from 1 to 16384");
+    refuses("scale 0\n", "play.vog:1: 'scale 0', expected numbers from 0.1 to 4");
+    refuses("split 9\n", "play.vog:1: 'split 9', expected numbers from 0 to 1");
+    refuses("difference 0\n", "expected numbers from 0.001 to 1");
+    refuses("wait -1\n", "play.vog:1: 'wait -1', expected numbers from 0 to 1000000");
+    refuses("slide parts 2\n", "expected numbers from 0 to 1");
+    refuses("zoom 0\n", "expected numbers from 1e-06");
+    refuses("fov 180\n", "expected numbers from 0.001 to 179.999");
+    refuses("range 0.5 2\n", "expected numbers from 0 to 1");
+    refuses("wait\nrange 0.5 0.5\n", "expected 0 <= LOW < HIGH <= 1");
+    refuses("exposure -1\n", "expected numbers from 1e-30");
+    refuses("parts -1\n", "expected numbers from 0");
+    refuses("subframes 1.5\n", "expected whole numbers from 1 to 4096");
+    refuses("turntable t 0\n", "expected whole numbers from 1 to 9999");
+    refuses("orbit 1e300 0\n", "expected numbers from -1000000 to 1000000");
+    refuses("background 0,0,0,1\n", "expected R,G,B");
+    refuses("background 0,7,0,0\n", "expected R,G,B");
+    refuses("picture cloud.ply\n", "expected a name in .png");
+    refuses("wait now please\n", "play.vog:1: 'wait now please'");
     refuses("renderer raster\n", "play.vog:1: no renderer 'raster'");
     refuses("wait\npress nothing\n", "play.vog:2: no widget 'nothing'");
     refuses("key hyper\n", "play.vog:1: no key 'hyper'");
