@@ -15,7 +15,7 @@
 #include "commands.h"
 #include "inputs_part.h"
 #include "model_file.h"
-#include "shares.h"
+#include "rank_files.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "whole_error.h"

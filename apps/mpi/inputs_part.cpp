@@ -6,8 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "rank_files.h"
 #include "shared/terminal.h"
-#include "shares.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
@@ -83,6 +83,9 @@ void require_one_cutoff(const Gaussians& model, const Ranks& ranks) {
 VolumesPart read_volumes_part(const std::vector<std::string>& files,
                               const cli::VolumeInputOptions& options, const Ranks& ranks,
                               int align_voxels) {
+    const bool whole = are_many(files.size(), ranks) &&
+                       cli::combination_of(files.size(), options).overlap == Overlap::add;
+    const SameFiles same(files, ranks, !whole);
     const std::vector<std::filesystem::path> paths(files.begin(), files.end());
     const LevelOptions level_options = cli::level_options(options);
     const std::vector<LevelSource> sources = level_sources(paths, level_options);
@@ -97,6 +100,7 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
                   combination.by_arrangement, notes, part);
     else
         read_sums(sources, level_options, ranks, align_voxels, notes, part);
+    same.check_unchanged();
     part.box = ranks.box_union(part.box);
     part.active_voxels = ranks.sum(part.active_voxels);
     for (std::uint64_t* count :
@@ -115,8 +119,10 @@ Gaussians read_particles_part(const std::vector<std::string>& files,
                               std::vector<std::string>& notes) {
     PointOptions point_options = cli::point_options(options);
     point_options.collective = &ranks.collective();
-    const Gaussians all =
-        convert_points(cli::load_points(files, options, volume, notes), point_options);
+    const SameFiles same(files, ranks);
+    const Points points = cli::load_points(files, options, volume, notes);
+    same.check_unchanged();
+    const Gaussians all = convert_points(points, point_options);
     if (ranks.first()) cli::print_notes(notes);
     const auto begin_of = [&](int rank) {
         return all.size() * static_cast<std::size_t>(rank) /
@@ -132,10 +138,12 @@ Gaussians read_particles_part(const std::vector<std::string>& files,
 Gaussians read_models_part(const std::vector<std::string>& inputs, const Ranks& ranks) {
     Gaussians model;
     const std::vector<std::string> files = cli::model_files(inputs);
+    const SameFiles same(files, ranks, !are_many(files.size(), ranks));
     const auto shares = shares_of(files, ranks);
     for (std::size_t n = 0; n < files.size(); ++n)
         if (shares[n])
             append(model, read_ply(files[n], ModelPart{shares[n]->index, shares[n]->count}));
+    same.check_unchanged();
     require_one_cutoff(model, ranks);
     model.box = ranks.box_union(model.box);
     if (model.box.empty()) model.box = ranks.box_union(model.size() ? view_box(model) : Box{});

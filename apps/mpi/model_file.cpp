@@ -3,15 +3,17 @@
 
 #include <fmt/core.h>
 #include <mpi.h>
-#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <filesystem>
-#include <fstream>
+#include <optional>
+#include <system_error>
 
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
+#include "vog/temporary_file.h"
 
 namespace vog::mpi {
 
@@ -49,10 +51,11 @@ cli::Converted converted(const SharedModel& model, const Sums& sums, std::uint64
 /// A file that all ranks write through MPI-IO.
 class SharedFile {
   public:
-    /// Opening and closing are collective.
-    explicit SharedFile(const std::string& file) : name_(file) {
-        check(MPI_File_open(MPI_COMM_WORLD, file.c_str(), MPI_MODE_CREATE | MPI_MODE_WRONLY,
-                            MPI_INFO_NULL, &file_));
+    /// Opens a file that exists. Opening and closing are collective.
+    /// name  of the file in messages
+    SharedFile(const std::string& name, const std::string& file) : name_(name) {
+        errno = 0;
+        check(MPI_File_open(MPI_COMM_WORLD, file.c_str(), MPI_MODE_WRONLY, MPI_INFO_NULL, &file_));
     }
     ~SharedFile() {
         if (file_ != MPI_FILE_NULL) MPI_File_close(&file_);
@@ -60,15 +63,20 @@ class SharedFile {
     SharedFile(const SharedFile&) = delete;
     SharedFile& operator=(const SharedFile&) = delete;
 
+    /// Collective. throws vog::Error where a file system reports only here that it is full
+    void close() {
+        errno = 0;
+        check(MPI_File_close(&file_));
+    }
     void write(std::uint64_t offset, const void* bytes, std::size_t size) {
         MPI_Status status;
+        errno = 0;
         check(MPI_File_write_at(file_, static_cast<MPI_Offset>(offset), bytes,
                                 static_cast<int>(size), MPI_BYTE, &status));
         int written = 0;
         MPI_Get_count(&status, MPI_BYTE, &written);
         if (static_cast<std::size_t>(written) != size)
-            throw Error(fmt::format("{}: wrote {} of {} bytes: the disk may be full", name_,
-                                    written, size));
+            fail(fmt::format("{} of {} bytes written, the disk may be full", written, size));
     }
 
   private:
@@ -77,8 +85,12 @@ class SharedFile {
         char text[MPI_MAX_ERROR_STRING];
         int length = 0;
         MPI_Error_string(code, text, &length);
+        fail(std::string(text, static_cast<std::size_t>(length)));
+    }
+    /// text  reason if the system has left none in errno
+    [[noreturn]] void fail(const std::string& text) const {
         throw Error(fmt::format("{}: cannot write: {}", name_,
-                                std::string_view(text, static_cast<std::size_t>(length))));
+                                errno ? std::generic_category().message(errno) : text));
     }
 
     std::string name_;
@@ -114,34 +126,38 @@ cli::Converted write_model(const std::string& file, const SharedModel& model, co
         for (const std::uint64_t count : counts) end += count * row_bytes;
     }
 
-    const fs::path path = file;
-    const std::string beside = ranks.from_root(
-        (path.parent_path() / fmt::format(".{}.{}.ply", path.stem().string(), ::getpid()))
-            .string());
-    try {
-        // Created by the root first, so that a folder without write access is one rank's failure.
-        if (ranks.first() && !std::ofstream(beside, std::ios::binary))
-            throw Error(fmt::format("{}: cannot write into its folder", file));
-        ranks.agree();
-        Failure failure;
-        {
-            SharedFile out(beside);
-            // A rank that fails still closes the file with the others, and reports after that.
-            try {
-                if (ranks.first()) out.write(0, header.data(), header.size());
-                for (std::size_t n = 0; n < model.inputs.size(); ++n)
-                    write_rows(out, offsets[n], model.inputs[n], sums.rotated);
-            } catch (const std::exception& error) {
-                failure = {1, error.what()};
-            }
+    // Created by the root, so that a folder without write access is one rank's failure.
+    std::optional<TemporaryFile> beside;
+    if (ranks.first()) beside.emplace(file);
+    const std::string name =
+        ranks.from_root(beside ? fs::absolute(beside->path()).string() : std::string());
+    // Another folder under the name would take this rank's rows: the file's name is random.
+    std::error_code code;
+    if (!fs::exists(name, code))
+        throw Error(
+            fmt::format("{}: the folder of the first rank is not there, expected one that "
+                        "all ranks share",
+                        file));
+    ranks.agree();
+    Failure failure;
+    {
+        SharedFile out(file, name);
+        // A rank that fails still closes the file with the others, and reports after that.
+        try {
+            if (ranks.first()) out.write(0, header.data(), header.size());
+            for (std::size_t n = 0; n < model.inputs.size(); ++n)
+                write_rows(out, offsets[n], model.inputs[n], sums.rotated);
+        } catch (const std::exception& error) {
+            failure = {1, error.what()};
         }
-        ranks.agree(failure);
-        if (ranks.first()) fs::rename(beside, path);
-    } catch (...) {
-        std::error_code code;
-        if (ranks.first()) fs::remove(beside, code);
-        throw;
+        try {
+            out.close();
+        } catch (const std::exception& error) {
+            if (failure.exit_code == 0) failure = {1, error.what()};
+        }
     }
+    ranks.agree(failure);
+    if (beside) beside->rename();
     return converted(model, sums, end);
 }
 

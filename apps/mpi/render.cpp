@@ -7,8 +7,8 @@
 
 #include "commands.h"
 #include "inputs_part.h"
+#include "rank_files.h"
 #include "shared/render_run.h"
-#include "shares.h"
 #include "vog/error.h"
 
 namespace vog::mpi {

@@ -1,4 +1,6 @@
 // mpi_failure_test.cpp: failures of one rank: all ranks end, and the error is printed once.
+#include <chrono>
+
 #include "mpi_command.h"
 
 namespace vog::test {
@@ -53,6 +55,59 @@ TEST_F(mpi_failure, lack_of_memory_on_one_rank_ends_all) {
                   "-n 2 COMMAND render c.vdb -o c.png --size 64 : "
                   "-n 1 sh small.sh COMMAND render c.vdb -o c.png --size 60000",
                   "vog-mpi: out of memory (rank 2 of 3)");
+}
+
+/// Nodes that mount different folders under one name: parts of both would be half a model.
+TEST_F(mpi_failure, ranks_that_read_different_files_under_one_name_are_refused) {
+    must("sample cloud c.vdb --size 64");
+    std::filesystem::create_directory(dir_ / "other");
+    write("there.sh", "#!/bin/sh\ncd other\nexec \"$@\"\n");
+    const auto both = [](const std::string& work) {
+        return "-n 1 COMMAND " + work + " : -n 1 sh there.sh COMMAND " + work;
+    };
+    const std::string convert = "convert c.vdb -o m.ply --block 8";
+    must("sample explosion other/c.vdb --size 64");
+    must_fail_mpi(1, both(convert), "c.vdb: is another file on rank 1");
+    must_fail_mpi(1, both("render c.vdb -o c.png --size 32"), "c.vdb: is another file on rank 1");
+    // A copy with other times is the same file; one byte less of mass in its middle is not.
+    std::filesystem::copy_file(dir_ / "c.vdb", dir_ / "other/c.vdb",
+                               std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::last_write_time(
+        dir_ / "other/c.vdb",
+        std::filesystem::file_time_type::clock::now() - std::chrono::hours(1));
+    const Result same = mpi(both(convert));
+    EXPECT_EQ(same.exit_code, 0) << same.error;
+    std::string bytes = read_text(dir_ / "c.vdb");
+    bytes[bytes.size() / 2 + 1] ^= 1;
+    write("other/c.vdb", bytes);
+    must_fail_mpi(1, both(convert), "c.vdb: is another file on rank 1");
+    write("p.xyz", "1 2 3\n2 3 4\n");
+    write("other/p.xyz", "1 2 3\n2 3 5\n");
+    must_fail_mpi(1, both("render p.xyz -o p.png --size 32"), "p.xyz: is another file on rank 1");
+    must("convert c.vdb -o g.ply --block 8");
+    must("convert c.vdb -o other/g.ply --block 4");
+    must_fail_mpi(1, both("render g.ply -o g.png --size 32"), "g.ply: is another file on rank 1");
+}
+
+TEST_F(mpi_failure, outputs_that_cannot_be_written_keep_earlier_ones) {
+    must("sample cloud c.vdb --size 64");
+    write("m.ply", "earlier");
+    write("small.sh", "#!/bin/sh\nulimit -f 1\nexec \"$@\"\n");
+    must_fail_mpi(1, "-n 3 sh small.sh COMMAND convert c.vdb -o m.ply --block 4",
+                  "m.ply: cannot write");
+    EXPECT_EQ(read_text(dir_ / "m.ply"), "earlier");
+    for (const auto& entry : std::filesystem::directory_iterator(dir_ / ""))
+        EXPECT_FALSE(entry.path().filename().string().starts_with('.')) << entry.path();
+    must_mpi(3, "convert c.vdb --block 4 -o " + std::string(251, 'n') + ".ply");
+    // A name under which one rank has another folder.
+    std::filesystem::create_directories(dir_ / "other/out");
+    std::filesystem::create_directory(dir_ / "out");
+    write("there.sh", "#!/bin/sh\nmount --bind other/out out && exec \"$@\"\n");
+    if (std::system("unshare -m true 2>/dev/null") != 0)
+        GTEST_SKIP() << "this system lets us mount no folder (root and unshare needed)";
+    const std::string work = "COMMAND convert c.vdb -o out/m.ply --block 4";
+    must_fail_mpi(1, "-n 1 " + work + " : -n 1 unshare -m sh there.sh " + work,
+                  "out/m.ply: the folder of the first rank is not there");
 }
 
 }  // namespace vog::test
