@@ -1,0 +1,50 @@
+// scratch_test.cpp: scratch files of --memory that cannot be made or grow no further.
+#include "fault_command.h"
+
+namespace vog::test {
+
+class scratch_faults : public Faults {
+  protected:
+    void SetUp() override {
+        std::filesystem::create_directories(dir_ / "out/scratch");
+        // Positions of 6 MB: arrays from 4 MB on lie in scratch files.
+        must("sample particles p.xyz --size 64");
+    }
+};
+
+TEST_F(scratch_faults, full_scratch_folder_keeps_earlier_outputs) {
+    VOG_NEEDS_PRELOAD();
+    const Job job{"convert p.xyz -o out/p.csv --memory 64M --scratch out/scratch", {"p.csv"}};
+    const Result probe = run(job.arguments);
+    if (probe.error.find("tmpfs") != std::string::npos)
+        GTEST_SKIP() << "temporary folders of this system lie in memory: " << probe.error;
+    const auto files = expected(job);
+    const int calls = count_calls(job);
+    ASSERT_GE(calls, 8) << "no scratch files are made";
+    int failures = 0;
+    for (int call = 1; call <= calls; call += 1 + calls / 16) {
+        write_old(job);
+        const Result result = run(job.arguments, fault(call, ENOSPC));
+        const std::string about =
+            fmt::format("call {} of {}, {}", call, calls, read_text(dir_ / "mark"));
+        expect_whole(job, files, result, about);
+        failures += result.exit_code != 0;
+        if (result.exit_code != 0) {
+            EXPECT_NE(result.error.find("No space left on device"), std::string::npos)
+                << about << "\n"
+                << result.error;
+        }
+        EXPECT_TRUE(std::filesystem::is_empty(dir_ / "out/scratch")) << about;
+    }
+    EXPECT_GE(failures, 3);
+}
+
+TEST_F(scratch_faults, missing_folders_are_one_clear_line) {
+    must_fail(1, "convert p.xyz -o out/p.ply --memory 64M",
+              "TMPDIR=/nosuch: no folder for scratch files, expected one that exists",
+              "TMPDIR=/nosuch");
+    must_fail(1, "convert p.xyz -o out/p.ply --memory 64M --scratch nosuch",
+              "nosuch: cannot make a scratch file here: No such file or directory");
+}
+
+}  // namespace vog::test
