@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
 #include "support/command.h"
@@ -68,15 +67,14 @@ TEST_F(names, of_grids_select_them_as_shown_and_as_stored) {
 
 TEST_F(names, match_patterns_without_exponential_time) {
     write_named("long.vdb", {std::string(95, 'a'), "b"});
-    const auto start = std::chrono::steady_clock::now();
     std::string pattern;
     for (int n = 0; n < 30; ++n) pattern += "*a";
-    must_fail(1, "convert long.vdb -o a.ply --grid '" + pattern + "*c'", "no grid matches");
-    must("convert long.vdb -o a.ply --grid '" + pattern + "*'");
+    const std::string limit = "timeout 60";  // trying all splits would take years
+    must_fail(1, "convert long.vdb -o a.ply --grid '" + pattern + "*c'", "no grid matches", limit);
+    must("convert long.vdb -o a.ply --grid '" + pattern + "*'", limit);
     // The text that the first * stands for takes the place of the mask's.
     must_fail(1, "convert long.vdb -o a.ply --grid '" + pattern + "' --mask '*mask'",
-              "no grid named 'mask'");
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
+              "no grid named 'mask'", limit);
 }
 
 TEST_F(names, of_the_first_column_have_no_byte_order_mark) {
