@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <istream>
 #include <sstream>
 #include <string_view>
@@ -147,6 +148,16 @@ std::vector<double> numbers(const std::filesystem::path& file, const std::string
     return values;
 }
 
+std::uint64_t count(const std::filesystem::path& file, const std::string& key,
+                    const std::string& text) {
+    std::uint64_t value = 0;
+    const char* end = text.data() + text.size();
+    const auto [stop, code] = std::from_chars(text.data(), end, value);
+    if (code != std::errc{} || stop != end)
+        fail(file, fmt::format("comment '{} {}': expected a whole number >= 0", key, text));
+    return value;
+}
+
 /// Whether a layout has the property. Appearance coefficients of 3DGS and volprim are accepted and
 /// ignored: they are not density.
 bool known_property(Layout layout, const std::string& name) {
@@ -224,10 +235,14 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
     if (comment(header, "box", value)) {
         const auto b = numbers(file, "box", value, 6);
         model.box = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (!(b[axis] <= b[axis + 3]) || !std::isfinite(b[axis + 3] - b[axis]))
+                fail(file, fmt::format("comment 'box {}': expected finite lower corners, then "
+                                       "upper ones",
+                                       value));
     }
     if (comment(header, "source_voxels", value))
-        model.source_voxels =
-            static_cast<std::uint64_t>(numbers(file, "source_voxels", value, 1)[0]);
+        model.source_voxels = count(file, "source_voxels", value);
     if (comment(header, "source", value)) model.source = value;
     if (comment(header, "method", value)) model.method = value;
     if (comment(header, "options", value)) model.options = value;

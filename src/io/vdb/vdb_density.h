@@ -95,7 +95,24 @@ void convert_leaf(const LeafT& from, std::size_t i, Leaf& to, Census& census) {
         census.inactive_not_finite += !std::isfinite(density(*voxel));
 }
 
-/// Converts active tiles to volume.tiles, sorted by origin; without those not finite.
+/// Calls visit(origin, edge, value) for every active tile; edge in voxels. From node to node:
+/// OpenVDB's iterators of values count the root's entries again at each of them.
+template <class Tree, class Visit>
+void for_each_tile(const Tree& tree, const Visit& visit) {
+    const auto visit_node = [&](const auto& node, std::int32_t edge) {
+        for (auto tile = node.cbeginValueOn(); tile; ++tile)
+            visit(from_coord(tile.getCoord()), edge, *tile);
+    };
+    visit_node(tree.root(), 4096);
+    for (auto upper = tree.root().cbeginChildOn(); upper; ++upper) {
+        visit_node(*upper, 128);
+        for (auto lower = upper->cbeginChildOn(); lower; ++lower) visit_node(*lower, 8);
+    }
+}
+
+/// Sorts tiles by origin, sets invalid values to 0 and counts them; drops tiles not finite.
+Census admit_tiles(std::vector<Tile>& tiles);
+/// Converts active tiles to volume.tiles, as admit_tiles leaves them.
 Census tiles_from_grid(const openvdb::GridBase& grid, Volume& volume);
 
 /// Sum in which values of tiles lie behind those of leaves.

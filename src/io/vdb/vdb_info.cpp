@@ -4,6 +4,7 @@
 
 #include <limits>
 
+#include "io/vdb/vdb_density.h"
 #include "io/vdb/vdb_volume.h"
 #include "vog/volume_io.h"
 
@@ -33,14 +34,6 @@ struct Range {
     }
 };
 
-/// Calls visit(tile) for every active tile.
-template <class GridT, class Visit>
-void for_each_tile(const GridT& grid, Visit visit) {
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(GridT::TreeType::ValueOnCIter::LEAF_DEPTH - 1);
-    for (; tile; ++tile) visit(tile);
-}
-
 template <class GridT>
 void count_nodes(const GridT& grid, GridInfo& info) {
     using LeafT = typename GridT::TreeType::LeafNodeType;
@@ -48,7 +41,9 @@ void count_nodes(const GridT& grid, GridInfo& info) {
     grid.tree().getNodes(leaves);
     info.leaves = leaves.size();
     for (const LeafT* leaf : leaves) info.dense_leaves += leaf->onVoxelCount() == LeafT::SIZE;
-    for_each_tile(grid, [&](const auto& tile) { ++info.active_tiles[tile.getLevel() - 1]; });
+    for_each_tile(grid.tree(), [&](Vec3i, std::int32_t edge, const auto&) {
+        ++info.active_tiles[edge == 8 ? 0 : edge == 128 ? 1 : 2];
+    });
 }
 
 template <class GridT>
@@ -63,7 +58,8 @@ void find_range(const GridT& grid, GridInfo& info) {
             return found;
         },
         Range::join);
-    for_each_tile(grid, [&](const auto& tile) { range.include(*tile); });
+    for_each_tile(grid.tree(),
+                  [&](Vec3i, std::int32_t, const auto& value) { range.include(value); });
     if (range.min > range.max) return;  // no active value, or only NaN
     info.min = range.min;
     info.max = range.max;

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
+#include <memory>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -45,6 +47,24 @@ std::size_t batch_end(std::span<const Selected> selected, std::size_t first) {
     return last;
 }
 
+/// Reads the active tiles of one internal node, as its readTopology does.
+template <class Node>
+void read_node_tiles(std::istream& stream, const CheckedTree::TileRange& range, bool half_stored,
+                     std::vector<Tile>& tiles) {
+    typename Node::NodeMaskType child_mask, value_mask;
+    child_mask.load(stream);
+    value_mask.load(stream);
+    const auto values = std::make_unique<typename Node::ValueType[]>(Node::NUM_VALUES);
+    openvdb::io::readCompressedValues(stream, values.get(), Node::NUM_VALUES, value_mask,
+                                      half_stored);
+    for (auto on = value_mask.beginOn(); on; ++on) {
+        openvdb::Coord local;
+        Node::offsetToLocalCoord(on.pos(), local);
+        tiles.push_back({range.origin + range.tile_edge * from_coord(local), range.tile_edge,
+                         density(values[on.pos()])});
+    }
+}
+
 }  // namespace
 
 void throw_not_density(const std::string& where, const std::string& tree_type) {
@@ -79,7 +99,8 @@ void VdbLeaves::read_layout() {
     storage_ = {*layout, head_.compression, owner_.half_stored};
     const std::uint64_t tree_begin = in.position();
     CheckedTree tree = check_tree(in, storage_);
-    read_topology(tree_begin, tree.topology_end);
+    empty_grid_ = openvdb::GridBase::createGrid(tree_type_);
+    empty_grid_->apply<KnownGrids>([&](auto& grid) { read_tiles(grid, tree_begin, tree.tiles); });
 
     leaves_ = std::move(tree.leaves);
     std::erase_if(leaves_, [](const LeafRange& leaf) { return active_count(leaf) == 0; });
@@ -88,13 +109,36 @@ void VdbLeaves::read_layout() {
     });
 }
 
-/// Converts the tiles from OpenVDB's tree, whose leaves stay empty.
-void VdbLeaves::read_topology(std::uint64_t tree_begin, std::uint64_t end) {
-    const BigVector<char> bytes = file_.bytes(tree_begin, end);
-    const openvdb::GridBase::Ptr grid =
-        read_vdb_topology(bytes, tree_type_, file_.version(), storage_);
-    tile_census_ = tiles_from_grid(*grid, tiles_);
-    empty_grid_ = grid->copyGridWithNewTree();
+template <class GridT>
+void VdbLeaves::read_tiles(GridT& grid, std::uint64_t tree_begin,
+                           std::span<const CheckedTree::TileRange> ranges) {
+    using Tree = typename GridT::TreeType;
+    using Upper = typename Tree::RootNodeType::ChildNodeType;
+    typename Tree::ValueType background;
+    constexpr std::uint64_t kBufferCountBytes = 4;
+    const std::uint64_t at = tree_begin + kBufferCountBytes;
+    std::memcpy(&background, file_.bytes(at, at + sizeof background).data(), sizeof background);
+    grid.tree().root().setBackground(background, false);
+
+    for (const CheckedTree::TileRange& range : ranges) {
+        check_interrupt();
+        const BigVector<char> bytes = file_.bytes(range.begin, range.end);
+        if (range.tile_edge == static_cast<std::int32_t>(Upper::DIM)) {
+            typename Tree::ValueType value;
+            std::memcpy(&value, bytes.data(), sizeof value);
+            tiles_.tiles.push_back({range.origin, range.tile_edge, density(value)});
+            continue;
+        }
+        MemoryStream stream(bytes);
+        tag_vdb_stream(stream, file_.version(), storage_.compression);
+        openvdb::io::setGridBackgroundValuePtr(stream, &grid.tree().background());
+        if (range.tile_edge == static_cast<std::int32_t>(Upper::ChildNodeType::DIM))
+            read_node_tiles<Upper>(stream, range, storage_.half_stored, tiles_.tiles);
+        else
+            read_node_tiles<typename Upper::ChildNodeType>(stream, range, storage_.half_stored,
+                                                           tiles_.tiles);
+    }
+    tile_census_ = admit_tiles(tiles_.tiles);
 }
 
 openvdb::GridClass VdbLeaves::grid_class() const {

@@ -40,7 +40,11 @@ class VdbLeaves {
   private:
     using LeafRange = CheckedTree::LeafRange;
     void read_layout();
-    void read_topology(std::uint64_t tree_begin, std::uint64_t end);
+    /// Sets the background of `grid`, and the tiles. From the bytes of the nodes that have some:
+    /// OpenVDB's own topology takes 0.3 MB for each node of 4096 voxels.
+    template <class GridT>
+    void read_tiles(GridT& grid, std::uint64_t tree_begin,
+                    std::span<const CheckedTree::TileRange> ranges);
     /// Reads nodes by number: leaves first, then tiles.
     /// numbers      ascending
     /// count_tiles  whether invalid tiles are counted in `notes`

@@ -51,24 +51,12 @@ Census convert_leaves(const GridT& grid, Volume& volume) {
         Census::sum);
 }
 
-/// Converts active tiles to volume.tiles, sorted by origin.
 template <class GridT>
 Census convert_tiles(const GridT& grid, Volume& volume) {
-    Census census;
-    std::vector<std::pair<Tile, float>> tiles;
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(GridT::TreeType::ValueOnCIter::LEAF_DEPTH - 1);
-    for (; tile; ++tile)
-        volume.tiles.push_back(
-            {from_coord(tile.getCoord()), kTileEdge[tile.getLevel()], density(*tile)});
-    std::ranges::sort(volume.tiles, {}, kByOrigin);
-    for (std::size_t i = 0; i < volume.tiles.size(); ++i) {
-        Tile& one = volume.tiles[i];
-        const float admitted = census.admit(one.value, i, one.origin);
-        if (std::isfinite(one.value)) one.value = admitted;
-    }
-    std::erase_if(volume.tiles, [](const Tile& one) { return !std::isfinite(one.value); });
-    return census;
+    for_each_tile(grid.tree(), [&](Vec3i origin, std::int32_t edge, const auto& value) {
+        volume.tiles.push_back({origin, edge, density(value)});
+    });
+    return admit_tiles(volume.tiles);
 }
 
 template <class GridT>
@@ -92,6 +80,18 @@ void sdf_to_fog(GridT& grid, const std::string& where) {
 }
 
 }  // namespace
+
+Census vdb::admit_tiles(std::vector<Tile>& tiles) {
+    Census census;
+    std::ranges::sort(tiles, {}, kByOrigin);
+    for (std::size_t i = 0; i < tiles.size(); ++i) {
+        Tile& one = tiles[i];
+        const float admitted = census.admit(one.value, i, one.origin);
+        if (std::isfinite(one.value)) one.value = admitted;
+    }
+    std::erase_if(tiles, [](const Tile& one) { return !std::isfinite(one.value); });
+    return census;
+}
 
 void vdb::check_census(const Census& census, const ValueRules& rules, const std::string& where,
                        ValueNotes& notes) {

@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "render/reference/nano_tree.h"
+#include "render/reference/root_cells.h"
 #include "vog/linear.h"
 
 namespace vog::reference {
@@ -139,30 +140,27 @@ void march_node(const Node& node, const GridRay& ray, Vec3d lower, Segment segme
 /// Visits every leaf and active tile on the ray, within a segment of it:
 ///   visitor.leaf(const NanoLeaf&, Vec3d lower, Segment)
 ///   visitor.tile(Vec3d lower, int edge, float value, Segment)
-/// corner  index of the local origin
+/// Cells of the root that share a face compute the same t for it, so here too no part is missed or
+/// doubled.
 template <class Visitor>
-void march(const NanoRoot& root, Vec3d corner, const GridRay& ray, Visitor&& visitor,
-           Segment within = {}) {
-    const auto local = [&](const nanovdb::Coord& index) {
-        return Vec3d{double(index[0]), double(index[1]), double(index[2])} - corner;
-    };
-    // The root's cells are few and may lie anywhere in 2^32 voxels: each is tested. Cells that share
-    // a face compute the same t for it, so here too no part is missed or doubled.
-    const auto& data = *root.data();
-    for (std::uint32_t i = 0; i < data.mTableSize; ++i) {
-        const auto& cell = *data.tile(i);
-        if (cell.isChild()) {
-            const NanoUpper& upper = *data.getChild(&cell);
-            const Segment segment = clip(ray, local(upper.bbox().min()),
-                                         local(upper.bbox().max()) + Vec3d{1, 1, 1}, within);
-            if (!segment.empty()) march_node(upper, ray, local(upper.origin()), segment, visitor);
-        } else if (cell.isActive()) {
-            constexpr double kEdge = NanoUpper::DIM;
-            const Vec3d lower = local(cell.origin());
-            const Segment segment = clip(ray, lower, lower + Vec3d{kEdge, kEdge, kEdge}, within);
-            if (!segment.empty())
-                visitor.tile(lower, static_cast<int>(NanoUpper::DIM), cell.value, segment);
+void march(const RootCells& cells, const GridRay& ray, Visitor&& visitor, Segment within = {}) {
+    const std::vector<RootCells::Node>& nodes = cells.nodes();
+    for (std::size_t n = 0; n < nodes.size();) {
+        const RootCells::Node& node = nodes[n];
+        if (clip(ray, node.lower, node.upper, within).empty()) {
+            n = node.skip;
+            continue;
         }
+        for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+            const RootCell& cell = cells[i];
+            const Segment segment = clip(ray, cell.lower, cell.upper, within);
+            if (segment.empty()) continue;
+            if (cell.child)
+                march_node(*cell.child, ray, cell.origin, segment, visitor);
+            else
+                visitor.tile(cell.origin, static_cast<int>(NanoUpper::DIM), cell.value, segment);
+        }
+        ++n;
     }
 }
 

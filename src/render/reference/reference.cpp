@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 
 #include "core/parallel.h"
 #include "render/pixel_tiles.h"
@@ -43,7 +44,7 @@ double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
     if (grid.options.interpolation == Interpolation::constant) {
         const GridRay ray = grid.voxel_ray(origin, direction);
         ConstantSum constant{ray};
-        march(grid.tree.root(), grid.corner, ray, constant);
+        march(grid.root_cells, ray, constant);
         sum = constant.sum;
     } else {
         sum = linear_sum(grid, grid.center_ray(origin, direction));
@@ -89,6 +90,14 @@ std::span<const std::byte> VoxelGrid::bytes() const {
     return {data_->tree.buffer.data(), data_->tree.buffer.size()};
 }
 
+void VoxelGrid::Data::set_tree(NanoTree made) {
+    tree = std::move(made);
+    const auto& box = tree.root().bbox();
+    corner = {};
+    if (!box.empty()) corner = {double(box.min()[0]), double(box.min()[1]), double(box.min()[2])};
+    root_cells = RootCells(tree.root(), corner);
+}
+
 VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
     // Shorter steps change no digit of a float, and would take hours.
     constexpr double kLeastStep = 1e-3;
@@ -99,10 +108,7 @@ VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
     validate(volume);
     auto data = std::make_shared<VoxelGrid::Data>();
     data->options = options;
-    data->tree = nano_tree(volume, options.interpolation == Interpolation::linear);
-    const auto& box = data->tree.root().bbox();
-    if (!box.empty())
-        data->corner = {double(box.min()[0]), double(box.min()[1]), double(box.min()[2])};
+    data->set_tree(nano_tree(volume, options.interpolation == Interpolation::linear));
     data->world_corner = volume.world_from_index(data->corner);
     data->local_from_world = inverse(volume.world_from_index.linear);
     return VoxelGrid(std::move(data));

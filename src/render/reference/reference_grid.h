@@ -10,9 +10,13 @@ namespace vog {
 struct VoxelGrid::Data {
     VoxelGridOptions options;
     reference::NanoTree tree;
-    Vec3d corner;           ///< index of the local origin: the lower corner of the active box
+    Vec3d corner;  ///< index of the local origin: the lower corner of the active box
+    reference::RootCells root_cells;
     Vec3d world_corner;     ///< the same point in world space
     Mat3 local_from_world;  ///< linear part, for directions
+
+    /// Sets the tree, the corner and the cells of the root.
+    void set_tree(reference::NanoTree made);
 
     /// The ray in local coordinates in which voxel i covers [i, i + 1) (voxel_ray), or has its centre
     /// at i (center_ray). Both have the same t as the ray in world space.

@@ -47,7 +47,7 @@ void collect_spans(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction,
                    std::vector<Span>& spans) {
     spans.clear();
     const GridRay ray = grid.voxel_ray(origin, direction);
-    march(grid.tree.root(), grid.corner, ray, SpanCollector{ray, spans});
+    march(grid.root_cells, ray, SpanCollector{ray, spans});
     // In order already, except across cells of the root.
     const auto before = [](const Span& a, const Span& b) { return a.first < b.first; };
     if (!std::is_sorted(spans.begin(), spans.end(), before))

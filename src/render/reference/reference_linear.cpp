@@ -163,7 +163,7 @@ struct LinearSum {
 double linear_sum(const VoxelGrid::Data& grid, const GridRay& ray, Segment within) {
     const auto integrate = [&](auto rule) {
         LinearSum<decltype(rule)> linear{grid, ray, rule};
-        march(grid.tree.root(), grid.corner, ray, linear, within);
+        march(grid.root_cells, ray, linear, within);
         return linear.sum;
     };
     const double step = grid.options.step_voxels;

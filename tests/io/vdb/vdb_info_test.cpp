@@ -21,6 +21,27 @@ std::vector<GridInfo> info_of(const openvdb::GridPtrVec& grids) {
     return inspect_vdb(dir / "grids.vdb");
 }
 
+/// Time in proportion to their number: OpenVDB's iterators of values count them again for each.
+TEST(vdb_info, tens_of_thousands_of_root_tiles_are_listed_and_read) {
+    const auto grid = test::make_grid("density");
+    constexpr int kAcross = 40;
+    for (int n = 0; n < kAcross * kAcross * kAcross; ++n)
+        grid->tree().addTile(3,
+                             openvdb::Coord(4096 * (n / (kAcross * kAcross)),
+                                            4096 * (n / kAcross % kAcross), 4096 * (n % kAcross)),
+                             1 + static_cast<float>(n % 3), true);
+    const test::TempDir dir;
+    test::write_grids(dir / "tiles.vdb", {grid});
+    const GridInfo info = inspect_vdb(dir / "tiles.vdb").front();
+    EXPECT_EQ(info.active_tiles[2], 64000u);
+    EXPECT_EQ(info.max, 3);
+    const Volume volume = read_vdb(dir / "tiles.vdb");
+    ASSERT_EQ(volume.tiles.size(), 64000u);
+    EXPECT_EQ(volume.tiles[1].origin, (Vec3i{0, 0, 4096}));
+    EXPECT_EQ(volume.tiles[1].edge, 4096);
+    EXPECT_EQ(volume.tiles[1].value, 2);
+}
+
 TEST(vdb_info, counts_voxels_tiles_and_leaves) {
     const auto grid = test::varied_grid("density");
     const auto info = info_of({grid}).at(0);

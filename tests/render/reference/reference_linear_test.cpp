@@ -167,9 +167,7 @@ TEST(reference_linear, border_blocks_do_not_change_the_constant_field) {
     const Volume volume = leaves_and_tiles(34);
     const VoxelGrid plain = voxel_grid(volume);
     auto data = std::make_shared<VoxelGrid::Data>(plain.data());
-    data->tree = nano_tree(volume, true);
-    const auto& lower = data->tree.root().bbox().min();
-    data->corner = {double(lower[0]), double(lower[1]), double(lower[2])};
+    data->set_tree(nano_tree(volume, true));
     data->world_corner = data->corner;
     const VoxelGrid bordered{std::move(data)};
     for (const auto& [origin, direction] : rays_through(volume, index_box(volume), 200))

@@ -50,7 +50,6 @@ class TreeCheck {
 
     CheckedTree check() {
         root();
-        tree_.topology_end = in_.position();
         if (storage_.layout.leaf == LeafData::points) {
             point_leaves();
         } else {
@@ -99,9 +98,12 @@ void TreeCheck::root() {
     };
     for (std::uint32_t i = 0; i < tiles; ++i) {
         add_origin();
+        const std::uint64_t begin = in_.position();
         in_.take(storage_.layout.value_bytes);
-        if (static_cast<unsigned char>(*in_.take(1)) > 1)
-            in_.fail("corrupt: tile state, expected 0 or 1");
+        const auto state = static_cast<unsigned char>(*in_.take(1));
+        if (state > 1) in_.fail("corrupt: tile state, expected 0 or 1");
+        if (state == 1)
+            tree_.tiles.push_back({origins.back(), kRootChildEdge, begin, in_.position()});
     }
     for (std::uint32_t i = 0; i < children; ++i) {
         add_origin();
@@ -114,18 +116,19 @@ void TreeCheck::root() {
 }
 
 void TreeCheck::node(Vec3i origin, const NodeKind& kind) {
+    const std::uint64_t begin = in_.position();
     const Mask child_mask = read_mask(in_, kind.children());
     const Mask value_mask = read_mask(in_, kind.children());
     for (std::size_t word = 0; word < child_mask.size(); ++word)
         if (child_mask[word] & value_mask[word])
             in_.fail("corrupt: a node that is both a child and a tile");
-    values(kind.children(), count_on(value_mask));
+    const std::uint32_t active = count_on(value_mask);
+    values(kind.children(), active);
+    if (active) tree_.tiles.push_back({origin, kind.child_edge, begin, in_.position()});
 
     const int log2 = kind.log2_edge;
-    for (std::uint32_t n = 0; n < kind.children(); ++n) {
-        if (!((child_mask[n >> 6] >> (n & 63)) & 1)) continue;
-        const auto within = static_cast<std::int32_t>((1u << log2) - 1);
-        const auto offset = static_cast<std::int32_t>(n);
+    const auto within = static_cast<std::int32_t>((1u << log2) - 1);
+    const auto visit = [&](std::int32_t offset) {
         const Vec3i child =
             origin + kind.child_edge *
                          Vec3i{offset >> (2 * log2), (offset >> log2) & within, offset & within};
@@ -136,7 +139,10 @@ void TreeCheck::node(Vec3i origin, const NodeKind& kind) {
             leaf.origin = child;
             std::memcpy(leaf.mask.data(), in_.take(kLeafMaskBytes), kLeafMaskBytes);
         }
-    }
+    };
+    for (std::size_t word = 0; word < child_mask.size(); ++word)
+        for (std::uint64_t left = child_mask[word]; left; left &= left - 1)
+            visit(static_cast<std::int32_t>(64 * word) + std::countr_zero(left));
 }
 
 void TreeCheck::leaf_buffer(CheckedTree::LeafRange& leaf) {

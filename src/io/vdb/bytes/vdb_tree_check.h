@@ -59,8 +59,15 @@ struct CheckedTree {
         std::uint64_t buffer = 0;  ///< position of its voxels
         std::array<std::uint64_t, 8> mask{};
     };
+    /// Active tile of the root, or internal node with active tiles, and its bytes in the file: value
+    /// and state of the tile; masks and values of the node.
+    struct TileRange {
+        Vec3i origin;
+        std::int32_t tile_edge = 0;  ///< voxels: 4096 for a tile of the root
+        std::uint64_t begin = 0, end = 0;
+    };
     std::vector<LeafRange> leaves;
-    std::uint64_t topology_end = 0;                 ///< position of the first leaf's voxels
+    std::vector<TileRange> tiles;
     std::uint64_t points = 0, attribute_bytes = 0;  ///< for trees of points
     std::vector<PointColumn> columns;               ///< attributes of points
     std::vector<PointArray> arrays;                 ///< [leaf][column]
