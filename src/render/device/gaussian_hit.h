@@ -16,7 +16,7 @@ namespace vog::device {
 /// mean in standard deviations.
 struct Gaussian {
     Float3 mean;
-    float density;  ///< peak, per scene unit
+    float density;  ///< peak, units of depth (TraceModel::depth_unit) per scene unit
     Float3 w[3];    ///< rows of the whitening W
     Float3 half;    ///< half edges of the paper's bounding box; unused without boxes
 };

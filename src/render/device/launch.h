@@ -27,6 +27,7 @@ constexpr int kAttributeWords = 4;  ///< Hit
 struct Film {
     float* depth;          ///< [height * width] T at extinction 1 through pixel centres
     Float4* accumulation;  ///< [height * width] colours summed over subframes, or null
+    double depth_unit;     ///< T of one unit of a ray's depth
     uint32_t subframe;     ///< 0: rays through pixel centres; > 0: through other points of pixels
     ColorTable colors;
 };
@@ -45,7 +46,7 @@ struct Launch {
     Double3 center;         ///< origin of the hierarchy's coordinates, scene units
     Bounds scene;           ///< TraceModel::scene
     SumRounding rounding;
-    double stop_depth;
+    double stop_depth;  ///< in film.depth_unit, as all depths of the Gaussian pipeline
     float cutoff2;
     int32_t boxed;
     int32_t hits_per_slab;
@@ -67,8 +68,9 @@ VOG_HD void pixel_point(uint32_t subframe, double& x, double& y) {
 }
 
 /// Writes T of one ray, and adds its colour to the progressive sum.
+/// depth  in film.depth_unit
 VOG_HD void expose(const Film& film, uint32_t pixel, double depth) {
-    const float total = static_cast<float>(depth);
+    const float total = static_cast<float>(depth * film.depth_unit);
     film.depth[pixel] = total;
     if (!film.accumulation) return;
     const Float4 color = shade(film.colors, total);

@@ -71,7 +71,7 @@ DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width
     const SmallGaussians small = small_gaussians(data.model, frame);
     const float* shares = small.shares.empty() ? nullptr : small.shares.data();
     draw_splats(small.splats, data.model.kernel.kernel, frame, image);
-    const double opaque = stop_depth(options);
+    const double opaque = stop_depth(options) / data.model.depth_unit;
     const auto draw = [&](int column, int row, TraceReport& part) {
         device::Ray ray;
         if (!device::camera_ray(frame, data.model.bounds, column, row, ray)) return;
@@ -94,6 +94,8 @@ DepthImage render_trace(const TraceScene& scene, const Camera& camera, int width
         total.most_slabs = std::max(total.most_slabs, part.most_slabs);
     };
     for_each_pixel<TraceReport>(width, height, options.progress, draw, add);
+    for (float& depth : image.depth)
+        depth = static_cast<float>(double{depth} * data.model.depth_unit);
     if (report) *report = total;
     return image;
 }

@@ -165,6 +165,9 @@ struct TraceBvh::Embree {
 };
 
 TraceBvh::TraceBvh(const TraceModel& model) : embree_(std::make_unique<Embree>()), model_(model) {
+    // TBB gives all later loops of this thread the floating-point mode of the first one. Embree's own
+    // loops flush denormals to zero: T of 1e-40 would become 0 in every picture.
+    vog::parallel_for(0, 1, [](int) {});
     embree_->device.reset(rtcNewDevice(nullptr));
     embree_->check("cannot start");
     embree_->scene.reset(rtcNewScene(embree_->device.get()));

@@ -48,11 +48,20 @@ Box clamped(Box box, const Box& to) {
     return box;
 }
 
-device::Gaussian packed(const Gaussians& gaussians, std::size_t i, double unit, Vec3d half) {
+/// T along the longest axis through the peak, the largest of a ray, but for the truncation.
+double most_depth(const Gaussians& gaussians, std::size_t i) {
+    const Vec3d s = vec_cast<double>(gaussians.scale[i]);
+    return std::sqrt(2 * std::numbers::pi) * double{gaussians.density[i]} *
+           std::max({s.x, s.y, s.z});
+}
+
+/// depth_per_unit  of scene length, at density 1
+device::Gaussian packed(const Gaussians& gaussians, std::size_t i, double unit,
+                        double depth_per_unit, Vec3d half) {
     // A scale below 1e-30 of the scene would leave the range of floats: it is raised to 1e-30 at the
     // same mass, which changes no pixel.
     constexpr double kThinnest = 1e-30;
-    double density = double{gaussians.density[i]} * unit;
+    double density = double{gaussians.density[i]} * depth_per_unit;
     Mat3 w = gaussians.axis_aligned() ? Mat3{} : transpose(matrix_from_quat(gaussians.rotation[i]));
     for (int axis = 0; axis < 3; ++axis) {
         const double scale = double{gaussians.scale[i][axis]} / unit;
@@ -131,18 +140,24 @@ TraceModel trace_model(const Gaussians& gaussians, double aabb_sigma, double kap
     model.bounds = {model.bounds.lower - slack, model.bounds.upper + slack};
     model.scene = in_scene(scene.empty() ? bounds : scene);
 
-    // The largest tau of a Gaussian is along its longest axis through the peak. Shares of small
-    // Gaussians (small_gaussians.h) are below 2: the ball that small cutoffs tend to has at least
+    // Sums are in units of the largest tau of a Gaussian: densities of 1e-40 or 1e38 would leave the
+    // range of floats, times the scene unit.
+    double most = 0;
+    for (std::size_t i = 0; i < gaussians.size(); ++i)
+        most = std::max(most, most_depth(gaussians, i));
+    if (most > 0) model.depth_unit = std::ldexp(1.0, std::ilogb(most));
+
+    // Shares of small Gaussians (small_gaussians.h) are below 2: the ball that small cutoffs tend to has at least
     // half its mass on any lattice at kLeastDeviationPx.
     constexpr double kMostShare = 2;
     double bound = 0;
     model.gaussians.resize(gaussians.size());
     model.boxes.resize(gaussians.size());
     for (std::size_t i = 0; i < gaussians.size(); ++i) {
-        model.gaussians[i] = packed(gaussians, i, model.unit, half_edges(gaussians, i, radii));
+        model.gaussians[i] = packed(gaussians, i, model.unit, model.unit / model.depth_unit,
+                                    half_edges(gaussians, i, radii));
         model.boxes[i] = rounded_outwards(boxes[i], bounds.center(), model.unit);
-        const Vec3f s = gaussians.scale[i];
-        bound += std::sqrt(2 * std::numbers::pi) * gaussians.density[i] * std::max({s.x, s.y, s.z});
+        bound += most_depth(gaussians, i) / model.depth_unit;
     }
     model.rounding = rounding_for(kMostShare * bound);
     return model;

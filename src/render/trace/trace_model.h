@@ -26,6 +26,7 @@ struct TraceModel {
     device::Bounds scene{};        ///< box that the paper's boxes are clamped to, scene units
     device::Double3 center{};      ///< of the bounds, scene units
     double unit = 1;               ///< world units of one scene unit: a power of two
+    double depth_unit = 1;         ///< T of one unit of the sums over Gaussians: a power of two
     float cutoff2 = 0;             ///< k²
     device::SplatKernel kernel{};  ///< of the Gaussians that are splatted
     bool boxed = false;            ///< rays count only Gaussians whose paper's box they meet

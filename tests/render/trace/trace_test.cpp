@@ -189,6 +189,38 @@ TEST(trace, thinner_than_a_float_can_place_keeps_its_mass) {
     EXPECT_NEAR(image.at(16, 16), expected, 1e-5 * expected);
 }
 
+TEST(trace, densities_of_any_size_give_the_same_picture) {
+    const Scene scene = scene_named("inside_many");
+    const DepthImage expected = trace(scene, {});
+    const DepthImage collected = trace(scene, collecting(7));
+    for (const int exponent : {-110, -60, 90, 118}) {
+        Scene other = scene;
+        for (float& density : other.model.density) density = std::ldexp(density, exponent);
+        const DepthImage image = trace(other, {}), slabs = trace(other, collecting(7));
+        for (std::size_t n = 0; n < image.depth.size(); ++n) {
+            ASSERT_EQ(image.depth[n], std::ldexp(expected.depth[n], exponent)) << exponent;
+            ASSERT_EQ(slabs.depth[n], std::ldexp(collected.depth[n], exponent)) << exponent;
+        }
+    }
+}
+
+TEST(trace, the_ends_of_the_range_of_floats_agree_with_the_splat) {
+    for (const auto& [scale, density] : {std::pair{1.0f, 1e-40f}, std::pair{1e38f, 1.0f},
+                                         std::pair{1e38f, 1e-40f}, std::pair{1e-37f, 3e38f}}) {
+        Gaussians model;
+        add(model, {0, 0, 0}, {scale, scale, scale}, density);
+        const Camera camera = orbit_view(view_box(model), {});
+        const DepthImage splat = render_splat(model, camera, 33, 33);
+        const DepthImage image = render_trace(trace_scene(model), camera, 33, 33);
+        const float largest = *std::max_element(splat.depth.begin(), splat.depth.end());
+        ASSERT_GT(largest, 0) << scale << ' ' << density;
+        // Denormal floats have four digits at 1e-40.
+        for (std::size_t n = 0; n < splat.depth.size(); ++n)
+            ASSERT_NEAR(image.depth[n] / double{largest}, splat.depth[n] / double{largest}, 1e-4)
+                << scale << ' ' << density;
+    }
+}
+
 TEST(trace, options_out_of_range_throw) {
     const Gaussians model = random_gaussians(3, 0.1, 0.2, 25);
     for (const double bad : {-1.0, std::nan(""), HUGE_VAL}) {

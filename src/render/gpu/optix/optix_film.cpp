@@ -46,6 +46,7 @@ device::Film OptixFilm::film(std::uint32_t subframe) const {
     device::Film film{};
     film.depth = depth_.data();
     film.accumulation = progressive_ ? accumulation_.data() : nullptr;
+    film.depth_unit = depth_unit_;
     film.subframe = subframe;
     film.colors = colors_;
     return film;

@@ -13,6 +13,8 @@ class OptixFilm {
   public:
     /// Allocates the buffer of a picture of T alone.
     void load(int width, int height);
+    /// T of one unit of a ray's depth, for later pictures; 1 unless set.
+    void set_depth_unit(double unit) { depth_unit_ = unit; }
     /// Allocates the buffers of a progressive picture, with the colours as a table over V.
     void load(int width, int height, const GpuShading& shading);
 
@@ -24,6 +26,7 @@ class OptixFilm {
   private:
     int width_ = 0, height_ = 0;
     bool progressive_ = false;
+    double depth_unit_ = 1;
     device::ColorTable colors_{};
     GpuArray<float> depth_;
     GpuArray<device::Float4> accumulation_, table_;

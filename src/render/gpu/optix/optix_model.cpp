@@ -44,6 +44,7 @@ OptixModel::OptixModel(const Gaussians& gaussians, const TraceSceneOptions& opti
     State& s = *state_;
     s.model = std::move(model);
     s.count = s.model.gaussians.size();
+    s.film.set_depth_unit(s.model.depth_unit);
     s.gaussians = GpuArray(s.model.gaussians, "Gaussians");
     if (!s.model.boxed) {
         s.passes = SplatPasses(static_cast<std::int32_t>(s.count));
@@ -70,7 +71,7 @@ device::Launch OptixModel::State::launch_for(const CameraFrame& frame,
     launch.center = model.center;
     launch.scene = model.scene;
     launch.rounding = model.rounding;
-    launch.stop_depth = stop_depth(options);
+    launch.stop_depth = stop_depth(options) / model.depth_unit;
     launch.cutoff2 = model.cutoff2;
     launch.boxed = model.boxed ? 1 : 0;
     launch.hits_per_slab = options.hits_per_slab;
