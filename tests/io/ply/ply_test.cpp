@@ -1,6 +1,7 @@
 // ply_test.cpp: exact round trips of models, layouts of 3DGS and volprim, refused files.
 #include "vog/ply.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -331,6 +332,17 @@ TEST(ply, what_it_does_not_understand_is_refused_by_name) {
               std::string::npos);
     EXPECT_NE(with({{"density", 1}}, "comment cutoff 2\ncomment origin 1 2 nan\n").find("origin"),
               std::string::npos);
+    for (const char* count : {"-5", "1.5", "many", "18446744073709551616", ""})
+        EXPECT_NE(with({{"density", 1}},
+                       fmt::format("comment cutoff 2\ncomment source_voxels {}\n", count))
+                      .find("expected a whole number >= 0"),
+                  std::string::npos)
+            << count;
+    for (const char* box : {"0 0 nan 1 1 1", "0 0 0 1 1 inf", "0 2 0 1 1 1"})
+        EXPECT_NE(with({{"density", 1}}, fmt::format("comment cutoff 2\ncomment box {}\n", box))
+                      .find("comment 'box"),
+                  std::string::npos)
+            << box;
     EXPECT_NE(with({}).find("none of the layouts"), std::string::npos);
     EXPECT_NE(with({{"density", 1}, {"opacity", 1}}).find("none of the layouts"),
               std::string::npos);
