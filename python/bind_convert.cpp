@@ -136,6 +136,7 @@ void fill(const py::object& caller_dict, const MomentReport& report, double targ
     };
     dict["measured_error"] = measured(report.measured_error);
     dict["mean_error"] = measured(report.mean_error);
+    dict["view_note"] = report.view_note;
     dict["stopped_by_count"] = report.stopped_by_count;
     py::dict ms;
     for (const auto& [name, time] : report.stage_ms) ms[py::str(name)] = time;
@@ -289,7 +290,8 @@ tree_depth (1 to 3). Points: value, radius (world units), kappa.
 
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
-          the worst view), mean_error (over all views), stopped_by_count, stage_ms
+          the worst view), mean_error (over all views), view_note (mass that the views
+          leave out, in words), stopped_by_count, stage_ms
 
 Raises vog.Error for an option out of range or without effect, and for data without mass. The result is the
 same bytes for any number of threads. The interpreter lock is released; Ctrl-C interrupts the call.)");

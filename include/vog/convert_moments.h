@@ -90,6 +90,8 @@ struct MomentReport {
     /// voxels. -1: not measured. Above MomentOptions::error if the finest cut does not achieve it.
     double measured_error = -1;
     double mean_error = -1;  ///< the same over the pixels of all views together; -1: not measured
+    /// Mass that the error views leave out, in words; empty: none, or not measured.
+    std::string view_note;
     /// Whether the default stopped at one Gaussian to kVoxelsPerGaussian voxels, above its error.
     bool stopped_by_count = false;
     /// Stages of the conversion in their order: name and duration, milliseconds.

@@ -8,8 +8,11 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 
+#include "compare/view_boxes.h"
 #include "core/parallel.h"
+#include "shade/named_extinction.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/reference.h"
@@ -74,104 +77,20 @@ RelativeError SquareSums::error() const {
     return {std::sqrt(worst2_), std::sqrt(error2_ / norm2_)};
 }
 
-Box box_of_mass(
-    const Box& whole, const Collective& collective,
-    const std::function<void(const std::function<void(const Box&, double)>&)>& for_each) {
-    if (whole.empty()) return whole;
-    constexpr std::size_t kBins = 64;
-    constexpr double kOutside = 1e-3;  // of the mass, half of it at either end of an axis
-    Box box = whole;
-    // Each pass narrows an axis 64-fold at most: ten reach a voxel in any box of indices.
-    for (int pass = 0; pass < 10; ++pass) {
-        // Masses below the box, in its bins and above, for each axis.
-        constexpr std::size_t kRow = kBins + 2;
-        std::vector<double> bins(3 * kRow);
-        const Vec3d size = box.upper - box.lower;
-        for_each([&](const Box& part, double mass) {
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto bin_of = [&](double at) {
-                    const double bin = (at - box.lower[axis]) / size[axis] * kBins;
-                    return static_cast<std::size_t>(std::clamp(bin + 1, 0.0, kBins + 1.0));
-                };
-                if (!(size[axis] > 0)) continue;
-                double* row = bins.data() + static_cast<std::size_t>(axis) * kRow;
-                const std::size_t first = bin_of(part.lower[axis]), last = bin_of(part.upper[axis]);
-                for (std::size_t bin = first; bin <= last; ++bin)
-                    row[bin] += mass / static_cast<double>(last - first + 1);
-            }
-        });
-        collective.sum(bins);
-        Box next = box;
-        bool narrower = false;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double* row = bins.data() + static_cast<std::size_t>(axis) * kRow;
-            const double total = std::accumulate(row, row + kRow, 0.0);
-            if (!(total > 0)) continue;
-            std::size_t first = 0, last = kRow - 1;
-            double below = row[first], above = row[last];
-            while (below <= 0.5 * kOutside * total && first < last) below += row[++first];
-            while (above <= 0.5 * kOutside * total && last > first) above += row[--last];
-            const auto edge_of = [&](std::size_t bin) {
-                const auto inside = static_cast<double>(std::clamp<std::size_t>(bin, 1, kBins + 1));
-                return box.lower[axis] + (inside - 1) / kBins * size[axis];
-            };
-            next.lower[axis] = edge_of(first), next.upper[axis] = edge_of(last + 1);
-            narrower |= next.upper[axis] - next.lower[axis] < 0.5 * size[axis];
-        }
-        box = next;
-        if (!narrower) break;
-    }
-    return box.radius() < 0.5 * whole.radius() ? box : whole;
-}
-
 }  // namespace comparison
 
 namespace {
 
-/// Calls take with the box and the mass of each node, world space; masses in voxels.
-void for_each_node(std::span<const Volume> volumes,
-                   const std::function<void(const Box&, double)>& take) {
-    for (const Volume& volume : volumes) {
-        const auto box_of = [&](Vec3i origin, int edge) {
-            Box box;
-            for (int n = 0; n < 8; ++n) {
-                const Vec3i corner =
-                    origin + Vec3i{n & 4 ? edge : 0, n & 2 ? edge : 0, n & 1 ? edge : 0};
-                box.include(
-                    volume.world_from_index(vec_cast<double>(corner) - Vec3d{0.5, 0.5, 0.5}));
-            }
-            return box;
-        };
-        const double unit = voxel_volume(volume);
-        for (const Leaf& leaf : volume.leaves) {
-            check_interrupt();
-            double sum = 0;
-            for (const float value : leaf.value) sum += value;
-            if (sum > 0) take(box_of(leaf.origin, kLeafEdge), unit * sum);
-        }
-        for (const Tile& tile : volume.tiles)
-            if (tile.value > 0)
-                take(box_of(tile.origin, tile.edge), unit * tile.value * std::pow(tile.edge, 3));
-    }
-}
-
-/// Box of the heaviest node: one place to look at where the whole is too wide for pixels.
-Box heaviest_box(std::span<const Volume> volumes) {
-    Box heaviest;
-    double most = 0;
-    for_each_node(volumes, [&](const Box& box, double mass) {
-        if (mass > most) most = mass, heaviest = box;
-    });
-    return heaviest;
+/// Note that views do not show the whole; empty where they do.
+std::string box_note(const Box& seen, const Box& whole) {
+    if (seen == whole) return {};
+    return fmt::format(
+        "at most 0.1 % of the mass lies far outside the views of the measured error: the whole is "
+        "{:.3g} times as wide as their box",
+        whole.radius() / seen.radius());
 }
 
 }  // namespace
-
-Box error_view_box(std::span<const Volume> volumes, const Box& whole,
-                   const Collective* collective) {
-    return box_of_mass(whole, collective_or_single(collective),
-                       [&](const auto& take) { for_each_node(volumes, take); });
-}
 
 CroppedDepth::CroppedDepth(const DepthImage& image) {
     for (int y = 0; y < image.height; ++y) {
@@ -214,19 +133,42 @@ void add_reference(const Volume& volume, std::span<const Camera> cameras,
 
 }  // namespace
 
-void ErrorViews::set_reference(std::span<const Volume> parts) {
+bool ErrorViews::set_reference(std::span<const Volume> parts) {
     std::vector<DepthImage> images(cameras_.size(), DepthImage(kSize_px, kSize_px));
     for (const Volume& part : parts) add_reference(part, cameras_, images);
     reference_.clear();
     for (const DepthImage& image : images) reference_.emplace_back(image);
-    extinction_ = auto_extinction(images.front());
+    extinction_ = shading::auto_extinction_of(images.front(),
+                                              parts.empty() ? std::string{} : parts.front().source);
+
+    // The sum of T over an orthographic picture, times the area of its pixels, is the mass: far from
+    // it where parts of the data are smaller than a pixel, and rays miss them or hit them by chance.
+    double mass_of_parts = 0, sum = 0;
+    for (const Volume& part : parts) mass_of_parts += mass(part);
+    int pictures = 0;
+    for (std::size_t view = 0; view < cameras_.size(); ++view) {
+        if (!cameras_[view].orthographic()) continue;
+        const double pixel = cameras_[view].orthographic_width / kSize_px;
+        const std::vector<float>& depth = images[view].depth;
+        sum += pixel * pixel * std::accumulate(depth.begin(), depth.end(), 0.0);
+        ++pictures;
+    }
+    constexpr double kFactor = 2;
+    const double seen = sum / pictures;
+    return seen * kFactor > mass_of_parts && seen < kFactor * mass_of_parts;
 }
 
-ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box)
-    : cameras_(error_views(error_view_box(parts, box))) {
-    set_reference(parts);
-    if (!std::ranges::all_of(reference_, &CroppedDepth::empty)) return;
-    cameras_ = error_views(heaviest_box(parts));
+ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) {
+    const Box seen = error_view_box(parts, box);
+    cameras_ = error_views(seen);
+    note_ = box_note(seen, box);
+    if (set_reference(parts)) return;
+    BlockViews views = views_of_heaviest_blocks(parts);
+    cameras_ = std::move(views.cameras);
+    note_ = fmt::format(
+        "the data are too sparse for pictures of {} pixels: views of the measured error show the "
+        "heaviest {} of {} blocks of 128^3 voxels, with {:.3g} % of the mass",
+        kSize_px, views.viewed, views.blocks, 100 * views.mass_share);
     set_reference(parts);
 }
 
@@ -237,8 +179,10 @@ ErrorViews::ErrorViews(const Gaussians& finest) {
             take({at, at}, mass(finest, i));
         }
     };
-    cameras_ = error_views(
-        box_of_mass(view_box(finest), collective_or_single(nullptr), for_each_gaussian));
+    const Box whole = view_box(finest);
+    const Box seen = box_of_mass(whole, collective_or_single(nullptr), for_each_gaussian);
+    cameras_ = error_views(seen);
+    note_ = box_note(seen, whole);
     for (const Camera& camera : cameras_) {
         const DepthImage image = render_splat(finest, camera, kSize_px, kSize_px);
         if (reference_.empty()) extinction_ = auto_extinction(image);

@@ -1,12 +1,11 @@
 // error_views.h: errors of a model over views around the data: relative L2 of T, visible error.
 #pragma once
 
-#include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "vog/camera.h"
-#include "vog/distributed.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/volume.h"
@@ -68,17 +67,11 @@ class SquareSums {
     double error2_ = 0, norm2_ = 0, worst2_ = 0;
 };
 
-/// Box around all but a thousandth of the masses of boxes, or `whole` unless more than twice as
-/// large.
-/// for_each  calls its argument with each box and its mass
-Box box_of_mass(
-    const Box& whole, const Collective& collective,
-    const std::function<void(const std::function<void(const Box&, double)>&)>& for_each);
-
 /// T of the data from several directions, and the errors of models against it.
 class ErrorViews {
   public:
-    /// Views of voxels, by exact traversal.
+    /// Views of voxels, by exact traversal: of the box of the mass, or, where its parts are smaller
+    /// than pixels, of the blocks of 128^3 voxels with the most mass.
     /// parts   their T add up
     /// box     of the whole data, world space: frames the views
     /// throws  vog::Error if no view shows anything
@@ -94,9 +87,12 @@ class ErrorViews {
     /// the Gaussians by their share of T. Footprints are approximated by circles with the mean
     /// variance.
     std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
+    /// Mass that the views leave out, in words; empty: none.
+    const std::string& note() const { return note_; }
 
   private:
-    void set_reference(std::span<const Volume> parts);
+    /// returns  whether the pictures have the mass of the data
+    bool set_reference(std::span<const Volume> parts);
     /// Calls take(view, image) for the depth image of the model from each view.
     template <class Take>
     void for_each_picture(const Gaussians& model, const Take& take) const;
@@ -106,6 +102,7 @@ class ErrorViews {
     std::vector<Camera> cameras_;
     std::vector<CroppedDepth> reference_;
     double extinction_ = 1;
+    std::string note_;
 };
 
 }  // namespace vog::comparison

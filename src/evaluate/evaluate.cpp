@@ -12,6 +12,7 @@
 #include "evaluate/evaluated_volumes.h"
 #include "evaluate/evaluation_json.h"
 #include "evaluate/evaluation_report.h"
+#include "shade/named_extinction.h"
 #include "vog/compare.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -190,7 +191,10 @@ class Run {
             });
             sum_depth(depth);
             view.extinction =
-                options_.extinction > 0 ? options_.extinction : auto_extinction(depth);
+                options_.extinction > 0
+                    ? options_.extinction
+                    : shading::auto_extinction_of(
+                          depth, volumes_.empty() ? std::string{} : volumes_.front().source);
             const auto covered = std::count_if(depth.depth.begin(), depth.depth.end(),
                                                [](float t) { return t > 0; });
             view.covered = static_cast<double>(covered) / static_cast<double>(depth.depth.size());

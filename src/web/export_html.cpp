@@ -14,6 +14,7 @@
 #include "core/atomic_file.h"
 #include "core/html_text.h"
 #include "render/pixel_limits.h"
+#include "shade/named_extinction.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
 #include "vog/splat.h"
@@ -140,7 +141,7 @@ double first_extinction(const Gaussians& model, const HtmlOptions& options) {
     if (options.extinction) return *options.extinction;
     constexpr int kSize = 256;
     const Camera camera = options.camera ? *options.camera : orbit_view(framed_box(model));
-    return auto_extinction(render_splat(model, camera, kSize, kSize));
+    return shading::auto_extinction_of(render_splat(model, camera, kSize, kSize), model.source);
 }
 
 /// A model's entry in the page's JSON; its levels are appended to `data` as elements.

@@ -56,7 +56,7 @@ FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views
         const RelativeError error = measured_model(job, all.fields, views, cells).error;
         if (error.worst <= target || budget >= most) {
             best = std::move(cells);
-            job.report_error(error);
+            job.report_error(error, views);
         }
         return error.worst;
     };

@@ -9,10 +9,12 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <span>
 #include <string>
 
 #include "convert/moments/moment_job.h"
+#include "core/parallel.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -100,24 +102,89 @@ int moments::MomentJob::soft_steps() const {
 
 namespace {
 
-Gaussians run(MomentJob& job) {
-    job.report = {};
-    for (const Volume& part : job.parts) job.data_mass += mass(part) / job.unit_volume();
-    job.collective().sum(job.data_mass);
+const std::string& source_of(const MomentJob& job) {
+    static const std::string none = "volume";
+    return job.volume().source.empty() ? none : job.volume().source;
+}
+
+/// Sets the unit of masses, and the mass of the data in it.
+/// returns  mean density of the voxels of leaves and tiles
+double set_mass(MomentJob& job) {
+    job.unit_volume = voxel_volume(job.volume());
+    // Processes that share levels have different first parts.
+    if (job.levels) job.collective().max(std::span(&job.unit_volume, 1));
+    std::array<double, 2> sums{};  // mass, voxels
+    for (const Volume& part : job.parts) {
+        sums[0] += mass(part) / job.unit_volume;
+        double voxels = static_cast<double>(kLeafVoxels) * static_cast<double>(part.leaves.size());
+        for (const Tile& tile : part.tiles) voxels += std::pow(tile.edge, 3);
+        sums[1] += voxels * voxel_volume(part) / job.unit_volume;
+    }
+    job.collective().sum(sums);
+    job.data_mass = sums[0];
     if (!(job.data_mass > 0 && std::isfinite(job.data_mass)))
         throw Error(fmt::format("{}: the mass is {}, expected a positive finite one",
-                                job.volume().source.empty() ? "volume" : job.volume().source,
-                                job.data_mass));
+                                source_of(job), job.data_mass));
+    return sums[0] / sums[1];
+}
+
+/// Copies of the parts with densities times 2^exponent.
+std::vector<Volume> scaled(std::span<const Volume> parts, int exponent) {
+    std::vector<Volume> copies(parts.begin(), parts.end());
+    const auto scale = [&](float& value) {
+        value = static_cast<float>(std::ldexp(double{value}, exponent));
+    };
+    for (Volume& part : copies) {
+        for (Leaf& leaf : part.leaves) {
+            check_interrupt();
+            for (float& value : leaf.value) scale(value);
+        }
+        for (Tile& tile : part.tiles) scale(tile.value);
+    }
+    return copies;
+}
+
+/// Sets the model's densities times 2^exponent.
+/// throws  vog::Error where one leaves the range of floats
+void scale_densities(Gaussians& model, int exponent, const std::string& source) {
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const double density = std::ldexp(double{model.density[i]}, exponent);
+        if (density > double{std::numeric_limits<float>::max()})
+            throw Error(
+                fmt::format("{}: the Gaussian at {:.6g} {:.6g} {:.6g} would have the density {:.2g}"
+                            ", expected at most {:.2g}, the largest 32-bit float: other units of "
+                            "values, or larger cells",
+                            source, model.mean[i].x, model.mean[i].y, model.mean[i].z, density,
+                            std::numeric_limits<float>::max()));
+        model.density[i] = static_cast<float>(density);
+    }
+}
+
+Gaussians run(MomentJob& job) {
+    job.report = {};
+    const double mean_density = set_mass(job);
+    // Sums of masses, their second moments and their squares would leave the range of floats. Powers
+    // of two change no digit. A mean of 2^32 leaves 2^96 for the rest; most data are not copied.
+    constexpr int kMostExponent = 32;
+    const int exponent = std::ilogb(mean_density);
+    std::vector<Volume> copies;
+    if (std::abs(exponent) > kMostExponent) {
+        copies = scaled(job.parts, -exponent);
+        job.parts = copies;
+        job.data_mass = std::ldexp(job.data_mass, -exponent);
+    }
     job.clock.end_stage("check", 0.1);
 
     Gaussians model = job.options.block_voxels ? uniform_model(job) : adaptive_model(job);
     model.cutoff = kMomentCutoff;
     if (job.options.measure && job.report.measured_error < 0) {
-        job.report_error(ErrorViews(job.parts, job.box).relative_l2(model));
+        const ErrorViews views(job.parts, job.box);
+        job.report_error(views.relative_l2(model), views);
         job.clock.end_stage("measure", 1);
     }
     model.box = job.box;
-    check_density_range(model, job.volume().source.empty() ? "volume" : job.volume().source);
+    if (!copies.empty()) scale_densities(model, exponent, source_of(job));
+    check_density_range(model, source_of(job));
     model.source = source_text(job.parts);
     model.method = "moments";
     model.options = option_text(job);

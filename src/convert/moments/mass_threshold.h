@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
@@ -10,6 +11,7 @@
 
 #include "vog/convert_moments.h"
 #include "vog/distributed.h"
+#include "vog/error.h"
 
 namespace vog::moments {
 
@@ -18,9 +20,9 @@ namespace vog::moments {
 /// and are kept or dropped together. Memory: 0.5 MB.
 class MassThreshold {
   public:
-    /// mass  finite, >= 0
+    /// mass  finite, >= 0; any other counts in the last bin, and least_mass throws
     void add(float mass) {
-        const std::size_t bin = std::bit_cast<std::uint32_t>(mass) >> 16;
+        const auto bin = std::min<std::size_t>(std::bit_cast<std::uint32_t>(mass) >> 16, kBins - 1);
         sum_[bin] += static_cast<double>(mass);
         ++count_[bin];
     }
@@ -36,9 +38,12 @@ class MassThreshold {
                        [](double count) { return static_cast<std::size_t>(count); });
     }
     /// Mass from which on cells are kept. Call once, after all add().
-    /// share  of the total mass that may be dropped, [0, 1)
+    /// share   of the total mass that may be dropped, [0, 1)
+    /// throws  vog::Error if the total is not finite
     float least_mass(double share) {
         total_ = std::accumulate(sum_.begin(), sum_.end(), 0.0);
+        if (!std::isfinite(total_))
+            throw Error("the masses of cells leave the range of 32-bit floats");
         std::size_t bin = 0;
         for (; bin < kBins && dropped_mass_ + sum_[bin] <= share * total_; ++bin) {
             dropped_mass_ += sum_[bin];

@@ -30,7 +30,10 @@ struct MomentJob {
     bool levels = false;  ///< parts are levels of a mesh: several lattices under one budget
     const MomentOptions& options;
     MomentReport& report;
-    double data_mass = 0;  ///< all parts and processes; density times unit_volume()
+    /// World volume that masses are counted in: a voxel of the first part, which makes them sums of
+    /// values; between processes that share levels, the largest of those.
+    double unit_volume = 1;
+    double data_mass = 0;  ///< all parts and processes; density times unit_volume
     StageClock clock{report, options.progress};
 
     const Collective& collective() const { return collective_or_single(options.collective); }
@@ -44,8 +47,9 @@ struct MomentJob {
     double error() const { return options.error > 0 ? options.error : kDefaultError; }
     /// Active voxels of all parts.
     std::uint64_t voxels() const;
-    void report_error(const RelativeError& error) {
+    void report_error(const RelativeError& error, const ErrorViews& views) {
         report.measured_error = error.worst, report.mean_error = error.mean;
+        report.view_note = views.note();
     }
     const Volume& volume() const { return parts.front(); }
     Vec3d origin() const { return options.origin.value_or(model_origin(box)); }
@@ -54,14 +58,9 @@ struct MomentJob {
         return moment_frame({world_from_index.linear, world_from_index.translation - origin()},
                             options.axis_aligned, options.spread);
     }
-    /// Volume of the field's voxels, in unit_volume().
+    /// Volume of the field's voxels, in unit_volume.
     double voxels_in(const LatticeField& field) const {
-        return levels ? field.voxel_volume() / unit_volume() : 1;
-    }
-    /// World volume that masses are counted in: a voxel of the first part, which makes them sums of
-    /// values. 1 between processes that share levels, whose first parts differ.
-    double unit_volume() const {
-        return levels && collective().shared() ? 1 : voxel_volume(volume());
+        return levels ? field.voxel_volume() / unit_volume : 1;
     }
     std::vector<LatticeField> fields() const {
         if (levels) return lattice_fields(parts);

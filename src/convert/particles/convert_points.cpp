@@ -265,6 +265,7 @@ Gaussians cut_model(PointJob& job) {
         Gaussians tried = thresholded_gaussians(job, best_cut(tree, budget), mass_unit);
         const RelativeError error = views.relative_l2(tried);
         job.report.measured_error = error.worst, job.report.mean_error = error.mean;
+        job.report.view_note = views.note();
         if (job.report.measured_error <= options.error || budget >= finest) {
             model = std::move(tried);
             report = job.report;
@@ -333,8 +334,10 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     check_density_range(model, name_of(points));
     job.clock.end_stage("model", 0.9);
     if (options.measure && job.report.measured_error < 0) {
-        const RelativeError error = ErrorViews(all_particles(job)).relative_l2(model);
+        const ErrorViews views(all_particles(job));
+        const RelativeError error = views.relative_l2(model);
         job.report.measured_error = error.worst, job.report.mean_error = error.mean;
+        job.report.view_note = views.note();
         job.clock.end_stage("measure", 1);
     }
     describe(model, points, options.value);

@@ -113,6 +113,10 @@ void set_brick_splits(const Brick& brick, const VisibilityWeight& visibility, do
             weight[n] = scale * visibility(node.mean);
     for (std::size_t n = kBrickNodes; n-- > 0;) {
         if (n < 9 ? !(weight[n] > 0) : !(sums.twos[n - 9].mass > 0)) continue;
+        if (!brick.leaf && n >= 9 && n % 8 != 0) {  // siblings in a tile are alike
+            splits[n] = splits[n + 1];
+            continue;
+        }
         splits[n] = splits_of(brick_octants(brick, sums, n), weight[n < 9 ? n : (n - 1) / 8]);
         if (n < 9)
             for (std::size_t child = 8 * n + 1; child <= 8 * n + 8; ++child)

@@ -6,26 +6,20 @@
 #include <limits>
 #include <numbers>
 
+#include "convert/moments/covariance_adjugate.h"
+
 namespace vog::moments {
 
 namespace {
 
 constexpr double kTwoPiCubed = 8 * std::numbers::pi * std::numbers::pi * std::numbers::pi;
 
-double determinant(const std::array<double, 6>& c) {
-    return c[0] * (c[3] * c[5] - c[4] * c[4]) - c[1] * (c[1] * c[5] - c[4] * c[2]) +
-           c[2] * (c[1] * c[4] - c[3] * c[2]);
-}
-
 /// Inner product of two untruncated Gaussians of unit mass: N(mean_a - mean_b; 0, C_a + C_b).
 double overlap(const Moments& a, const Moments& b) {
     std::array<double, 6> c;
     for (std::size_t n = 0; n < 6; ++n) c[n] = a.covariance[n] + b.covariance[n];
-    // Adjugate of c: xx xy xz yy yz zz.
-    const double xx = c[3] * c[5] - c[4] * c[4], xy = c[2] * c[4] - c[1] * c[5],
-                 xz = c[1] * c[4] - c[2] * c[3], yy = c[0] * c[5] - c[2] * c[2],
-                 yz = c[1] * c[2] - c[0] * c[4], zz = c[0] * c[3] - c[1] * c[1];
-    const double det = c[0] * xx + c[1] * xy + c[2] * xz;
+    const auto [adjugate, det] = adjugate_of(c);
+    const auto [xx, xy, xz, yy, yz, zz] = adjugate;
     const Vec3d d = a.mean - b.mean;
     const double distance2 = (xx * d.x * d.x + yy * d.y * d.y + zz * d.z * d.z +
                               2 * (xy * d.x * d.y + xz * d.x * d.z + yz * d.y * d.z)) /
@@ -35,7 +29,7 @@ double overlap(const Moments& a, const Moments& b) {
 
 /// Inner product of a Gaussian of unit mass with itself.
 double overlap(const Moments& a) {
-    return 1 / std::sqrt(8 * kTwoPiCubed * determinant(a.covariance));
+    return 1 / std::sqrt(8 * kTwoPiCubed * adjugate_of(a.covariance).determinant);
 }
 
 /// Power of the edge; docs/moments.md has the scan of both powers.

@@ -15,6 +15,8 @@ namespace {
 /// At most 512 bins along an edge, of at least 4 voxels.
 constexpr double kMostBins = 512, kLeastEdge = 4;
 
+constexpr std::size_t kMostPieces = 4 << 20;
+
 /// Pieces that a brick is divided into along an edge.
 int pieces_of(const Brick& brick, double bin_edge) {
     const double fours = 0.5 * kLeafEdge * brick.spacing / bin_edge;
@@ -77,21 +79,30 @@ void VisibilityWeight::set_bins(std::span<const Piece> pieces, Direction& direct
 
 VisibilityWeight::VisibilityWeight(const LatticeField& field) {
     constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
-    Vec3i upper{-kMost, -kMost, -kMost};
+    Vec3d upper{-1.0 * kMost, -1.0 * kMost, -1.0 * kMost};  // beyond int32 in the last brick
     lower_ = {kMost, kMost, kMost};
     double largest = 1;
     for (const Brick& brick : field.bricks) {
         largest = std::max(largest, brick.spacing);
         for (int axis = 0; axis < 3; ++axis) {
             lower_[axis] = std::min(lower_[axis], brick.origin[axis]);
-            upper[axis] = std::max(
-                upper[axis], brick.origin[axis] + static_cast<int>(kLeafEdge * brick.spacing));
+            upper[axis] = std::max(upper[axis], brick.origin[axis] + kLeafEdge * brick.spacing);
         }
     }
     if (field.bricks.empty()) return;
-    const Vec3d size = vec_cast<double>(upper) - vec_cast<double>(lower_);
+    const Vec3d size = upper - vec_cast<double>(lower_);
     // A sample of the largest brick at least, so that a brick has at most 8^3 pieces.
     edge_ = std::max({kLeastEdge, std::max({size.x, size.y, size.z}) / kMostBins, largest});
+    // 8 pieces a brick are the fewest; only many large tiles have more than that and kMostPieces.
+    const auto piece_count = [&] {
+        std::size_t count = 0;
+        for (const Brick& brick : field.bricks) {
+            const auto pieces = static_cast<std::size_t>(pieces_of(brick, edge_));
+            count += pieces * pieces * pieces;
+        }
+        return count;
+    };
+    while (piece_count() > std::max(kMostPieces, 8 * field.bricks.size())) edge_ *= 2;
 
     for (int n = 14; n < 27; ++n) {  // the 13 of 27 steps after (0, 0, 0)
         Direction direction;
@@ -125,7 +136,8 @@ VisibilityWeight::VisibilityWeight(const LatticeField& field) {
     std::nth_element(depths.begin(), high, depths.end());
     const float extinction = 4 / *high;
     for (Direction& direction : directions_)
-        for (float& bin : direction.bins) bin = std::exp(-2 * extinction * bin);
+        for (float& bin : direction.bins)  // most are empty
+            bin = bin > 0 ? std::exp(-2 * extinction * bin) : 1;
 }
 
 double VisibilityWeight::operator()(Vec3d index) const {

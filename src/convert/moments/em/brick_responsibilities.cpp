@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "convert/moments/covariance_adjugate.h"
+
 namespace vog::moments {
 
 Vec3d support_half_extent(const Moments& cell) {
@@ -16,13 +18,9 @@ Vec3d support_half_extent(const Moments& cell) {
 
 CellKernel cell_kernel(const Moments& m) {
     const std::array<double, 6>& c = m.covariance;
-    const double xx = c[3] * c[5] - c[4] * c[4], xy = c[2] * c[4] - c[1] * c[5],
-                 xz = c[1] * c[4] - c[2] * c[3], yy = c[0] * c[5] - c[2] * c[2],
-                 yz = c[1] * c[2] - c[0] * c[4], zz = c[0] * c[3] - c[1] * c[1];
-    const double det = c[0] * xx + c[1] * xy + c[2] * xz;
+    const auto [inverse, det] = adjugate_of(c);
     CellKernel kernel;
     kernel.mean = m.mean;
-    const std::array<double, 6> inverse{xx, xy, xz, yy, yz, zz};
     for (std::size_t n = 0; n < 6; ++n)
         kernel.half_inverse[n] = static_cast<float>(0.5 * inverse[n] / det);
     kernel.peak = m.mass / std::sqrt(det);  // common factors cancel

@@ -48,6 +48,10 @@ class EmSolver {
     struct Grid {
         double spacing = 1;
         std::vector<Place> places;  ///< sorted by x, then y, then z
+        /// The same, batch by batch, and the first of each batch, with the end: a cell's bricks in
+        /// one batch are found without a walk over those of all others.
+        std::vector<Place> places_by_batch;
+        std::vector<std::size_t> first_of_batch;
     };
     struct Pair {
         std::uint32_t brick, cell;
@@ -83,6 +87,12 @@ class EmSolver {
     /// Calls take(brick) for the bricks that the bounding box of a cell's support overlaps.
     template <class Take>
     void for_each_brick(const Moments& cell, const Take& take) const;
+    /// The same, for those of one batch.
+    template <class Take>
+    void for_each_brick_of_batch(std::size_t batch, const Moments& cell, const Take& take) const;
+    template <class Take>
+    static void for_each_place(double spacing, std::span<const Place> places, const Moments& cell,
+                               const Take& take);
     Overlaps find_overlaps(const PackedCells& cells) const;
     /// Adds the cells whose first batch this is to the active ones.
     void activate(const Overlaps& overlaps, Batch& batch) const;

@@ -19,7 +19,7 @@ TEST(refine, lowers_the_error_at_the_same_count) {
     options.mass_threshold = 0;
     MomentReport report;
     MomentJob job{{&volume, 1}, world_box(volume), false, options, report};
-    job.data_mass = mass(volume) / job.unit_volume();
+    job.data_mass = mass(volume) / job.unit_volume;
     const std::vector<LatticeField> fields = job.fields();
     const std::vector<CutTree> trees{cut_tree(fields.front())};
     FieldCells cells = best_cut(trees, options.budget);
