@@ -40,6 +40,43 @@ class inputs : public CommandLine {
     }
 };
 
+TEST_F(inputs, densities_near_the_largest_float_are_converted_or_refused_by_name) {
+    write_cube("max.vdb", 0, 1e38f);
+    must("convert max.vdb -o max.ply --block 4");
+    EXPECT_NE(must("convert max.vdb -o max.ply").out.find("mass ratio 1.00000"), std::string::npos);
+    for (const std::string file : {"max.vdb", "max.ply"})
+        must_fail(1, "render " + file + " -o a.png --size 64", file + ": optical depth inf");
+    must_fail(1, "export max.ply -o a.html", "max.vdb density: auto extinction: optical depth inf");
+    must_fail(1, "evaluate max.vdb -o report --json",
+              "max.vdb: auto extinction: optical depth inf");
+}
+
+TEST_F(inputs, a_model_of_nothing_is_refused) {
+    write_cube("faint.vdb", 0, 1e-30f);
+    must_fail(1, "convert faint.vdb -o a.ply --method paper",
+              "faint.vdb: no Gaussian: no group of voxels has a mean density above "
+              "--opacity-threshold 0.0001");
+    must("convert faint.vdb -o a.ply --method paper --opacity-threshold 0");
+    must("convert faint.vdb -o a.ply");
+}
+
+TEST_F(inputs, a_picture_of_next_to_nothing_is_reported) {
+    Volume cube = cube_of(20, 0.5f, {});
+    cube.leaves.emplace_back().origin = {100000, 0, 0};
+    cube.leaves.back().set(0, 0.001f);
+    sort_nodes(cube);
+    write_vdb(dir_ / "stray.vdb", cube);
+    EXPECT_NE(must("render stray.vdb -o a.png --size 64").error.find("pixels show anything"),
+              std::string::npos);
+    const Json json = Json::parse(must("convert stray.vdb -o a.ply --json").out);
+    EXPECT_NE(json["notes"].dump().find("far outside"), std::string::npos);
+    EXPECT_GT(json["gaussians"], 1);
+    EXPECT_EQ(must("render stray.vdb -o a.png --size 64 --look-at 10,10,10 --orthographic "
+                   "--width 40")
+                  .error,
+              "");
+}
+
 TEST_F(inputs, time_steps_are_never_taken_for_levels) {
     write_cube("step_1.vdb", 0, 0.5f);
     write_cube("step_2.vdb", 0.25, 0.9f);

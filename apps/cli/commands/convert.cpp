@@ -112,6 +112,8 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
                      : convert_points(points, options, &one);
     });
     if (!ranks.is_root) return {};
+    if (!one.view_note.empty())
+        notes.push_back(fmt::format("{}: {}", arguments.inputs.front(), one.view_note));
     print_notes(notes);
     double sum = 0;
     for (const float value : point_values(points, options.value)) sum += value;
@@ -165,8 +167,11 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     }
     moments.origin = paper.origin = model_origin(set.is_mesh() ? mesh.box : box);
     MomentTotals totals;
+    std::vector<std::string> view_notes;
     const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
         totals.add(one, part_mass);
+        if (!one.view_note.empty())
+            view_notes.push_back(fmt::format("{}: {}", part.source, one.view_note));
         if (one.stopped_by_count) note_stopped(part.source, one.measured_error);
         if (moments.error > 0 && one.measured_error > moments.error && !moments.block_voxels &&
             !moments.budget)
@@ -185,6 +190,10 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
             add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
                 one, mass(volume));
     });
+    if (model.size() == 0)
+        throw Error(fmt::format(
+            "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
+            arguments.inputs.front(), paper.opacity_threshold));
     if (by_moments)
         model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
     if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
@@ -192,7 +201,9 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
     Converted made = converted(model, hierarchy);
+    print_notes(view_notes);
     made.notes = set.notes;
+    made.notes.insert(made.notes.end(), view_notes.begin(), view_notes.end());
     return report(arguments, kind, made, volume_mass, totals, stages);
 }
 

@@ -4,11 +4,14 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
+#include "vog/error.h"
 
 namespace vog::cli {
 
@@ -107,6 +110,15 @@ RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& draw
     picture.stage_ms = stages.times();
     picture.peak_memory = peak_memory();
     picture.notes = drawing.notes;
+    // A ray in a thousand: a single object fills a hundredth of a fitted view, however thin.
+    if (covered < depth.depth.size() / 1000 && drawing.gaussians + drawing.active_voxels > 0) {
+        const std::string input = arguments.drawing.inputs.front();
+        picture.notes.push_back(fmt::format(
+            "{}: {} of {} pixels show anything: the parts of the data are smaller than pixels, or "
+            "outside the view; --look-at, --distance and --orthographic --width choose another",
+            input, count_text(covered), count_text(depth.depth.size())));
+        print_notes({picture.notes.back()});
+    }
     return picture;
 }
 
@@ -229,6 +241,22 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
                      "Print the time of each stage to standard error");
 }
 
+namespace {
+
+/// throws  vog::Error with the input's name where T is not finite
+void require_finite(const DepthImage& image, const std::string& input) {
+    const auto found = std::ranges::find_if(image.depth, [](float t) { return !std::isfinite(t); });
+    if (found == image.depth.end()) return;
+    const auto pixel = found - image.depth.begin();
+    throw Error(
+        fmt::format("{}: optical depth {} at pixel ({}, {}), expected at most {:.2g}, the largest "
+                    "32-bit float: other units of values or of length",
+                    input, *found, pixel % image.width, pixel / image.width,
+                    std::numeric_limits<float>::max()));
+}
+
+}  // namespace
+
 std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
                                       const RenderRanks& ranks) {
     check_arguments(arguments, command, ranks.is_root);
@@ -258,6 +286,7 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
         }
     });
     if (!ranks.is_root) return std::nullopt;
+    require_finite(depth, arguments.drawing.inputs.front());
     // Column density is T at extinction 1.
     const bool column = arguments.quantity.column();
     set_extinction(depth, column ? 1 : extinction ? *extinction : auto_extinction(depth));
