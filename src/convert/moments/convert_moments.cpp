@@ -160,8 +160,22 @@ void scale_densities(Gaussians& model, int exponent, const std::string& source) 
     }
 }
 
+/// throws  vog::Error where the data lie beyond the range of floats, the precision of models
+void check_box(const MomentJob& job) {
+    double farthest = 0;
+    for (int axis = 0; axis < 3 && !job.box.empty(); ++axis)
+        for (const double at : {job.box.lower[axis], job.box.upper[axis]})
+            farthest = std::max(farthest, std::abs(at));
+    if (farthest > double{std::numeric_limits<float>::max()})
+        throw Error(
+            fmt::format("{}: reaches {:.2g} world units from the origin, expected at most {:.2g}, "
+                        "the largest 32-bit float: another unit of length",
+                        source_of(job), farthest, std::numeric_limits<float>::max()));
+}
+
 Gaussians run(MomentJob& job) {
     job.report = {};
+    check_box(job);
     const double mean_density = set_mass(job);
     // Sums of masses, their second moments and their squares would leave the range of floats. Powers
     // of two change no digit. A mean of 2^32 leaves 2^96 for the rest; most data are not copied.

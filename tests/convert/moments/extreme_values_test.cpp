@@ -85,6 +85,21 @@ TEST(extreme_values, a_density_beyond_floats_is_refused_with_its_place) {
     }
 }
 
+TEST(extreme_values, a_place_beyond_floats_is_refused_by_name) {
+    test::VolumeMaker maker;
+    maker.set({1, 0, 0}, 1);
+    Volume volume = maker.finish();
+    volume.source = "one.vdb";
+    volume.world_from_index.linear.row[0].x = 1e39;
+    try {
+        (void)convert_moments(volume);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).rfind("one.vdb: reaches 7.5e+39 world units", 0), 0u)
+            << error.what();
+    }
+}
+
 TEST(extreme_values, masses_beyond_floats_stay_in_the_histogram) {
     for (const float mass : {std::numeric_limits<float>::infinity(), -1.0f, -0.0f,
                              std::numeric_limits<float>::quiet_NaN()}) {
