@@ -1,0 +1,102 @@
+// drawn.cpp: Structures drawn from an input.
+#include "drawn.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vog::fuzz {
+
+namespace {
+
+/// Scale of each axis, permuted, mirrored or sheared, and an offset.
+Affine drawn_map(Numbers& numbers) {
+    Affine map;
+    const int kind = numbers.below(8);
+    const double voxel = kind & 1 ? double{numbers.positive()} : 0.1;
+    for (int row = 0; row < 3; ++row)
+        for (int column = 0; column < 3; ++column) {
+            const bool diagonal = row == (kind & 4 ? (column + 1) % 3 : column);
+            const double factor = kind & 2 ? numbers.share() - 0.25 : 0;
+            map.linear(row, column) = voxel * (diagonal ? 1 + factor : 0.3 * factor);
+        }
+    if (numbers.flag())
+        map.translation = {double{numbers.number()}, double{numbers.number()}, numbers.share()};
+    return map;
+}
+
+std::int32_t drawn_index(Numbers& numbers, std::int32_t edge) {
+    const int kind = numbers.byte();
+    // Neighbours, some nodes away, or anywhere that OpenVDB's coordinates reach.
+    const std::int32_t near = numbers.below(4) - 2, some = numbers.below(1024) - 512;
+    if (kind < 160) return near * edge;
+    if (kind < 240) return some * edge;
+    const auto any = static_cast<std::int32_t>(static_cast<std::uint32_t>(numbers.bits(4)));
+    return any / 2 / edge * edge;
+}
+
+}  // namespace
+
+Volume drawn_volume(Numbers& numbers) {
+    Volume volume;
+    volume.name = "density";
+    volume.source = "drawn";
+    volume.world_from_index = drawn_map(numbers);
+    const int leaves = 1 + numbers.below(8), tiles = numbers.below(8) < 6 ? 0 : numbers.below(3);
+    for (int n = 0; n < leaves; ++n) {
+        Leaf leaf;
+        for (int axis = 0; axis < 3; ++axis) leaf.origin[axis] = drawn_index(numbers, kLeafEdge);
+        const int voxels = numbers.flag() ? numbers.below(8) : kLeafVoxels;
+        const float value = numbers.positive();
+        const int stride = 1 + numbers.below(64);
+        for (int k = 0; k < voxels; ++k)
+            leaf.set(k * stride % kLeafVoxels, voxels < 8 ? numbers.number() : value);
+        volume.leaves.push_back(leaf);
+    }
+    for (int n = 0; n < tiles; ++n) {
+        Tile tile;
+        tile.edge = numbers.flag() ? 8 : numbers.flag() ? 128 : 4096;
+        for (int axis = 0; axis < 3; ++axis) tile.origin[axis] = drawn_index(numbers, tile.edge);
+        tile.value = numbers.positive();
+        const bool covers =
+            std::any_of(volume.leaves.begin(), volume.leaves.end(), [&](const Leaf& leaf) {
+                for (int axis = 0; axis < 3; ++axis)
+                    if (leaf.origin[axis] < tile.origin[axis] ||
+                        leaf.origin[axis] - tile.origin[axis] >= tile.edge)
+                        return false;
+                return true;
+            });
+        if (!covers && volume.tiles.empty()) volume.tiles.push_back(tile);
+    }
+    sort_nodes(volume);
+    const auto same = [](const Leaf& a, const Leaf& b) { return a.origin == b.origin; };
+    volume.leaves.erase(std::unique(volume.leaves.begin(), volume.leaves.end(), same),
+                        volume.leaves.end());
+    return volume;
+}
+
+Gaussians drawn_model(Numbers& numbers) {
+    Gaussians model;
+    const int count = 1 + numbers.below(64);
+    const bool rotated = numbers.flag();
+    if (numbers.flag()) model.cutoff = 8 * static_cast<float>(numbers.share());
+    for (int n = 0; n < count; ++n) {
+        model.mean.push_back({numbers.number(), numbers.number(), numbers.number()});
+        model.scale.push_back({numbers.positive(), numbers.positive(), numbers.positive()});
+        if (rotated)
+            model.rotation.push_back(
+                {1 + numbers.number(), numbers.number(), numbers.number(), numbers.number()});
+        model.density.push_back(numbers.positive());
+    }
+    if (numbers.flag())
+        for (std::size_t n = 0; n < model.size(); ++n)
+            model.box.include(vec_cast<double>(model.mean[n]));
+    if (numbers.flag()) model.origin = {1e9 * numbers.share(), double{numbers.number()}, 0};
+    model.source_voxels = numbers.bits(3);
+    model.source = numbers.text(20);
+    model.method = numbers.text(8);
+    model.options = numbers.text(20);
+    model.summary = numbers.text(20);
+    return model;
+}
+
+}  // namespace vog::fuzz

@@ -1,0 +1,17 @@
+// drawn.h: Structures drawn from an input, valid or not: volumes, models.
+#pragma once
+
+#include "fuzz_target.h"
+#include "vog/gaussians.h"
+#include "vog/volume.h"
+
+namespace vog::fuzz {
+
+/// Up to 8 leaves and 2 tiles, near each other or far apart, under any transform. Most are valid:
+/// sorted, without duplicates.
+Volume drawn_volume(Numbers& numbers);
+
+/// Up to 64 Gaussians of any sizes; most are valid.
+Gaussians drawn_model(Numbers& numbers);
+
+}  // namespace vog::fuzz

@@ -1,0 +1,30 @@
+// page_fuzz.cpp: Models encoded for the page and decoded within the losses that write_html states.
+#include <algorithm>
+#include <cmath>
+
+#include "drawn.h"
+#include "support/web_decoder.h"
+
+namespace vog::fuzz {
+
+const Limits kLimits{};
+
+void run(Bytes input) {
+    Numbers numbers(input);
+    const Gaussians model = drawn_model(numbers);
+    if (!accepted([&] { validate(model); })) return;
+    web::WebFrame frame;
+    web::WebLevel level;
+    if (!accepted([&] {
+            frame = web::web_frame(model);
+            level = web::web_level(model, frame);
+        }))
+        return;
+    const Gaussians again = test::decoded(level, frame, model.cutoff);
+    expect(again.size() == model.size(), "every Gaussian with a density is encoded");
+    const double whole = mass(model);
+    if (whole > 1e-25 && whole < 1e25)
+        expect(std::abs(mass(again) / whole - 1) <= 1.0 / 512, "the mass survives");
+}
+
+}  // namespace vog::fuzz

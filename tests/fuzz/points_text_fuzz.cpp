@@ -1,0 +1,23 @@
+// points_text_fuzz.cpp: Readers of particles in text; what is read is written and read again.
+#include "fuzz_target.h"
+#include "same_points.h"
+
+namespace vog::fuzz {
+
+const Limits kLimits{};
+
+void run(Bytes input) {
+    if (input.empty()) return;
+    // The first byte chooses the format.
+    constexpr const char* kExtensions[] = {".xyz", ".csv", ".tsv", ".txt", ".dat"};
+    const char* extension = kExtensions[input[0] % 5];
+    const std::filesystem::path file = input_file(input.subspan(1), extension);
+    for (const bool lenient : {false, true}) {
+        Points points;
+        if (!accepted([&] { points = read_points(file, {.values = {lenient, false}}); })) continue;
+        expect(accepted([&] { validate(points); }), "particles that are read are valid");
+        for (const char* to : {".xyz", ".csv", ".tsv"}) expect_round_trip(points, to);
+    }
+}
+
+}  // namespace vog::fuzz

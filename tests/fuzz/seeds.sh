@@ -1,0 +1,35 @@
+#!/usr/bin/env bash
+# Small valid files of every format, by `vog sample` and the other commands, for scripts/fuzz.sh.
+#
+# usage: tests/fuzz/seeds.sh VOG FOLDER     files go to FOLDER/TARGET
+set -euo pipefail
+vog=$1 folder=$2
+made=$(mktemp -d)
+trap 'rm -rf "$made"' EXIT
+mkdir -p "$folder"/{points_text,ply,image,camera,transfer_function,results}
+
+"$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
+# The first byte of a text stands for its extension (points_text_fuzz.cpp).
+format=0
+for extension in xyz csv tsv; do
+    "$vog" sample particles "$made/particles.$extension" --size 8 >/dev/null
+    { printf "\\x0$format"; head -n 12 "$made/particles.$extension"; } >"$folder/points_text/$extension"
+    format=$((format + 1))
+done
+"$vog" convert "$made/cloud.vdb" -o "$folder/ply/hierarchy.ply" --block 16 >/dev/null
+"$vog" convert "$made/cloud.vdb" -o "$folder/ply/plain.ply" --block 32 --no-hierarchy >/dev/null
+"$vog" convert "$made/cloud.vdb" -o "$folder/ply/aligned.ply" --block 16 --axis-aligned >/dev/null
+"$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
+    --save-camera "$folder/camera/perspective.json" >/dev/null
+"$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.exr" --size 16 --orthographic \
+    --save-camera "$folder/camera/orthographic.json" >/dev/null
+cat >"$folder/transfer_function/own.json" <<'JSON'
+{"name": "two", "colors": [[0, 0, 0, 0.5], [0.25, 0.5, 0, 0], [1, 1, 1, 1]], "opacity": [[0, 0], [1, 1]]}
+JSON
+cat >"$folder/transfer_function/paraview.json" <<'JSON'
+[{"Name": "warm", "ColorSpace": "Diverging", "RGBPoints": [0, 0.2, 0.3, 0.8, 50, 0.9, 0.9, 0.9, 100, 0.7, 0, 0.1],
+  "Points": [0, 0, 0.5, 0, 100, 1, 0.5, 0]}]
+JSON
+cat >"$folder/results/index.json" <<'JSON'
+{"vog_models": ["model.0.ply", "model.1.ply"]}
+JSON
