@@ -5,11 +5,11 @@ cd "$(dirname "$0")/.."
 
 preset=${1:-release}
 shift || true
-if [[ $preset == demo ]]; then
-    scripts/install-deps.sh command
-else
-    scripts/install-deps.sh all
-fi
+case $preset in
+    demo) scripts/install-deps.sh command ;;
+    fuzz) scripts/install-deps.sh fuzz ;;
+    *) scripts/install-deps.sh all ;;
+esac
 
 # One compiler cache for every preset and every clone: paths relative to the clone, precompiled headers by content.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all]. Default: all.
+# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|fuzz]. Default: all.
 #   command  enough to build the command `vog` (scripts/demo.sh)
 #   all      window, Python package, vog-mpi, tests, benches and checks as well
+#   fuzz     the compiler of the fuzz targets as well (scripts/fuzz.sh)
 # Runs as root or with sudo.
 set -euo pipefail
 
@@ -29,7 +30,8 @@ all_packages=(
 case ${1:-all} in
     command) ;;
     all) packages+=("${all_packages[@]}") ;;
-    *) echo "install-deps: set '$1', expected command or all" >&2; exit 2 ;;
+    fuzz) packages+=("${all_packages[@]}" clang-16 libclang-rt-16-dev) ;;
+    *) echo "install-deps: set '$1', expected command, all or fuzz" >&2; exit 2 ;;
 esac
 
 missing=()
