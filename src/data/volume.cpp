@@ -99,7 +99,8 @@ void validate(const Volume& volume) {
         throw Error(fmt::format("{}: {}", volume.source.empty() ? "volume" : volume.source, what));
     };
     const double det = determinant(volume.world_from_index.linear);
-    if (!std::isfinite(det) || det == 0)
+    const Vec3d shift = volume.world_from_index.translation;
+    if (!std::isfinite(det) || det == 0 || !std::isfinite(shift.x + shift.y + shift.z))
         fail("the transform is singular or not finite, expected an invertible affine map");
     const auto check = [&](float value, Vec3i index) {
         if (!std::isfinite(value) || value < 0)

@@ -179,7 +179,9 @@ void write_means(const Sorted& sorted, WebLevel& level) {
             step = finer;
         }
         const Vec3f corner = vec_cast<float>(box.lower);
-        const auto float_step = static_cast<float>(step);
+        // Scales may be smaller than the unit by more than the range of floats.
+        const float float_step =
+            std::max(static_cast<float>(step), std::numeric_limits<float>::min());
         level.chunks.push_back(
             {{corner.x, corner.y, corner.z}, float_step, static_cast<std::uint32_t>(end - begin)});
         for (std::size_t n = begin; n < end; ++n)

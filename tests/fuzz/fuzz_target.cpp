@@ -46,6 +46,12 @@ void count_free(const volatile void* memory) {
 const int g_counted = __sanitizer_install_malloc_and_free_hooks(count_malloc, count_free);
 #endif
 
+/// Message of the last refusal in this run.
+std::string& last_refusal() {
+    static std::string text;
+    return text;
+}
+
 /// Folder that is removed when the process ends.
 struct Folder {
     std::filesystem::path path;
@@ -83,6 +89,8 @@ bool printable(const std::string& text) {
 void expect(bool holds, const char* property) {
     if (holds) return;
     std::fprintf(stderr, "fuzz: does not hold: %s\n", property);
+    if (!last_refusal().empty())
+        std::fprintf(stderr, "fuzz: last refusal: %s\n", last_refusal().c_str());
     std::abort();
 }
 
@@ -92,6 +100,7 @@ bool accepted(const std::function<void()>& call) {
         return true;
     } catch (const Error& error) {
         const std::string message = error.what();
+        last_refusal() = message;
         if (message.empty() || !printable(message)) {
             std::fprintf(stderr, "fuzz: message of %zu bytes: '%s'\n", message.size(),
                          message.c_str());
@@ -141,6 +150,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::int64_t before = g_live;
     g_peak = before;
     const std::clock_t start = std::clock();
+    last_refusal().clear();
     run({data, size});
     const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     const double kilobytes = static_cast<double>(size) / 1024;

@@ -85,6 +85,18 @@ TEST(web_codec, far_from_the_origin_it_is_the_same) {
         ASSERT_NEAR(far_level.words[n], level.words[n], 1) << n;
 }
 
+/// A scale may be smaller than the page's unit by more than the range of floats.
+TEST(web_codec, scales_of_any_range_are_encoded) {
+    Gaussians model;
+    add(model, {0, 0, 0}, {1e-30f, 1e-30f, 1e-30f}, 1);
+    add(model, {0, 0, 0}, {1e20f, 1e20f, 1e20f}, 1);
+    const WebFrame frame = web_frame(model);
+    const Gaussians again = decoded(web_level(model, frame), frame, model.cutoff);
+    ASSERT_EQ(again.size(), 2u);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(again.mean[i], model.mean[i]);
+    EXPECT_NEAR(mass(again), mass(model), mass(model) / 2000);
+}
+
 /// Two clusters of narrow Gaussians, each quantised far more finely than 1/65536 of their distance.
 TEST(web_codec, narrow_gaussians_far_apart_keep_their_places) {
     Random random(4);

@@ -74,7 +74,7 @@ class HeaderReader {
         } else if (word == "element") {
             read_element(line, words);
         } else if (word == "property") {
-            read_property(line, words);
+            read_property(words);
         } else if (word != "obj_info") {
             fail(file_, fmt::format("header line '{}' is not PLY", line.substr(0, 60)));
         }
@@ -94,7 +94,7 @@ class HeaderReader {
         (nodes ? header_.has_nodes : has_vertices_) = true;
     }
 
-    void read_property(const std::string& line, std::istream& words) {
+    void read_property(std::istream& words) {
         std::string type, name;
         words >> type >> name;
         if (header_.has_nodes) {
@@ -102,7 +102,7 @@ class HeaderReader {
             return;
         }
         if (type != "float" && type != "float32")
-            fail(file_, fmt::format("property '{}', expected float32", line.substr(9)));
+            fail(file_, fmt::format("property '{} {}', expected float32", type, name));
         if (std::find(header_.properties.begin(), header_.properties.end(), name) !=
             header_.properties.end())
             fail(file_, fmt::format("property '{}' twice", name));

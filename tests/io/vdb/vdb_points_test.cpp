@@ -92,6 +92,21 @@ TEST(vdb_points, what_is_written_reads_back_in_the_order_of_leaves) {
         std::equal(std::istreambuf_iterator<char>(p), {}, std::istreambuf_iterator<char>(q)));
 }
 
+/// OpenVDB fills small pages up to 128 bytes before it compresses them.
+TEST(vdb_points, a_few_equal_points_are_read) {
+    const TempDir folder;
+    for (const std::size_t count : {1u, 2u, 9u, 10u, 11u, 40u}) {
+        Points points;
+        points.position.assign(count, {1, 2, 3});
+        points.attributes = {{"mass", BigVector<float>(count, 2.0f)}};
+        write_points(folder / "points.vdb", points);
+        const Points again = read_points(folder / "points.vdb");
+        ASSERT_EQ(again.size(), count);
+        EXPECT_EQ(again.position, points.position);
+        EXPECT_EQ(again.attributes[0].value, points.attributes[0].value);
+    }
+}
+
 TEST(vdb_points, openvdb_reads_what_is_written) {
     const TempDir dir;
     const Points points = some_points(3000);

@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string_view>
@@ -24,6 +25,9 @@ using namespace vdb;
 namespace {
 
 constexpr std::string_view kPointTree = "Tree_ptdataidx32_5_4_3";
+
+/// Bytes to which OpenVDB fills up smaller pages before it compresses them (BLOSC_PAD_BYTES).
+constexpr std::size_t kFilledPage = 128;
 
 /// Stored bytes in the file, and the range of decoded bytes they fill.
 struct Packed {
@@ -46,12 +50,15 @@ void unpack(std::span<const Packed> packed, std::span<char> bytes, const MemoryB
             return;
         }
         std::size_t declared = 0;
-        if (blosc_cbuffer_validate(p.from.data(), p.from.size(), &declared) != 0 ||
-            declared != p.bytes ||
-            blosc_decompress_ctx(p.from.data(), bytes.data() + p.to, p.bytes, 1) !=
-                static_cast<int>(p.bytes))
+        const bool valid = blosc_cbuffer_validate(p.from.data(), p.from.size(), &declared) == 0;
+        std::array<char, kFilledPage> filled;
+        const bool short_page = p.bytes < filled.size() && declared == filled.size();
+        char* to = short_page ? filled.data() : bytes.data() + p.to;
+        if (!valid || (declared != p.bytes && !short_page) ||
+            blosc_decompress_ctx(p.from.data(), to, declared, 1) != static_cast<int>(declared))
             in.fail(fmt::format("corrupt: a page of points of {} bytes decompressed, expected {}",
                                 declared, p.bytes));
+        if (short_page) std::copy_n(filled.begin(), p.bytes, bytes.begin() + std::ptrdiff_t(p.to));
     });
 }
 
