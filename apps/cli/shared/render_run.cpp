@@ -271,8 +271,6 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
         stages.run("load", [&] { return ranks.load(arguments.drawing, extinction, command); });
     const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
                                       double(size.width) / size.height);
-    if (ranks.is_root && !arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, camera);
 
     // With --repeat N: one warm-up that is not timed, then N timed renders.
     const Progress progress = arguments.repeat ? Progress{} : stages.progress();
@@ -301,6 +299,7 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
     if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
     if (!arguments.quantity.values_output.empty())
         write_values(arguments.quantity.values_output, depth);
+    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
     RenderedPicture picture =
         figures_of(arguments, drawing, depth, std::move(render_ms), stages, scale);
     picture.camera = camera;
