@@ -13,15 +13,12 @@
 
 #include "vog/error.h"
 
-#if defined(__has_feature)
-#define VOG_HAS_ADDRESS_SANITIZER __has_feature(address_sanitizer)
-#elif defined(__SANITIZE_ADDRESS__)
-#define VOG_HAS_ADDRESS_SANITIZER 1
-#else
-#define VOG_HAS_ADDRESS_SANITIZER 0
-#endif
-#if VOG_HAS_ADDRESS_SANITIZER
+// Memory is counted where libFuzzer is: GCC comes without this header.
+#if __has_include(<sanitizer/allocator_interface.h>) && defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define VOG_COUNTS_MEMORY
 #include <sanitizer/allocator_interface.h>
+#endif
 #endif
 
 namespace vog::fuzz {
@@ -31,7 +28,7 @@ namespace {
 /// Bytes allocated now, and the most since the last reset.
 std::atomic<std::int64_t> g_live, g_peak;
 
-#if VOG_HAS_ADDRESS_SANITIZER
+#ifdef VOG_COUNTS_MEMORY
 void count_malloc(const volatile void*, std::size_t size) {
     const std::int64_t live = g_live += static_cast<std::int64_t>(size);
     std::int64_t peak = g_peak;
