@@ -99,6 +99,21 @@ class Faults : public CommandLine {
                                                                                  << result.error;
     }
 
+    /// Runs a job over earlier files with one failing call: a full disk; expects whole files.
+    /// call     number of the call that fails, from 1
+    /// returns  whether the job failed, naming the full disk
+    bool fails_whole(const Job& job, const std::map<std::string, std::string>& files,
+                     int call) const {
+        write_old(job);
+        const Result result = run(job.arguments, fault(call, ENOSPC));
+        const std::string about = fmt::format("call {}, {}", call, read_text(dir_ / "mark"));
+        expect_whole(job, files, result, about);
+        if (result.exit_code == 0) return false;
+        EXPECT_NE(result.error.find("No space left on device"), std::string::npos) << about << "\n"
+                                                                                   << result.error;
+        return true;
+    }
+
     /// Starts `vog arguments` in the test's folder, in a process group of its own.
     /// program  path of the command
     pid_t start(const std::string& arguments, const std::string& before = "") const {

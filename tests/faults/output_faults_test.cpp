@@ -20,17 +20,7 @@ TEST_F(output_faults, each_failing_call_of_the_system_keeps_earlier_outputs) {
         int failures = 0;
         for (int call = 1; call <= calls;
              call += call >= 8 && call < calls - 4 ? calls / 8 + 1 : 1) {
-            write_old(job);
-            const Result result = run(job.arguments, fault(call, ENOSPC));
-            const std::string about =
-                fmt::format("call {} of {}, {}", call, calls, read_text(dir_ / "mark"));
-            expect_whole(job, files, result, about);
-            failures += result.exit_code != 0;
-            if (result.exit_code != 0) {
-                EXPECT_NE(result.error.find("No space left on device"), std::string::npos)
-                    << about << "\n"
-                    << result.error;
-            }
+            failures += fails_whole(job, files, call);
         }
         EXPECT_GE(failures, 3) << job.arguments;
         // The failures leave nothing that hinders the next run.

@@ -1,8 +1,9 @@
-// same_volume.cpp: Equality of volumes after their way through a file.
+// same_volume.cpp: Validity of volumes that are read, equality of those that are written and read.
 #include "same_volume.h"
 
+#include <algorithm>
+
 #include "fuzz_target.h"
-#include "vog/volume_io.h"
 
 namespace vog::fuzz {
 
@@ -17,8 +18,19 @@ bool same(const Tile& a, const Tile& b) {
 
 }  // namespace
 
-void expect_valid(const Volume& volume) {
-    expect(accepted([&] { validate(volume); }), "a volume that is read is valid");
+void expect_valid_grids(std::vector<std::string> names,
+                        const std::function<Volume(const VdbOptions&)>& read) {
+    names.resize(std::min<std::size_t>(names.size(), 3));
+    names.push_back("");
+    for (const std::string& name : names)
+        for (const bool lenient : {false, true}) {
+            const VdbOptions options{
+                .grid = name, .level_set_to_fog = lenient, .values = {lenient, lenient}};
+            Volume volume;
+            if (!accepted([&] { volume = read(options); })) continue;
+            expect(active_voxels(volume) > 0, "a volume that is read has active voxels");
+            expect(accepted([&] { validate(volume); }), "a volume that is read is valid");
+        }
 }
 
 void expect_round_trip(const Volume& volume) {

@@ -1,13 +1,20 @@
-// same_volume.h: Equality of volumes, and their way through a file.
+// same_volume.h: Validity of volumes that are read, and their way through a file.
 #pragma once
 
-#include "vog/volume.h"
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "vog/volume_io.h"
 
 namespace vog::fuzz {
 
-/// Ends the process unless the volume is valid, or refused for a property that files may have and
-/// volumes may not (overlap), by validate().
-void expect_valid(const Volume& volume);
+/// Reads every grid of a file, strictly and with all values accepted; ends the process unless each is
+/// refused or a valid volume with active voxels.
+/// names  of the grids; the first three are read, and the default
+/// read   reader of one grid
+void expect_valid_grids(std::vector<std::string> names,
+                        const std::function<Volume(const VdbOptions&)>& read);
 
 /// Ends the process unless write_vdb and read_vdb give the volume again: leaves, masks, values,
 /// tiles and transform the same bytes.
