@@ -83,7 +83,7 @@ bool is_right(const vog::Gaussians& gaussians, const vog::DepthImage& image,
         // The middle of the picture, where the models are.
         const int x = static_cast<int>(image.width * (0.5 + 0.3 * uniform(state)));
         const int y = static_cast<int>(image.height * (0.5 + 0.3 * uniform(state)));
-        double exact = widened.at(x, y);
+        double exact = packed.depth_unit * double{widened.at(x, y)};
         for (std::size_t i = 0; i < gaussians.size(); ++i) {
             const float share = small.shares.empty() ? 1.0f : small.shares[i];
             if (share > 0)

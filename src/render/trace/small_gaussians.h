@@ -21,7 +21,7 @@ struct SmallGaussians {
 /// by single rays.
 SmallGaussians small_gaussians(const TraceModel& model, const device::Camera& camera);
 
-/// Adds the splats' T to an image; the same bytes for any number of threads.
+/// Adds the splats' T, in units of TraceModel::depth_unit, to an image; the same bytes for any number of threads.
 void draw_splats(const std::vector<device::TileSplat>& splats, const device::Kernel& kernel,
                  const device::Camera& camera, DepthImage& image);
 
