@@ -4,11 +4,12 @@
 # tests/fuzz/kept and from samples; finds stay in build/fuzz/corpus, an input that breaks a property in
 # build/fuzz/broken. Exits with 1 if there is one.
 #
-# usage: scripts/fuzz.sh [TARGET|all] [SECONDS]     defaults: all targets, 20 seconds each, two at a time
+# usage: scripts/fuzz.sh [TARGET|all] [SECONDS] [SEED]
+# defaults: all targets, 20 seconds each, two at a time; seed 0, another search each time
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-target=${1:-all} seconds=${2:-20}
+target=${1:-all} seconds=${2:-20} seed=${3:-0}
 if [[ $target == all ]]; then
     targets=()
     for source in tests/fuzz/*_fuzz.cpp; do targets+=("$(basename "$source" _fuzz.cpp)"); done
@@ -31,12 +32,12 @@ else
     echo "fuzz: no $vog (VOG_COMMAND): without samples" >&2
 fi
 
-search() {  # target
+search() {  # target, seconds, seed
     local name=$1 folder=build/fuzz dictionary=tests/fuzz/dictionaries/$1.dict options=()
     [[ -f $dictionary ]] && options+=("-dict=$dictionary")
     mkdir -p "tests/fuzz/kept/$name"
     # A timeout is of wall-clock time on a busy machine; the target itself limits the processor's time.
-    if "$folder/tests/fuzz/${name}_fuzz" -max_total_time="$2" -timeout=30 -rss_limit_mb=2048 -malloc_limit_mb=8192 -max_len=16384 \
+    if "$folder/tests/fuzz/${name}_fuzz" -seed="$3" -max_total_time="$2" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=8192 -max_len=16384 \
         -print_final_stats=1 -artifact_prefix="$folder/broken/$name-" "${options[@]}" \
         "$folder/corpus/$name" "tests/fuzz/kept/$name" >"$folder/logs/$name.log" 2>&1; then
         awk -v name="$name" '/number_of_executed_units/ {n = $2} /cov: / {for (i = 1; i < NF; ++i) if ($i == "cov:") c = $(i + 1)}
@@ -49,4 +50,4 @@ search() {  # target
 }
 export -f search
 export ASAN_OPTIONS=${ASAN_OPTIONS:-allocator_may_return_null=0} UBSAN_OPTIONS=print_stacktrace=1
-printf '%s\n' "${targets[@]}" | xargs -P 2 -I{} bash -c 'search "$1" "$2"' search {} "$seconds"
+printf '%s\n' "${targets[@]}" | xargs -P 2 -I{} bash -c 'search "$1" "$2" "$3"' search {} "$seconds" "$seed"

@@ -15,11 +15,13 @@ namespace {
 
 MomentOptions drawn_options(Numbers& numbers) {
     MomentOptions options;
-    // The search for an error takes seconds.
     const int kind = numbers.below(16);
     if (kind < 8) options.block_voxels = 1 << kind;
     if (kind >= 8 && kind < 15) options.budget = 1 + static_cast<std::size_t>(numbers.below(300));
-    if (kind == 15 && numbers.flag()) options.error = 0.05 + 0.5 * numbers.share();
+    // The search for an error takes seconds: rarely.
+    const bool searches = kind == 15 && numbers.byte() == 'E';
+    if (searches && numbers.flag()) options.error = 0.05 + 0.5 * numbers.share();
+    if (kind == 15 && !searches) options.budget = 1 + static_cast<std::size_t>(numbers.below(4000));
     options.soft_steps = numbers.below(4) - 1;
     options.axis_aligned = numbers.flag();
     return options;

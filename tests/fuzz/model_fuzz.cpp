@@ -33,13 +33,21 @@ void run(Bytes input) {
         traced = render_trace(trace_scene(model), same, 16, 12);
     });
     if (!drawn || !both) return;
-    double largest = 0;
+    double largest = 0, unit = 0, coordinate = 0;
     for (std::size_t n = 0; n < splatted.depth.size(); ++n) {
         expect(splatted.depth[n] >= 0 && traced.depth[n] >= 0, "T is a number of 0 or more");
         largest = std::max({largest, double{splatted.depth[n]}, double{traced.depth[n]}});
     }
-    // The squares of smaller T leave the range of floats (docs/reliability.md, "Limits").
-    if (largest < 1e-15) return;
+    // The squares of smaller T leave the range of floats, and cameras have doubles
+    // (docs/reliability.md, "Limits").
+    for (std::size_t n = 0; n < model.size(); ++n) {
+        const Vec3f s = model.scale[n];
+        unit = std::max(unit, double{model.density[n]} * double{std::max({s.x, s.y, s.z})});
+    }
+    const Box box = view_box(model);
+    for (int axis = 0; axis < 3; ++axis)
+        coordinate = std::max({coordinate, std::abs(box.lower[axis]), std::abs(box.upper[axis])});
+    if (largest < 1e-10 * unit || 0x1p-52 * coordinate > 1e-6 * box.radius()) return;
     // Gaussians near a pixel's size have shares of their own in both, 3e-4.
     for (std::size_t n = 0; n < splatted.depth.size(); ++n) {
         const double a = double{splatted.depth[n]}, b = double{traced.depth[n]};

@@ -284,15 +284,18 @@ VOG_HD float share_of_sum(const TileSplat& splat, const SplatKernel& model,
                          taper(fmax(half_x, half_y), kTaperHalfPx, kMostHalfPx) *
                          taper(model.cutoff * depth, kTaperHalfDepth, kMostHalfDepth);
     if (!(share > 0)) return 1;
-    // Perspective makes an outline up to 1 / (1 - kMostHalfDepth²) longer.
-    const int32_t columns = static_cast<int32_t>(1.05 * half_x + 0.5);
-    const int32_t rows = static_cast<int32_t>(1.05 * half_y + 0.5);
+    // In perspective an outline reaches farther from the mean: its nearest points are at 1 - k depth.
+    const double nearest = 1 - model.cutoff * depth;
+    const int32_t columns = static_cast<int32_t>(half_x / nearest + 0.5);
+    const int32_t rows = static_cast<int32_t>(half_y / nearest + 0.5);
     double sum = 0;
     for (int32_t y = -rows; y <= rows; ++y)
         for (int32_t x = -columns; x <= columns; ++x)
             sum += far_depth(splat, model.kernel, splat.column + x, splat.row + y);
     const double integral = mass_on_screen * (1 + 3 * model.variance * depth * depth);
-    return static_cast<float>(1 / (1 + share * (sum / integral - 1)));
+    const double excess = sum / integral - 1;
+    if (!(excess > -0.9)) return 1;  // too faint for the sum's floats
+    return static_cast<float>(1 / (1 + share * excess));
 }
 
 /// Widens a Gaussian that is too thin; sets out.widened.

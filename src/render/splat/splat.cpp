@@ -30,19 +30,20 @@ struct Chunk {
     std::vector<NearSplat> near;
 };
 
-/// A power of two near the largest T of one Gaussian: peak times largest scale.
+/// A power of two near the largest T of one Gaussian: peak times largest scale; at most that of two
+/// floats.
 double unit_of(const Gaussians& gaussians) {
-    const float largest = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, gaussians.size(), 1 << 16), 0.0f,
-        [&](const tbb::blocked_range<std::size_t>& range, float most) {
+    const double largest = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, gaussians.size(), 1 << 16), 0.0,
+        [&](const tbb::blocked_range<std::size_t>& range, double most) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) {
                 const Vec3f s = gaussians.scale[i];
-                most = std::max(most, gaussians.density[i] * std::max({s.x, s.y, s.z}));
+                most = std::max(most, double{gaussians.density[i]} * std::max({s.x, s.y, s.z}));
             }
             return most;
         },
-        [](float a, float b) { return std::max(a, b); });
-    return largest > 0 && std::isfinite(largest) ? std::exp2(std::ilogb(largest)) : 1;
+        [](double a, double b) { return std::max(a, b); });
+    return largest > 0 ? std::exp2(std::min(std::ilogb(largest), 252)) : 1;
 }
 
 }  // namespace

@@ -260,7 +260,10 @@ void finish_tile(TilePixels& tile, const CameraFrame& frame, double unit, bool a
     const int height = std::min(kTileHeight, frame.height - tile.row);
     // |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
     const double pixel = frame.orthographic ? 0 : 1 / frame.pixels_per_unit;
-    const V scale = hn::Set(d, static_cast<float>(unit));
+    // The unit, a power of two, in two factors: it may leave the range of floats, and T with it.
+    const int exponent = std::ilogb(unit), half = exponent / 2;
+    const V first = hn::Set(d, std::ldexp(1.0f, half));
+    const V second = hn::Set(d, std::ldexp(1.0f, exponent - half));
     for (int y = 0; y < height; ++y) {
         const double slope_y = (tile.row + y - 0.5 * (frame.height - 1)) * pixel;
         const V rest = hn::Set(d, static_cast<float>(1 + slope_y * slope_y));
@@ -273,7 +276,7 @@ void finish_tile(TilePixels& tile, const CameraFrame& frame, double unit, bool a
             const V slope_x = hn::MulAdd(hn::Iota(d, 0.0f), hn::Set(d, static_cast<float>(pixel)),
                                          hn::Set(d, static_cast<float>(left)));
             const V length = hn::Sqrt(hn::MulAdd(slope_x, slope_x, rest));
-            const V t = hn::Mul(hn::Mul(hn::Load(d, depth + x), length), scale);
+            const V t = hn::Mul(hn::Mul(hn::Mul(hn::Load(d, depth + x), length), first), second);
             hn::Store(hn::Zero(d), d, depth + x);
             if (x + step <= width) {
                 hn::StoreU(add ? hn::Add(t, hn::LoadU(d, row + x)) : t, d, row + x);
