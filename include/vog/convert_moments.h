@@ -62,7 +62,8 @@ struct MomentOptions {
     const Collective* collective = nullptr;
     Progress progress{};  ///< called with the finished fraction; empty: not
 };
-/// Default conversion: the measured error, and active voxels per Gaussian at which it stops.
+/// Default conversion: the measured error, and active voxels per Gaussian at which it stops; of more
+/// than 128 tiles each counts as few voxels, down to one.
 inline constexpr double kDefaultError = 0.03;
 inline constexpr std::size_t kVoxelsPerGaussian = 16;
 /// Default soft_steps for a budget and for each model in the search for an error.

@@ -41,7 +41,7 @@ FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views
     for (const CutTree& tree : all.trees) finest += finest_count(tree);
     std::size_t most = finest;
     if (job.options.error == 0)
-        most = std::clamp<std::size_t>(job.voxels() / kVoxelsPerGaussian, 1, finest);
+        most = std::clamp<std::size_t>(job.values() / kVoxelsPerGaussian, 1, finest);
     // Hard cells are made and measured in a tenth of the time of soft ones, and have a multiple of
     // their error: 1.6 to 2.3 times on smoke, cloud and fire, up to 3 on aquarius.
     constexpr double kHardOverSoft = 2;

@@ -81,10 +81,22 @@ std::string source_text(std::span<const Volume> parts) {
 
 }  // namespace
 
-std::uint64_t moments::MomentJob::voxels() const {
-    std::uint64_t count = 0;
-    for (const Volume& part : parts) count += active_voxels(part);
-    return count;
+std::uint64_t moments::MomentJob::samples() const {
+    std::uint64_t voxels = 0, tiles = 0;
+    for (const Volume& part : parts) {
+        for (const Leaf& leaf : part.leaves)
+            voxels += static_cast<std::uint64_t>(leaf.active_count());
+        tiles += part.tiles.size();
+    }
+    return voxels + kLeafVoxels * tiles;
+}
+
+std::uint64_t moments::MomentJob::values() const {
+    constexpr std::uint64_t kTileSamples = 1 << 16;
+    std::uint64_t voxels = samples(), tiles = 0;
+    for (const Volume& part : parts) tiles += part.tiles.size();
+    voxels -= kLeafVoxels * tiles;
+    return voxels + std::max(tiles, std::min(kLeafVoxels * tiles, kTileSamples));
 }
 
 int moments::MomentJob::soft_steps() const {
@@ -94,7 +106,7 @@ int moments::MomentJob::soft_steps() const {
     // The points of cells below 4 voxels cost five times as much: windows alone serve them.
     constexpr int kLeastBlock = 4;
     if (overlaps() && options.block_voxels < kLeastBlock) return 0;
-    const double steps = std::floor(kVoxelSteps / std::max(1.0, static_cast<double>(voxels())));
+    const double steps = std::floor(kVoxelSteps / std::max(1.0, static_cast<double>(samples())));
     // Without overlapping cells some steps are needed against a grid of dots.
     return static_cast<int>(
         std::clamp<double>(steps, overlaps() ? 0 : kLeastSoftSteps, kSoftSteps));

@@ -45,8 +45,11 @@ struct MomentJob {
     int soft_steps() const;
     /// Largest measured error of an adaptive cut without a budget.
     double error() const { return options.error > 0 ? options.error : kDefaultError; }
-    /// Active voxels of all parts.
-    std::uint64_t voxels() const;
+    /// Samples of all parts: active voxels of leaves, and 8^3 of each tile, whatever its size.
+    std::uint64_t samples() const;
+    /// Values of all parts, for the default's limit: active voxels of leaves, and one of each tile; few
+    /// tiles count as their samples, up to 2^16 in all.
+    std::uint64_t values() const;
     void report_error(const RelativeError& error, const ErrorViews& views) {
         report.measured_error = error.worst, report.mean_error = error.mean;
         report.view_note = views.note();
