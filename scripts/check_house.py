@@ -24,12 +24,12 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "evalua
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
 PUBLIC_HEADERS = {
     "core": "error linear memory progress temporary_file text",
-    "data": "camera dense distributed gaussians image levels lod points volume voxel_values",
-    "io": "openvdb ply volume_io",
+    "data": "camera dense distributed fields gaussians image levels lod points volume voxel_values",
+    "io": "openvdb ply volume_io voxel_field",
     "shade": "quantity shade",
-    "render": "gpu reference renderer splat trace",
+    "render": "field_maps gpu reference renderer splat trace",
     "compare": "compare",
-    "convert": "convert convert_moments convert_paper convert_points",
+    "convert": "convert convert_fields convert_moments convert_paper convert_points",
     "evaluate": "evaluate",
     "web": "export_html",
     "sample": "sample",

@@ -17,6 +17,7 @@
 #include <string>
 #include <vector>
 
+#include "vog/fields.h"
 #include "vog/linear.h"
 #include "vog/memory.h"
 
@@ -31,6 +32,7 @@ struct Gaussians {
     BigVector<Vec3f> scale;    ///< [N] standard deviations along the own axes, world units, > 0
     BigVector<Quat> rotation;  ///< [N] from own axes to world axes; empty: no Gaussian is rotated
     BigVector<float> density;  ///< [N] peak density, per world unit, >= 0
+    Fields fields;             ///< [N] each; none: only density
 
     float cutoff = 2.25f;  ///< radius of the support, standard deviations, (0, 8]
 

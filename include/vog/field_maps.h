@@ -1,0 +1,74 @@
+// vog/field_maps.h: pictures of fields: column of the measure, and weighted mean and dispersion of a field along
+// rays (docs/fields.md).
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/image.h"
+#include "vog/progress.h"
+#include "vog/reference.h"
+#include "vog/splat.h"
+#include "vog/trace.h"
+#include "vog/voxel_field.h"
+
+namespace vog {
+
+/// Number shown of a field.
+enum class FieldPart {
+    value,  ///< of a scalar field
+    view,   ///< component of a vector field along the ray, away from the eye positive
+    x,
+    y,
+    z,  ///< component of a vector field along a world axis
+};
+
+/// A field and the part of it that is shown.
+struct FieldChoice {
+    std::string field;
+    FieldPart part = FieldPart::value;
+};
+
+/// Reads "temperature", "velocity" (the component along the view) or "velocity.x".
+/// throws  vog::Error listing the fields of the model, for one it lacks and a part that the field has not
+FieldChoice field_choice(const std::string& text, const Fields& fields);
+
+/// Sums along the ray through each pixel; rows from the top.
+struct FieldMaps {
+    int width = 0, height = 0;  ///< pixels
+    std::vector<float>
+        column;  ///< [height * width] integral of the measure, density times world units, >= 0
+    std::vector<float>
+        mean;  ///< [height * width] of the field weighted by the measure; NaN without column
+    std::vector<float>
+        deviation;  ///< [height * width] standard deviation likewise, >= 0; NaN without column
+};
+
+/// Splats a field of a model: exact integrals of each Gaussian's plane and residual along every ray.
+/// throws  vog::Error as SplatRenderer does, and for a field that the model lacks
+[[nodiscard]] FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
+                                           const Camera& camera, int width, int height,
+                                           const SplatOptions& options = {});
+/// The same by one ray a pixel.
+[[nodiscard]] FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
+                                           const Camera& camera, int width, int height,
+                                           const TraceOptions& options = {});
+/// The voxels' own maps: constant in each voxel.
+/// volumes  the measures; fields: the field at each volume's voxels
+[[nodiscard]] FieldMaps render_field_reference(std::span<const Volume> volumes,
+                                               std::span<const VoxelField> fields, FieldPart part,
+                                               const Camera& camera, int width, int height,
+                                               const ReferenceOptions& options = {});
+
+/// Contributions of Gaussian i to the sums along o + t r, t >= 0, in double precision by the closed form: the
+/// measure, the measure times the field, and times its square. Every renderer is tested against this function.
+struct FieldSums {
+    double column = 0, first = 0, second = 0;
+};
+FieldSums field_sums(const Gaussians& gaussians, const FieldChoice& choice, std::size_t i,
+                     Vec3d origin, Vec3d direction);
+
+}  // namespace vog

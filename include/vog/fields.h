@@ -1,0 +1,64 @@
+// vog/fields.h: fields, quantities that Gaussians know beside their density: temperature, velocity, the value
+// of a scan itself (docs/fields.md).
+//
+// Inside Gaussian i a scalar field is a plane with a residual:
+//   phi_i(x) = value_i + gradient_i . (x - mean_i), plus a residual of standard deviation deviation_i and
+//   skewness skewness_i
+// by the moments of position and value over the part of the data that is the Gaussian's: the joint distribution,
+// weighted by the measure (density, unless the conversion states another).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "vog/linear.h"
+#include "vog/memory.h"
+
+namespace vog {
+
+/// Scalar field on N Gaussians.
+struct ScalarField {
+    std::string name;             ///< "temperature"
+    std::string unit;             ///< "K"; empty: not known
+    double lower = 0, upper = 0;  ///< least and largest value of the data, in the unit
+
+    BigVector<float> value;      ///< [N] at the Gaussian's mean, in the unit
+    BigVector<Vec3f> gradient;   ///< [N] unit per world unit
+    BigVector<float> deviation;  ///< [N] standard deviation of the residual, in the unit, >= 0
+    BigVector<float> skewness;   ///< [N] third standardised moment of the residual, [-3, 3]
+};
+
+/// Vector field on N Gaussians, components along the world's axes.
+struct VectorField {
+    std::string name;             ///< "velocity"
+    std::string unit;             ///< "m/s"; empty: not known
+    double lower = 0, upper = 0;  ///< least and largest magnitude of the data, in the unit
+
+    BigVector<Vec3f> value;  ///< [N] at the Gaussian's mean, in the unit
+    /// [3][N] gradient of each component, unit per world unit.
+    std::array<BigVector<Vec3f>, 3> gradient;
+    /// [N] covariance of the residual, xx xy xz yy yz zz, in the unit squared: along a direction d
+    /// its variance is d^T R d.
+    BigVector<std::array<float, 6>> covariance;
+};
+
+/// Fields of a model: names differ from each other.
+struct Fields {
+    std::vector<ScalarField> scalar;
+    std::vector<VectorField> vector;
+
+    bool empty() const { return scalar.empty() && vector.empty(); }
+    /// The field of this name; null: none.
+    const ScalarField* find_scalar(const std::string& name) const;
+    const VectorField* find_vector(const std::string& name) const;
+    /// Names of all fields, scalar ones first.
+    std::vector<std::string> names() const;
+};
+
+/// Appends the fields of `other`, models of n and m Gaussians; both have the same fields.
+/// throws  vog::Error naming a field that one of them lacks, or whose unit differs
+void append(Fields& fields, std::size_t n, const Fields& other, std::size_t m);
+
+}  // namespace vog
