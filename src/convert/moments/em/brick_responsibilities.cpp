@@ -65,9 +65,12 @@ void set_run(const CellKernel& kernel, const Points& points, double spacing, Run
     run.y0 /= 2, run.y1 /= 2;
 }
 
-/// Adds each sample outside all supports to the Gaussian with the least Mahalanobis distance.
-void assign_uncovered(const Brick& brick, const Points& points, std::span<const CellKernel> kernels,
-                      const BrickFloats& weight, std::span<MomentSums> parts) {
+/// Calls take(sample, kernel, point - mean) for each sample outside all supports, with the Gaussian of the
+/// least Mahalanobis distance.
+template <class Take>
+void for_each_uncovered(const Brick& brick, const Points& points,
+                        std::span<const CellKernel> kernels, const BrickFloats& weight,
+                        const Take& take) {
     for (int n = 0; n < kLeafVoxels; ++n) {
         if (brick.sample(n) <= 0 || weight[static_cast<std::size_t>(n)] > 0) continue;
         const Vec3d at =
@@ -82,15 +85,13 @@ void assign_uncovered(const Brick& brick, const Points& points, std::span<const 
                              2 * (h[1] * d.x * d.y + h[2] * d.x * d.z + h[4] * d.y * d.z);
             if (e < least) least = e, nearest = i;
         }
-        const double mass = brick.sample(n) * points.volume;
-        const Vec3d d = at - kernels[nearest].mean;
-        add_shifted(parts[nearest], {mass, {}, {}}, d);
+        take(n, nearest, at - kernels[nearest].mean);
     }
 }
 
-/// Responsibilities for one lattice of points: adds kernel i's part to parts[i], about its mean.
-void add_point_responsibilities(const Brick& brick, const Points& points, BrickScratch& scratch,
-                                std::span<MomentSums> parts) {
+/// Values of the kernels at the points and, in place of their sums, the weights that divide the mass.
+/// returns  whether a point with mass is outside all supports
+bool divide_points(const Brick& brick, const Points& points, BrickScratch& scratch) {
     scratch.runs.clear();
     std::size_t count = 0;
     for (const CellKernel& kernel : scratch.kernels) {
@@ -107,10 +108,20 @@ void add_point_responsibilities(const Brick& brick, const Points& points, BrickS
     add_values(scratch.runs, scratch.values.get(), scratch.sum);
 
     const float* value = brick.leaf ? brick.leaf->value.data() : scratch.tile.data();
-    const bool any_uncovered =
-        responsibility_weights(value, static_cast<float>(points.volume), scratch.sum);
+    return responsibility_weights(value, static_cast<float>(points.volume), scratch.sum);
+}
+
+/// Responsibilities for one lattice of points: adds kernel i's part to parts[i], about its mean.
+void add_point_responsibilities(const Brick& brick, const Points& points, BrickScratch& scratch,
+                                std::span<MomentSums> parts) {
+    const bool any_uncovered = divide_points(brick, points, scratch);
     add_responsibilities(scratch.runs, scratch.values.get(), scratch.sum, parts);
-    if (any_uncovered) assign_uncovered(brick, points, scratch.kernels, scratch.sum, parts);
+    if (!any_uncovered) return;
+    for_each_uncovered(brick, points, scratch.kernels, scratch.sum,
+                       [&](int sample, std::size_t kernel, Vec3d from_mean) {
+                           const double mass = brick.sample(sample) * points.volume;
+                           add_shifted(parts[kernel], {mass, {}, {}}, from_mean);
+                       });
 }
 
 }  // namespace
@@ -143,6 +154,18 @@ void add_brick_responsibilities(const Brick& brick, BrickScratch& scratch,
             brick, {center + offset * corner, brick.sample_volume() / kPoints}, scratch, parts);
     for (MomentSums& part : parts)
         for (const std::size_t n : {0, 3, 5}) part.second[n] += (1 - kPointShare) * box * part.mass;
+}
+
+void divide_samples(const Brick& brick, BrickScratch& scratch,
+                    std::vector<UncoveredSample>& uncovered) {
+    uncovered.clear();
+    if (!brick.leaf) scratch.tile.fill(brick.value);
+    const Points centers{brick_cell_center(brick, 0, 1), brick.sample_volume()};
+    if (!divide_points(brick, centers, scratch)) return;
+    for_each_uncovered(brick, centers, scratch.kernels, scratch.sum,
+                       [&](int sample, std::size_t kernel, Vec3d) {
+                           uncovered.push_back({sample, kernel});
+                       });
 }
 
 }  // namespace vog::moments

@@ -41,4 +41,17 @@ struct BrickScratch {
 void add_brick_responsibilities(const Brick& brick, BrickScratch& scratch,
                                 std::span<MomentSums> parts);
 
+/// A sample outside all supports, and the kernel that it counts for.
+struct UncoveredSample {
+    int sample = 0;  ///< leaf_offset
+    std::size_t kernel = 0;
+};
+/// The same division at the centres of the samples, for sums of other quantities: kernel i's share of the mass of
+/// a sample is its value in scratch.values, run by run from scratch.runs[i].first_run on, times the weight in
+/// scratch.sum.
+/// scratch    kernels with peaks of at most 1
+/// uncovered  out
+void divide_samples(const Brick& brick, BrickScratch& scratch,
+                    std::vector<UncoveredSample>& uncovered);
+
 }  // namespace vog::moments

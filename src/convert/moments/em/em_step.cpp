@@ -287,43 +287,91 @@ EmSolver::BrickLists EmSolver::brick_lists(const PackedCells& cells, const Overl
     return lists;
 }
 
+void EmSolver::set_kernels(const PackedCells& cells, double max_peak, const BrickLists& lists,
+                           const Batch& batch, std::size_t n, BrickScratch& scratch) {
+    scratch.kernels.clear();
+    for (std::size_t entry = lists.first[n]; entry < lists.first[n + 1]; ++entry) {
+        scratch.kernels.push_back(cell_kernel(cells[batch.active[lists.entries[entry]].cell]));
+        scratch.kernels.back().peak /= max_peak;
+    }
+}
+
 void EmSolver::e_step(const PackedCells& cells, double max_peak, const BrickLists& lists,
                       Batch& batch) const {
     BigVector<MomentSums> parts(lists.entries.size());
-    vog::parallel_for(
-        tbb::blocked_range<std::size_t>(batch.first_brick, batch.end_brick, 2),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            BrickScratch& scratch = batch.scratches.local();
-            for (std::size_t b = range.begin(); b != range.end(); ++b) {
-                const std::size_t n = b - batch.first_brick, first = lists.first[n],
-                                  count = lists.first[n + 1] - first;
-                scratch.kernels.clear();
-                for (const std::uint32_t entry : std::span(lists.entries).subspan(first, count)) {
-                    scratch.kernels.push_back(cell_kernel(cells[batch.active[entry].cell]));
-                    scratch.kernels.back().peak /= max_peak;
-                }
-                add_brick_responsibilities(bricks_[b], scratch,
-                                           std::span(parts).subspan(first, count));
-            }
-        });
+    vog::parallel_for(tbb::blocked_range<std::size_t>(batch.first_brick, batch.end_brick, 2),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          BrickScratch& scratch = batch.scratches.local();
+                          for (std::size_t b = range.begin(); b != range.end(); ++b) {
+                              const std::size_t n = b - batch.first_brick;
+                              set_kernels(cells, max_peak, lists, batch, n, scratch);
+                              add_brick_responsibilities(
+                                  bricks_[b], scratch,
+                                  std::span(parts).subspan(lists.first[n], scratch.kernels.size()));
+                          }
+                      });
     for (std::size_t n = 0; n < parts.size(); ++n)
         add_shifted(batch.sums[batch.active[lists.entries[n]].sums], parts[n], {});
 }
 
 void EmSolver::m_step(PackedCells& cells, const Overlaps& overlaps, Batch& batch,
                       EmHistory& history) const {
-    const std::uint64_t bit = batch_bit(batch.first_brick), later = ~(bit | (bit - 1));
+    const std::uint64_t later = later_batches(batch.first_brick);
+    vog::parallel_for(std::size_t{0}, batch.active.size(), [&](std::size_t n) {
+        const auto [cell, sums] = batch.active[n];
+        if (!(overlaps.batches[cell] & later))
+            set_from_sums(cells, cell, batch.sums[sums], history.momenta[cell]);
+    });
+    release(overlaps, batch);
+}
+
+void EmSolver::release(const Overlaps& overlaps, Batch& batch) const {
+    const std::uint64_t later = later_batches(batch.first_brick);
     const auto is_done = [&](const ActiveCell& active) {
         return !(overlaps.batches[active.cell] & later);
     };
-    vog::parallel_for(std::size_t{0}, batch.active.size(), [&](std::size_t n) {
-        const auto [cell, sums] = batch.active[n];
-        if (is_done(batch.active[n]))
-            set_from_sums(cells, cell, batch.sums[sums], history.momenta[cell]);
-    });
     for (const ActiveCell& active : batch.active)
         if (is_done(active)) batch.free_sums.push_back(active.sums);
     std::erase_if(batch.active, is_done);
+}
+
+EmSolver::Batch EmSolver::first_batch(const Overlaps& overlaps) {
+    Batch batch;
+    batch.active.reserve(overlaps.max_active);
+    batch.sums.resize(overlaps.max_active);
+    batch.free_sums.resize(overlaps.max_active);
+    std::iota(batch.free_sums.begin(), batch.free_sums.end(), std::uint32_t{0});
+    return batch;
+}
+
+std::size_t EmSolver::end_of_batch(std::size_t first_brick) const {
+    return std::min(first_brick + (std::size_t{1} << batch_log2_), bricks_.size());
+}
+
+void EmSolver::add_shares(const PackedCells& cells, std::size_t width, const BrickParts& parts_of,
+                          std::span<double> sums) const {
+    const Overlaps overlaps = find_overlaps(cells);
+    Batch batch = first_batch(overlaps);
+    for (; batch.first_brick < bricks_.size(); batch.first_brick = batch.end_brick) {
+        batch.end_brick = end_of_batch(batch.first_brick);
+        activate(overlaps, batch);
+        const BrickLists lists = brick_lists(cells, overlaps, batch);
+        std::vector<std::uint32_t> cell(lists.entries.size());
+        for (std::size_t n = 0; n < cell.size(); ++n) cell[n] = batch.active[lists.entries[n]].cell;
+        BigVector<double> parts(width * cell.size());
+        vog::parallel_for(batch.first_brick, batch.end_brick, [&](std::size_t b) {
+            BrickScratch& scratch = batch.scratches.local();
+            const std::size_t n = b - batch.first_brick;
+            set_kernels(cells, overlaps.max_peak, lists, batch, n, scratch);
+            const std::size_t first = lists.first[n], count = scratch.kernels.size();
+            parts_of(b, std::span(cell).subspan(first, count), scratch,
+                     std::span(parts).subspan(width * first, width * count));
+        });
+        for (std::size_t n = 0; n < cell.size(); ++n)
+            for (std::size_t sum = 0; sum < width; ++sum)
+                sums[width * cell[n] + sum] += parts[width * n + sum];
+        release(overlaps, batch);
+    }
 }
 
 void EmSolver::step(PackedCells& cells, EmHistory& history) const {
@@ -338,14 +386,9 @@ void EmSolver::step(PackedCells& cells, EmHistory& history) const {
         });
 
     const Overlaps overlaps = find_overlaps(cells);
-    Batch batch;
-    batch.active.reserve(overlaps.max_active);
-    batch.sums.resize(overlaps.max_active);
-    batch.free_sums.resize(overlaps.max_active);
-    std::iota(batch.free_sums.begin(), batch.free_sums.end(), std::uint32_t{0});
+    Batch batch = first_batch(overlaps);
     for (; batch.first_brick < bricks_.size(); batch.first_brick = batch.end_brick) {
-        batch.end_brick =
-            std::min(batch.first_brick + (std::size_t{1} << batch_log2_), bricks_.size());
+        batch.end_brick = end_of_batch(batch.first_brick);
         activate(overlaps, batch);
         e_step(cells, overlaps.max_peak, brick_lists(cells, overlaps, batch), batch);
         m_step(cells, overlaps, batch, history);

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -38,6 +39,17 @@ class EmSolver {
     /// memory  a few dozen bytes a cell: bricks are processed in batches, and a cell's sums are
     ///         held from the first batch that its support overlaps to the last
     void step(PackedCells& cells, EmHistory& history) const;
+
+    /// Sums of one brick: sets `parts`, [cells of the brick][width], to each cell's share.
+    /// brick    index in the bricks
+    /// cell     [cells of the brick] index of each, whose kernel is scratch.kernels[n]
+    using BrickParts = std::function<void(std::size_t brick, std::span<const std::uint32_t> cell,
+                                          BrickScratch& scratch, std::span<double> parts)>;
+    /// Sums of any quantities over the bricks that a cell's support overlaps, brick by brick in parallel.
+    /// width  sums of a cell
+    /// sums   [cells][width], added to; the same bytes for any number of threads
+    void add_shares(const PackedCells& cells, std::size_t width, const BrickParts& parts_of,
+                    std::span<double> sums) const;
 
   private:
     struct Place {
@@ -84,6 +96,11 @@ class EmSolver {
     std::uint64_t batch_bit(std::size_t brick) const {
         return std::uint64_t{1} << (brick >> batch_log2_);
     }
+    /// Bits of the batches after that of a brick.
+    std::uint64_t later_batches(std::size_t brick) const {
+        const std::uint64_t bit = batch_bit(brick);
+        return ~(bit | (bit - 1));
+    }
     /// Calls take(brick) for the bricks that the bounding box of a cell's support overlaps.
     template <class Take>
     void for_each_brick(const Moments& cell, const Take& take) const;
@@ -102,6 +119,15 @@ class EmSolver {
     /// own, which are added in the order of bricks: the same bytes for any number of threads.
     void e_step(const PackedCells& cells, double max_peak, const BrickLists& lists,
                 Batch& batch) const;
+    /// A batch before the first, with room for the cells that are active at once.
+    static Batch first_batch(const Overlaps& overlaps);
+    /// The batch's end.
+    std::size_t end_of_batch(std::size_t first_brick) const;
+    /// Sets the scratch's kernels to the cells of brick n of the batch.
+    static void set_kernels(const PackedCells& cells, double max_peak, const BrickLists& lists,
+                            const Batch& batch, std::size_t n, BrickScratch& scratch);
+    /// Releases the sums of the active cells whose last batch this is.
+    void release(const Overlaps& overlaps, Batch& batch) const;
     /// Sets the moments of the active cells whose last batch this is, and releases their sums.
     void m_step(PackedCells& cells, const Overlaps& overlaps, Batch& batch,
                 EmHistory& history) const;
