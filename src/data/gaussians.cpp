@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/paging.h"
+#include "data/field_arrays.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -155,6 +156,12 @@ void append(Gaussians& gaussians, const Gaussians& other) {
         set_origin(gaussians, model_origin(both));
         moved = means_from(other, gaussians.origin);
     }
+    try {
+        append(gaussians.fields, gaussians.size(), other.fields, other.size());
+    } catch (const Error& error) {
+        throw Error(
+            fmt::format("{}: {}", other.source.empty() ? "model" : other.source, error.what()));
+    }
     if (!gaussians.axis_aligned() || !other.axis_aligned()) {
         resize_kept(gaussians.rotation, gaussians.size());
         append_kept(gaussians.rotation, other.rotation);
@@ -190,6 +197,8 @@ Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index)
     take(some.scale, gaussians.scale);
     take(some.density, gaussians.density);
     if (!gaussians.axis_aligned()) take(some.rotation, gaussians.rotation);
+    some.fields = empty_fields(gaussians.fields);
+    each_array(take, some.fields, gaussians.fields);
     return some;
 }
 
@@ -230,6 +239,11 @@ void validate(const Gaussians& gaussians) {
                 fmt::format("Gaussian {}: rotation {} {} {} {}, expected a quaternion of finite, "
                             "nonzero length",
                             i, q.w, q.x, q.y, q.z));
+    }
+    try {
+        validate(gaussians.fields, n);
+    } catch (const Error& error) {
+        fail(error.what());
     }
 }
 

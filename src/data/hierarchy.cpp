@@ -2,10 +2,12 @@
 #include "vog/lod.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 #include <vector>
 
+#include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "vog/error.h"
 
@@ -96,6 +98,10 @@ void validate(const Hierarchy& hierarchy, const Gaussians& model, const std::str
     if (hierarchy.nodes.origin != model.origin)
         fail(fmt::format("hierarchy: origin {}, expected the model's {}",
                          text(hierarchy.nodes.origin), text(model.origin)));
+    if (!same_fields(hierarchy.nodes.fields, model.fields))
+        fail(fmt::format("hierarchy: fields {}, expected the model's: {}",
+                         fmt::join(hierarchy.nodes.fields.names(), ", "),
+                         fmt::join(model.fields.names(), ", ")));
     try {
         validate(hierarchy.nodes);
     } catch (const Error& error) {

@@ -8,9 +8,11 @@
 #include <limits>
 #include <span>
 
+#include "convert/lod/field_moments.h"
 #include "convert/lod/mean_octree.h"
 #include "convert/moments/gaussian_moments.h"
 #include "core/parallel.h"
+#include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "vog/error.h"
 
@@ -64,7 +66,36 @@ struct Growth {
     MomentFrame frame;
     Kernel kernel;
     std::vector<Moments> moments{};  ///< one for each node
+    /// [fields][nodes]
+    std::vector<BigVector<ScalarMoments>> scalar{};
+    std::vector<BigVector<VectorMoments>> vector{};
 };
+
+/// Merges one field of node n's children.
+/// of_nodes  moments of the field, complete for the nodes below
+template <class Field, class FieldMoments>
+void make_field(const Growth& growth, std::size_t n, const Merger& merger, const Field& of_leaves,
+                Field& field, BigVector<FieldMoments>& of_nodes) {
+    const Hierarchy& tree = growth.tree;
+    std::array<FieldMoments, kMostChildren> parts;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < tree.leaf_count[n]; ++k, ++count)
+        parts[count] =
+            field_moments(of_leaves, tree.first_leaf[n] + k, merger.parts[count].covariance);
+    for (std::size_t k = 0; k < tree.node_count[n]; ++k, ++count)
+        parts[count] = of_nodes[tree.first_node[n] + k];
+    of_nodes[n] = merged(merger, std::span<const FieldMoments>(parts.data(), count));
+    set_field(field, n, of_nodes[n]);
+}
+
+void make_fields(Growth& growth, std::size_t n, const Merger& merger) {
+    const Fields& leaves = growth.model.fields;
+    Fields& nodes = growth.tree.nodes.fields;
+    for (std::size_t k = 0; k < leaves.scalar.size(); ++k)
+        make_field(growth, n, merger, leaves.scalar[k], nodes.scalar[k], growth.scalar[k]);
+    for (std::size_t k = 0; k < leaves.vector.size(); ++k)
+        make_field(growth, n, merger, leaves.vector[k], nodes.vector[k], growth.vector[k]);
+}
 
 /// Radius of the ball around node n's mean that contains its support and those of all below.
 double radius_of(const Growth& growth, std::size_t n) {
@@ -122,6 +153,7 @@ void make_node(Growth& growth, std::size_t n) {
     }
     growth.moments[n] = sum_of({parts, count});
     set_gaussian(tree.nodes, n, growth.moments[n], growth.frame);
+    if (!growth.model.fields.empty()) make_fields(growth, n, {growth.moments[n], {parts, count}});
     tree.error[n] =
         static_cast<float>(std::max(error, 0.5 * std::sqrt(largest_variance / kBoxVariance)));
     tree.radius[n] = static_cast<float>(radius_of(growth, n));
@@ -138,11 +170,14 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     link(tree, model.size(), name_of(model));
     tree.nodes.cutoff = model.cutoff;
     tree.nodes.origin = model.origin;
+    tree.nodes.fields = empty_fields(model.fields);
     resize(tree.nodes, tree.size(), model.axis_aligned());
     tree.radius.resize(tree.size());
     const MomentFrame frame = moment_frame(Affine{}, model.axis_aligned(), 1, model.cutoff);
     Growth growth{model, tree, frame, {1 / frame.density_factor, 1 / frame.widening2}};
     growth.moments.resize(tree.size());
+    growth.scalar.resize(model.fields.scalar.size(), BigVector<ScalarMoments>(tree.size()));
+    growth.vector.resize(model.fields.vector.size(), BigVector<VectorMoments>(tree.size()));
     // Level by level, from the leaves up.
     constexpr std::size_t kGrain = 256;
     for (std::size_t level = levels.size() - 1; level-- > 0;)

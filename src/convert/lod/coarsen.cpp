@@ -5,14 +5,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "convert/lod/field_moments.h"
 #include "convert/particles/moment_tree.h"
 #include "core/parallel.h"
+#include "data/field_arrays.h"
 #include "vog/error.h"
 
 namespace vog {
 
 using namespace particles;
+using namespace lod;
 
 namespace {
 
@@ -50,6 +54,7 @@ BigVector<Particle> particles_of(const Gaussians& model, const Lattice& lattice)
     vog::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
         all[i].place = (1 / lattice.length) * (vec_cast<double>(model.mean[i]) - lattice.origin);
         all[i].mass = static_cast<float>(mass(model, i) / lattice.mass);
+        all[i].index = static_cast<std::uint32_t>(i);
         const std::array<double, 6> covariance = kernel_covariance(model, i);
         for (std::size_t n = 0; n < 6; ++n)
             all[i].covariance[n] = static_cast<float>(variance_share * covariance[n]);
@@ -74,6 +79,49 @@ Gaussians model_of(const Gaussians& source, const BigVector<Moments>& cells,
     return model;
 }
 
+/// One cell, whose fields are merged from those of its Gaussians.
+struct FieldCell {
+    std::span<const Moments> parts;       ///< of one cell's Gaussians
+    std::span<const std::size_t> places;  ///< of them in the source
+    const Merger& merger;
+    std::size_t cell;
+
+    template <class Field>
+    void set(const Field& from, Field& to) const {
+        std::vector<decltype(field_moments(from, 0, {}))> of_parts;
+        of_parts.reserve(places.size());
+        for (std::size_t k = 0; k < places.size(); ++k)
+            of_parts.push_back(field_moments(from, places[k], parts[k].covariance));
+        set_field(to, cell, merged(merger, std::span(std::as_const(of_parts))));
+    }
+};
+
+/// Sets the fields of each cell from those of its Gaussians in the source.
+/// ends  of each cell's run in tree.particles
+void set_fields(const Gaussians& source, const PointTree& tree,
+                const BigVector<std::uint32_t>& ends, Gaussians& model) {
+    if (source.fields.empty()) return;
+    const double variance = variance_within(source.cutoff);
+    vog::parallel_for(std::size_t{0}, ends.size(), [&](std::size_t cell) {
+        std::vector<std::size_t> places;
+        std::vector<Moments> parts;
+        for (std::size_t n = cell ? ends[cell - 1] : 0; n < ends[cell]; ++n) {
+            const std::size_t i = tree.particles[n].index;
+            Moments part{mass(source, i), vec_cast<double>(source.mean[i]),
+                         kernel_covariance(source, i)};
+            for (double& c : part.covariance) c *= variance;
+            places.push_back(i);
+            parts.push_back(part);
+        }
+        const Merger merger(joined_moments(parts), parts);
+        const FieldCell fields{parts, places, merger, cell};
+        for (std::size_t k = 0; k < source.fields.scalar.size(); ++k)
+            fields.set(source.fields.scalar[k], model.fields.scalar[k]);
+        for (std::size_t k = 0; k < source.fields.vector.size(); ++k)
+            fields.set(source.fields.vector[k], model.fields.vector[k]);
+    });
+}
+
 }  // namespace
 
 std::vector<Gaussians> coarsen(const Gaussians& model, std::span<const std::size_t> budgets) {
@@ -92,8 +140,10 @@ std::vector<Gaussians> coarsen(const Gaussians& model, std::span<const std::size
             continue;
         }
         BigVector<Moments> cells;
-        if (!tree.particles.empty()) cells = best_cut(tree, budget);
+        BigVector<std::uint32_t> ends;
+        if (!tree.particles.empty()) cells = best_cut(tree, budget, &ends);
         results.push_back(model_of(model, cells, lattice));
+        set_fields(model, tree, ends, results.back());
         results.back().options +=
             fmt::format("{}coarsened to {}", model.options.empty() ? "" : ", ", budget);
     }

@@ -13,6 +13,7 @@
 
 #include "core/morton.h"
 #include "core/parallel.h"
+#include "data/field_arrays.h"
 
 namespace vog::lod {
 
@@ -201,6 +202,7 @@ MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options) {
     reorder(model.scale, leaves);
     reorder(model.rotation, leaves);
     reorder(model.density, leaves);
+    each_array([&](auto& array) { reorder(array, leaves); }, model.fields);
     return tree;
 }
 

@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "core/paging.h"
+#include "data/field_arrays.h"
 #include "vog/error.h"
 
 namespace vog::moments {
@@ -115,6 +116,7 @@ void resize(Gaussians& model, std::size_t count, bool axis_aligned) {
     resize_kept(model.scale, count);
     resize_kept(model.density, count);
     if (!axis_aligned) resize_kept(model.rotation, count);
+    each_array([&](auto& array) { resize_kept(array, count); }, model.fields);
 }
 
 void set_gaussian(Gaussians& model, std::size_t i, const Moments& moments,

@@ -145,10 +145,10 @@ class PrunedPoints {
             });
     }
     std::size_t count() const { return best_.front().count; }
-    BigVector<Moments> cells() const {
+    BigVector<Moments> cells(BigVector<std::uint32_t>* ends) const {
         BigVector<Moments> cut;
         cut.reserve(count());
-        add_cells({tree_.nodes[0].first, tree_.nodes[0].last, 0}, cut);
+        add_cells({tree_.nodes[0].first, tree_.nodes[0].last, 0}, cut, ends);
         return cut;
     }
 
@@ -157,12 +157,15 @@ class PrunedPoints {
         double net_gain = 0;
         std::uint32_t count = 0;
     };
-    void add_cells(const Side& split_at_mean, BigVector<Moments>& cut) const {
+    void add_cells(const Side& whole, BigVector<Moments>& cut,
+                   BigVector<std::uint32_t>* ends) const {
         keep_memory();
-        if (!split_at_mean.is_node() || !(best_[split_at_mean.node].net_gain > 0))
-            cut.push_back(side_moments(tree_, split_at_mean));
-        else
-            for (const Side& side : sides(tree_.nodes[split_at_mean.node])) add_cells(side, cut);
+        if (whole.is_node() && best_[whole.node].net_gain > 0) {
+            for (const Side& side : sides(tree_.nodes[whole.node])) add_cells(side, cut, ends);
+            return;
+        }
+        cut.push_back(side_moments(tree_, whole));
+        if (ends) ends->push_back(whole.last);
     }
 
     const PointTree& tree_;
@@ -187,8 +190,13 @@ PointTree point_tree(BigVector<Particle> particles) {
     return tree;
 }
 
-BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
-    if (tree.nodes.empty()) return {particle_moments(tree.particles.front())};
+BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget,
+                            BigVector<std::uint32_t>* ends) {
+    if (ends) ends->clear();
+    if (tree.nodes.empty()) {
+        if (ends) ends->push_back(1);
+        return {particle_moments(tree.particles.front())};
+    }
     float most = 0;
     for (std::size_t n = 0; n < tree.nodes.size(); ++n) {
         most = std::max(most, tree.nodes[n].gain);
@@ -196,7 +204,7 @@ BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget) {
     }
     const double lambda = lambda_of_budget(
         budget, double{most}, [&](double tried) { return PrunedPoints(tree, tried).count(); });
-    return PrunedPoints(tree, lambda).cells();
+    return PrunedPoints(tree, lambda).cells(ends);
 }
 
 }  // namespace vog::particles

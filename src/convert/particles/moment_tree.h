@@ -20,6 +20,7 @@ struct Particle {
     Vec3d place;                        ///< relative to the grid's origin, voxels
     float mass = 0;                     ///< > 0
     std::array<float, 6> covariance{};  ///< xx xy xz yy yz zz, voxels squared
+    std::uint32_t index = 0;            ///< place in the owner's list, before any sorting
 };
 Moments particle_moments(const Particle& particle);
 
@@ -45,6 +46,8 @@ PointTree point_tree(BigVector<Particle> particles);
 
 /// Optimal pruning with at most `budget` leaves (lagrange_search.h): moments of nodes and particles
 /// in the order of the tree, means in voxels relative to the grid's origin.
-BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget);
+/// ends  receives for each cell the index behind its last particle in tree.particles; null: not needed
+BigVector<Moments> best_cut(const PointTree& tree, std::size_t budget,
+                            BigVector<std::uint32_t>* ends = nullptr);
 
 }  // namespace vog::particles

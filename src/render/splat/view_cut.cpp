@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "data/field_arrays.h"
 #include "vog/error.h"
 #include "vog/lod.h"
 
@@ -136,6 +137,8 @@ void copy_run(const Gaussians& from, const Run& run, Gaussians& to, std::size_t 
     copy_run(from.mean, run, to.mean, slot);
     copy_run(from.scale, run, to.scale, slot);
     copy_run(from.density, run, to.density, slot);
+    each_array([&](const auto& array, auto& copy) { copy_run(array, run, copy, slot); },
+               from.fields, to.fields);
     if (to.axis_aligned()) return;
     if (from.axis_aligned())
         std::fill_n(to.rotation.begin() + static_cast<std::ptrdiff_t>(slot), run.last - run.first,
@@ -248,6 +251,7 @@ void ViewCut::State::gather() {
     chosen.density.resize(report.drawn());
     const bool aligned = model->axis_aligned() && hierarchy->nodes.axis_aligned();
     chosen.rotation.resize(aligned ? 0 : report.drawn());
+    each_array([&](auto& array) { array.resize(report.drawn()); }, chosen.fields);
     vog::parallel_for(std::size_t{0}, placed.size(), [&](std::size_t n) {
         const Placed& one = placed[n];
         copy_run(one.nodes ? hierarchy->nodes : *model, one.run, chosen, one.slot);
@@ -263,6 +267,7 @@ ViewCut::ViewCut(const Gaussians& model, const Hierarchy& hierarchy, double cuto
     state_->hierarchy = &hierarchy;
     state_->chosen.cutoff = model.cutoff;
     state_->chosen.origin = model.origin;
+    state_->chosen.fields = empty_fields(model.fields);
     state_->roots = not_in_runs(hierarchy.size(), hierarchy.first_node, hierarchy.node_count);
     state_->loose = not_in_runs(model.size(), hierarchy.first_leaf, hierarchy.leaf_count);
     state_->bounds.resize(hierarchy.size());

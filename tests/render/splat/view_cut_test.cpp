@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "support/allocations.h"
+#include "support/field_models.h"
 #include "support/scenes.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
@@ -70,6 +71,33 @@ double relative_l2(const DepthImage& reference, const DepthImage& image) {
 }
 
 }  // namespace
+
+TEST(view_cut, fields_come_along) {
+    Gaussians model = random_gaussians(20000, 0.002, 0.05, 51);
+    add_random_fields(model, 51);
+    Tree tree = tree_of(std::move(model));
+    // Values that tell whose they are.
+    const auto mark = [](Gaussians& gaussians) {
+        for (std::size_t i = 0; i < gaussians.size(); ++i) {
+            gaussians.fields.scalar[1].skewness[i] = gaussians.mean[i].y;
+            gaussians.fields.vector[0].gradient[2][i] = gaussians.mean[i];
+        }
+    };
+    mark(tree.model);
+    mark(tree.hierarchy.nodes);
+    ViewCut cut(tree.model, tree.hierarchy);
+    Camera camera = paper_view({{-1, -1, -1}, {1, 1, 1}});
+    for (const int size : {20, 60}) {
+        const Gaussians& chosen = cut.choose(frame_of(camera, size, size));
+        ASSERT_GT(cut.report().nodes, 0u);
+        ASSERT_NO_THROW(validate(chosen));
+        EXPECT_EQ(chosen.fields.names(), tree.model.fields.names());
+        for (std::size_t i = 0; i < chosen.size(); ++i) {
+            ASSERT_EQ(chosen.fields.scalar[1].skewness[i], chosen.mean[i].y);
+            ASSERT_EQ(chosen.fields.vector[0].gradient[2][i], chosen.mean[i]);
+        }
+    }
+}
 
 TEST(view_cut, at_no_error_it_is_the_model_byte_for_byte) {
     const Tree tree = tree_of(random_gaussians(30000, 0.002, 0.05, 51));
