@@ -2,6 +2,7 @@
 #include "model_file.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 #include <mpi.h>
 
 #include <algorithm>
@@ -110,11 +111,18 @@ void write_rows(SharedFile& out, std::uint64_t offset, const Gaussians& part, bo
 }  // namespace
 
 cli::Converted write_model(const std::string& file, const SharedModel& model, const Ranks& ranks) {
-    for (const Gaussians& part : model.inputs) validate(part);
+    const Fields& fields = model.description.fields;
+    for (const Gaussians& part : model.inputs) {
+        validate(part);
+        if (part.size() > 0 && part.fields.names() != fields.names())
+            throw Error(fmt::format("{}: fields {} in a part, expected those of the whole: {}",
+                                    part.source, fmt::join(part.fields.names(), ", "),
+                                    fmt::join(fields.names(), ", ")));
+    }
     const Sums sums = sums_of(model, ranks);
     const std::string header = ranks.from_root(
         ranks.first() ? ply_header(model.description, sums.count, sums.rotated) : std::string());
-    const std::uint64_t row_bytes = ply_row_floats(sums.rotated) * sizeof(float);
+    const std::uint64_t row_bytes = ply_row_floats(sums.rotated, fields) * sizeof(float);
     std::vector<std::uint64_t> offsets;
     std::uint64_t end = header.size();
     for (const Gaussians& part : model.inputs) {

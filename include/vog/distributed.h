@@ -140,13 +140,15 @@ struct ModelPart {
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part);
 
 /// Header of the PLY file that write_ply writes, for a file written by several processes.
-/// description  cutoff, origin, box and texts of the model; its Gaussians are ignored
+/// description  cutoff, origin, box, texts and fields (names, units, ranges) of the model; its Gaussians
+///              are ignored
 /// count        Gaussians in the whole file
 /// rotated      whether rows have rotations
 std::string ply_header(const Gaussians& description, std::uint64_t count, bool rotated);
-/// Float32 values in a Gaussian's row: 11 with a rotation, 7 without.
-std::size_t ply_row_floats(bool rotated);
-/// Rows of that file behind the header: for each Gaussian 7 floats, or 11 with rotations.
+/// Float32 values in a Gaussian's row: 11 with a rotation, 7 without, 6 more for each scalar field and 18 for each
+/// vector field.
+std::size_t ply_row_floats(bool rotated, const Fields& fields = {});
+/// Rows of that file behind the header, ply_row_floats for each Gaussian.
 /// first, count  range of Gaussians of this model
 /// rotated       as in the header; a model without rotations gets the identity
 std::vector<float> ply_rows(const Gaussians& gaussians, std::size_t first, std::size_t count,

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "data/field_arrays.h"
 #include "evaluate/evaluated_volumes.h"
 #include "evaluate/evaluation_json.h"
 #include "evaluate/evaluation_report.h"
@@ -275,10 +276,11 @@ class Run {
         about.source = model.source;
         about.method = model.method, about.options = model.options;
         about.summary = model.summary, about.source_voxels = model.source_voxels;
+        about.fields = empty_fields(model.fields);
         if (collective_or_single(options_.collective).shared())
             about.source_voxels = evaluation_.active_voxels;
         row.bytes = ply_header(about, row.gaussians, rotated > 0).size() +
-                    row.gaussians * ply_row_floats(rotated > 0) * sizeof(float);
+                    row.gaussians * ply_row_floats(rotated > 0, about.fields) * sizeof(float);
         double model_mass = mass(model);
         collective_or_single(options_.collective).sum(model_mass);
         row.mass_ratio = evaluation_.mass > 0 ? model_mass / evaluation_.mass : 1;

@@ -11,7 +11,10 @@
 #include <numbers>
 
 #include "core/atomic_file.h"
+#include "core/paging.h"
+#include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
+#include "io/ply/ply_fields.h"
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_nodes.h"
 #include "vog/distributed.h"
@@ -73,8 +76,9 @@ void check_length(const std::filesystem::path& file, const Header& header, std::
 }
 
 /// Reads `count` rows from where `in` is, values as the file has them.
+/// fields  of the file: names, units and ranges
 Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const Header& header,
-                    Layout layout, std::size_t count) {
+                    Layout layout, const Fields& fields, std::size_t count) {
     std::map<std::string, std::size_t> column;
     for (std::size_t n = 0; n < header.properties.size(); ++n) column[header.properties[n]] = n;
     const bool rotated = column.contains("rot_0");
@@ -85,6 +89,11 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
     Gaussians model;
     model.mean.resize(count), model.scale.resize(count), model.density.resize(count);
     if (rotated) model.rotation.resize(count);
+    model.fields = empty_fields(fields);
+    each_array([&](auto& array) { array.resize(count); }, model.fields);
+    const auto columns = columns_of(model.fields);
+    std::vector<std::size_t> place_of;  // of each column in a row
+    for (const std::string& name : column_names(fields)) place_of.push_back(column[name]);
 
     // Block by block, so that the body is not held twice.
     const std::size_t stride = header.properties.size();
@@ -105,6 +114,10 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
             if (rotated) model.rotation[first + i] = {row[q0], row[q1], row[q2], row[q3]};
             model.density[first + i] = row[cd];
         }
+        for (std::size_t c = 0; c < columns.size(); ++c)
+            for (std::size_t i = 0; i < block; ++i)
+                columns[c][first + i] = rows[i * stride + place_of[c]];
+        keep_memory();
     }
     return model;
 }
@@ -113,12 +126,16 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
 struct CheckedHeader : Header {
     Layout layout = Layout::vog;
     bool rotated = false;
+    Fields fields{};  ///< names, units and ranges
 
     CheckedHeader(const std::filesystem::path& file, std::istream& in)
         : Header(read_header(file, in)),
           layout(layout_of(file, *this)),
           rotated(std::ranges::find(properties, "rot_0") != properties.end()) {
-        check_length(file, *this, check_nodes(file, *this, layout, !rotated));
+        if (layout == Layout::vog) fields = described_fields(file, *this);
+        refuse_unknown(file, *this, layout, fields);
+        require_columns(file, *this, fields);
+        check_length(file, *this, check_nodes(file, *this, layout, !rotated, fields));
     }
 };
 
@@ -139,7 +156,7 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
     const std::size_t count = first_of(part.index + 1) - begin;
     const std::uint64_t row_bytes = header.properties.size() * sizeof(float);
     in.seekg(static_cast<std::streamoff>(header.body_offset + begin * row_bytes));
-    Gaussians model = read_rows(file, in, header, layout, count);
+    Gaussians model = read_rows(file, in, header, layout, header.fields, count);
     if (layout == Layout::vog) read_comments(file, header, model);
     adopt_conventions(layout, model);
 
@@ -151,7 +168,7 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
     if (!hierarchy) return model;
     *hierarchy = {};
     if (header.nodes == 0) return model;
-    if (!read_nodes(in, header.nodes, !rotated, *hierarchy))
+    if (!read_nodes(in, header.nodes, !rotated, header.fields, *hierarchy))
         fail(file, "cannot be read to its end");
     hierarchy->nodes.cutoff = model.cutoff;
     link(*hierarchy, count, file.string());
@@ -190,11 +207,14 @@ std::string ply_header(const Gaussians& description, std::uint64_t count, bool r
     return header_text(description, count, rotated, {});
 }
 
-std::size_t ply_row_floats(bool rotated) { return rotated ? 11 : 7; }
+std::size_t ply_row_floats(bool rotated, const Fields& fields) {
+    return (rotated ? 11 : 7) + columns_of(fields).size();
+}
 
 std::vector<float> ply_rows(const Gaussians& gaussians, std::size_t first, std::size_t count,
                             bool rotated) {
-    std::vector<float> rows(count * ply_row_floats(rotated));
+    const auto columns = columns_of(gaussians.fields);
+    std::vector<float> rows(count * ply_row_floats(rotated, gaussians.fields));
     float* row = rows.data();
     for (std::size_t i = first; i < first + count; ++i) {
         const auto put = [&row](auto... values) { ((*row++ = values), ...); };
@@ -205,6 +225,7 @@ std::vector<float> ply_rows(const Gaussians& gaussians, std::size_t first, std::
             put(q.w, q.x, q.y, q.z);
         }
         put(gaussians.density[i]);
+        for (const auto& column : columns) put(column[i]);
     }
     return rows;
 }
@@ -238,8 +259,8 @@ void write_ply(const std::filesystem::path& file, const Gaussians& gaussians,
 std::size_t ply_bytes(const Gaussians& gaussians, const Hierarchy& hierarchy) {
     const bool rotated = !gaussians.axis_aligned();
     return header_text(gaussians, gaussians.size(), rotated, hierarchy).size() +
-           gaussians.size() * ply_row_floats(rotated) * sizeof(float) +
-           hierarchy.size() * bytes_per_node(gaussians.axis_aligned());
+           gaussians.size() * ply_row_floats(rotated, gaussians.fields) * sizeof(float) +
+           hierarchy.size() * bytes_per_node(gaussians.axis_aligned(), gaussians.fields);
 }
 
 }  // namespace vog

@@ -8,10 +8,13 @@
 #include <charconv>
 #include <cmath>
 #include <istream>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "data/field_arrays.h"
+#include "io/ply/ply_fields.h"
 #include "io/ply/ply_nodes.h"
 #include "vog/error.h"
 #include "vog/text.h"
@@ -20,13 +23,14 @@ namespace vog::ply {
 
 namespace {
 
+constexpr std::size_t kMaxLines = 4096;
+
 /// Header lines one after another, into a Header.
 class HeaderReader {
   public:
     HeaderReader(const std::filesystem::path& file, std::istream& in) : file_(file), in_(in) {}
 
     Header read() {
-        constexpr std::size_t kMaxLines = 4096;
         read_magic();
         for (std::size_t n = 0;; ++n) {
             const std::string line = next_line();
@@ -208,20 +212,27 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
                                            : Layout::volprim;
     if (layout != Layout::vog && rotations == 0)
         fail(file, "no properties rot_0 to rot_3, expected them beside opacity or sigmat");
-    for (const std::string& name : header.properties)
-        if (!known_property(layout, name)) fail(file, fmt::format("unknown property '{}'", name));
     return layout;
 }
 
+void refuse_unknown(const std::filesystem::path& file, const Header& header, Layout layout,
+                    const Fields& fields) {
+    const std::vector<std::string> columns = column_names(fields);
+    const std::set<std::string> of_fields(columns.begin(), columns.end());
+    for (const std::string& name : header.properties)
+        if (!known_property(layout, name) && !of_fields.contains(name))
+            fail(file, fmt::format("unknown property '{}'", name));
+}
+
 std::size_t check_nodes(const std::filesystem::path& file, const Header& header, Layout layout,
-                        bool axis_aligned) {
+                        bool axis_aligned, const Fields& fields) {
     if (!header.has_nodes) return 0;
-    const std::vector<std::string> expected = node_properties(axis_aligned);
+    const std::vector<std::string> expected = node_properties(axis_aligned, fields);
     if (layout != Layout::vog || header.node_properties != expected)
         fail(file,
              fmt::format("element 'node' with properties {}, expected {} beside vog's vertices",
                          fmt::join(header.node_properties, ", "), fmt::join(expected, ", ")));
-    return bytes_per_node(axis_aligned);
+    return bytes_per_node(axis_aligned, fields);
 }
 
 void read_comments(const std::filesystem::path& file, const Header& header, Gaussians& model) {
@@ -277,6 +288,7 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     if (!model.method.empty()) text += "comment method " + one_line(model.method) + "\n";
     if (!model.options.empty()) text += "comment options " + one_line(model.options) + "\n";
     if (!model.summary.empty()) text += "comment reached " + one_line(model.summary) + "\n";
+    text += field_comments(model.fields);
     if (!hierarchy.empty())
         text +=
             "comment nodes level by level: roots, then of each node in turn its children, nodes "
@@ -287,7 +299,15 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
         text += fmt::format("property float {}\n", name);
     if (rotated)
         for (int n = 0; n < 4; ++n) text += fmt::format("property float rot_{}\n", n);
-    return text + "property float density\n" + node_header(hierarchy) + "end_header\n";
+    text += "property float density\n";
+    for (const std::string& name : column_names(model.fields))
+        text += "property float " + name + "\n";
+    text += node_header(hierarchy) + "end_header\n";
+    const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n'));
+    if (lines > kMaxLines)
+        throw Error(fmt::format("{} fields in a PLY header of {} lines, expected at most {} lines",
+                                model.fields.names().size(), lines, kMaxLines));
+    return text;
 }
 
 }  // namespace vog::ply

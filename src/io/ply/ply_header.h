@@ -33,13 +33,16 @@ enum class Layout { vog, splatting, volprim };
 Header read_header(const std::filesystem::path& file, std::istream& in);
 
 /// Layout by property names.
-/// throws vog::Error for missing, ambiguous or unknown properties
+/// throws vog::Error for missing or ambiguous properties
 Layout layout_of(const std::filesystem::path& file, const Header& header);
+/// throws vog::Error for a property that is none of the layout and none of these fields
+void refuse_unknown(const std::filesystem::path& file, const Header& header, Layout layout,
+                    const Fields& fields);
 
 /// Checks that the nodes have the properties that write_nodes gives them.
 /// returns  bytes of a node's row; 0 without an element `node`
 std::size_t check_nodes(const std::filesystem::path& file, const Header& header, Layout layout,
-                        bool axis_aligned);
+                        bool axis_aligned, const Fields& fields);
 
 /// Sets cutoff, origin, box, source voxels, source, method, options and summary from vog's comments.
 /// throws vog::Error if the cutoff is missing or a number is malformed

@@ -8,6 +8,8 @@
 #include <istream>
 #include <ostream>
 
+#include "data/field_arrays.h"
+
 namespace vog::ply {
 
 namespace {
@@ -18,25 +20,27 @@ std::size_t floats_per_node(bool axis_aligned) { return axis_aligned ? 9 : 13; }
 
 }  // namespace
 
-std::vector<std::string> node_properties(bool axis_aligned) {
+std::vector<std::string> node_properties(bool axis_aligned, const Fields& fields) {
     std::vector<std::string> names = {"float x",       "float y",       "float z",
                                       "float scale_0", "float scale_1", "float scale_2"};
     if (!axis_aligned)
         for (int n = 0; n < 4; ++n) names.push_back(fmt::format("float rot_{}", n));
-    for (const char* name :
-         {"float density", "float radius", "float error", "uchar nodes", "uchar vertices"})
+    names.emplace_back("float density");
+    for (const std::string& name : column_names(fields)) names.push_back("float " + name);
+    for (const char* name : {"float radius", "float error", "uchar nodes", "uchar vertices"})
         names.emplace_back(name);
     return names;
 }
 
-std::size_t bytes_per_node(bool axis_aligned) {
-    return floats_per_node(axis_aligned) * sizeof(float) + 2;
+std::size_t bytes_per_node(bool axis_aligned, const Fields& fields) {
+    return (floats_per_node(axis_aligned) + columns_of(fields).size()) * sizeof(float) + 2;
 }
 
 std::string node_header(const Hierarchy& hierarchy) {
     if (hierarchy.empty()) return {};
     std::string text = fmt::format("element node {}\n", hierarchy.size());
-    for (const std::string& name : node_properties(hierarchy.nodes.axis_aligned()))
+    for (const std::string& name :
+         node_properties(hierarchy.nodes.axis_aligned(), hierarchy.nodes.fields))
         text += "property " + name + "\n";
     return text;
 }
@@ -44,7 +48,8 @@ std::string node_header(const Hierarchy& hierarchy) {
 void write_nodes(std::ostream& out, const Hierarchy& hierarchy) {
     const Gaussians& nodes = hierarchy.nodes;
     std::vector<char> rows(std::min(hierarchy.size(), kBlock) *
-                           bytes_per_node(nodes.axis_aligned()));
+                           bytes_per_node(nodes.axis_aligned(), nodes.fields));
+    const auto columns = columns_of(nodes.fields);
     for (std::size_t begin = 0; begin < hierarchy.size(); begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, hierarchy.size());
         char* at = rows.data();
@@ -58,20 +63,26 @@ void write_nodes(std::ostream& out, const Hierarchy& hierarchy) {
                 const Quat q = nodes.rotation[n];
                 put(q.w, q.x, q.y, q.z);
             }
-            put(nodes.density[n], hierarchy.radius[n], hierarchy.error[n]);
+            put(nodes.density[n]);
+            for (const auto& column : columns) put(column[n]);
+            put(hierarchy.radius[n], hierarchy.error[n]);
             put(hierarchy.node_count[n], hierarchy.leaf_count[n]);
         }
         out.write(rows.data(), at - rows.data());
     }
 }
 
-bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarchy& hierarchy) {
+bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, const Fields& fields,
+                Hierarchy& hierarchy) {
     Gaussians& nodes = hierarchy.nodes;
     nodes.mean.resize(count), nodes.scale.resize(count), nodes.density.resize(count);
     if (!axis_aligned) nodes.rotation.resize(count);
     hierarchy.node_count.resize(count), hierarchy.leaf_count.resize(count);
     hierarchy.radius.resize(count), hierarchy.error.resize(count);
-    const std::size_t row_bytes = bytes_per_node(axis_aligned);
+    nodes.fields = empty_fields(fields);
+    each_array([&](auto& array) { array.resize(count); }, nodes.fields);
+    const auto columns = columns_of(nodes.fields);
+    const std::size_t row_bytes = bytes_per_node(axis_aligned, fields);
     std::vector<char> rows(std::min(count, kBlock) * row_bytes);
     for (std::size_t begin = 0; begin < count; begin += kBlock) {
         const std::size_t end = std::min(begin + kBlock, count);
@@ -88,7 +99,9 @@ bool read_nodes(std::istream& in, std::size_t count, bool axis_aligned, Hierarch
                 Quat& q = nodes.rotation[n];
                 take(q.w, q.x, q.y, q.z);
             }
-            take(nodes.density[n], hierarchy.radius[n], hierarchy.error[n]);
+            take(nodes.density[n]);
+            for (const auto& column : columns) take(column[n]);
+            take(hierarchy.radius[n], hierarchy.error[n]);
             take(hierarchy.node_count[n], hierarchy.leaf_count[n]);
         }
     }
