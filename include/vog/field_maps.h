@@ -19,7 +19,7 @@ namespace vog {
 
 /// Number shown of a field.
 enum class FieldPart {
-    value,  ///< of a scalar field
+    value,  ///< a scalar field itself
     view,   ///< component of a vector field along the ray, away from the eye positive
     x,
     y,
@@ -48,16 +48,26 @@ struct FieldMaps {
 };
 
 /// Splats a field of a model: exact integrals of each Gaussian's plane and residual along every ray.
-/// throws  vog::Error as SplatRenderer does, and for a field that the model lacks
+/// A Gaussian drawn wider than it is (docs/method.md, "Gaussians smaller than a pixel") has its mean value and
+/// whole variance at each of its pixels.
+/// returns  the same bytes for any number of threads
+/// throws   vog::Error as SplatRenderer does, for a field that the model lacks, and for options with boxes or a
+///          hierarchy
 [[nodiscard]] FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
                                            const Camera& camera, int width, int height,
                                            const SplatOptions& options = {});
 /// The same by one ray a pixel.
+/// throws  vog::Error as trace_scene and render_trace do, for a field that the model lacks, and for AnyHit::collect
 [[nodiscard]] FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
                                            const Camera& camera, int width, int height,
-                                           const TraceOptions& options = {});
+                                           const TraceOptions& options = {},
+                                           const TraceSceneOptions& scene = {});
 /// The voxels' own maps: constant in each voxel.
-/// volumes  the measures; fields: the field at each volume's voxels
+/// Several volumes are added up; samples are those of ReferenceOptions.
+/// volumes  the measures
+/// fields   [volumes] the field at the voxels of each
+/// part     FieldPart::value for scalar fields, another for vector fields
+/// throws   vog::Error as voxel_grid and render_reference do, and for fields that are not the volumes'
 [[nodiscard]] FieldMaps render_field_reference(std::span<const Volume> volumes,
                                                std::span<const VoxelField> fields, FieldPart part,
                                                const Camera& camera, int width, int height,

@@ -34,6 +34,14 @@ VOG_HD void add_depth(DepthSum& sum, float tau, const SumRounding& rounding) {
     sum.fine += coarse + fine > 0 ? fine : rounding.fine;
 }
 
+/// Adds a value of either sign, as exactly, where the sums of magnitudes are within the same bound.
+VOG_HD void add_signed(DepthSum& sum, double value, const SumRounding& rounding) {
+    const double coarse = (value + rounding.coarse_shift) - rounding.coarse_shift;
+    const double rest = value - coarse;
+    sum.coarse += coarse;
+    sum.fine += (rest + rounding.fine_shift) - rounding.fine_shift;
+}
+
 /// One hit, ordered by entry; equal entries (Gaussians around the eye all have 0) by index.
 struct CollectedHit {
     float entry;     ///< t at which the ray enters the support

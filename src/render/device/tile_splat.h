@@ -84,9 +84,6 @@ VOG_HD Axes axes_of(const SplatGaussian& g) {
 VOG_HD Double3 apply(const Double3 m[3], Double3 v) {
     return {dot(m[0], v), dot(m[1], v), dot(m[2], v)};
 }
-VOG_HD Double3 cross(Double3 a, Double3 b) {
-    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
 /// Of a ray tracer's Gaussian.
 VOG_HD Axes axes_of(const Gaussian& g) {
     Axes out;

@@ -33,6 +33,9 @@ VOG_HD Double3 operator+(Double3 a, Double3 b) { return {a.x + b.x, a.y + b.y, a
 VOG_HD Double3 operator-(Double3 a, Double3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 VOG_HD Double3 operator*(double s, Double3 a) { return {s * a.x, s * a.y, s * a.z}; }
 VOG_HD double dot(Double3 a, Double3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+VOG_HD Double3 cross(Double3 a, Double3 b) {
+    return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
 
 VOG_HD Float3 to_float(Double3 a) {
     return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};

@@ -56,15 +56,11 @@ double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
 template <class Depth>
 DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
                        const ReferenceOptions& options) {
-    constexpr int kMostSamples = 64;  // 4096 rays: the mean changes by less than a float's rounding
     const int n = options.samples;
-    if (n < 1 || n > kMostSamples)
-        throw Error(fmt::format("reference: {} x {} samples in a pixel, expected 1 to {}", n, n,
-                                kMostSamples));
+    check_samples(n);
     const CameraFrame frame = frame_of(camera, width, height);
     DepthImage image(width, height);
-    // Sample i of n along an edge of the pixel, from its centre.
-    const auto offset = [&](int i) { return (i + 0.5) / n - 0.5; };
+    const auto offset = [&](int i) { return sample_offset(i, n); };
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         check_interrupt();
         double sum = 0;
@@ -85,6 +81,13 @@ void check_ray(Vec3d origin, Vec3d direction) {
 }
 
 }  // namespace
+
+void reference::check_samples(int samples) {
+    constexpr int kMostSamples = 64;  // 4096 rays: the mean changes by less than a float's rounding
+    if (samples < 1 || samples > kMostSamples)
+        throw Error(fmt::format("reference: {} x {} samples in a pixel, expected 1 to {}", samples,
+                                samples, kMostSamples));
+}
 
 std::span<const std::byte> VoxelGrid::bytes() const {
     return {data_->tree.buffer.data(), data_->tree.buffer.size()};

@@ -30,3 +30,12 @@ struct VoxelGrid::Data {
 };
 
 }  // namespace vog
+
+namespace vog::reference {
+
+/// throws vog::Error unless samples is in [1, 64]
+void check_samples(int samples);
+/// Sample i of n along an edge of a pixel, from its centre.
+inline double sample_offset(int i, int n) { return (i + 0.5) / n - 0.5; }
+
+}  // namespace vog::reference

@@ -27,19 +27,6 @@ namespace {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Reciprocals by estimates and a Newton step, faster than the divider on x86 (docs/performance.md).
-constexpr bool kEstimates = HWY_ARCH_X86;
-
-/// Tags of the loops: as wide as the target, or one lane.
-struct WideLanes {
-    using Doubles = hn::ScalableTag<double>;
-    using Floats = hn::CappedTag<float, TilePixels::kMaxLanes>;
-};
-struct OneLane {
-    using Doubles = hn::CappedTag<double, 1>;
-    using Floats = hn::CappedTag<float, 1>;
-};
-
 #include "render/splat/splat_project-inl.h"
 #include "render/splat/splat_rows-inl.h"
 

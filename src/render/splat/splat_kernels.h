@@ -50,6 +50,13 @@ struct NearSplat {
     Vec3d e, shift_x, shift_y;
     Vec3d corner, step_x, step_y;  ///< CameraFrame's, whitened
     double density = 0;            ///< peak, in units of SplatModel::unit
+    std::size_t index = 0;         ///< of the Gaussian
+};
+
+/// The Gaussian that a far splat is of.
+struct SplatOrigin {
+    std::size_t index = 0;
+    bool widened = false;  ///< drawn wider than it is
 };
 
 /// Gaussians to draw, the radius of their kernels, and the unit of T that keeps the squares of
@@ -69,6 +76,7 @@ struct SplatRun {
     PixelBounds* bounds = nullptr;  ///< copy of FarSplat::bounds, contiguous, for binning
     std::size_t count = 0;          ///< number of far splats
     std::vector<NearSplat>* near = nullptr;
+    SplatOrigin* origin = nullptr;  ///< of the far splats, room as there; null: not needed
 };
 
 /// Size of a tile, pixels: the fastest of the sizes tried (docs/performance.md).

@@ -142,6 +142,7 @@ template <std::size_t kLanes>
 struct ProjectionOutput {
     alignas(64) float group[4][4 * kLanes];
     std::size_t far = 0, other = 0;  ///< bit n: Gaussian n is a far splat; may be a near splat
+    std::size_t widened = 0;         ///< bit n: Gaussian n is drawn wider than it is
 };
 
 /// Pixel bounds of intervals, as two 16-bit halves of 32 bits; `some` marks those with a pixel.
@@ -244,6 +245,7 @@ HWY_INLINE void project_lanes(D d, const ProjectionInput& in, const SplatModel& 
     const auto ahead = hn::Gt(hn::Add(forward, reach), zero);
     out.other = lane_bits(d, hn::AndNot(is_far, hn::And(ahead, hn::Gt(peak, zero))));
     if (out.far == 0) return;
+    out.widened = lane_bits(d, hn::Le(least_variance, hn::Set(d, model.limits.least2)));
 
     // F: with everything over the peak squared.
     const V inverse_yy = hn::Div(one, shape_yy);
@@ -342,6 +344,7 @@ inline void add_near_splat(const SplatModel& model, std::size_t i, const CameraF
     s.step_x = w * frame.step_x;
     s.step_y = w * frame.step_y;
     s.density = gaussians.density[i] / model.unit;
+    s.index = i;
     if (!beside_the_view(w, frame, p, model.cutoff)) near.push_back(s);
 }
 
@@ -382,6 +385,7 @@ void project(const SplatModel& model, const CameraFrame& frame, std::size_t firs
             for (std::size_t group = 0; group < 4; ++group)
                 std::memcpy(to + 16 * group, out.group[group] + 4 * n, 16);
             run.bounds[run.count] = run.far[run.count].bounds;
+            if (run.origin) run.origin[run.count] = {block + n, (out.widened >> n & 1) != 0};
             ++run.count;
         }
         for (std::size_t left = out.other & whole; left != 0; left &= left - 1)

@@ -1,5 +1,18 @@
 // splat_rows-inl.h: Splats to pixels, one SIMD vector of pixels at a time, in single precision.
-// Included once per SIMD target by splat_kernels.cpp, inside its namespace.
+// Included once per SIMD target by splat_kernels.cpp and fields/field_kernels.cpp, inside their namespaces.
+
+/// Reciprocals by estimates and a Newton step, faster than the divider on x86 (docs/performance.md).
+constexpr bool kEstimates = HWY_ARCH_X86;
+
+/// Tags of the loops: as wide as the target, or one lane.
+struct WideLanes {
+    using Doubles = hn::ScalableTag<double>;
+    using Floats = hn::CappedTag<float, TilePixels::kMaxLanes>;
+};
+struct OneLane {
+    using Doubles = hn::CappedTag<double, 1>;
+    using Floats = hn::CappedTag<float, 1>;
+};
 
 /// 1 / v to a relative 2e-7 or better. With estimates of 11 bits, an estimate and a Newton step are
 /// faster than a division, since the divider is busy with the square root (docs/performance.md).

@@ -32,11 +32,13 @@ using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Release>;
 struct Query : RTCIntersectContext {
     const TraceModel* model;
     const device::Ray* ray;
-    const float* shares;              ///< of the Gaussians, or null
-    device::Hit hit;                  ///< with the current primitive: OptiX's attributes
-    device::DepthSum sum{};           ///< result of accumulate
-    std::uint32_t hits = 0;           ///< counted by accumulate
-    device::HitList* list = nullptr;  ///< filled by collect
+    const float* shares;                ///< of the Gaussians, or null
+    device::Hit hit;                    ///< with the current primitive: OptiX's attributes
+    device::DepthSum sum{};             ///< result of accumulate
+    std::uint32_t hits = 0;             ///< counted by accumulate
+    device::HitList* list = nullptr;    ///< filled by collect
+    const TraceField* field = nullptr;  ///< summed by accumulate, too
+    FieldDepths sums{};
 
     Query(const TraceModel& traced, const device::Ray& along, const float* of_each)
         : model(&traced), ray(&along), shares(of_each) {
@@ -101,13 +103,34 @@ void intersected(const RTCIntersectFunctionNArguments* args) {
     }
 }
 
+/// Adds tau times the means of a field and of its square to the sums.
+void add_field(Query& query, unsigned index, float tau) {
+    const TraceField& field = *query.field;
+    const device::Gaussian& g = query.model->gaussians[index];
+    const device::Ray& ray = *query.ray;
+    const device::FieldHit hit = device::field_hit(g, ray, query.model->cutoff2);
+    if (!(hit.moments.zeroth > 0)) return;  // a chord shorter than the rounding of `intersect`
+    const device::FieldPlane plane = field.vector.empty()
+                                         ? device::plane_along(field.scalar[index], ray.direction)
+                                         : device::plane_along(field.vector[index], ray.direction);
+    const device::FieldMean mean =
+        device::mean_along(plane, hit.from_mean, ray.direction, hit.moments);
+    const device::SumRounding& rounding = query.model->rounding;
+    device::add_depth(query.sums.column, tau, rounding);
+    device::add_signed(query.sums.first, double{tau} * mean.first, rounding);
+    device::add_signed(query.sums.second, double{tau} * mean.second, rounding);
+}
+
 /// __anyhit__ of accumulate.
 void add_and_ignore(const RTCFilterFunctionNArguments* args) {
     Query& query = *static_cast<Query*>(args->context);
     const unsigned index = RTCHitN_primID(args->hit, 1, 0);
-    const float tau = device::optical_depth(query.model->gaussians[index], query.hit);
-    device::add_depth(query.sum, device::share_of(query.shares, index) * tau,
-                      query.model->rounding);
+    const float tau = device::share_of(query.shares, index) *
+                      device::optical_depth(query.model->gaussians[index], query.hit);
+    if (query.field)
+        add_field(query, index, tau);
+    else
+        device::add_depth(query.sum, tau, query.model->rounding);
     ++query.hits;
     *args->valid = 0;
 }
@@ -202,6 +225,15 @@ std::uint32_t TraceBvh::accumulate(const device::Ray& ray, const float* shares,
     rtcOccluded1(embree_->scene.get(), &query, &along);
     sum = query.sum;
     return query.hits;
+}
+
+FieldDepths TraceBvh::accumulate(const device::Ray& ray, const float* shares,
+                                 const TraceField& field) const {
+    Query query(model_, ray, shares);
+    query.field = &field;
+    RTCRay along = float_ray(model_, ray, 0);
+    rtcOccluded1(embree_->scene.get(), &query, &along);
+    return query.sums;
 }
 
 void TraceBvh::collect(const device::Ray& ray, const float* shares, device::HitList& list) const {

@@ -2,10 +2,22 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
+#include "render/device/field_hit.h"
 #include "render/trace/trace_model.h"
 
 namespace vog::trace {
+
+/// A field on the Gaussians of a model, in scene units: one of the arrays.
+struct TraceField {
+    std::vector<device::ScalarPlane> scalar;
+    std::vector<device::VectorPlane> vector;  ///< of which the component along the ray counts
+};
+/// Sums along a ray: tau, tau times the field's mean along the chord, and times that of its square.
+struct FieldDepths {
+    device::DepthSum column{}, first{}, second{};
+};
 
 /// Host counterpart of an OptiX acceleration structure. Refers to the model, which must outlive it.
 class TraceBvh {
@@ -20,6 +32,9 @@ class TraceBvh {
     /// returns  number of hits
     std::uint32_t accumulate(const device::Ray& ray, const float* shares,
                              device::DepthSum& sum) const;
+    /// The same with a field.
+    FieldDepths accumulate(const device::Ray& ray, const float* shares,
+                           const TraceField& field) const;
     /// Fills `list` with the nearest hits after list.last, unsorted.
     void collect(const device::Ray& ray, const float* shares, device::HitList& list) const;
 

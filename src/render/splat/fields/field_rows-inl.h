@@ -1,0 +1,223 @@
+// field_rows-inl.h: Splats of a field to pixels, one SIMD vector of pixels at a time, in single precision.
+// Included once per SIMD target by field_kernels.cpp, after splat_rows-inl.h.
+
+/// The field at pixels: value v, P, A and r² of field_kernels.h.
+template <class V>
+struct FieldLanes {
+    V value, across, along, variance;
+};
+
+/// PlaneSplat, repeated in every lane.
+template <class V>
+struct PlaneLanes {
+    V value, x, y, along, variance;
+    HWY_INLINE FieldLanes<V> operator()(V dx, V dy) const {
+        return {value, hn::MulAdd(x, dx, hn::Mul(y, dy)), along, variance};
+    }
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE PlaneLanes<V> plane_lanes(D d, const PlaneSplat& s) {
+    return {hn::Set(d, s.value), hn::Set(d, s.x), hn::Set(d, s.y), hn::Set(d, s.along),
+            hn::Set(d, s.variance)};
+}
+
+/// ViewSplat, repeated in every lane.
+template <class V>
+struct ViewLanes {
+    V v, vx, vy;
+    V px, py, pxx, pxy, pyy;
+    V a, ax, ay;
+    V r, rx, ry, rxx, rxy, ryy;
+    HWY_INLINE FieldLanes<V> operator()(V x, V y) const {
+        const V p_x = hn::MulAdd(pxx, x, hn::MulAdd(pxy, y, px)), p_y = hn::MulAdd(pyy, y, py);
+        const V r_x = hn::MulAdd(rxx, x, hn::MulAdd(rxy, y, rx)), r_y = hn::MulAdd(ryy, y, ry);
+        return {hn::MulAdd(vx, x, hn::MulAdd(vy, y, v)), hn::MulAdd(p_x, x, hn::Mul(p_y, y)),
+                hn::MulAdd(ax, x, hn::MulAdd(ay, y, a)), hn::MulAdd(r_x, x, hn::MulAdd(r_y, y, r))};
+    }
+};
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE ViewLanes<V> plane_lanes(D d, const ViewSplat& s) {
+    const auto set = [&](float v) { return hn::Set(d, v); };
+    return {set(s.value[0]),    set(s.value[1]),    set(s.value[2]),    set(s.across[0]),
+            set(s.across[1]),   set(s.across[2]),   set(s.across[3]),   set(s.across[4]),
+            set(s.along[0]),    set(s.along[1]),    set(s.along[2]),    set(s.variance[0]),
+            set(s.variance[1]), set(s.variance[2]), set(s.variance[3]), set(s.variance[4]),
+            set(s.variance[5])};
+}
+
+/// ChordVariance(ratio).
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V chord_variance_at(D d, const ChordVariance& fitted, V ratio) {
+    const V v = hn::MulSub(ratio, hn::Set(d, fitted.slope), hn::Set(d, 1.0f));
+    const float* coefficient = fitted.coefficient.data();
+    std::size_t power = fitted.coefficient.size() - 1;
+    V sum = hn::Set(d, coefficient[power]);
+    while (power-- > 0) sum = hn::MulAdd(sum, v, hn::Set(d, coefficient[power]));
+    return sum;
+}
+
+/// Three sums of one vector of pixels.
+template <class V>
+struct SumLanes {
+    V tau, first, second;
+};
+/// The forms of FarSplat at pixels, and their offsets from the projected mean.
+template <class V>
+struct FormLanes {
+    V a, f, c, across;  ///< F = f - a², C = c² + across² + e02
+    V dx, dy;
+};
+template <bool kParallel, int kDegree, class D, class Plane, class V = hn::Vec<D>>
+HWY_INLINE SumLanes<V> field_tau(D d, const KernelLanes<kDegree, V>& kernel,
+                                 const ChordVariance& fitted, const SplatLanes<V>& s,
+                                 const Plane& plane, V per_c, const FormLanes<V>& at) {
+    const V big_f = hn::Max(hn::NegMulAdd(at.a, at.a, at.f), hn::Zero(d));
+    const V n = hn::MulAdd(at.across, at.across, s.e02);
+    const V inverse_c = reciprocal(d, hn::MulAdd(at.c, at.c, n));
+    const V ratio = hn::Mul(big_f, inverse_c);
+    const V tau =
+        hn::Mul(hn::Mul(hn::Sqrt(big_f), inverse_c), kernel_at<kDegree>(d, kernel, ratio));
+    const FieldLanes<V> field = plane(at.dx, at.dy);
+    V phi = hn::Add(field.value, field.across), along = field.along;
+    if constexpr (!kParallel) {
+        along = hn::Add(along, field.across);
+        const V delta_x = hn::MulAdd(s.cx, at.dx, hn::Mul(s.cy, at.dy));
+        const V delta_y = hn::Mul(s.dy, at.dy);
+        const V dots = hn::MulAdd(delta_x, at.c, hn::Mul(delta_y, at.across));
+        phi = hn::NegMulAdd(hn::Mul(dots, inverse_c), along, phi);
+    }
+    const V spread = hn::Mul(hn::Mul(along, along), hn::Mul(per_c, inverse_c));
+    const V square = hn::MulAdd(
+        phi, phi, hn::MulAdd(spread, chord_variance_at(d, fitted, ratio), field.variance));
+    return {tau, hn::Mul(tau, phi), hn::Mul(tau, square)};
+}
+
+template <class Block, class D, class V = hn::Vec<D>>
+HWY_INLINE void add_sums(D d, const SumLanes<V>& sums, FieldTile& tile, int row, int column) {
+    const V parts[3] = {sums.tau, sums.first, sums.second};
+    for (int n = 0; n < 3; ++n) {
+        float* at = tile.sum[n].depth[row] + column;
+        Block::store(d, hn::Add(Block::load(d, at), parts[n]), at);
+    }
+}
+
+/// add_narrow of splat_rows-inl.h for a field.
+template <bool kParallel, int kDegree, int kRows, class Splat, class D>
+HWY_INLINE void add_narrow_field(D d, const FarSplat& s, const Splat& field, const TileRange& range,
+                                 const KernelLanes<kDegree, hn::Vec<D>>& kernel,
+                                 const ChordVariance& fitted, FieldTile& tile) {
+    using V = hn::Vec<D>;
+    constexpr int kColumns = static_cast<int>(hn::MaxLanes(D())) / kRows;
+    const SplatLanes<V> lanes = splat_lanes(d, s);
+    const auto plane = plane_lanes(d, field);
+    const V per_c = hn::Set(d, field.per_c);
+    alignas(64) static constexpr auto kX = [] {
+        std::array<float, hn::MaxLanes(D())> x{};
+        for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kColumns);
+        return x;
+    }();
+    alignas(64) static constexpr auto kY = [] {
+        std::array<float, hn::MaxLanes(D())> y{};
+        for (std::size_t n = 0; n < y.size(); ++n) y[n] = static_cast<float>(n / kColumns);
+        return y;
+    }();
+    const TilePixels& place = tile.sum[0];
+    const V x = hn::Add(hn::Load(d, kX.data()),
+                        hn::Set(d, static_cast<float>(place.column + range.x0 - s.column)));
+    V y = hn::Add(hn::Load(d, kY.data()),
+                  hn::Set(d, static_cast<float>(place.row + range.y0 - s.row)));
+    const V a_row = hn::MulAdd(lanes.ax, x, lanes.a0), c_row = hn::MulAdd(lanes.cx, x, lanes.c0);
+    const V mean_y = hn::Set(d, field.mean_y), rows = hn::Set(d, static_cast<float>(kRows));
+    FormLanes<V> at;
+    at.dx = hn::Sub(x, hn::Set(d, field.mean_x));
+    for (int row = range.y0; row <= range.y1; row += kRows) {
+        const V b = hn::MulAdd(lanes.by, y, lanes.b0);
+        at.a = hn::MulAdd(lanes.ay, y, a_row);
+        at.f = hn::NegMulAdd(b, b, lanes.f0);
+        at.c = hn::MulAdd(lanes.cy, y, c_row);
+        at.across = hn::MulAdd(lanes.dy, y, lanes.d0);
+        at.dy = hn::Sub(y, mean_y);
+        add_sums<Rows<kRows, D>>(
+            d, field_tau<kParallel, kDegree>(d, kernel, fitted, lanes, plane, per_c, at), tile, row,
+            range.x0);
+        y = hn::Add(y, rows);
+    }
+}
+
+/// add_wide of splat_rows-inl.h for a field.
+template <bool kParallel, int kDegree, class Splat, class D>
+HWY_INLINE void add_wide_field(D d, const FarSplat& s, const Splat& field, const TileRange& range,
+                               const KernelLanes<kDegree, hn::Vec<D>>& kernel,
+                               const ChordVariance& fitted, FieldTile& tile) {
+    using V = hn::Vec<D>;
+    const TilePixels& place = tile.sum[0];
+    RowForms rows;
+    row_forms(d, s, range, place.column, place.row, rows);
+    const SplatLanes<V> lanes = splat_lanes(d, s);
+    const auto plane = plane_lanes(d, field);
+    const V per_c = hn::Set(d, field.per_c);
+    const auto step = static_cast<int>(hn::Lanes(d));
+    const V columns = hn::Set(d, static_cast<float>(step)), mean_x = hn::Set(d, field.mean_x);
+    const V origin = hn::Iota(d, static_cast<float>(place.column - s.column));
+    for (int n = 0; n <= range.y1 - range.y0; ++n) {
+        const int first = rows.first[n], last = rows.last[n];
+        const float y = static_cast<float>(place.row + range.y0 + n - s.row);
+        V x = hn::Add(origin, hn::Set(d, static_cast<float>(first)));
+        FormLanes<V> at;
+        at.f = hn::Set(d, rows.f[n]);
+        at.across = hn::Set(d, s.dy * y + s.d0);
+        at.dy = hn::Set(d, y - field.mean_y);
+        const V a_row = hn::Set(d, rows.a[n]), c_row = hn::Set(d, rows.c[n]);
+        for (int column = first; column <= last; column += step) {
+            at.a = hn::MulAdd(lanes.ax, x, a_row);
+            at.c = hn::MulAdd(lanes.cx, x, c_row);
+            at.dx = hn::Sub(x, mean_x);
+            add_sums<Rows<1, D>>(
+                d, field_tau<kParallel, kDegree>(d, kernel, fitted, lanes, plane, per_c, at), tile,
+                range.y0 + n, column);
+            x = hn::Add(x, columns);
+        }
+    }
+}
+
+template <bool kParallel, int kDegree, class Tags, class Splat>
+void add_fields_degree(const FarSplat* splats, const Splat* planes, const std::uint32_t* index,
+                       std::size_t count, const FieldPolynomials& polynomials, FieldTile& tile) {
+    const typename Tags::Floats d;
+    const auto kernel = kernel_lanes<kDegree>(d, polynomials.kernel);
+    const ChordVariance& fitted = polynomials.variance;
+    constexpr auto kLanes = static_cast<int>(hn::MaxLanes(typename Tags::Floats()));
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t n = 0; n < count; ++n) {
+        if (n + kAhead < count) {
+            hwy::Prefetch(splats + index[n + kAhead]);
+            hwy::Prefetch(planes + index[n + kAhead]);
+        }
+        const FarSplat& s = splats[index[n]];
+        const Splat& field = planes[index[n]];
+        const TileRange range = range_in(tile.sum[0], s.bounds);
+        const int width = range.x1 - range.x0 + 1;
+        if (kLanes >= 16 && width <= kLanes / 4)
+            add_narrow_field<kParallel, kDegree, kLanes >= 16 ? 4 : 1>(d, s, field, range, kernel,
+                                                                       fitted, tile);
+        else if (kLanes >= 8 && width <= kLanes / 2)
+            add_narrow_field<kParallel, kDegree, kLanes >= 8 ? 2 : 1>(d, s, field, range, kernel,
+                                                                      fitted, tile);
+        else if (kLanes > 1 && width <= kLanes)
+            add_narrow_field<kParallel, kDegree, 1>(d, s, field, range, kernel, fitted, tile);
+        else
+            add_wide_field<kParallel, kDegree>(d, s, field, range, kernel, fitted, tile);
+    }
+}
+
+template <bool kParallel, class Tags, class Splat>
+void add_fields(const FarSplat* splats, const Splat* planes, const std::uint32_t* index,
+                std::size_t count, const FieldPolynomials& polynomials, FieldTile& tile) {
+    // The degree of the default cutoff is unrolled.
+    const KernelPolynomial& kernel = polynomials.kernel;
+    const bool usual = kernel.shift == 0 && kernel.coefficient.size() == 7;
+    return usual ? add_fields_degree<kParallel, 6, Tags>(splats, planes, index, count, polynomials,
+                                                         tile)
+                 : add_fields_degree<kParallel, -1, Tags>(splats, planes, index, count, polynomials,
+                                                          tile);
+}

@@ -1,0 +1,136 @@
+// field_splat.cpp: Maps of a field by splatting: three sums a pixel over the same splats as T.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "core/parallel.h"
+#include "render/pixel_limits.h"
+#include "render/splat/fields/field_planes.h"
+#include "render/splat/projected_splats.h"
+#include "vog/error.h"
+
+namespace vog {
+
+using namespace splat;
+
+namespace {
+
+void check(const SplatOptions& options, int width, int height) {
+    if (options.aabb_sigma != 0)
+        throw Error("splat: bounding boxes (aabb_sigma) with a field, expected T or trace");
+    if (options.hierarchy) throw Error("splat: a hierarchy with a field, expected all Gaussians");
+    if (width > kMaxSide || height > kMaxSide)
+        throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
+                                height, kMaxSide));
+}
+
+/// One picture in progress.
+struct Picture {
+    const Gaussians& gaussians;
+    const ShownField& shown;
+    const CameraFrame& frame;  ///< relative to the model's origin
+    const SplatModel& model;
+    const FieldPolynomials& polynomials;
+    const SplatKernels& kernels;
+    FieldMaps& maps;  ///< column, and in mean and deviation the other sums
+    ProjectedSplats splats{};
+    std::vector<PlaneSplat> planes{};
+    std::vector<ViewSplat> views{};
+
+    void add(std::size_t first, std::size_t last);
+    void draw_tile(int t, FieldTile& tile) const;
+};
+
+/// Adds Gaussians first ... last - 1 to the sums.
+void Picture::add(std::size_t first, std::size_t last) {
+    splats.keep_origin = true;
+    const std::size_t count = last - first;
+    if (shown.along_rays)
+        views.resize(std::max(views.size(), count));
+    else
+        planes.resize(std::max(planes.size(), count));
+    const double share = model.limits.variance;
+    splats.project(kernels, model, frame, first, last, [&](const SplatChunk& chunk) {
+        for (std::size_t n = chunk.slot; n < chunk.slot + chunk.count; ++n)
+            if (shown.along_rays)
+                views[n] =
+                    view_splat(shown, gaussians, splats.origin[n], splats.far[n], frame, share);
+            else
+                planes[n] =
+                    plane_splat(shown, gaussians, splats.origin[n], splats.far[n], frame, share);
+    });
+    draw_tiles<FieldTile>(splats.bins, [&](int t, FieldTile& tile) { draw_tile(t, tile); });
+}
+
+void Picture::draw_tile(int t, FieldTile& tile) const {
+    for (TilePixels& sum : tile.sum) sum.column = splats.column_of(t), sum.row = splats.row_of(t);
+    const FieldKernels& loops = field_kernels(kernels);
+    const bool touched = splats.visit(t, frame, [&](const std::uint32_t* index, std::size_t count) {
+        const FarSplat* far = splats.far.data();
+        if (shown.along_rays)
+            loops.add_view(far, views.data(), index, count, polynomials, tile);
+        else
+            (frame.orthographic ? loops.add_parallel : loops.add_pinhole)(far, planes.data(), index,
+                                                                          count, polynomials, tile);
+    });
+    for (const NearSplat& splat : splats.near)
+        add_near_field(splat, shown, gaussians, frame, double{model.cutoff}, tile);
+    if (!touched) return;
+    // Without the unit of T: the sums keep their digits where T itself is too small for a float.
+    float* sums[3] = {maps.column.data(), maps.mean.data(), maps.deviation.data()};
+    for (std::size_t n = 0; n < 3; ++n) kernels.finish_tile(tile.sum[n], frame, 1, true, sums[n]);
+}
+
+/// Sums to means and deviations.
+void finish(const ShownField& shown, const CameraFrame& frame, double unit, FieldMaps& maps) {
+    const FieldMaps sums = maps;
+    vog::parallel_for(0, maps.height, [&](int row) {
+        for (int column = 0; column < maps.width; ++column) {
+            const auto n = static_cast<std::size_t>(row) * static_cast<std::size_t>(maps.width) +
+                           static_cast<std::size_t>(column);
+            const Vec3d direction = frame.direction(column, row);
+            const double per_length = shown.along_rays ? 1 / length(direction) : 1;
+            const RaySums ray{double{sums.column[n]}, double{sums.mean[n]},
+                              double{sums.deviation[n]}};
+            maps.mean[n] = maps.deviation[n] = std::numeric_limits<float>::quiet_NaN();
+            set_pixel(maps, n, ray, ray.column * unit,
+                      shown.reference_along(per_length * direction), shown.unit * per_length);
+        }
+    });
+}
+
+}  // namespace
+
+FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
+                             const Camera& camera, int width, int height,
+                             const SplatOptions& options) {
+    const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians.origin);
+    check(options, width, height);
+    validate(gaussians);
+    const auto cutoff = static_cast<float>(cutoff_of_kappa(options.kappa, gaussians.cutoff));
+    const ShownField shown = shown_field(gaussians, choice, frame, double{cutoff});
+    const FieldPolynomials polynomials{fit_kernel(double{cutoff}),
+                                       fit_chord_variance(double{cutoff})};
+    const SplatModel model{&gaussians, unit_of(gaussians), cutoff, pixel_limits(double{cutoff}),
+                           &polynomials.kernel};
+    const SplatKernels& kernels =
+        options.simd_target.empty() ? best_splat_kernels() : splat_kernels(options.simd_target);
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    FieldMaps maps{width, height, std::vector<float>(pixels), std::vector<float>(pixels),
+                   std::vector<float>(pixels)};
+    Picture picture{gaussians, shown, frame, model, polynomials, kernels, maps};
+    const std::size_t size = gaussians.size(), batch = TileBins::most_splats(width, height);
+    std::size_t first = 0;
+    do {
+        const std::size_t last = std::min(first + batch, size);
+        picture.add(first, last);
+        if (options.progress)
+            options.progress(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
+        first = last;
+    } while (first < size);
+    finish(shown, frame, model.unit, maps);
+    return maps;
+}
+
+}  // namespace vog
