@@ -43,6 +43,25 @@ ColorScale automatic_scale(std::span<const DepthImage> images, bool log);
 Image shade_values(const DepthImage& values, const TransferFunction& tf, const ColorScale& scale,
                    const ShadeOptions& options = {});
 
+/// Values of either sign per pixel, rows from the top; NaN: nothing is there.
+struct ValueMap {
+    int width = 0, height = 0;  ///< pixels
+    std::vector<float> value;   ///< [height * width]
+};
+/// Fit of a scale to values.
+enum class ScaleFit {
+    linear,     ///< from the 1st to the 99th percentile
+    log,        ///< likewise of the values above 0, at most four decades
+    symmetric,  ///< linear, -a to a, a the 99th percentile of the magnitudes
+};
+/// Scale of values; those that are NaN do not count. Equal values get a range around them.
+/// throws  vog::Error for ScaleFit::log without a value above 0
+ColorScale fitted_scale(std::span<const float> values, ScaleFit fit);
+/// Shades a map by a scale: tf(position), and the background where the map is NaN.
+/// throws  vog::Error as shade_values does
+Image shade_map(const ValueMap& map, const TransferFunction& tf, const ColorScale& scale,
+                const ShadeOptions& options = {});
+
 /// Values with a tick, ascending: 1, 2 or 5 times a power of ten apart; decades of a logarithmic
 /// scale, with 2 and 5 between where there is room; of visibility values up to T = 5.
 /// least_gap  least distance between ticks, as positions
@@ -69,5 +88,18 @@ Image annotated(const Image& picture, const TransferFunction& tf, const ColorSca
 /// Written beside the file and renamed when whole.
 /// throws  vog::Error for another extension, or if the file cannot be written
 void write_values(const std::filesystem::path& file, const DepthImage& values);
+/// Writes a map as .npy, NaN included.
+/// throws  vog::Error as for depth images
+void write_map(const std::filesystem::path& file, const ValueMap& map);
+
+/// Channel of an EXR.
+struct NamedValues {
+    std::string name;               ///< "column", "mean"
+    std::span<const float> values;  ///< [height * width]
+};
+/// Writes channels of float32 by their names to one .exr, NaN included.
+/// throws  vog::Error as for depth images, and for channels of another size
+void write_channels(const std::filesystem::path& file, int width, int height,
+                    std::span<const NamedValues> channels);
 
 }  // namespace vog

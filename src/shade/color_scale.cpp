@@ -85,6 +85,43 @@ ColorScale automatic_scale(std::span<const DepthImage> images, bool log) {
     return {Kind::log, low, largest};
 }
 
+namespace {
+
+/// Value of nearest rank, ceil(share n) of n.
+double percentile(std::vector<float>& values, double share) {
+    const auto rank =
+        static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(rank, 1) - 1);
+    std::nth_element(values.begin(), at, values.end());
+    return double{*at};
+}
+
+}  // namespace
+
+ColorScale fitted_scale(std::span<const float> values, ScaleFit fit) {
+    constexpr double kLow = 0.01, kHigh = 0.99, kDecades = 1e4;
+    const bool log = fit == ScaleFit::log;
+    std::vector<float> counted;
+    for (const float value : values)
+        if (std::isfinite(value) && (!log || value > 0))
+            counted.push_back(fit == ScaleFit::symmetric ? std::abs(value) : value);
+    if (counted.empty() && log)
+        throw Error("a logarithmic scale, expected at least one value above 0");
+    if (counted.empty()) return {Kind::linear, fit == ScaleFit::symmetric ? -1.0 : 0.0, 1};
+    const double high = percentile(counted, kHigh);
+    if (fit == ScaleFit::symmetric) {
+        const double most = high > 0 ? high : 1;
+        return {Kind::linear, -most, most};
+    }
+    const double low = std::max(percentile(counted, kLow), log ? high / kDecades : -HUGE_VAL);
+    if (low < high) return {log ? Kind::log : Kind::linear, low, high};
+    // Equal values: a range around them.
+    if (log) return {Kind::log, low / 2, high * 2};
+    const double margin = low != 0 ? 0.01 * std::abs(low) : 1;
+    return {Kind::linear, low - margin, high + margin};
+}
+
 std::vector<double> scale_ticks(const ColorScale& scale, double least_gap) {
     require_valid(scale);
     std::vector<double> ticks;

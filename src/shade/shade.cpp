@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "core/parallel.h"
 #include "data/image_checks.h"
@@ -32,27 +33,26 @@ Rgba over(const Rgba& front, const Rgba& back) {
             back.a == 1 ? 1 : alpha};
 }
 
-/// Shades by position(value), [0, 1], where a value is above 0.
-template <class Position>
-Image shade_by(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options,
-               const Position& position) {
+/// Shades by position(value), [0, 1], the pixels of which shows(value) is true.
+template <class Shows, class Position>
+Image shade_by(int width, int height, std::span<const float> values, const TransferFunction& tf,
+               const ShadeOptions& options, const Shows& shows, const Position& position) {
     require_valid("transfer function " + tf.name, tf);
     const Rgba& background = options.background;
     for (const float c : {background.r, background.g, background.b, background.a})
         if (!in_unit_range(c))
             throw Error(fmt::format("background ({}, {}, {}, {}), expected numbers in [0, 1]",
                                     background.r, background.g, background.b, background.a));
-    require_valid("shade", depth);
 
     const bool opaque = tf.opacity.empty();
     const Ramp<3> color(tf.color);
     const Ramp<1> opacity(opaque ? kOpaque : tf.opacity);
-    Image image(depth.width, depth.height);
-    vog::parallel_for(tbb::blocked_range<std::size_t>(0, depth.depth.size(), 1 << 14),
+    Image image(width, height);
+    vog::parallel_for(tbb::blocked_range<std::size_t>(0, values.size(), 1 << 14),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                              const float t = depth.depth[i];
-                              if (!(t > 0)) {
+                              const float t = values[i];
+                              if (!shows(t)) {
                                   image.pixel[i] = background;
                                   continue;
                               }
@@ -66,20 +66,40 @@ Image shade_by(const DepthImage& depth, const TransferFunction& tf, const ShadeO
     return image;
 }
 
+bool is_positive(float value) { return value > 0; }
+
+/// throws vog::Error for options or a scale that do not go with values
+void check_values(const ColorScale& scale, const ShadeOptions& options) {
+    if (options.blend)
+        throw Error("blend: fades by V = 1 - exp(-T), which a map of values does not have");
+    (void)scale_position(scale, 0);  // checks the scale
+}
+
 }  // namespace
 
 Image shade(const DepthImage& depth, const TransferFunction& tf, const ShadeOptions& options) {
-    return shade_by(depth, tf, options, [](float t) { return 1 - std::exp(-t); });
+    require_valid("shade", depth);
+    return shade_by(depth.width, depth.height, depth.depth, tf, options, is_positive,
+                    [](float t) { return 1 - std::exp(-t); });
 }
 
 Image shade_values(const DepthImage& values, const TransferFunction& tf, const ColorScale& scale,
                    const ShadeOptions& options) {
-    if (options.blend)
-        throw Error("blend: fades by V = 1 - exp(-T), which a map of values does not have");
-    (void)scale_position(scale, 0);  // checks the scale
-    return shade_by(values, tf, options, [&](float value) {
-        return static_cast<float>(scale_position(scale, static_cast<double>(value)));
-    });
+    check_values(scale, options);
+    require_valid("shade", values);
+    return shade_by(
+        values.width, values.height, values.depth, tf, options, is_positive,
+        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); });
+}
+
+Image shade_map(const ValueMap& map, const TransferFunction& tf, const ColorScale& scale,
+                const ShadeOptions& options) {
+    check_values(scale, options);
+    require_valid_size("shade", map.width, map.height);
+    return shade_by(
+        map.width, map.height, map.value, tf, options,
+        [](float value) { return !std::isnan(value); },
+        [&](float value) { return static_cast<float>(scale_position(scale, double{value})); });
 }
 
 }  // namespace vog

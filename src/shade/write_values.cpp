@@ -6,6 +6,7 @@
 
 #include "core/atomic_file.h"
 #include "data/image_checks.h"
+#include "io/image/image_files.h"
 #include "vog/error.h"
 #include "vog/quantity.h"
 
@@ -26,6 +27,17 @@ std::string npy_header(int width, int height) {
     return header + text;
 }
 
+/// Writes [height, width] float32 as .npy.
+void write_npy(const std::filesystem::path& file, int width, int height,
+               std::span<const float> values) {
+    static_assert(std::endian::native == std::endian::little);
+    write_file(file, [&](std::ofstream& out) {
+        out << npy_header(width, height);
+        out.write(reinterpret_cast<const char*>(values.data()),
+                  static_cast<std::streamsize>(values.size() * sizeof(float)));
+    });
+}
+
 }  // namespace
 
 void write_values(const std::filesystem::path& file, const DepthImage& values) {
@@ -35,12 +47,33 @@ void write_values(const std::filesystem::path& file, const DepthImage& values) {
         throw Error(fmt::format("{}: cannot write '{}' for values, expected .npy or .exr",
                                 file.string(), extension));
     require_valid(file.string(), values);
-    static_assert(std::endian::native == std::endian::little);
-    write_file(file, [&](std::ofstream& out) {
-        out << npy_header(values.width, values.height);
-        out.write(reinterpret_cast<const char*>(values.depth.data()),
-                  static_cast<std::streamsize>(values.depth.size() * sizeof(float)));
-    });
+    write_npy(file, values.width, values.height, values.depth);
+}
+
+void write_map(const std::filesystem::path& file, const ValueMap& map) {
+    require_valid_size(file.string(), map.width, map.height);
+    if (file.extension() != ".npy")
+        throw Error(fmt::format("{}: cannot write '{}' for one map, expected .npy", file.string(),
+                                file.extension().string()));
+    write_npy(file, map.width, map.height, map.value);
+}
+
+void write_channels(const std::filesystem::path& file, int width, int height,
+                    std::span<const NamedValues> channels) {
+    require_valid_size(file.string(), width, height);
+    const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    std::vector<const char*> names;
+    for (const NamedValues& channel : channels) {
+        if (channel.values.size() != pixels)
+            throw Error(fmt::format("{}: channel {} has {} values, expected {}", file.string(),
+                                    channel.name, channel.values.size(), pixels));
+        names.push_back(channel.name.c_str());
+    }
+    std::vector<float> interleaved;
+    interleaved.reserve(pixels * channels.size());
+    for (std::size_t n = 0; n < pixels; ++n)
+        for (const NamedValues& channel : channels) interleaved.push_back(channel.values[n]);
+    image_files::write_exr(file, width, height, names, interleaved);
 }
 
 }  // namespace vog

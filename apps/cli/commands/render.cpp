@@ -76,7 +76,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     const std::vector<Frame> values = quantity.values_output.empty()
                                           ? std::vector<Frame>{}
                                           : frames_of(inputs, quantity.values_output, ".npy");
-    const bool fixes_range = quantity.column() && quantity.range.empty();
+    const bool fixes_range = quantity.scaled() && quantity.range.empty();
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;

@@ -16,21 +16,35 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
         .add_option("--show", arguments.show,
                     "Quantity of the picture: T (optical depth, coloured by V = 1 - exp(-T)), or "
                     "column: column density, the integral of density along the ray in world units "
-                    "(of particles: number or value per area), coloured over --range")
-        ->check(CLI::IsMember({"T", "column"}))
+                    "(of particles: number or value per area), or of --field: mean, weighted by "
+                    "density along the ray, or deviation, its standard deviation; coloured over "
+                    "--range")
+        ->check(CLI::IsMember({"T", "column", "mean", "deviation"}))
         ->capture_default_str()
         ->group(kQuantityGroup);
     command
-        .add_option("--range", arguments.range,
-                    "Column densities LO,HI at the two ends of --tf; default: 0 to the largest of "
-                    "the first picture; with --log the four decades below the largest, or fewer")
-        ->group(kQuantityGroup);
-    command.add_flag("--log", arguments.log, "Logarithmic colour scale of column density")
+        .add_option("--field", arguments.field,
+                    "Field of a model that mean and deviation show: temperature, velocity (a "
+                    "vector field's component along the view, away from the eye positive) or "
+                    "velocity.x, .y, .z")
         ->group(kQuantityGroup);
     command
+        .add_option("--range", arguments.range,
+                    "Values LO,HI at the two ends of --tf; default: of the first picture, column "
+                    "densities from 0 to the largest, logarithmic the four decades below the "
+                    "largest or fewer; fields from the 1st to the 99th percentile")
+        ->group(kQuantityGroup);
+    command
+        .add_option("--scale", arguments.scale,
+                    "Colour scale: linear, log, or for fields symmetric: the range is centred at 0")
+        ->check(CLI::IsMember({"linear", "log", "symmetric"}))
+        ->capture_default_str()
+        ->group(kQuantityGroup);
+    command.add_flag("--log", arguments.log, "The same as --scale log")->group(kQuantityGroup);
+    command
         .add_option("--units", arguments.units,
-                    "Unit of column density, for the colour bar and the report: text, such as "
-                    "'g/cm2'")
+                    "Unit of the shown quantity, for the colour bar and the report: text, such as "
+                    "'g/cm2'; default: the field's")
         ->group(kQuantityGroup);
     command
         .add_flag("--color-bar", arguments.color_bar,
@@ -41,7 +55,8 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
     command
         .add_option("--values-out", arguments.values_output,
                     "File of the shown quantity as float32 numbers, height x width, rows from the "
-                    "top: .npy or .exr. A folder where -o is one: .npy files")
+                    "top: .npy or .exr; of a field the .exr has the channels column, mean and "
+                    "deviation. A folder where -o is one: .npy files")
         ->group(kQuantityGroup);
 }
 
@@ -51,15 +66,16 @@ std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments) {
     const auto wrong = [&] {
         return CLI::ValidationError(
             fmt::format("--range {}: expected LO,HI, two numbers, the first below the second{}",
-                        arguments.range, arguments.log ? " and above 0 (--log)" : ""));
+                        arguments.range, arguments.logarithmic() ? " and above 0 (--log)" : ""));
     };
     if (comma == std::string::npos) throw wrong();
     try {
         std::size_t low_end = 0, high_end = 0;
         const std::string low = arguments.range.substr(0, comma);
         const std::string high = arguments.range.substr(comma + 1);
-        const ColorScale scale{arguments.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
-                               std::stod(low, &low_end), std::stod(high, &high_end)};
+        const ColorScale scale{
+            arguments.logarithmic() ? ColorScale::Kind::log : ColorScale::Kind::linear,
+            std::stod(low, &low_end), std::stod(high, &high_end)};
         if (low_end != low.size() || high_end != high.size()) throw wrong();
         (void)scale_position(scale, 0);  // checks the range
         return scale;
@@ -74,15 +90,29 @@ void check_quantity_options(const QuantityArguments& arguments, const CLI::App& 
         if (command.count(option))
             throw CLI::ValidationError(fmt::format("{}: {}", option, reason));
     };
-    if (!arguments.column()) {
-        for (const char* option : {"--range", "--log", "--units"})
-            refuse(option, "is of column density, expected --show column");
+    if (!arguments.scaled()) {
+        for (const char* option : {"--range", "--scale", "--log", "--units"})
+            refuse(option,
+                   "is of column density and fields, expected --show column, mean or "
+                   "deviation");
     } else {
-        refuse("--extinction", "column density has none, expected it without --show column");
-        refuse("--blend", "fades by V, expected it without --show column");
+        refuse("--extinction", "column density and fields have none, expected it with --show T");
+        refuse("--blend", "fades by V, expected it with --show T");
     }
+    if (arguments.of_field()) {
+        if (arguments.field.empty())
+            throw CLI::ValidationError(
+                fmt::format("--show {}: expected --field NAME", arguments.show));
+        refuse("--depth-out", "is of T, expected --values-out FILE.exr, which has the column");
+    } else {
+        refuse("--field", "is of --show mean or deviation");
+        if (arguments.scale == "symmetric")
+            refuse("--scale", "symmetric is of --show mean or deviation");
+    }
+    if (arguments.log && command.count("--scale") && arguments.scale != "log")
+        refuse("--log", "is --scale log, expected one of them");
     if (!pictures)
-        for (const char* option : {"--range", "--log", "--color-bar", "--title"})
+        for (const char* option : {"--range", "--scale", "--log", "--color-bar", "--title"})
             refuse(option, "is of a picture, expected -o");
     (void)fixed_scale(arguments);
 }

@@ -10,13 +10,22 @@
 namespace vog::cli {
 
 struct QuantityArguments {
-    std::string show = "T", range, units, title, values_output;
+    std::string show = "T", field, range, scale = "linear", units, title, values_output;
     bool log = false, color_bar = false;
 
     bool column() const { return show == "column"; }
+    bool of_field() const { return show == "mean" || show == "deviation"; }
+    /// Whether colours are over --range.
+    bool scaled() const { return column() || of_field(); }
+    bool logarithmic() const { return log || scale == "log"; }
+    ScaleFit fit() const {
+        return logarithmic()          ? ScaleFit::log
+               : scale == "symmetric" ? ScaleFit::symmetric
+                                      : ScaleFit::linear;
+    }
 };
 
-/// Adds --show, --range, --log, --units, --color-bar, --title and --values-out.
+/// Adds --show, --field, --range, --scale, --log, --units, --color-bar, --title and --values-out.
 void add_quantity_options(CLI::App& command, QuantityArguments& arguments);
 
 /// throws CLI::ValidationError for options without effect beside the others, and for a range that
@@ -24,7 +33,7 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments);
 /// pictures  whether a picture is written
 void check_quantity_options(const QuantityArguments& arguments, const CLI::App& command,
                             bool pictures);
-/// The scale of --range and --log; none without --range.
+/// The scale of --range, --scale and --log; none without --range.
 std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments);
 
 }  // namespace vog::cli

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "shared/field_run.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
@@ -49,7 +50,7 @@ std::string quantity_text(const RenderArguments& arguments, FileKind kind) {
 ColorScale scale_of(const QuantityArguments& quantity, const DepthImage& depth) {
     if (!quantity.column()) return {};
     if (const auto fixed = fixed_scale(quantity)) return *fixed;
-    return automatic_scale({&depth, 1}, quantity.log);
+    return automatic_scale({&depth, 1}, quantity.logarithmic());
 }
 
 /// The picture with --color-bar and --title.
@@ -66,10 +67,12 @@ Image pictured(const RenderArguments& arguments, const DepthImage& depth,
     return annotated(image, tf, scale, {given.title, label, given.color_bar}, shading.background);
 }
 
-double share_above(const DepthImage& depth, double limit) {
+}  // namespace
+
+double share_above(std::span<const float> values, double limit) {
     const auto above =
-        std::ranges::count_if(depth.depth, [&](float value) { return double{value} > limit; });
-    return static_cast<double>(above) / static_cast<double>(depth.depth.size());
+        std::ranges::count_if(values, [&](float value) { return double{value} > limit; });
+    return static_cast<double>(above) / static_cast<double>(values.size());
 }
 
 RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& drawing,
@@ -81,7 +84,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& draw
     picture.units = arguments.quantity.units;
     if (arguments.quantity.column()) {
         picture.scale = scale;
-        picture.above_range = share_above(depth, scale.high);
+        picture.above_range = share_above(depth.depth, scale.high);
     }
     picture.output = arguments.output;
     picture.depth_output = arguments.depth_output;
@@ -122,7 +125,16 @@ RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& draw
     return picture;
 }
 
-}  // namespace
+std::vector<double> timed(const RenderArguments& arguments, const std::function<void()>& draw) {
+    // With --repeat N: one warm-up that is not timed, then N timed renders.
+    std::vector<double> render_ms;
+    for (int n = arguments.repeat ? -1 : 0; n < std::max(arguments.repeat, 1); ++n) {
+        const Clock::time_point start = Clock::now();
+        draw();
+        if (n >= 0) render_ms.push_back(milliseconds_since(start));
+    }
+    return render_ms;
+}
 
 double RenderedPicture::median_ms() const {
     const std::size_t middle = render_ms.size() / 2;
@@ -260,6 +272,7 @@ void require_finite(const DepthImage& image, const std::string& input) {
 std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
                                       const RenderRanks& ranks) {
     check_arguments(arguments, command, ranks.is_root);
+    if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
     const Size size = parse_size(arguments.size);
     const std::optional<double> extinction = fixed_extinction(arguments.color);
     const TransferFunction tf = load_transfer_function(arguments.color.tf);
@@ -272,16 +285,10 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
     const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
                                       double(size.width) / size.height);
 
-    // With --repeat N: one warm-up that is not timed, then N timed renders.
     const Progress progress = arguments.repeat ? Progress{} : stages.progress();
     DepthImage depth;
-    std::vector<double> render_ms;
-    stages.run("render", [&] {
-        for (int n = arguments.repeat ? -1 : 0; n < std::max(arguments.repeat, 1); ++n) {
-            const Clock::time_point start = Clock::now();
-            drawing.draw(camera, size, progress, depth);
-            if (n >= 0) render_ms.push_back(milliseconds_since(start));
-        }
+    std::vector<double> render_ms = stages.run("render", [&] {
+        return timed(arguments, [&] { drawing.draw(camera, size, progress, depth); });
     });
     if (!ranks.is_root) return std::nullopt;
     require_finite(depth, arguments.drawing.inputs.front());

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "options/memory_options.h"
 #include "options/quantity_options.h"
 #include "shared/drawing.h"
+#include "shared/terminal.h"
 #include "vog/lod.h"
 #include "vog/trace.h"
 
@@ -58,6 +60,15 @@ struct RenderedPicture {
 
     double median_ms() const;
 };
+/// Share of the values above a limit.
+double share_above(std::span<const float> values, double limit);
+/// Figures of a picture of T or column density, and notes on it.
+RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& drawing,
+                           const DepthImage& depth, std::vector<double> render_ms,
+                           const Stages& stages, const ColorScale& scale);
+/// Draws once, or as --repeat states.
+/// returns  times, ms, of which there is at least one
+std::vector<double> timed(const RenderArguments& arguments, const std::function<void()>& draw);
 /// The report of --json.
 nlohmann::ordered_json to_json(const RenderedPicture& picture);
 /// The report in words, on standard output.

@@ -286,6 +286,12 @@ Image image_files::read_exr(const std::filesystem::path& file) {
     });
 }
 
+void image_files::write_exr(const std::filesystem::path& file, int width, int height,
+                            const std::vector<const char*>& names,
+                            const std::vector<float>& interleaved) {
+    write_channels(file, Imf::Header(width, height), interleaved.data(), names);
+}
+
 void write_exr(const std::filesystem::path& file, const Image& image) {
     require_valid(file.string(), image);
     static_assert(sizeof(Rgba) == 4 * sizeof(float));

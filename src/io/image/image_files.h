@@ -16,4 +16,9 @@ ImageFormat image_format(const std::filesystem::path& file);
 Image read_png(const std::filesystem::path& file);
 Image read_exr(const std::filesystem::path& file);
 
+/// Writes float32 channels as they are, pixel by pixel, lossless.
+/// names  of the channels
+void write_exr(const std::filesystem::path& file, int width, int height,
+               const std::vector<const char*>& names, const std::vector<float>& interleaved);
+
 }  // namespace vog::image_files
