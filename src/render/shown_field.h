@@ -61,10 +61,10 @@ inline void set_pixel(FieldMaps& maps, std::size_t n, const RaySums& sums, doubl
                       double reference, double unit) {
     maps.column[n] = static_cast<float>(column);
     if (!(maps.column[n] > 0)) return;
-    const double mean = sums.first / sums.column;
+    const double per_column = 1 / sums.column, mean = sums.first * per_column;
     maps.mean[n] = static_cast<float>(reference + unit * mean);
     maps.deviation[n] = static_cast<float>(
-        unit * std::sqrt(std::max(sums.second / sums.column - mean * mean, 0.0)));
+        unit * std::sqrt(std::max(sums.second * per_column - mean * mean, 0.0)));
 }
 /// Maps without any column.
 FieldMaps empty_maps(int width, int height);

@@ -82,6 +82,48 @@ TEST(quantity, values_are_coloured_by_position_and_empty_pixels_by_the_backgroun
     EXPECT_THROW(shade_values(values_of({1}), gray, {Kind::linear, 0, 1}, {red, true}), Error);
 }
 
+TEST(quantity, fitted_scales_span_percentiles) {
+    std::vector<float> values{std::nanf("")};
+    for (int n = 1; n <= 100; ++n) values.push_back(static_cast<float>(n) - 31);
+    const ColorScale linear = fitted_scale(values, ScaleFit::linear);
+    EXPECT_EQ(linear.low, -30);
+    EXPECT_EQ(linear.high, 68);
+    const ColorScale symmetric = fitted_scale(values, ScaleFit::symmetric);
+    EXPECT_EQ(symmetric.low, -68);
+    EXPECT_EQ(symmetric.high, 68);
+    const ColorScale log = fitted_scale(values, ScaleFit::log);
+    EXPECT_EQ(log.kind, Kind::log);
+    EXPECT_EQ(log.low, 1);
+    EXPECT_EQ(log.high, 69);
+    const std::vector<float> wide{1e-9f, 1, 8}, same{300, 300}, zero{0}, none;
+    EXPECT_DOUBLE_EQ(fitted_scale(wide, ScaleFit::log).low, 8e-4);
+    for (const ScaleFit fit : {ScaleFit::linear, ScaleFit::log, ScaleFit::symmetric}) {
+        EXPECT_NO_THROW((void)scale_position(fitted_scale(same, fit), 300));
+        if (fit == ScaleFit::log) continue;
+        EXPECT_NO_THROW((void)scale_position(fitted_scale(zero, fit), 0));
+        EXPECT_NO_THROW((void)scale_position(fitted_scale(none, fit), 0));
+    }
+    EXPECT_THROW(fitted_scale(zero, ScaleFit::log), Error);
+}
+
+TEST(quantity, maps_are_coloured_where_they_have_a_value) {
+    const TransferFunction gray = named_transfer_function("gray");
+    const Rgba clear{1, 0, 0, 0};
+    const ValueMap map{4, 1, {-2, 0, std::nanf(""), 2}};
+    const Image image = shade_map(map, gray, {Kind::linear, -2, 2}, {clear});
+    EXPECT_EQ(image.at(0, 0), (Rgba{0, 0, 0, 1}));
+    EXPECT_NEAR(image.at(1, 0).r, 0.5, 1e-6);
+    EXPECT_EQ(image.at(2, 0), clear);
+    EXPECT_EQ(image.at(3, 0), (Rgba{1, 1, 1, 1}));
+}
+
+TEST(quantity, channels_need_values_for_every_pixel) {
+    const std::vector<float> three{1, 2, 3};
+    const NamedValues channels[] = {{"mean", three}};
+    EXPECT_THROW(write_channels("unused.exr", 2, 2, channels), Error);
+    EXPECT_THROW(write_map("unused.exr", {3, 1, three}), Error);
+}
+
 TEST(quantity, ticks_are_one_two_five_steps_or_decades) {
     EXPECT_EQ(scale_ticks({Kind::linear, 0, 3.7}, 0.01),
               (std::vector<double>{0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5}));

@@ -299,5 +299,9 @@ void finish_tile(TilePixels& tile, const CameraFrame& frame, double unit, bool a
             hn::Store(t, d, last);
             for (int n = 0; n < width - x; ++n) row[x + n] = add ? row[x + n] + last[n] : last[n];
         }
+        // Beside the image's edge vectors leave sums that are pixels of the next tile.
+        std::fill(depth + width, depth + kTileWidth, 0.0f);
     }
+    for (int y = height; y < kTileHeight; ++y)
+        std::fill(tile.depth[y], tile.depth[y] + kTileWidth, 0.0f);
 }

@@ -45,16 +45,46 @@ HWY_INLINE ViewLanes<V> plane_lanes(D d, const ViewSplat& s) {
             set(s.variance[5])};
 }
 
-/// ChordVariance(ratio).
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V chord_variance_at(D d, const ChordVariance& fitted, V ratio) {
-    const V v = hn::MulSub(ratio, hn::Set(d, fitted.slope), hn::Set(d, 1.0f));
-    const float* coefficient = fitted.coefficient.data();
-    std::size_t power = fitted.coefficient.size() - 1;
-    V sum = hn::Set(d, coefficient[power]);
-    while (power-- > 0) sum = hn::MulAdd(sum, v, hn::Set(d, coefficient[power]));
-    return sum;
+/// ChordVariance, repeated in every lane. kDegree < 0: any degree, read term by term.
+template <int kDegree, class V>
+struct VarianceLanes {
+    V slope, c[kDegree < 0 ? 1 : kDegree + 1];
+    const ChordVariance* fitted;
+};
+template <int kDegree, class D, class V = hn::Vec<D>>
+HWY_INLINE VarianceLanes<kDegree, V> variance_lanes(D d, const ChordVariance& fitted) {
+    VarianceLanes<kDegree, V> lanes;
+    lanes.slope = hn::Set(d, fitted.slope);
+    lanes.fitted = &fitted;
+    if constexpr (kDegree < 0) lanes.c[0] = hn::Zero(d);
+    for (int power = 0; power <= kDegree; ++power)
+        lanes.c[power] = hn::Set(d, fitted.coefficient[static_cast<std::size_t>(power)]);
+    return lanes;
 }
+
+/// ChordVariance(ratio).
+template <int kDegree, class D, class V = hn::Vec<D>>
+HWY_INLINE V variance_at(D d, const VarianceLanes<kDegree, V>& lanes, V ratio) {
+    const V v = hn::MulSub(ratio, lanes.slope, hn::Set(d, 1.0f));
+    if constexpr (kDegree < 0) {
+        const std::vector<float>& coefficient = lanes.fitted->coefficient;
+        V sum = hn::Set(d, coefficient.back());
+        for (std::size_t power = coefficient.size() - 1; power-- > 0;)
+            sum = hn::MulAdd(sum, v, hn::Set(d, coefficient[power]));
+        return sum;
+    } else {
+        V sum = lanes.c[kDegree];
+        for (int power = kDegree - 1; power >= 0; --power) sum = hn::MulAdd(sum, v, lanes.c[power]);
+        return sum;
+    }
+}
+
+/// Polynomials in every lane.
+template <int kKernel, int kVariance, class V>
+struct PolynomialLanes {
+    KernelLanes<kKernel, V> kernel;
+    VarianceLanes<kVariance, V> variance;
+};
 
 /// Three sums of one vector of pixels.
 template <class V>
@@ -67,28 +97,43 @@ struct FormLanes {
     V a, f, c, across;  ///< F = f - a², C = c² + across² + e02
     V dx, dy;
 };
-template <bool kParallel, int kDegree, class D, class Plane, class V = hn::Vec<D>>
-HWY_INLINE SumLanes<V> field_tau(D d, const KernelLanes<kDegree, V>& kernel,
-                                 const ChordVariance& fitted, const SplatLanes<V>& s,
-                                 const Plane& plane, V per_c, const FormLanes<V>& at) {
+/// Factors that are the same at all pixels of a splat: of parallel rays 1 / C and (g·D)² / |W D|².
+template <class V>
+struct FixedLanes {
+    V per_c, inverse_c, spread;
+};
+template <bool kParallel, class D, class Splat, class V = hn::Vec<D>>
+HWY_INLINE FixedLanes<V> fixed_lanes(D d, const FarSplat& s, const Splat& field) {
+    if constexpr (kParallel)
+        return {hn::Zero(d), hn::Set(d, 1 / s.e02),
+                hn::Set(d, field.along * (field.along * (field.per_c / s.e02)))};
+    else
+        return {hn::Set(d, field.per_c), hn::Zero(d), hn::Zero(d)};
+}
+template <bool kParallel, class Polynomials, class D, class Plane, class V = hn::Vec<D>>
+HWY_INLINE SumLanes<V> field_tau(D d, const Polynomials& polynomials, const SplatLanes<V>& s,
+                                 const Plane& plane, const FixedLanes<V>& fixed,
+                                 const FormLanes<V>& at) {
     const V big_f = hn::Max(hn::NegMulAdd(at.a, at.a, at.f), hn::Zero(d));
-    const V n = hn::MulAdd(at.across, at.across, s.e02);
-    const V inverse_c = reciprocal(d, hn::MulAdd(at.c, at.c, n));
+    V inverse_c = fixed.inverse_c, spread = fixed.spread;
+    if constexpr (!kParallel)
+        inverse_c = reciprocal(d, hn::MulAdd(at.c, at.c, hn::MulAdd(at.across, at.across, s.e02)));
     const V ratio = hn::Mul(big_f, inverse_c);
     const V tau =
-        hn::Mul(hn::Mul(hn::Sqrt(big_f), inverse_c), kernel_at<kDegree>(d, kernel, ratio));
+        hn::Mul(hn::Mul(hn::Sqrt(big_f), inverse_c), kernel_at(d, polynomials.kernel, ratio));
     const FieldLanes<V> field = plane(at.dx, at.dy);
-    V phi = hn::Add(field.value, field.across), along = field.along;
+    V phi = hn::Add(field.value, field.across);
     if constexpr (!kParallel) {
-        along = hn::Add(along, field.across);
+        const V along = hn::Add(field.along, field.across);
         const V delta_x = hn::MulAdd(s.cx, at.dx, hn::Mul(s.cy, at.dy));
         const V delta_y = hn::Mul(s.dy, at.dy);
         const V dots = hn::MulAdd(delta_x, at.c, hn::Mul(delta_y, at.across));
-        phi = hn::NegMulAdd(hn::Mul(dots, inverse_c), along, phi);
+        const V share = hn::Mul(along, inverse_c);
+        phi = hn::NegMulAdd(dots, share, phi);
+        spread = hn::Mul(share, hn::Mul(along, fixed.per_c));
     }
-    const V spread = hn::Mul(hn::Mul(along, along), hn::Mul(per_c, inverse_c));
     const V square = hn::MulAdd(
-        phi, phi, hn::MulAdd(spread, chord_variance_at(d, fitted, ratio), field.variance));
+        phi, phi, hn::MulAdd(spread, variance_at(d, polynomials.variance, ratio), field.variance));
     return {tau, hn::Mul(tau, phi), hn::Mul(tau, square)};
 }
 
@@ -102,15 +147,14 @@ HWY_INLINE void add_sums(D d, const SumLanes<V>& sums, FieldTile& tile, int row,
 }
 
 /// add_narrow of splat_rows-inl.h for a field.
-template <bool kParallel, int kDegree, int kRows, class Splat, class D>
+template <bool kParallel, int kRows, class Polynomials, class Splat, class D>
 HWY_INLINE void add_narrow_field(D d, const FarSplat& s, const Splat& field, const TileRange& range,
-                                 const KernelLanes<kDegree, hn::Vec<D>>& kernel,
-                                 const ChordVariance& fitted, FieldTile& tile) {
+                                 const Polynomials& polynomials, FieldTile& tile) {
     using V = hn::Vec<D>;
     constexpr int kColumns = static_cast<int>(hn::MaxLanes(D())) / kRows;
     const SplatLanes<V> lanes = splat_lanes(d, s);
     const auto plane = plane_lanes(d, field);
-    const V per_c = hn::Set(d, field.per_c);
+    const FixedLanes<V> fixed = fixed_lanes<kParallel>(d, s, field);
     alignas(64) static constexpr auto kX = [] {
         std::array<float, hn::MaxLanes(D())> x{};
         for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kColumns);
@@ -134,28 +178,28 @@ HWY_INLINE void add_narrow_field(D d, const FarSplat& s, const Splat& field, con
         const V b = hn::MulAdd(lanes.by, y, lanes.b0);
         at.a = hn::MulAdd(lanes.ay, y, a_row);
         at.f = hn::NegMulAdd(b, b, lanes.f0);
-        at.c = hn::MulAdd(lanes.cy, y, c_row);
-        at.across = hn::MulAdd(lanes.dy, y, lanes.d0);
+        if constexpr (!kParallel) {
+            at.c = hn::MulAdd(lanes.cy, y, c_row);
+            at.across = hn::MulAdd(lanes.dy, y, lanes.d0);
+        }
         at.dy = hn::Sub(y, mean_y);
-        add_sums<Rows<kRows, D>>(
-            d, field_tau<kParallel, kDegree>(d, kernel, fitted, lanes, plane, per_c, at), tile, row,
-            range.x0);
+        add_sums<Rows<kRows, D>>(d, field_tau<kParallel>(d, polynomials, lanes, plane, fixed, at),
+                                 tile, row, range.x0);
         y = hn::Add(y, rows);
     }
 }
 
 /// add_wide of splat_rows-inl.h for a field.
-template <bool kParallel, int kDegree, class Splat, class D>
+template <bool kParallel, class Polynomials, class Splat, class D>
 HWY_INLINE void add_wide_field(D d, const FarSplat& s, const Splat& field, const TileRange& range,
-                               const KernelLanes<kDegree, hn::Vec<D>>& kernel,
-                               const ChordVariance& fitted, FieldTile& tile) {
+                               const Polynomials& polynomials, FieldTile& tile) {
     using V = hn::Vec<D>;
     const TilePixels& place = tile.sum[0];
     RowForms rows;
     row_forms(d, s, range, place.column, place.row, rows);
     const SplatLanes<V> lanes = splat_lanes(d, s);
     const auto plane = plane_lanes(d, field);
-    const V per_c = hn::Set(d, field.per_c);
+    const FixedLanes<V> fixed = fixed_lanes<kParallel>(d, s, field);
     const auto step = static_cast<int>(hn::Lanes(d));
     const V columns = hn::Set(d, static_cast<float>(step)), mean_x = hn::Set(d, field.mean_x);
     const V origin = hn::Iota(d, static_cast<float>(place.column - s.column));
@@ -172,20 +216,21 @@ HWY_INLINE void add_wide_field(D d, const FarSplat& s, const Splat& field, const
             at.a = hn::MulAdd(lanes.ax, x, a_row);
             at.c = hn::MulAdd(lanes.cx, x, c_row);
             at.dx = hn::Sub(x, mean_x);
-            add_sums<Rows<1, D>>(
-                d, field_tau<kParallel, kDegree>(d, kernel, fitted, lanes, plane, per_c, at), tile,
-                range.y0 + n, column);
+            add_sums<Rows<1, D>>(d, field_tau<kParallel>(d, polynomials, lanes, plane, fixed, at),
+                                 tile, range.y0 + n, column);
             x = hn::Add(x, columns);
         }
     }
 }
 
-template <bool kParallel, int kDegree, class Tags, class Splat>
+template <bool kParallel, int kKernel, int kVariance, class Tags, class Splat>
 void add_fields_degree(const FarSplat* splats, const Splat* planes, const std::uint32_t* index,
                        std::size_t count, const FieldPolynomials& polynomials, FieldTile& tile) {
     const typename Tags::Floats d;
-    const auto kernel = kernel_lanes<kDegree>(d, polynomials.kernel);
-    const ChordVariance& fitted = polynomials.variance;
+    using V = hn::Vec<typename Tags::Floats>;
+    const PolynomialLanes<kKernel, kVariance, V> lanes{
+        kernel_lanes<kKernel>(d, polynomials.kernel),
+        variance_lanes<kVariance>(d, polynomials.variance)};
     constexpr auto kLanes = static_cast<int>(hn::MaxLanes(typename Tags::Floats()));
     constexpr std::size_t kAhead = 8;
     for (std::size_t n = 0; n < count; ++n) {
@@ -198,26 +243,26 @@ void add_fields_degree(const FarSplat* splats, const Splat* planes, const std::u
         const TileRange range = range_in(tile.sum[0], s.bounds);
         const int width = range.x1 - range.x0 + 1;
         if (kLanes >= 16 && width <= kLanes / 4)
-            add_narrow_field<kParallel, kDegree, kLanes >= 16 ? 4 : 1>(d, s, field, range, kernel,
-                                                                       fitted, tile);
+            add_narrow_field<kParallel, kLanes >= 16 ? 4 : 1>(d, s, field, range, lanes, tile);
         else if (kLanes >= 8 && width <= kLanes / 2)
-            add_narrow_field<kParallel, kDegree, kLanes >= 8 ? 2 : 1>(d, s, field, range, kernel,
-                                                                      fitted, tile);
+            add_narrow_field<kParallel, kLanes >= 8 ? 2 : 1>(d, s, field, range, lanes, tile);
         else if (kLanes > 1 && width <= kLanes)
-            add_narrow_field<kParallel, kDegree, 1>(d, s, field, range, kernel, fitted, tile);
+            add_narrow_field<kParallel, 1>(d, s, field, range, lanes, tile);
         else
-            add_wide_field<kParallel, kDegree>(d, s, field, range, kernel, fitted, tile);
+            add_wide_field<kParallel>(d, s, field, range, lanes, tile);
     }
 }
 
 template <bool kParallel, class Tags, class Splat>
 void add_fields(const FarSplat* splats, const Splat* planes, const std::uint32_t* index,
                 std::size_t count, const FieldPolynomials& polynomials, FieldTile& tile) {
-    // The degree of the default cutoff is unrolled.
+    // The degrees of the default cutoff are unrolled.
+    constexpr int kKernel = 6, kVariance = 5;
     const KernelPolynomial& kernel = polynomials.kernel;
-    const bool usual = kernel.shift == 0 && kernel.coefficient.size() == 7;
-    return usual ? add_fields_degree<kParallel, 6, Tags>(splats, planes, index, count, polynomials,
-                                                         tile)
-                 : add_fields_degree<kParallel, -1, Tags>(splats, planes, index, count, polynomials,
-                                                          tile);
+    const bool usual = kernel.shift == 0 && kernel.coefficient.size() == kKernel + 1 &&
+                       polynomials.variance.coefficient.size() == kVariance + 1;
+    return usual ? add_fields_degree<kParallel, kKernel, kVariance, Tags>(splats, planes, index,
+                                                                          count, polynomials, tile)
+                 : add_fields_degree<kParallel, -1, -1, Tags>(splats, planes, index, count,
+                                                              polynomials, tile);
 }
