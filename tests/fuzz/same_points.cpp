@@ -16,6 +16,8 @@ void expect_round_trip(const Points& points, const std::string& extension) {
     expect(read, "particles that are written are read");
     expect(again.size() == points.size(), "the number of particles survives");
     expect(again.attributes.size() == points.attributes.size(), "attributes survive");
+    for (std::size_t n = 0; n < points.attributes.size(); ++n)
+        expect(again.attributes[n].name == points.attributes[n].name, "names survive");
     if (extension == ".vdb") {
         // In the order of leaves: compared as sets along each axis.
         const double step = 1e-6 * point_voxel_size(points);

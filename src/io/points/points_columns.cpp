@@ -41,10 +41,14 @@ struct Head {
     bool chemical = false;
 };
 
+/// Name of a column that has none, from 0.
+std::string number_name(std::size_t column) { return fmt::format("column{}", column + 1); }
+
 /// Fields as column names if they are one per column, no numbers and all distinct; else empty.
 Names as_names(const std::vector<std::string_view>& fields, std::size_t columns) {
     Names names;
-    for (const std::string_view field : fields) names.push_back(printable(field));
+    for (const std::string_view field : fields)
+        names.push_back(field.empty() ? number_name(names.size()) : printable(field));
     Names sorted = names;
     std::ranges::sort(sorted);
     if (names.size() != columns || std::ranges::any_of(names, is_number) ||
@@ -208,8 +212,7 @@ PointColumns find_columns(const std::filesystem::path& file, std::string_view te
         if (columns.role[n] != kSkipped) continue;
         if (may_be_text && !is_number(head.first_line[n])) continue;
         columns.role[n] = kFirstAttribute + static_cast<int>(columns.attributes.size());
-        columns.attributes.push_back(head.names.empty() ? fmt::format("column{}", n + 1)
-                                                        : head.names[n]);
+        columns.attributes.push_back(head.names.empty() ? number_name(n) : head.names[n]);
     }
     return columns;
 }

@@ -1,4 +1,5 @@
 // points_text_test.cpp: columns, headers, comments and malformed lines of particle text files.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "support/refused_files.h"
 #include "vog/points.h"
 #include "vog/progress.h"
+#include "vog/text.h"
 
 namespace vog::test {
 
@@ -208,6 +210,39 @@ TEST_F(points_text, what_is_written_reads_back_bit_for_bit) {
     EXPECT_EQ(error_of([&] { write_points(dir_ / "q.xyz", points); }),
               "points: 'mass' of particle 7 is not finite");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "q.xyz"));
+}
+
+/// Found by fuzzing: such names changed the columns of the file that was read.
+TEST_F(points_text, names_that_would_not_read_back_are_quoted_or_refused) {
+    Points points;
+    points.position = {{1, 2, 3}};
+    points.attributes = {{"mass", {4}}, {"T, gas", {5}}};
+    write_points(dir_ / "p.csv", points);
+    EXPECT_EQ(names(read_points(dir_ / "p.csv")), (Names{"mass", "T, gas"}));
+    const auto refusal = [&](const char* file, const char* name) {
+        points.attributes[1].name = name;
+        return error_of([&] { write_points(dir_ / file, points); });
+    };
+    for (const char* name : {"", "7", "nan", "x", "mass", " a", "a\nb", "a b"})
+        EXPECT_NE(refusal("p.xyz", name)
+                      .find(fmt::format("p.xyz: cannot write: attribute name '{}', expected no "
+                                        "name of another column, no number and no blanks",
+                                        printable(name))),
+                  std::string::npos)
+            << name;
+    EXPECT_NE(refusal("p.csv", "\"a\"").find("no number and no quotes"), std::string::npos);
+    points.attributes[1].name = "a b";
+    write_points(dir_ / "p.csv", points);
+    EXPECT_EQ(names(read_points(dir_ / "p.csv")), (Names{"mass", "a b"}));
+    // Three attributes that a reader takes for the velocity.
+    points.attributes = {{"vx", {1}}, {"vy", {1}}, {"vz", {1}}};
+    EXPECT_NE(error_of([&] { write_points(dir_ / "p.tsv", points); }).find("name 'vz'"),
+              std::string::npos);
+}
+
+TEST_F(points_text, columns_without_a_name_are_named_by_their_number) {
+    const Points points = read("x,y,z,mass,\n1,2,3,4,5\n", "p.csv");
+    EXPECT_EQ(names(points), (Names{"mass", "column5"}));
 }
 
 TEST_F(points_text, values_go_by_name) {
