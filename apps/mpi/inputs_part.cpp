@@ -106,6 +106,7 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     for (std::uint64_t* count :
          {&notes.clipped_negative, &notes.skipped_nonfinite, &notes.inactive_nonfinite})
         *count = ranks.sum(*count);
+    notes.first_skipped.reset();  // the first of this rank alone
     if (const std::string text = values_text(notes, "voxels"); !text.empty())
         part.notes.push_back(text);
     for (const std::string& text : part.notes)

@@ -24,6 +24,9 @@ struct VdbOptions {
     /// Read a mask, of bool and mask grids too: active values above 0 become 1, all else inactive.
     bool mask = false;
     ValueRules values{};  ///< values that are no density; negative ones are none of a mask
+    /// Density 1 in every active voxel, of signed values, level sets, bool and mask grids too: a
+    /// measure that counts volume. Values that are not finite are inactive, and reported.
+    bool ones = false;
 };
 
 /// Reads one grid of an OpenVDB file as density: float, double, half-stored and integer grids, and
@@ -73,6 +76,7 @@ struct LevelOptions {
     std::string mask{};
     bool level_set_to_fog = false;  ///< as VdbOptions::level_set_to_fog, for volumes, not for masks
     ValueRules values{};            ///< as VdbOptions::values
+    bool ones = false;              ///< as VdbOptions::ones, for volumes, not for masks
 };
 
 /// Reads the levels of an adaptive mesh (vog/levels.h): one volume of each file, or one for each

@@ -4,7 +4,10 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
+
+#include "vog/linear.h"
 
 namespace vog {
 
@@ -19,11 +22,14 @@ struct ValueNotes {
     std::uint64_t clipped_negative = 0;    ///< active values below 0, set to 0
     std::uint64_t skipped_nonfinite = 0;   ///< active values not finite, left out
     std::uint64_t inactive_nonfinite = 0;  ///< inactive voxels of leaves with a value not finite
+    std::optional<Vec3i>
+        first_skipped{};  ///< index of the first voxel left out; none for particles
 
     void add(const ValueNotes& other) {
         clipped_negative += other.clipped_negative;
         skipped_nonfinite += other.skipped_nonfinite;
         inactive_nonfinite += other.inactive_nonfinite;
+        if (!first_skipped) first_skipped = other.first_skipped;
     }
 };
 

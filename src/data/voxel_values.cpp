@@ -14,6 +14,8 @@ std::string values_text(const ValueNotes& notes, const std::string& where) {
     };
     add(notes.clipped_negative, "negative values set to 0");
     add(notes.skipped_nonfinite, "values that are not finite left out");
+    if (const auto& first = notes.first_skipped)
+        text += fmt::format(", the first at index [{}, {}, {}]", first->x, first->y, first->z);
     add(notes.inactive_nonfinite, "inactive voxels with a value that is not finite: empty space");
     return text.empty() ? text : printable(where) + text;
 }

@@ -166,8 +166,8 @@ Levels read_levels(std::span<const std::filesystem::path> files, const LevelOpti
                    std::vector<std::string>* notes) {
     Levels levels;
     for (const auto& [file, grid, mask] : level_sources(files, options)) {
-        levels.volumes.push_back(
-            read_volume(file, {grid, options.level_set_to_fog, false, options.values}, notes));
+        levels.volumes.push_back(read_volume(
+            file, {grid, options.level_set_to_fog, false, options.values, options.ones}, notes));
         if (!mask.empty())
             levels.masks.push_back(read_volume(file, {mask, false, true, options.values}, notes));
     }

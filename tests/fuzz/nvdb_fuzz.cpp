@@ -53,6 +53,7 @@ void run(Bytes input) {
     std::vector<std::string> names;
     accepted([&] { names = nvdb_grid_names(file); });
     expect_valid_grids(names, [&](const VdbOptions& options) { return read_nvdb(file, options); });
+    expect_finite_fields(file, names);
 }
 
 }  // namespace vog::fuzz

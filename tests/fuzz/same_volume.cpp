@@ -2,8 +2,10 @@
 #include "same_volume.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "fuzz_target.h"
+#include "vog/voxel_field.h"
 
 namespace vog::fuzz {
 
@@ -31,6 +33,35 @@ void expect_valid_grids(std::vector<std::string> names,
             expect(active_voxels(volume) > 0, "a volume that is read has active voxels");
             expect(accepted([&] { validate(volume); }), "a volume that is read is valid");
         }
+}
+
+void expect_finite_fields(const std::filesystem::path& file, std::vector<std::string> names) {
+    names.resize(std::min<std::size_t>(names.size(), 3));
+    for (const std::string& name : names) {
+        Volume volume;
+        if (accepted([&] { volume = read_volume(file, {.grid = name, .ones = true}); }))
+            expect(accepted([&] { validate(volume); }), "a measure of ones is valid");
+        // The lattice of the file, or voxels of 1 at its origin.
+        Volume measure;
+        measure.world_from_index = volume.world_from_index;
+        measure.leaves.resize(1);
+        if (!volume.leaves.empty()) measure.leaves[0].origin = volume.leaves[0].origin;
+        for (int n = 0; n < kLeafVoxels; n += 7) measure.leaves[0].set(n, 0.5f);
+        Tile tile{measure.leaves[0].origin, 8, 1};
+        tile.origin.z ^= 8;
+        measure.tiles = {tile};
+        VoxelField field;
+        if (!accepted([&] { field = read_field({.file = file, .grid = name}, measure); })) continue;
+        expect(accepted([&] { validate(measure); }), "a divided measure is valid");
+        for (const VoxelValues& values : field.component) {
+            expect(values.leaf.size() == measure.leaves.size(), "a field has all leaves");
+            expect(values.tile.size() == measure.tiles.size(), "a field has all tiles");
+            for (const auto& leaf : values.leaf)
+                for (const float value : leaf) expect(std::isfinite(value), "a field is finite");
+            for (const float value : values.tile)
+                expect(std::isfinite(value), "a field is finite in tiles");
+        }
+    }
 }
 
 void expect_round_trip(const Volume& volume) {

@@ -1,6 +1,7 @@
 // same_volume.h: Validity of volumes that are read, and their way through a file.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
@@ -15,6 +16,11 @@ namespace vog::fuzz {
 /// read   reader of one grid
 void expect_valid_grids(std::vector<std::string> names,
                         const std::function<Volume(const VdbOptions&)>& read);
+
+/// Reads every grid of a file as a field at a few voxels, and with ones as density; ends the process
+/// unless each is refused or finite.
+/// names  of the grids; the first three are read
+void expect_finite_fields(const std::filesystem::path& file, std::vector<std::string> names);
 
 /// Ends the process unless write_vdb and read_vdb give the volume again: leaves, masks, values,
 /// tiles and transform the same bytes.

@@ -13,6 +13,7 @@ void run(Bytes input) {
     accepted([&] { (void)inspect_vdb(file); });
     expect_valid_grids(names, [&](const VdbOptions& options) { return read_vdb(file, options); });
     accepted([&] { (void)read_vdb(file, {.mask = true}); });
+    expect_finite_fields(file, names);
 }
 
 }  // namespace vog::fuzz

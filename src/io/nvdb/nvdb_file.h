@@ -42,6 +42,10 @@ class NvdbFile {
     std::vector<NvdbEntry> entries_;
 };
 
+/// Grid of this name; without a name the only scalar grid, else the one named density.
+/// throws vog::Error if there is none or more than one, with the names of the file's grids
+const NvdbEntry& chosen_entry(const NvdbFile& file, const std::string& name);
+
 /// "float", "Vec3f", ...; "type 42" for an unknown one.
 std::string nano_type_name(nanovdb::GridType type);
 /// CRC-32 of zip (polynomial 0xEDB88320), as NanoVDB uses it.

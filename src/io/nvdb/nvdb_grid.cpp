@@ -313,6 +313,8 @@ openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& buffer, const std::strin
         grid->setGridClass(openvdb::GRID_LEVEL_SET);
     if (header.mGridClass == nanovdb::GridClass::FogVolume)
         grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    if (header.mGridClass == nanovdb::GridClass::Staggered)
+        grid->setGridClass(openvdb::GRID_STAGGERED);
     return grid;
 }
 

@@ -15,11 +15,8 @@ namespace vog {
 using namespace nvdb;
 using namespace vdb;
 
-namespace {
-
-/// Grid of this name; without a name the only scalar grid, else the one named density.
-/// throws vog::Error if there is none or more than one
-const NvdbEntry& choose(const NvdbFile& file, const std::string& requested) {
+const NvdbEntry& nvdb::chosen_entry(const NvdbFile& file, const std::string& requested) {
+    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
     const std::string name = grid_name(requested);
     std::vector<std::string> names;
     std::vector<const NvdbEntry*> named, scalar;
@@ -44,12 +41,14 @@ const NvdbEntry& choose(const NvdbFile& file, const std::string& requested) {
                     file.name(), scalar.size(), list));
 }
 
+namespace {
+
 /// Converts leaves directly from the file; only tiles pass through an OpenVDB tree.
 Volume density_of(const NanoBuffer& buffer, const std::string& where, const VdbOptions& options,
                   ValueNotes& notes) {
     NanoLeaves from;
     const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where, &from);
-    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET)
+    if (grid->getGridClass() == openvdb::GRID_LEVEL_SET && !options.ones)
         throw Error(fmt::format(
             "{}: a level set, expected density (--level-set-to-fog converts it)", where));
     Volume volume;
@@ -57,9 +56,9 @@ Volume density_of(const NanoBuffer& buffer, const std::string& where, const VdbO
     check_transform(volume.world_from_index, where);
     volume.leaves = std::move(from.leaves);
     const Census tiles = tiles_from_grid(*grid, volume);
-    check_census(leaves_then_tiles(from.census, tiles),
-                 options.mask ? mask_rules(options.values) : options.values, where, notes);
+    check_census(leaves_then_tiles(from.census, tiles), value_rules(options), where, notes);
     drop_empty_leaves(volume);
+    if (options.ones) set_ones(volume, notes);
     if (options.mask) {
         keep_positive(volume);
         notes = {};
@@ -67,11 +66,13 @@ Volume density_of(const NanoBuffer& buffer, const std::string& where, const VdbO
     return volume;
 }
 
-Volume fog_of_level_set(const NanoBuffer& buffer, const std::string& where, bool mask,
-                        ValueNotes& notes) {
+Volume fog_of_level_set(const NanoBuffer& buffer, const std::string& where,
+                        const VdbOptions& options, ValueNotes& notes) {
     const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where);
     level_set_to_fog(*grid, where);
-    return density_from_grid(*grid, nano_transform(buffer), where, notes, mask);
+    Volume fog = density_from_grid(*grid, nano_transform(buffer), where, notes, options.mask);
+    if (options.ones) set_ones(fog, notes);
+    return fog;
 }
 
 }  // namespace
@@ -86,15 +87,13 @@ std::vector<std::string> nvdb_grid_names(const std::filesystem::path& path) {
 Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, ValueNotes* notes) {
     openvdb::initialize();
     NvdbFile file(path);
-    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
-    const NvdbEntry& entry = choose(file, options.grid);
+    const NvdbEntry& entry = chosen_entry(file, options.grid);
     const std::string where = file.where(entry);
     return with_vdb_errors(where, [&] {
         const NanoBuffer buffer = file.load(entry);
         ValueNotes found;
-        Volume volume = options.level_set_to_fog
-                            ? fog_of_level_set(buffer, where, options.mask, found)
-                            : density_of(buffer, where, options, found);
+        Volume volume = options.level_set_to_fog ? fog_of_level_set(buffer, where, options, found)
+                                                 : density_of(buffer, where, options, found);
         if (volume.empty())
             throw Error(fmt::format("{}: no active voxels{}", where,
                                     options.mask ? " above 0, expected a mask" : ""));

@@ -128,5 +128,9 @@ void drop_empty_leaves(Volume& volume);
 void check_transform(const std::optional<Affine>& world_from_index, const std::string& where);
 /// Sets values above 0 to 1 and makes all others inactive.
 void keep_positive(Volume& volume);
+/// Sets all active values to 1, of which no negative one is then a change.
+void set_ones(Volume& volume, ValueNotes& notes);
+/// Values that a reader accepts: of a mask negative ones, of VdbOptions::ones all.
+ValueRules value_rules(const VdbOptions& options);
 
 }  // namespace vog::vdb

@@ -29,6 +29,9 @@ bool is_scalar(const std::string& tree_type);
 /// "float" for "Tree_float_5_4_3", "points" for a PointDataGrid; other types unchanged.
 std::string short_type(const std::string& tree_type);
 
+/// Grid of this name; without a name the only scalar grid, else the one named density.
+/// throws vog::Error if there is none or more than one, with the names of the file's grids
+const VdbEntry& chosen_entry(const VdbFile& file, const std::string& name);
 /// Storage layout of trees of this type; none for an unknown type.
 std::optional<TreeLayout> tree_layout(const std::string& tree_type);
 /// Entry that stores the tree of `entry`: itself, or the grid whose tree it shares.

@@ -72,13 +72,13 @@ void throw_not_density(const std::string& where, const std::string& tree_type) {
                             short_type(tree_type)));
 }
 
-VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask, const ValueRules& rules)
+VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, const VdbOptions& options)
     : file_(file),
       where_(file.where(entry)),
       tree_type_(entry.tree_type),
       owner_(tree_owner(file, entry)),
-      mask_(mask),
-      rules_(mask ? mask_rules(rules) : rules) {
+      options_(options) {
+    options_.values = value_rules(options);
     with_vdb_errors(where_, [&] {
         read_layout();
         if (&owner_ != &entry) {
@@ -93,7 +93,8 @@ VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask, const Valu
 void VdbLeaves::read_layout() {
     const std::optional<TreeLayout> layout = tree_layout(tree_type_);
     const bool is_mask = layout && layout->leaf != LeafData::values;
-    if (!layout || (is_mask && !mask_)) throw_not_density(where_, tree_type_);
+    if (!layout || (is_mask && !options_.mask && !options_.ones))
+        throw_not_density(where_, tree_type_);
     FileRange in = file_.range(owner_);
     head_ = read_vdb_head(in);
     storage_ = {*layout, head_.compression, owner_.half_stored};
@@ -235,10 +236,11 @@ Volume VdbLeaves::read_nodes(std::vector<std::uint32_t> numbers, bool count_tile
     empty_grid_->apply<KnownGrids>(
         [&](const auto& grid) { read_leaves(grid, numbers, volume, census); });
     // Tiles are checked in every part, but counted in one alone.
-    check_census(leaves_then_tiles(census, tile_census_), rules_, where_, notes);
-    if (!count_tiles) check_census(census, rules_, where_, notes);
+    check_census(leaves_then_tiles(census, tile_census_), options_.values, where_, notes);
+    if (!count_tiles) check_census(census, options_.values, where_, notes);
     drop_empty_leaves(volume);
-    if (mask_) {
+    if (options_.ones) set_ones(volume, notes);
+    if (options_.mask) {
         keep_positive(volume);
         notes = {};
     }

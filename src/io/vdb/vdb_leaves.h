@@ -21,11 +21,11 @@ namespace vog::vdb {
 /// Topology of a grid, with the positions of its leaves in the file.
 class VdbLeaves {
   public:
-    /// file   must outlive this
-    /// mask   as VdbOptions::mask
+    /// file     must outlive this
+    /// options  what counts as density; the grid's name has no effect
     /// throws vog::Error for a truncated or corrupt grid, a transform that is not affine, values
     ///        that are no density
-    VdbLeaves(VdbFile& file, const VdbEntry& entry, bool mask, const ValueRules& rules);
+    VdbLeaves(VdbFile& file, const VdbEntry& entry, const VdbOptions& options);
 
     openvdb::GridClass grid_class() const;
     bool empty() const { return leaves_.empty() && tiles_.tiles.empty(); }
@@ -56,8 +56,7 @@ class VdbLeaves {
     VdbFile& file_;
     std::string where_, tree_type_;
     const VdbEntry& owner_;
-    bool mask_ = false;
-    ValueRules rules_;
+    VdbOptions options_;
     VdbHead head_;
     TreeStorage storage_;
     openvdb::GridBase::Ptr empty_grid_;  ///< has the tree's type and background

@@ -59,12 +59,12 @@ const VdbEntry& default_entry(const VdbFile& file) {
                     file.name(), scalar.size(), names(file.entries())));
 }
 
-const VdbEntry& chosen_entry(const VdbFile& file, const std::string& name) {
+}  // namespace
+
+const VdbEntry& vdb::chosen_entry(const VdbFile& file, const std::string& name) {
     if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
     return name.empty() ? default_entry(file) : entry_named(file, name);
 }
-
-}  // namespace
 
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
     const VdbFile file(path);
@@ -97,8 +97,8 @@ VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& req
         read_level_set();
         return;
     }
-    leaves.emplace(file, entry, options.mask, options.values);
-    if (leaves->grid_class() == openvdb::GRID_LEVEL_SET)
+    leaves.emplace(file, entry, options);
+    if (leaves->grid_class() == openvdb::GRID_LEVEL_SET && !options.ones)
         throw Error(fmt::format(
             "{}: a level set, expected density (--level-set-to-fog converts it)", where));
     if (leaves->empty()) throw Error(fmt::format("{}: no active voxels", where));
@@ -111,6 +111,7 @@ void VdbReader::State::read_level_set() {
         level_set_to_fog(*loaded.grid, where);
         fog = density_from_grid(*loaded.grid, loaded.head.world_from_index, where, notes,
                                 options.mask);
+        if (options.ones) set_ones(fog, notes);
         if (fog.empty()) throw Error(fmt::format("{}: no active voxels", where));
     });
 }

@@ -105,7 +105,8 @@ void vdb::check_census(const Census& census, const ValueRules& rules, const std:
         refuse(census.not_finite, "not finite", "--skip-nonfinite leaves such voxels out");
     if (census.negative.values && !rules.clip_negative)
         refuse(census.negative, "negative", "--clip-negative sets them to 0");
-    notes = {census.negative.values, census.not_finite.values, census.inactive_not_finite};
+    notes = {census.negative.values, census.not_finite.values, census.inactive_not_finite, {}};
+    if (census.not_finite.values) notes.first_skipped = census.not_finite.index;
 }
 
 void vdb::drop_empty_leaves(Volume& volume) {
@@ -141,8 +142,20 @@ Census vdb::leaves_then_tiles(const Census& leaves, Census tiles) {
     return Census::sum(leaves, tiles);
 }
 
-ValueRules vdb::mask_rules(ValueRules rules) {
-    rules.clip_negative = true;
+void vdb::set_ones(Volume& volume, ValueNotes& notes) {
+    vog::parallel_for(std::size_t{0}, volume.leaves.size(), [&](std::size_t i) {
+        Leaf& leaf = volume.leaves[i];
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.active(n)) leaf.value[static_cast<std::size_t>(n)] = 1;
+    });
+    for (Tile& tile : volume.tiles) tile.value = 1;
+    notes.clipped_negative = 0;
+}
+
+ValueRules vdb::value_rules(const VdbOptions& options) {
+    ValueRules rules = options.values;
+    if (options.mask || options.ones) rules.clip_negative = true;
+    if (options.ones) rules.skip_nonfinite = true;
     return rules;
 }
 
@@ -160,7 +173,7 @@ Volume vdb::density_from_grid(const openvdb::GridBase& grid,
     Volume volume;
     volume.world_from_index = *world_from_index;
     const auto fill = [&](const auto& typed) {
-        convert(typed, mask ? mask_rules(rules) : rules, where, volume, notes);
+        convert(typed, value_rules({.mask = mask, .values = rules}), where, volume, notes);
     };
     const bool known = mask ? grid.apply<KnownGrids>(fill) : grid.apply<DensityGrids>(fill);
     if (!known)

@@ -17,8 +17,6 @@ namespace vog::vdb {
 Volume density_from_grid(const openvdb::GridBase& grid,
                          const std::optional<Affine>& world_from_index, const std::string& where,
                          ValueNotes& notes, bool mask = false, const ValueRules& rules = {});
-/// Rules for a mask, of which negative values are no part.
-ValueRules mask_rules(ValueRules rules);
 
 /// Converts a level set to fog: 1 inside, a ramp from 0 to 1 over the inner narrow band.
 /// throws vog::Error unless it is a float or double grid of class level set or unknown

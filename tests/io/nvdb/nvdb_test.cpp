@@ -17,6 +17,7 @@
 #include "vog/error.h"
 #include "vog/openvdb.h"
 #include "vog/volume_io.h"
+#include "vog/voxel_field.h"
 
 namespace vog {
 namespace {
@@ -219,6 +220,44 @@ TEST(nvdb, level_set_is_refused_unless_fog_is_asked_for) {
     VdbOptions options;
     options.level_set_to_fog = true;
     EXPECT_GT(mass(read_nvdb(folder / "set.nvdb", options)), 1);
+}
+
+TEST(nvdb, fields_have_any_sign_and_ones_count_their_voxels) {
+    const test::TempDir folder;
+    const auto grid = openvdb::FloatGrid::create(-7);
+    grid->setName("hu");
+    for (int x = 0; x < 8; ++x) grid->tree().setValue({x, 1, 2}, float(x) - 4);
+    grid->tree().addTile(1, {8, 0, 0}, -2, true);
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(0.5));
+    write(folder / "a.nvdb", nano(grid), Codec::ZIP);
+    Volume volume = read_volume(folder / "a.nvdb", {.ones = true});
+    EXPECT_EQ(mass(volume), (8 + 512) / 8.0);
+    std::vector<std::string> notes;
+    const VoxelField field = read_field({.file = folder / "a.nvdb"}, volume, {}, &notes);
+    EXPECT_EQ(field.name, "hu");
+    EXPECT_EQ(field.lower, -4);
+    EXPECT_EQ(field.upper, 3);
+    EXPECT_EQ(field.component[0].tile, std::vector<float>{-2});
+    for (int x = 0; x < 8; ++x)
+        EXPECT_EQ(field.component[0].leaf[0][std::size_t(leaf_offset(x, 1, 2))], float(x) - 4);
+    EXPECT_TRUE(notes.empty());
+
+    // Staggered vectors at a measure of 4 voxels; the last has no upper face.
+    nanovdb::GridBuilder<nanovdb::Vec3f> builder(nanovdb::Vec3f(0), nanovdb::GridClass::Staggered);
+    for (int x = 0; x < 4; ++x)
+        builder.getAccessor().setValue({x, 0, 0}, nanovdb::Vec3f(float(x), -1, 2));
+    write(folder / "v.nvdb", builder.getHandle(1.0, nanovdb::Vec3d(0), "v"));
+    Volume line;
+    line.leaves.resize(1);
+    for (int x = 0; x < 4; ++x) line.leaves[0].set(leaf_offset(x, 0, 0), 1);
+    const VoxelField v = read_field({.file = folder / "v.nvdb", .grid = "v"}, line);
+    ASSERT_TRUE(v.is_vector());
+    for (int x = 0; x < 4; ++x) {
+        const auto at = std::size_t(leaf_offset(x, 0, 0));
+        EXPECT_EQ(v.component[0].leaf[0][at], x == 3 ? 3 : float(x) + 0.5f);
+        EXPECT_EQ(v.component[1].leaf[0][at], -1);
+        EXPECT_EQ(v.component[2].leaf[0][at], 2);
+    }
 }
 
 TEST(nvdb, foreign_and_other_versions_are_named) {

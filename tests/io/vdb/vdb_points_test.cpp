@@ -92,6 +92,27 @@ TEST(vdb_points, what_is_written_reads_back_in_the_order_of_leaves) {
         std::equal(std::istreambuf_iterator<char>(p), {}, std::istreambuf_iterator<char>(q)));
 }
 
+/// Columns that become fields of a model.
+TEST(vdb_points, velocity_and_named_attributes_go_from_text_to_vdb_and_back) {
+    const TempDir dir;
+    write_bytes(dir / "a.csv",
+                "x,y,z,velocity_x,velocity_y,velocity_z,temperature,mass\n"
+                "1,2,3,-4,5,-6,300,7\n1.5,2,3,4,-5,6,-20.5,8\n");
+    for (const char* between : {"b.vdb", "b.tsv", "b.xyz"}) {
+        write_points(dir / between, read_points(dir / "a.csv"));
+        const Points points = read_points(dir / between);
+        ASSERT_EQ(points.size(), 2u);
+        ASSERT_EQ(points.attributes.size(), 2u);
+        EXPECT_EQ(points.attributes[0].name, "temperature");
+        EXPECT_EQ(points.attributes[1].name, "mass");
+        const std::size_t cold = points.attributes[0].value[0] < 0 ? 0 : 1;
+        EXPECT_EQ(points.attributes[0].value[cold], -20.5f);
+        EXPECT_EQ(points.attributes[1].value[cold], 8);
+        EXPECT_EQ(points.velocity[cold], (Vec3f{4, -5, 6}));
+        EXPECT_EQ(points.velocity[1 - cold], (Vec3f{-4, 5, -6}));
+    }
+}
+
 /// OpenVDB fills small pages up to 128 bytes before it compresses them.
 TEST(vdb_points, a_few_equal_points_are_read) {
     const TempDir folder;

@@ -89,22 +89,28 @@ VdbHead read_vdb_head(ByteSource& in) {
     VdbHead head;
     head.compression = in.number<std::uint32_t>();
     if (head.compression > 7) in.fail(fmt::format("corrupt: compression {}", head.compression));
-    head.grid_class = grid_name(read_vdb_metadata(in));
+    head.metadata = read_vdb_metadata(in);
+    head.grid_class = grid_name(head.metadata.grid_class);
     if (head.grid_class.empty()) head.grid_class = "unknown";
     head.world_from_index = read_transform(in);
     return head;
 }
 
-std::string read_vdb_metadata(ByteSource& in) {
-    std::string grid_class;
+VdbMetadata read_vdb_metadata(ByteSource& in) {
+    VdbMetadata metadata;
     const auto count = in.number<std::uint32_t>();
     for (std::uint32_t i = 0; i < count; ++i) {  // each takes at least 12 bytes, so this ends
         const std::string name = in.string();
         const std::string type = in.string();
         const std::string value = in.string();
-        if (name == "class" && type == "string") grid_class = value;
+        if (type == "string" && name == "class") metadata.grid_class = value;
+        if (type == "string" && name == "vector_type") metadata.vector_type = value;
+        if (type == "string" && (name == "unit" || name == "units"))
+            metadata.unit = grid_name(value);
+        if (type == "bool" && name == "is_local_space")
+            metadata.local_space = !value.empty() && value.front() != 0;
     }
-    return grid_class;
+    return metadata;
 }
 
 }  // namespace vog::vdb

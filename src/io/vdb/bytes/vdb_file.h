@@ -26,10 +26,19 @@ struct VdbEntry {
     std::uint64_t begin = 0, end = 0;  ///< range of bytes in the file
 };
 
+/// Metadata of a grid, as far as readers use it; empty where a grid has none.
+struct VdbMetadata {
+    std::string grid_class;    ///< "fog volume", "level set", ...
+    std::string vector_type;   ///< of vectors: "invariant", "contravariant relative", ...
+    std::string unit;          ///< text "unit" or "units"
+    bool local_space = false;  ///< vectors are in index space, not along the world's axes
+};
+
 /// Data before a grid's tree.
 struct VdbHead {
-    std::uint32_t compression = 0;           ///< openvdb::io::COMPRESS_* flags
-    std::string grid_class;                  ///< "fog volume", "level set", "unknown", ...
+    std::uint32_t compression = 0;  ///< openvdb::io::COMPRESS_* flags
+    std::string grid_class;         ///< "fog volume", "level set", "unknown", ...
+    VdbMetadata metadata;
     std::optional<Affine> world_from_index;  ///< none: not affine
 };
 
@@ -65,7 +74,7 @@ class VdbFile {
 /// Reads the head of a grid up to its tree, or to its end if it shares another grid's tree.
 VdbHead read_vdb_head(ByteSource& in);
 
-/// Skips a list of named metadata; returns the value of "class", or empty text.
-std::string read_vdb_metadata(ByteSource& in);
+/// Reads a list of named metadata to its end.
+VdbMetadata read_vdb_metadata(ByteSource& in);
 
 }  // namespace vog::vdb
