@@ -1,11 +1,10 @@
 // field_run.cpp: maps of a field from inputs to files, and their report.
-#include "shared/field_run.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "shared/render_run.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
 

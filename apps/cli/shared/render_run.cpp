@@ -8,7 +8,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "shared/field_run.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"

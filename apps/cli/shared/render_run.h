@@ -97,6 +97,11 @@ struct RenderRanks {
 std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
                                       const RenderRanks& ranks = {});
 
+/// Renders and writes the picture of --show mean or deviation, for render() (field_run.cpp).
+/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
+std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
+                                            const CLI::App& command, const RenderRanks& ranks);
+
 /// Adds the subcommand.
 void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,
                 const RenderRanks& ranks);

@@ -15,7 +15,7 @@ TEST(splat_tiles, pass_nothing_from_the_right_edge_to_the_left) {
     Gaussians model;
     for (int n = 0; n < 40; ++n) {
         model.mean.push_back(
-            {0.9f + 0.01f * static_cast<float>(n % 5), -1 + 0.05f * static_cast<float>(n), 0});
+            {1.12f + 0.007f * static_cast<float>(n % 9), -1 + 0.05f * static_cast<float>(n), 0});
         model.scale.push_back({0.1f, 0.1f, 0.1f});
         model.density.push_back(1);
     }
@@ -30,7 +30,7 @@ TEST(splat_tiles, pass_nothing_from_the_right_edge_to_the_left) {
     ASSERT_GT(most, 0);
     for (int y = 0; y < kHeight; ++y)
         for (int x = 0; x < kWidth; ++x)
-            ASSERT_NEAR(splat.at(x, y), trace.at(x, y), 1e-5f * most) << x << " " << y;
+            ASSERT_NEAR(splat.at(x, y), trace.at(x, y), 1e-4f * most) << x << " " << y;
 }
 
 }  // namespace vog::test

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #undef HWY_TARGET_INCLUDE
@@ -29,7 +30,7 @@ template <class Tags>
 const FieldKernels& kernels_of() {
     static const FieldKernels kernels{add_fields<true, Tags, PlaneSplat>,
                                       add_fields<false, Tags, PlaneSplat>,
-                                      add_fields<false, Tags, ViewSplat>};
+                                      add_fields<false, Tags, ViewSplat>, finish_row<Tags>};
     return kernels;
 }
 /// The kernels of this target if it is `target`, else null.

@@ -62,6 +62,19 @@ struct FieldPolynomials {
     ChordVariance variance;
 };
 
+/// Pixels of one row, from sums to maps.
+struct MapRow {
+    float *column, *mean, *deviation;  ///< sums, replaced by the maps
+    std::size_t count = 0;
+    double depth_unit = 1;  ///< of the column, a power of two
+    double unit = 1;        ///< ShownField::unit
+    double reference = 0;   ///< of scalars
+    /// Of a component along rays: direction of the first pixel with forward component 1 and its change, right
+    /// and squared length without `right`; the reference across and its change from pixel to pixel.
+    bool along_rays = false;
+    double slope = 0, slope_step = 0, rest2 = 1, reference_step = 0;
+};
+
 /// The loops for one SIMD target: each adds splats[index[0]] ... to the pixels of a tile they touch.
 struct FieldKernels {
     template <class Plane>
@@ -69,6 +82,7 @@ struct FieldKernels {
                          std::size_t count, const FieldPolynomials& polynomials, FieldTile& tile);
     Add<PlaneSplat> add_parallel, add_pinhole;
     Add<ViewSplat> add_view;
+    void (*finish)(const MapRow& row);
 };
 /// Those of the same target as `kernels`.
 const FieldKernels& field_kernels(const SplatKernels& kernels);

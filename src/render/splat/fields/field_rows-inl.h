@@ -266,3 +266,74 @@ void add_fields(const FarSplat* splats, const Splat* planes, const std::uint32_t
                  : add_fields_degree<kParallel, -1, -1, Tags>(splats, planes, index, count,
                                                               polynomials, tile);
 }
+
+/// Column, mean and deviation from sums; NaN without column.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE SumLanes<V> finished(D d, const MapRow& row, V first_factor, V second_factor,
+                                const SumLanes<V>& sums, V first_pixel) {
+    const V nothing = hn::Set(d, std::numeric_limits<float>::quiet_NaN());
+    const V column = hn::Mul(hn::Mul(sums.tau, first_factor), second_factor);
+    const auto none = hn::Not(hn::Gt(column, hn::Zero(d)));
+    if (hn::AllTrue(d, none)) return {column, nothing, nothing};
+    const V per_column = hn::Div(hn::Set(d, 1.0f), sums.tau);
+    V mean = hn::Mul(sums.first, per_column), unit = hn::Set(d, static_cast<float>(row.unit));
+    const V square = hn::NegMulAdd(mean, mean, hn::Mul(sums.second, per_column));
+    const auto high = static_cast<float>(row.reference);
+    if (row.along_rays) {
+        const V x = hn::Add(first_pixel, hn::Iota(d, 0.0f));
+        const V slope = hn::MulAdd(x, hn::Set(d, static_cast<float>(row.slope_step)),
+                                   hn::Set(d, static_cast<float>(row.slope)));
+        const V length =
+            hn::Sqrt(hn::MulAdd(slope, slope, hn::Set(d, static_cast<float>(row.rest2))));
+        const V per_length = hn::Div(hn::Set(d, 1.0f), length);
+        const V reference =
+            hn::MulAdd(x, hn::Set(d, static_cast<float>(row.reference_step)), hn::Set(d, high));
+        unit = hn::Mul(unit, per_length);
+        mean = hn::MulAdd(mean, unit, hn::Mul(reference, per_length));
+    } else {
+        // The reference as two floats: a mean is then rounded once.
+        const auto low = static_cast<float>(row.reference - double{high});
+        mean = hn::Add(hn::Set(d, high), hn::MulAdd(mean, unit, hn::Set(d, low)));
+    }
+    const V deviation = hn::Mul(unit, hn::Sqrt(hn::Max(square, hn::Zero(d))));
+    return {column, hn::IfThenElse(none, nothing, mean), hn::IfThenElse(none, nothing, deviation)};
+}
+
+template <class Tags>
+void finish_row(const MapRow& row) {
+    const typename Tags::Floats d;
+    using V = hn::Vec<typename Tags::Floats>;
+    const std::size_t step = hn::Lanes(d);
+    // The unit in two factors: it may leave the range of floats.
+    const int exponent = std::ilogb(row.depth_unit), half = exponent / 2;
+    const V first = hn::Set(d, std::ldexp(1.0f, half));
+    const V second = hn::Set(d, std::ldexp(1.0f, exponent - half));
+    alignas(64) float part[3][TilePixels::kMaxLanes];
+    float* const maps[3] = {row.column, row.mean, row.deviation};
+    for (std::size_t at = 0; at < row.count; at += step) {
+        const V x = hn::Set(d, static_cast<float>(at));
+        if (at + step <= row.count) {
+            const SumLanes<V> out =
+                finished(d, row, first, second,
+                         SumLanes<V>{hn::LoadU(d, maps[0] + at), hn::LoadU(d, maps[1] + at),
+                                     hn::LoadU(d, maps[2] + at)},
+                         x);
+            hn::StoreU(out.tau, d, maps[0] + at);
+            hn::StoreU(out.first, d, maps[1] + at);
+            hn::StoreU(out.second, d, maps[2] + at);
+            continue;
+        }
+        const std::size_t left = row.count - at;
+        for (std::size_t n = 0; n < 3; ++n) {
+            std::fill(part[n], part[n] + TilePixels::kMaxLanes, 0.0f);
+            std::copy_n(maps[n] + at, left, part[n]);
+        }
+        const SumLanes<V> out = finished(
+            d, row, first, second,
+            SumLanes<V>{hn::Load(d, part[0]), hn::Load(d, part[1]), hn::Load(d, part[2])}, x);
+        hn::Store(out.tau, d, part[0]);
+        hn::Store(out.first, d, part[1]);
+        hn::Store(out.second, d, part[2]);
+        for (std::size_t n = 0; n < 3; ++n) std::copy_n(part[n], left, maps[n] + at);
+    }
+}

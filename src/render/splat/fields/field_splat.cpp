@@ -3,7 +3,7 @@
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 
 #include "render/pixel_limits.h"
 #include "render/splat/fields/field_planes.h"
@@ -26,26 +26,31 @@ void check(const SplatOptions& options, int width, int height) {
 }
 
 /// Sums of a tile's pixels to column, mean and deviation.
-void finish(const ShownField& shown, const CameraFrame& frame, double unit, int left, int top,
-            FieldMaps& maps) {
+void finish(const FieldKernels& loops, const ShownField& shown, const CameraFrame& frame,
+            double unit, int left, int top, FieldMaps& maps) {
     const int right = std::min(left + kTileWidth, frame.width);
     const int bottom = std::min(top + kTileHeight, frame.height);
-    for (int row = top; row < bottom; ++row)
-        for (int column = left; column < right; ++column) {
-            const auto n = static_cast<std::size_t>(row) * static_cast<std::size_t>(maps.width) +
-                           static_cast<std::size_t>(column);
-            const RaySums ray{double{maps.column[n]}, double{maps.mean[n]},
-                              double{maps.deviation[n]}};
-            maps.mean[n] = maps.deviation[n] = std::numeric_limits<float>::quiet_NaN();
-            if (ray.column == 0) continue;
-            const double inverse_length =
-                shown.along_rays ? 1 / length(frame.direction(column, row)) : 1;
-            const double reference =
-                shown.along_rays
-                    ? inverse_length * dot(shown.reference, frame.direction(column, row))
-                    : shown.reference.x;
-            set_pixel(maps, n, ray, ray.column * unit, reference, shown.unit * inverse_length);
+    for (int y = top; y < bottom; ++y) {
+        const auto n = static_cast<std::size_t>(y) * static_cast<std::size_t>(maps.width) +
+                       static_cast<std::size_t>(left);
+        MapRow row{&maps.column[n],
+                   &maps.mean[n],
+                   &maps.deviation[n],
+                   static_cast<std::size_t>(right - left),
+                   unit,
+                   shown.unit,
+                   shown.reference.x};
+        if (shown.along_rays) {
+            const Vec3d first = frame.direction(left, y);
+            row.along_rays = true;
+            row.slope = dot(first, frame.right);
+            row.slope_step = dot(frame.step_x, frame.right);
+            row.rest2 = 1 + std::pow(dot(first, frame.up), 2);
+            row.reference = dot(shown.reference, first);
+            row.reference_step = dot(shown.reference, frame.step_x);
         }
+        loops.finish(row);
+    }
 }
 
 /// One picture in progress.
@@ -110,7 +115,7 @@ void Picture::draw_tile(int t, bool last, FieldTile& tile) const {
         for (std::size_t n = 0; n < 3; ++n)
             kernels.finish_tile(tile.sum[n], frame, 1, true, sums[n]);
     }
-    if (last) finish(shown, frame, model.unit, splats.column_of(t), splats.row_of(t), maps);
+    if (last) finish(loops, shown, frame, model.unit, splats.column_of(t), splats.row_of(t), maps);
 }
 
 }  // namespace
