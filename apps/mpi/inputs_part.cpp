@@ -25,8 +25,8 @@ void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options
                VolumesPart& result) {
     std::vector<VolumeReader> volumes, masks;
     for (const auto& [file, grid, mask] : sources)
-        volumes.emplace_back(file,
-                             VdbOptions{grid, options.level_set_to_fog, false, options.values});
+        volumes.emplace_back(
+            file, VdbOptions{grid, options.level_set_to_fog, false, options.values, options.ones});
     if (by_arrangement) {
         const Arrangement arrangement = arrangement_of(volumes);
         cli::require_mesh(arrangement);
@@ -53,8 +53,8 @@ void read_sums(std::span<const LevelSource> sources, const LevelOptions& options
     result.sets.emplace_back();
     for (std::size_t n = 0; n < sources.size(); ++n) {
         if (!shares[n]) continue;
-        VolumeReader reader(sources[n].file,
-                            {sources[n].grid, options.level_set_to_fog, false, options.values});
+        VolumeReader reader(sources[n].file, {sources[n].grid, options.level_set_to_fog, false,
+                                              options.values, options.ones});
         VolumePart part = *shares[n];
         part.align_voxels = align_voxels;
         result.sets.front().volumes.push_back(reader.read(part, &notes));

@@ -32,11 +32,19 @@ struct VoxelField {
 
 /// Where a field of a conversion comes from.
 struct FieldSource {
-    std::filesystem::path file{};  ///< .vdb or .nvdb
+    std::filesystem::path file{};  ///< .vdb or .nvdb; empty: the measure's (field_of_level)
     std::string grid{};            ///< its grid; empty: the only scalar one, else "density"
     std::string name{};            ///< name of the field; empty: the grid's
     std::string unit{};            ///< empty: from the grid's metadata, else not known
 };
+
+struct LevelSource;
+/// Source of a field at one level of a mesh, or at a single volume: the level's file if the field
+/// has none; a * in the field's grid stands for the text that the * of `pattern` matched.
+/// pattern  LevelOptions::grid, by which level_sources found the level
+/// throws   vog::Error for a * in the field's grid without one in the pattern
+FieldSource field_of_level(const FieldSource& field, const std::string& pattern,
+                           const LevelSource& level);
 
 /// Most voxels of tiles that read_field divides into leaves.
 inline constexpr std::uint64_t kMaxDividedVoxels = std::uint64_t{1} << 28;

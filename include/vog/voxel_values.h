@@ -22,8 +22,7 @@ struct ValueNotes {
     std::uint64_t clipped_negative = 0;    ///< active values below 0, set to 0
     std::uint64_t skipped_nonfinite = 0;   ///< active values not finite, left out
     std::uint64_t inactive_nonfinite = 0;  ///< inactive voxels of leaves with a value not finite
-    std::optional<Vec3i>
-        first_skipped{};  ///< index of the first voxel left out; none for particles
+    std::optional<Vec3i> first_skipped{};  ///< index of the first voxel left out
 
     void add(const ValueNotes& other) {
         clipped_negative += other.clipped_negative;

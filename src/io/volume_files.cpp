@@ -15,6 +15,7 @@
 #include "io/vdb/vdb_reader.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/voxel_field.h"
 
 namespace vog {
 
@@ -160,6 +161,19 @@ std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> fi
         }
     }
     return sources;
+}
+
+FieldSource field_of_level(const FieldSource& field, const std::string& pattern,
+                           const LevelSource& level) {
+    FieldSource source = field;
+    if (source.file.empty()) source.file = level.file;
+    const std::size_t star = source.grid.find('*');
+    if (star == std::string::npos) return source;
+    if (!has_star(pattern))
+        throw Error(fmt::format("grid '{}' and field '{}': expected a * in both, or in neither",
+                                pattern, source.grid));
+    source.grid.replace(star, 1, star_text(pattern, level.grid));
+    return source;
 }
 
 Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options,

@@ -18,14 +18,14 @@ class field_options : public testing::Test {
     std::string at(const std::string& name) const { return (dir_ / name).string(); }
     void expect(const std::string& text, const std::string& file, const std::string& grid,
                 const std::string& name) const {
-        const FieldSource source = parse_field(text, "in.vdb");
+        const FieldSource source = parse_field(text);
         EXPECT_EQ(source.file, file) << text;
         EXPECT_EQ(source.grid, grid) << text;
         EXPECT_EQ(source.name, name) << text;
     }
     static std::string refusal(const std::vector<std::string>& texts) {
         try {
-            parse_fields(texts, "in.vdb");
+            parse_fields(texts);
         } catch (const CLI::ValidationError& error) {
             EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
             return error.what();
@@ -38,14 +38,15 @@ class field_options : public testing::Test {
 }  // namespace
 
 TEST_F(field_options, a_text_names_a_grid_of_the_input_or_of_a_file) {
-    expect("temperature", "in.vdb", "temperature", "temperature");
+    expect("temperature", "", "temperature", "temperature");
     expect("other.vdb:T", "other.vdb", "T", "T");
     expect("other.NVDB:T", "other.NVDB", "T", "T");
-    expect("heat=temperature", "in.vdb", "temperature", "heat");
+    expect("heat=temperature", "", "temperature", "heat");
     expect("heat=folder/other.vdb:T_2", "folder/other.vdb", "T_2", "heat");
+    expect("T=temperature_L*", "", "temperature_L*", "T");
     // Grid names with other characters need a name.
-    expect("heat=gas:T", "in.vdb", "gas:T", "heat");
-    expect("heat=gas T=2", "in.vdb", "gas T=2", "heat");
+    expect("heat=gas:T", "", "gas:T", "heat");
+    expect("heat=gas T=2", "", "gas T=2", "heat");
 }
 
 TEST_F(field_options, an_existing_file_wins_over_colons_and_equals_signs) {
@@ -64,7 +65,7 @@ TEST_F(field_options, reserved_and_repeated_names_are_refused) {
     EXPECT_EQ(refusal({"T", "T2=other.vdb:T"}), "");
     for (const char* name : {"x", "scale_0", "rot_3", "opacity"})
         EXPECT_NE(refusal({name}).find("is reserved"), std::string::npos) << name;
-    for (const char* text : {"", "heat=", "a.vdb:", "=T", "gas T", "velocity.x", "T\n"})
+    for (const char* text : {"", "heat=", "T_L*", "a.vdb:", "=T", "gas T", "velocity.x", "T\n"})
         EXPECT_NE(refusal({text}), "") << text;
 }
 

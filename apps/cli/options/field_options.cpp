@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <optional>
 
 #include "shared/inputs.h"
@@ -71,7 +72,7 @@ void check_name(const std::string& text, const std::string& name) {
 
 }  // namespace
 
-FieldSource parse_field(const std::string& text, const fs::path& input) {
+FieldSource parse_field(const std::string& text) {
     std::optional<FieldSource> source = existing(text);
     std::string name, rest = text;
     if (const std::size_t equals = text.find('='); !source && equals != text.npos) {
@@ -81,7 +82,7 @@ FieldSource parse_field(const std::string& text, const fs::path& input) {
         source = existing(rest);
     }
     if (!source) source = split_at_colon(rest, is_volume);  // its reader reports the missing file
-    if (!source) source = FieldSource{.file = input, .grid = rest};
+    if (!source) source = FieldSource{.grid = rest};
     if (rest.empty() || (rest.back() == ':' && source->grid.empty()))
         refuse(text, fmt::format("no grid, {}", kForms));
     source->name = name.empty() ? source->grid : name;
@@ -89,10 +90,10 @@ FieldSource parse_field(const std::string& text, const fs::path& input) {
     return *source;
 }
 
-std::vector<FieldSource> parse_fields(std::span<const std::string> texts, const fs::path& input) {
+std::vector<FieldSource> parse_fields(std::span<const std::string> texts) {
     std::vector<FieldSource> sources;
     for (const std::string& text : texts) {
-        sources.push_back(parse_field(text, input));
+        sources.push_back(parse_field(text));
         const std::string& name = sources.back().name;
         const auto same = [&](const FieldSource& other) { return other.name == name; };
         if (!name.empty() && std::ranges::count_if(sources, same) > 1)

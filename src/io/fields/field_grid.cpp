@@ -86,6 +86,9 @@ Vec3d VectorMap::operator()(Vec3d v) const {
 }
 
 FieldGrid load_field_grid(const FieldSource& source) {
+    if (source.file.empty())
+        throw Error(fmt::format("field '{}': no file, expected a .vdb or .nvdb",
+                                printable(source.name.empty() ? source.grid : source.name)));
     openvdb::initialize();
     FieldGrid field = is_nvdb(source.file) ? load_nvdb(source) : load_vdb(source);
     field.staggered = field.grid->getGridClass() == openvdb::GRID_STAGGERED;

@@ -10,6 +10,7 @@
 #include "support/level_volumes.h"
 #include "support/refused_files.h"
 #include "support/vdb_grids.h"
+#include "vog/distributed.h"
 #include "vog/points.h"
 #include "vog/progress.h"
 #include "vog/volume_io.h"
@@ -431,6 +432,8 @@ TEST_F(voxel_field, names_units_and_wrong_grids) {
                   read_field({.file = dir_ / "absent.vdb"}, volume);
               }).find("absent.vdb: no such file"),
               std::string::npos);
+    EXPECT_EQ(error_of([&] { read_field({.grid = "t"}, volume); }),
+              "field 't': no file, expected a .vdb or .nvdb");
     Points points;
     points.position = {{1, 2, 3}};
     write_points(dir_ / "points.vdb", points);
@@ -438,6 +441,23 @@ TEST_F(voxel_field, names_units_and_wrong_grids) {
                   read_field({.file = dir_ / "points.vdb", .grid = "points"}, volume);
               }).find("grid 'points': holds points, expected numbers or vectors"),
               std::string::npos);
+}
+
+TEST_F(voxel_field, fields_of_levels_follow_the_pattern_of_the_grid) {
+    const auto expect = [](const FieldSource& field, const std::string& pattern,
+                           const std::string& file, const std::string& grid) {
+        const FieldSource level = field_of_level(field, pattern, {"amr.vdb", "density_L12", ""});
+        EXPECT_EQ(level.file, file);
+        EXPECT_EQ(level.grid, grid);
+        EXPECT_EQ(level.name, field.name);
+    };
+    expect({.grid = "T_L*", .name = "T"}, "density_L*", "amr.vdb", "T_L12");
+    expect({.file = "b.vdb", .grid = "*_heat", .name = "T"}, "density_*", "b.vdb", "L12_heat");
+    expect({.grid = "T", .name = "T"}, "density_L12", "amr.vdb", "T");
+    EXPECT_EQ(error_of([] {
+                  field_of_level({.grid = "T_L*"}, "density_L12", {"a.vdb", "density_L12", ""});
+              }),
+              "grid 'density_L12' and field 'T_L*': expected a * in both, or in neither");
 }
 
 TEST_F(voxel_field, threads_change_nothing) {
