@@ -29,7 +29,8 @@ struct FieldOptions {
 /// model   of these volumes, by any conversion; Gaussians without a part get the value of the nearest voxels'
 ///         Gaussian or the mean of the field, and no gradient
 /// levels  the measures, as the conversion had them: one volume, or the parts of a mesh
-/// fields  [fields][levels] each field at the voxels of each volume
+/// fields  [fields][levels] each field at the voxels of each volume; a component with neither leaves nor
+///         tiles is the volume's own values
 /// throws  vog::Error for a name that the model has already or that is reserved
 /// cost    about two steps of expectation-maximisation
 void add_fields(Gaussians& model, std::span<const Volume> levels,

@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "options/conversion_options.h"
 #include "shared/convert_run.h"
+#include "shared/field_conversion.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/validators.h"
@@ -143,21 +144,25 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format("{}: is a model already, expected volumes or particles",
                                 arguments.inputs.front()));
     check_options(arguments, command, kind);
+    check_fields(arguments, kind);
     if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
+    if (ranks.convert_volumes && !arguments.fields.empty())
+        throw CLI::ValidationError(
+            "--field: parts of a volume have no fields yet; expected one process (vog convert)");
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
-    const LoadedVolumes set =
+    LoadedVolumes set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
     print_notes(set.notes);
-    const Composite mesh =
+    Composite mesh =
         set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
-    const std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
+    std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
     Gaussians model;
     double volume_mass = 0;
     Box box;
@@ -194,6 +199,14 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format(
             "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
             arguments.inputs.front(), paper.opacity_threshold));
+    if (!arguments.fields.empty()) {
+        std::vector<std::string> field_notes;
+        stages.run("fields", [&] {
+            add_fields_of(arguments, moments, volumes, model, field_notes, stages.progress());
+        });
+        print_notes(field_notes);
+        set.notes.insert(set.notes.end(), field_notes.begin(), field_notes.end());
+    }
     if (by_moments)
         model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
     if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
@@ -393,6 +406,11 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
             "of 2, 4, 8, 16, 32 voxels. paper: dense blocks with edges of 2, 4, 8, 8, 8 "
             "voxels, and for sparse leaves --strategy smart (1-3), strict (4), single (5)")
         ->check(CLI::Range(1, 5));
+    command->add_option(
+        "--field", arguments->fields,
+        "Field that Gaussians carry beside density, for pictures of it (vog render --show): GRID "
+        "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. "
+        "Repeatable");
     add_moment_options(*command, *arguments);
     add_paper_options(*command, *arguments);
     add_point_options(*command, arguments->points);

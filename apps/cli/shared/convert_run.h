@@ -28,6 +28,7 @@ struct ConvertArguments {
     std::string strategy, amplitude = "mean";
     PaperOptions paper;
     MomentOptions moments;
+    std::vector<std::string> fields;  ///< texts of --field (options/field_options.h)
     int threads = 0;
     bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
     MemoryArguments memory;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "shared/render_run.h"
+#include "shared/volume_fields.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
 
@@ -29,12 +30,17 @@ void check(const RenderArguments& arguments, const CLI::App& command, const Draw
     if (command.count("--pixel-error"))
         throw CLI::ValidationError("--pixel-error: is of T and column density");
     const std::string& input = arguments.drawing.inputs.front();
-    if (drawing.kind != FileKind::model)
-        throw Error(fmt::format(
-            "{}: holds {}, {} is of a model; convert it first: vog convert {} -o model.ply "
-            "--field {}",
-            input, drawing.kind == FileKind::volume ? "a volume" : "particles", show, input,
-            arguments.quantity.field));
+    if (drawing.kind == FileKind::points)
+        throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
+    if (drawing.kind == FileKind::volume) {
+        if (drawing.renderer != Renderer::reference)
+            throw Error(fmt::format("{}: {} draws no fields of volumes, expected reference", show,
+                                    info_of(drawing.renderer).name));
+        if (arguments.drawing.interpolation != "constant")
+            throw CLI::ValidationError("--interpolation linear does not go with " + show +
+                                       " yet: voxels are constant");
+        return;
+    }
     if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
         throw Error(fmt::format("{}: {} draws no fields, expected splat or trace", show,
                                 info_of(drawing.renderer).name));
@@ -80,6 +86,63 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
             return render_field_splat(*model, choice, camera, size.width, size.height, options);
         };
     }
+    made.drawing = std::move(drawing);
+    return made;
+}
+
+/// Volumes with their field at every voxel.
+struct VolumesWithField {
+    std::vector<Volume> volumes;
+    std::vector<VoxelField> field;  ///< [volumes]
+};
+
+/// The grid in the text of a field: "velocity" of "velocity.x".
+std::string grid_text(const std::string& text) {
+    const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
+    return part ? text.substr(0, text.size() - 2) : text;
+}
+
+FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing) {
+    const DrawingArguments& given = arguments.drawing;
+    LoadedVolumes set = load_volumes(given.inputs, given.volume);
+    const auto data = std::make_shared<VolumesWithField>();
+    if (set.is_mesh()) {
+        Composite mesh = composite(set);
+        drawing.box = mesh.box;
+        data->volumes = std::move(mesh.parts);
+    } else {
+        data->volumes = std::move(set.volumes);
+        for (const Volume& volume : data->volumes) drawing.box.include(world_box(volume));
+    }
+    const std::string& text = arguments.quantity.field;
+    drawing.notes = set.notes;
+    data->field = std::move(
+        read_volume_fields({grid_text(text)}, given.volume.grid, data->volumes, drawing.notes)
+            .front());
+    print_notes(drawing.notes);
+    for (std::size_t n = 0; n < data->field.size(); ++n)
+        if (without_values(data->field[n]))
+            data->field[n] = own_field(data->volumes[n], data->field[n].name);
+    Fields names;
+    const VoxelField& field = data->field.front();
+    if (field.is_vector())
+        names.vector.emplace_back().name = field.name;
+    else
+        names.scalar.emplace_back().name = field.name;
+    const std::string part = text.substr(grid_text(text).size());
+    const FieldChoice choice = field_choice(field.name + part, names);
+    FieldDrawing made;
+    made.unit = field.unit;
+    made.label = label_of(choice, field.name + part);
+    for (const Volume& volume : data->volumes) drawing.active_voxels += active_voxels(volume);
+    set_primitives_text(drawing, data->volumes.size());
+    ReferenceOptions options;
+    options.samples = given.samples;
+    made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {
+        options.progress = progress;
+        return render_field_reference(data->volumes, data->field, choice.part, camera, size.width,
+                                      size.height, options);
+    };
     made.drawing = std::move(drawing);
     return made;
 }
@@ -156,7 +219,8 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
     const FieldDrawing field = stages.run("load", [&] {
         Drawing drawing = begin_drawing(arguments.drawing, command);
         check(arguments, command, drawing, ranks);
-        return load_model(arguments, std::move(drawing));
+        return drawing.kind == FileKind::model ? load_model(arguments, std::move(drawing))
+                                               : load_volume_field(arguments, std::move(drawing));
     });
     const Drawing& drawing = field.drawing;
     const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
