@@ -43,36 +43,6 @@ void describe(Field& field, Numbers& numbers) {
     field.upper = numbers.flag() ? double{numbers.number()} : field.lower + numbers.share();
 }
 
-/// None, or some on `count` Gaussians.
-Fields drawn_fields(Numbers& numbers, std::size_t count) {
-    Fields fields;
-    const auto vector = [&] { return Vec3f{numbers.number(), numbers.number(), numbers.number()}; };
-    const int kinds = numbers.byte();
-    for (int n = 0; n < (kinds & 3); ++n) {
-        ScalarField field;
-        describe(field, numbers);
-        for (std::size_t i = 0; i < count; ++i) {
-            field.value.push_back(numbers.number());
-            field.gradient.push_back(vector());
-            field.deviation.push_back(numbers.flag() ? 0 : numbers.positive());
-            field.skewness.push_back(6 * static_cast<float>(numbers.share()) - 3);
-        }
-        fields.scalar.push_back(field);
-    }
-    if (kinds & 4) {
-        VectorField field;
-        describe(field, numbers);
-        for (std::size_t i = 0; i < count; ++i) {
-            field.value.push_back(vector());
-            for (BigVector<Vec3f>& component : field.gradient) component.push_back(vector());
-            const float xx = numbers.positive(), yy = numbers.positive(), zz = numbers.positive();
-            field.covariance.push_back({xx, numbers.number(), 0, yy, 0, zz});
-        }
-        fields.vector.push_back(field);
-    }
-    return fields;
-}
-
 }  // namespace
 
 Volume drawn_volume(Numbers& numbers) {
@@ -135,8 +105,36 @@ Gaussians drawn_model(Numbers& numbers) {
     model.method = numbers.text(8);
     model.options = numbers.text(20);
     model.summary = numbers.text(20);
-    model.fields = drawn_fields(numbers, model.size());  // last: kept inputs end here
     return model;
+}
+
+Fields drawn_fields(Numbers& numbers, std::size_t count) {
+    Fields fields;
+    const auto vector = [&] { return Vec3f{numbers.number(), numbers.number(), numbers.number()}; };
+    const int kinds = numbers.byte();
+    for (int n = 0; n < (kinds & 3); ++n) {
+        ScalarField field;
+        describe(field, numbers);
+        for (std::size_t i = 0; i < count; ++i) {
+            field.value.push_back(numbers.number());
+            field.gradient.push_back(vector());
+            field.deviation.push_back(numbers.flag() ? 0 : numbers.positive());
+            field.skewness.push_back(6 * static_cast<float>(numbers.share()) - 3);
+        }
+        fields.scalar.push_back(field);
+    }
+    if (kinds & 4) {
+        VectorField field;
+        describe(field, numbers);
+        for (std::size_t i = 0; i < count; ++i) {
+            field.value.push_back(vector());
+            for (BigVector<Vec3f>& component : field.gradient) component.push_back(vector());
+            const float xx = numbers.positive(), yy = numbers.positive(), zz = numbers.positive();
+            field.covariance.push_back({xx, numbers.number(), 0, yy, 0, zz});
+        }
+        fields.vector.push_back(field);
+    }
+    return fields;
 }
 
 }  // namespace vog::fuzz

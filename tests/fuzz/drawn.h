@@ -14,4 +14,7 @@ Volume drawn_volume(Numbers& numbers);
 /// Up to 64 Gaussians of any sizes; most are valid.
 Gaussians drawn_model(Numbers& numbers);
 
+/// Up to three scalar fields and a vector field of `count` Gaussians; most are valid.
+Fields drawn_fields(Numbers& numbers, std::size_t count);
+
 }  // namespace vog::fuzz

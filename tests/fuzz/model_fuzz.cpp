@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "data/field_arrays.h"
 #include "drawn.h"
 #include "same_model.h"
 #include "vog/splat.h"
@@ -16,15 +17,21 @@ void run(Bytes input) {
     Numbers numbers(input);
     Gaussians model = drawn_model(numbers);
     if (!accepted([&] { validate(model); })) return;
+    const bool nodes = numbers.flag(), orthographic = numbers.flag();
+    model.fields = drawn_fields(numbers, model.size());  // last, after all that kept inputs draw
+    if (!accepted([&] { validate(model); })) return;
     Hierarchy hierarchy;
-    if (numbers.flag() && !accepted([&] { hierarchy = build_hierarchy(model); })) return;
+    if (nodes && !accepted([&] { hierarchy = build_hierarchy(model); })) return;
+    if (!model.fields.empty())
+        expect(accepted([&] { validate(hierarchy.nodes.fields, hierarchy.size()); }),
+               "fields of nodes are valid");
     expect_round_trip(model, hierarchy);
 
     Camera camera;
     DepthImage splatted, traced;
     const bool drawn = accepted([&] {
         camera = paper_view(view_box(model));
-        if (numbers.flag()) camera.orthographic_width = fitted_width(camera, view_box(model));
+        if (orthographic) camera.orthographic_width = fitted_width(camera, view_box(model));
         SplatRenderer renderer(model);
         renderer.render(camera, 16, 12, splatted);
     });

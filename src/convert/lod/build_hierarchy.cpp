@@ -170,7 +170,7 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     link(tree, model.size(), name_of(model));
     tree.nodes.cutoff = model.cutoff;
     tree.nodes.origin = model.origin;
-    tree.nodes.fields = empty_fields(model.fields);
+    if (!tree.empty()) tree.nodes.fields = empty_fields(model.fields);
     resize(tree.nodes, tree.size(), model.axis_aligned());
     tree.radius.resize(tree.size());
     const MomentFrame frame = moment_frame(Affine{}, model.axis_aligned(), 1, model.cutoff);
