@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "arrays.h"
+#include "fields.h"
 #include "vog/error.h"
 #include "vog/gaussians.h"
 #include "vog/lod.h"
@@ -38,7 +39,7 @@ void require_precise(const py::object& mean, const Gaussians& model) {
 
 Model from_arrays(const py::object& mean, const py::object& scale, const py::object& density,
                   const py::object& rotation, float cutoff, const py::object& box,
-                  const py::object& origin) {
+                  const py::object& origin, const py::object& fields) {
     auto model = std::make_shared<Gaussians>();
     model->mean = vector_of<Vec3f, float>(mean, "mean");
     if (!origin.is_none()) {
@@ -52,6 +53,7 @@ Model from_arrays(const py::object& mean, const py::object& scale, const py::obj
     model->scale = vector_of<Vec3f, float>(scale, "scale");
     if (!rotation.is_none()) model->rotation = vector_of<Quat, float>(rotation, "rotation");
     require_precise(mean, *model);
+    model->fields = fields_from(fields, model->size());
     model->cutoff = cutoff;
     model->box = box_of(box);
     validate(*model);
@@ -108,11 +110,12 @@ py::tuple state_of(const py::object& self) {
     return py::make_tuple(self.attr("mean"), self.attr("scale"), self.attr("density"),
                           model.axis_aligned() ? py::none() : py::object(self.attr("rotation")),
                           model.cutoff, box_array(model.box), model.source_voxels, model.source,
-                          model.method, model.options, model.summary, array_of(model.origin));
+                          model.method, model.options, model.summary, array_of(model.origin),
+                          plain_fields(self));
 }
 Model from_state(const py::tuple& state) {
     Model model = from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(),
-                              state[5], state[11]);
+                              state[5], state[11], state[12]);
     model->source_voxels = state[6].cast<std::uint64_t>();
     model->source = state[7].cast<std::string>();
     model->method = state[8].cast<std::string>();
@@ -165,6 +168,9 @@ A view; of an axis-aligned model a read-only array of (1, 0, 0, 0).)")
             },
             "[N] float32 view: peak densities, >= 0, per world unit of length.")
         .def_property_readonly(
+            "fields", &fields_of,
+            "Mapping of names to vog.Field: what the Gaussians know beside their density.")
+        .def_property_readonly(
             "axis_aligned", &Gaussians::axis_aligned,
             "Whether all principal axes are world axes: no rotations are stored.")
         .def_property_readonly(
@@ -192,6 +198,7 @@ model. model[index] selects Gaussians (a slice, a mask, numbers); a + b concaten
     c.def(py::init(&from_arrays), py::arg("mean"), py::arg("scale"), py::arg("density"),
           py::arg("rotation") = py::none(), py::kw_only(), py::arg("cutoff") = 2.25f,
           py::arg("box") = py::none(), py::arg("origin") = py::none(),
+          py::arg("fields") = py::none(),
           R"(Creates a model from arrays, which are copied.
 
 mean      [N, 3] centres minus origin, world units, stored as float32
@@ -201,6 +208,9 @@ rotation  [N, 4] quaternions (w, x, y, z); None: all axis-aligned
 cutoff    truncation radius of the kernels, standard deviations, (0, 8]
 box       [2, 3] corners that views frame, world units; None: bounding box of the Gaussians
 origin    [3] float64 point of the world that means are relative to, for data far from 0; None: 0
+fields    mapping of names to vog.Field objects, or to dicts: value [N], gradient [N, 3], deviation
+          [N], skewness [N], of a vector field value [N, 3], gradient and covariance [N, 3, 3]; 0 where
+          not given; unit and range
 
 Raises vog.Error for other shapes and values out of range.)")
         .def_static(

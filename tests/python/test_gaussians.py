@@ -157,3 +157,108 @@ def test_an_empty_model_is_one():
     empty = vog.Gaussians(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0))
     assert len(empty) == 0 and empty.box is None and empty.mean.shape == (0, 3)
     assert len(empty + two()) == 2
+
+
+def with_fields():
+    generator = np.random.default_rng(1)
+    spread = generator.normal(size=(3, 3, 3)).astype(np.float32)
+    return vog.Gaussians(
+        generator.normal(size=(3, 3)), np.ones((3, 3)), [1, 2, 3],
+        fields={
+            "temperature": {
+                "value": [300, 400, 500], "gradient": np.eye(3), "deviation": [1, 2, 3], "skewness": [0, -1, 3],
+                "unit": "K", "range": (280, 520),
+            },
+            "gas velocity": {
+                "value": [[3, 4, 0], [0, 0, 1], [0, 2, 0]], "gradient": generator.normal(size=(3, 3, 3)),
+                "covariance": spread @ spread.transpose(0, 2, 1),
+            },
+        },
+    )
+
+
+def assert_same_fields(a, b):
+    assert list(a.fields) == list(b.fields)
+    for name, field in a.fields.items():
+        other = b.fields[name]
+        assert field.unit == other.unit and field.range == other.range and field.is_vector == other.is_vector
+        for part in ("value", "gradient", "covariance") if field.is_vector else ("value", "gradient", "deviation", "skewness"):
+            assert np.array_equal(getattr(field, part), getattr(other, part)), (name, part)
+
+
+def test_fields_are_the_models_own_memory():
+    model = with_fields()
+    assert list(model.fields) == ["temperature", "gas velocity"] and len(model.fields) == 2
+    field = model.fields["temperature"]
+    assert field.name == "temperature" and field.unit == "K" and field.range == (280, 520) and not field.is_vector
+    assert field.value.dtype == np.float32 and not field.value.flags.owndata
+    assert np.array_equal(field.gradient, np.eye(3)) and np.array_equal(field.skewness, [0, -1, 3])
+    field.value *= 2
+    field.gradient[1] = 7
+    field.deviation += 1
+    again = model.fields["temperature"]
+    assert np.array_equal(again.value, [600, 800, 1000]) and np.array_equal(again.gradient[1], [7, 7, 7])
+    assert np.array_equal(again.deviation, [2, 3, 4])
+    value = with_fields().fields["temperature"].value  # outlives the names of field and model
+    gc.collect()
+    assert np.array_equal(value, [300, 400, 500])
+    with pytest.raises(KeyError):
+        model.fields["density"]
+    with pytest.raises(TypeError):
+        model.fields["temperature"] = field
+    assert two().fields == {} and repr(field) == "<vog.Field: temperature in K>"
+
+
+def test_vector_fields_are_three_components_and_their_covariance():
+    field = with_fields().fields["gas velocity"]
+    assert field.is_vector and field.unit == "" and field.range == (1, 5)
+    assert field.value.shape == (3, 3) and field.gradient.shape == field.covariance.shape == (3, 3, 3)
+    assert np.array_equal(field.covariance, field.covariance.transpose(0, 2, 1))
+    assert np.linalg.eigvalsh(field.covariance).min() > -1e-4
+    field.value[0] = 0
+    with pytest.raises(ValueError, match="read-only"):
+        field.gradient[0] = 0
+    with pytest.raises(AttributeError, match="gas velocity is a vector field without deviation"):
+        field.deviation
+    with pytest.raises(AttributeError, match="temperature is a scalar field without covariance"):
+        with_fields().fields["temperature"].covariance
+
+
+def test_fields_go_where_their_gaussians_go(tmp_path):
+    model = with_fields()
+    model.save(tmp_path / "a.ply")
+    for back in (vog.Gaussians.load(tmp_path / "a.ply"), pickle.loads(pickle.dumps(model)), copy.deepcopy(model)):
+        assert_same_fields(back, model)
+    assert_same_fields(vog.Gaussians(model.mean, model.scale, model.density, fields=model.fields), model)
+    part = model[[2, 0]]
+    assert np.array_equal(part.fields["temperature"].value, [500, 300])
+    both = part + model[1]
+    assert np.array_equal(both.fields["gas velocity"].covariance, model.fields["gas velocity"].covariance[[2, 0, 1]])
+    with pytest.raises(vog.Error, match="field 'temperature': one model has it"):
+        model + two()
+    one = model.coarsen(1)
+    weight = np.array([1, 2, 3]) / 6
+    assert one.fields["temperature"].value[0] == pytest.approx(weight @ [300, 400, 500])
+    assert np.allclose(one.fields["gas velocity"].value[0], weight @ model.fields["gas velocity"].value)
+
+
+@pytest.mark.parametrize(
+    "field, message",
+    [
+        ({"value": [1]}, "field 't': an array of 1 values, expected 2"),
+        ({"value": [1, np.inf]}, "Gaussian 1: field 't': value inf, expected finite"),
+        ({"value": [1, 2], "deviation": [1, -1]}, "Gaussian 1: field 't': deviation -1"),
+        ({"value": [1, 2], "gradient": [1, 2]}, r"fields: t: gradient: shape \(2,\), expected \(N, 3\)"),
+        ({"value": [1, 2], "covariance": np.zeros((2, 3, 3))}, "fields: t: covariance: of a scalar field"),
+        ({"value": np.zeros((2, 3)), "deviation": [1, 2]}, "fields: t: deviation: of a vector field"),
+        ({"value": np.zeros((2, 3)), "gradient": np.zeros((2, 3))}, r"gradient: shape \(2, 3\), expected \(2, 3, 3\)"),
+        ({"value": [1, 2], "units": "K"}, "fields: t: unknown 'units'"),
+        ({"value": [1, 2], "range": [1]}, "fields: t: range: 1 numbers, expected 2"),
+        ({"value": [1, 2], "range": [2, 1]}, "field 't': range 2 to 1"),
+        ({"unit": "K"}, "fields: t: value: missing"),
+        ([1, 2], "fields: t: expected a dict"),
+    ],
+)
+def test_bad_fields_are_refused(field, message):
+    with pytest.raises(vog.Error, match=message):
+        vog.Gaussians([[0, 0, 0]] * 2, [[1, 1, 1]] * 2, [1, 2], fields={"t": field})
