@@ -13,11 +13,13 @@ namespace vog::test {
 // start of the next.
 TEST(splat_tiles, pass_nothing_from_the_right_edge_to_the_left) {
     Gaussians model;
-    for (int n = 0; n < 40; ++n) {
-        model.mean.push_back(
-            {1.12f + 0.007f * static_cast<float>(n % 9), -1 + 0.05f * static_cast<float>(n), 0});
+    // Wide ones across the right edge, faint ones at the left.
+    for (int n = 0; n < 80; ++n) {
+        const bool right = n % 2 == 0;
+        model.mean.push_back({right ? 1.12f + 0.007f * static_cast<float>(n % 9) : -1.0f,
+                              -1 + 0.025f * static_cast<float>(n), 0});
         model.scale.push_back({0.1f, 0.1f, 0.1f});
-        model.density.push_back(1);
+        model.density.push_back(right ? 1.0f : 0.01f);
     }
     Camera camera;
     camera.eye = {0, 0, 3};
