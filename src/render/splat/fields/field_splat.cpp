@@ -67,7 +67,7 @@ struct Picture {
     std::vector<ViewSplat> views{};
 
     void add(std::size_t first, std::size_t last);
-    void draw_tile(int t, bool last, FieldTile& tile) const;
+    void draw_tile(int t, bool first, bool last, FieldTile& tile) const;
 };
 
 /// Adds Gaussians first ... last - 1 to the sums.
@@ -92,11 +92,12 @@ void Picture::add(std::size_t first, std::size_t last) {
     // 33 kB, all 0 between tiles: one for each thread, not for each task.
     tbb::enumerable_thread_specific<FieldTile> tiles;
     struct Nothing {};
-    draw_tiles<Nothing>(splats.bins, [&](int t, Nothing) { draw_tile(t, is_last, tiles.local()); });
+    draw_tiles<Nothing>(splats.bins,
+                        [&](int t, Nothing) { draw_tile(t, first == 0, is_last, tiles.local()); });
 }
 
-/// last  whether no further Gaussians follow
-void Picture::draw_tile(int t, bool last, FieldTile& tile) const {
+/// first, last  whether no other Gaussians came before, or follow
+void Picture::draw_tile(int t, bool first, bool last, FieldTile& tile) const {
     for (TilePixels& sum : tile.sum) sum.column = splats.column_of(t), sum.row = splats.row_of(t);
     const FieldKernels& loops = field_kernels(kernels);
     const bool touched = splats.visit(t, frame, [&](const std::uint32_t* index, std::size_t count) {
@@ -113,7 +114,7 @@ void Picture::draw_tile(int t, bool last, FieldTile& tile) const {
         // Without the unit of T: the sums keep their digits where T itself is too small for a float.
         float* sums[3] = {maps.column.data(), maps.mean.data(), maps.deviation.data()};
         for (std::size_t n = 0; n < 3; ++n)
-            kernels.finish_tile(tile.sum[n], frame, 1, true, sums[n]);
+            kernels.finish_tile(tile.sum[n], frame, 1, !first, sums[n]);
     }
     if (last) finish(loops, shown, frame, model.unit, splats.column_of(t), splats.row_of(t), maps);
 }
