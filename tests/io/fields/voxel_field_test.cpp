@@ -349,6 +349,33 @@ TEST_F(voxel_field, tiles_are_divided_where_the_field_varies) {
     expect_same_volume(volume, divided);
 }
 
+/// Takes no quadratic time: 50,000 tiles in the volume and in the grid.
+TEST_F(voxel_field, many_tiles_are_sampled_one_by_one) {
+    Volume volume;
+    const auto grid = make_grid("t");
+    for (int n = 0; n < 50000; ++n) {
+        const Vec3i origin{4096 * (n / 500), 4096 * (n % 500), 0};
+        volume.tiles.push_back({origin, 4096, 0.5f});
+        grid->tree().addTile(3, Coord(origin.x, origin.y, origin.z), float(n) - 7, true);
+    }
+    const VoxelField field = read(grid, volume);
+    ASSERT_EQ(volume.tiles.size(), 50000u);
+    for (std::size_t n = 0; n < 50000; ++n) ASSERT_EQ(field.component[0].tile[n], float(n) - 7);
+    EXPECT_TRUE(notes_.empty());
+    // Tiles of many root cells: a grid of voxels a hundredth as large.
+    Volume few;
+    few.tiles = {{{0, 0, 0}, 4096, 0.5f}};
+    Affine fine;
+    fine.linear = {{Vec3d{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}}};
+    const auto corner = make_grid("t");
+    corner->tree().addTile(3, Coord(0, 0, 0), 3, true);
+    place(*corner, fine);
+    read(corner, few);
+    EXPECT_EQ(active_voxels(few), std::uint64_t{4096} * 4096 * 4096);
+    EXPECT_GT(few.tiles.size(), 32768u);
+    EXPECT_EQ(notes_.size(), 1u);
+}
+
 TEST_F(voxel_field, tiles_that_would_fill_memory_are_refused) {
     Volume volume;
     volume.tiles = {{{0, 0, 0}, 4096, 0.5f}};
