@@ -63,8 +63,8 @@ inline void set_pixel(FieldMaps& maps, std::size_t n, const RaySums& sums, doubl
     if (!(maps.column[n] > 0)) return;
     const double per_column = 1 / sums.column, mean = sums.first * per_column;
     maps.mean[n] = static_cast<float>(reference + unit * mean);
-    maps.deviation[n] = static_cast<float>(
-        unit * std::sqrt(std::max(sums.second * per_column - mean * mean, 0.0)));
+    maps.deviation[n] =
+        static_cast<float>(unit * std::sqrt(std::max(sums.second * per_column - mean * mean, 0.0)));
 }
 /// Maps without any column.
 FieldMaps empty_maps(int width, int height);

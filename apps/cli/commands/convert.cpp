@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "options/conversion_options.h"
 #include "shared/convert_run.h"
-#include "shared/field_conversion.h"
+#include "fields/field_conversion.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/validators.h"

@@ -1,7 +1,7 @@
 // field_conversion.cpp: --field of vog convert.
-#include "shared/field_conversion.h"
+#include "fields/field_conversion.h"
 
-#include "shared/volume_fields.h"
+#include "fields/volume_fields.h"
 #include "vog/convert_fields.h"
 
 namespace vog::cli {

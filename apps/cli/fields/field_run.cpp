@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "shared/render_run.h"
-#include "shared/volume_fields.h"
+#include "fields/volume_fields.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
 

@@ -1,5 +1,5 @@
 // volume_fields.cpp: reading of fields, one volume after another.
-#include "shared/volume_fields.h"
+#include "fields/volume_fields.h"
 
 #include <algorithm>
 #include <utility>
