@@ -57,7 +57,8 @@ struct Fields {
     std::vector<std::string> names() const;
 };
 
-/// Appends the fields of `other`, models of n and m Gaussians; both have the same fields.
+/// Appends the fields of `other`, models of n and m Gaussians; both have the same fields, in any order.
+/// Ranges are united. A model without Gaussians takes the other's fields.
 /// throws  vog::Error naming a field that one of them lacks, or whose unit differs
 void append(Fields& fields, std::size_t n, const Fields& other, std::size_t m);
 

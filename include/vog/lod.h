@@ -22,7 +22,8 @@ namespace vog {
 /// Forest of M nodes whose leaves are the N Gaussians of a model. Nodes are stored level by level,
 /// roots first, the children of a node side by side, and so are the leaves.
 struct Hierarchy {
-    /// [M] with the mass, mean and covariance of all leaves below, relative to the model's origin.
+    /// [M] with the mass, mean and covariance of all leaves below, relative to the model's origin, and the
+    /// model's fields, of the joint moments of position and value of all leaves below.
     Gaussians nodes;
     /// [M] Children of node n: the nodes first_node[n] ... first_node[n] + node_count[n] - 1, all
     /// behind n, and the leaves first_leaf[n] ... first_leaf[n] + leaf_count[n] - 1 of the model.
@@ -52,8 +53,9 @@ struct HierarchyOptions {
 /// for any number of threads.
 /// model   finite values, at most 2^32 - 2 Gaussians; a model of fewer than 2 has no nodes
 /// throws  vog::Error for an invalid or too large model
-/// cost    O(N log N) time; 20 bytes a Gaussian and 80 a node of memory meanwhile. M is N / 7 where
-///         Gaussians fill their cells, up to N / 3 where they are scattered
+/// cost    O(N log N) time; 20 bytes a Gaussian and 80 a node (160 with a scalar field, 352 with a vector
+///         field) of memory meanwhile. M is N / 7 where Gaussians fill their cells, up to N / 3
+///         where they are scattered
 [[nodiscard]] Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options = {});
 
 /// Checks the arrays of a hierarchy against its model and the ranges above.
@@ -103,7 +105,7 @@ class ViewCut {
     ///          leaves are drawn; valid until the next call. The same bytes for any number of
     ///          threads
     /// throws   vog::Error for a pixel_error that is negative or NaN
-    /// cost     O(nodes visited + Gaussians drawn) time, parallel; 44 bytes a Gaussian drawn
+    /// cost     O(nodes visited + Gaussians drawn) time, parallel; 44 bytes a Gaussian drawn, and its fields
     const Gaussians& choose(const CameraFrame& frame, const CutOptions& options = {});
     /// Counts of the last cut.
     const CutReport& report() const;
@@ -113,7 +115,7 @@ class ViewCut {
     std::unique_ptr<State> state_;
 };
 
-/// Coarser models of the same mass, mean and covariance, by a tree that halves the model across its
+/// Coarser models of the same mass, mean and covariance, and joint moments with the fields, by a tree that halves the model across its
 /// longest axis; parts are split in the order of their gain.
 /// budgets  largest number of Gaussians of each result, > 0
 /// returns  one model a budget, with rotations and the model's cutoff and box; the model itself for
