@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
-#include "shared/render_run.h"
 #include "fields/volume_fields.h"
+#include "shared/render_run.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
 
@@ -157,6 +158,14 @@ std::vector<float> counted(const FieldMaps& maps, const std::vector<float>& show
     return values;
 }
 
+/// Values, NaN where the column is below a share of the largest.
+std::vector<float> visible(const FieldMaps& maps, std::vector<float> shown, double share) {
+    const double least = share * double{*std::ranges::max_element(maps.column)};
+    for (std::size_t n = 0; n < shown.size(); ++n)
+        if (double{maps.column[n]} < least) shown[n] = std::numeric_limits<float>::quiet_NaN();
+    return shown;
+}
+
 /// throws vog::Error for a column beyond the range of floats
 void require_finite(const FieldMaps& maps, const std::string& input) {
     for (const auto* values : {&maps.column, &maps.mean, &maps.deviation})
@@ -241,7 +250,9 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
     if (!arguments.output.empty()) {
         const std::string label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
         const Image image = stages.run("shade", [&] {
-            return pictured(arguments, {maps.width, maps.height, shown}, tf, scale, label);
+            return pictured(arguments,
+                            {maps.width, maps.height, visible(maps, shown, quantity.least_column)},
+                            tf, scale, label);
         });
         stages.run("save", [&] { write_image(arguments.output, image); });
     }

@@ -53,6 +53,14 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
     command.add_option("--title", arguments.title, "Text above the picture, which becomes higher")
         ->group(kQuantityGroup);
     command
+        .add_option(
+            "--least-column", arguments.least_column,
+            "Share of the largest column below which a picture of a field shows nothing: the "
+            "mean of next to nothing is no colour. Files of values have every pixel")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str()
+        ->group(kQuantityGroup);
+    command
         .add_option("--values-out", arguments.values_output,
                     "File of the shown quantity as float32 numbers, height x width, rows from the "
                     "top: .npy or .exr; of a field the .exr has the channels column, mean and "
@@ -106,6 +114,7 @@ void check_quantity_options(const QuantityArguments& arguments, const CLI::App& 
         refuse("--depth-out", "is of T, expected --values-out FILE.exr, which has the column");
     } else {
         refuse("--field", "is of --show mean or deviation");
+        refuse("--least-column", "is of --show mean or deviation");
         if (arguments.scale == "symmetric")
             refuse("--scale", "symmetric is of --show mean or deviation");
     }

@@ -12,6 +12,8 @@ namespace vog::cli {
 struct QuantityArguments {
     std::string show = "T", field, range, scale = "linear", units, title, values_output;
     bool log = false, color_bar = false;
+    /// Share of the largest column below which a picture of a field shows nothing.
+    double least_column = 1e-4;
 
     bool column() const { return show == "column"; }
     bool of_field() const { return show == "mean" || show == "deviation"; }
