@@ -32,7 +32,11 @@ TEST_F(field_pictures_command, say_in_one_line_what_is_missing) {
               "model.ply --field temperature");
     write_vdb(dir_ / "cloud.vdb", sample_cloud({.size = 64}));
     must_fail(1, "render cloud.vdb -o map.png --show mean --field temperature",
-              "cloud.vdb: holds a volume");
+              "cloud.vdb: no grid named 'temperature' (it has: density)");
+    must_fail(1, "render cloud.vdb -o map.png --show mean --field density --renderer splat",
+              "cloud.vdb: is a volume; convert it first");
+    must_fail(2, "render cloud.vdb -o map.png --show mean --field density --interpolation linear",
+              "--interpolation linear does not go with --show mean");
 }
 
 }  // namespace vog::test

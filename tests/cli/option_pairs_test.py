@@ -32,7 +32,7 @@ VALUES = {
     "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--roll": "10", "--camera": "{made}/camera.json",
     "--save-camera": "{out}/camera.json", "--extinction": "0.5", "--tf": "viridis", "--background": "white",
     "--show": "column", "--range": "0.1,2", "--units": "g/cm^2", "--title": "A title",
-    "--values-out": "{out}/values.npy", "--description": "Some text", "--name": "a model", "--levels": "2",
+    "--field": "density", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy", "--description": "Some text", "--name": "a model", "--levels": "2",
     "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
 }
 # Command: its arguments with an input, for each kind of input, and the part of all pairs that is run, one in so many

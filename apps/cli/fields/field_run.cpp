@@ -136,7 +136,7 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
     made.unit = field.unit;
     made.label = label_of(choice, field.name + part);
     for (const Volume& volume : data->volumes) drawing.active_voxels += active_voxels(volume);
-    set_primitives_text(drawing, data->volumes.size());
+    set_primitives_text(drawing, set.is_mesh() ? data->volumes.size() : 0);
     ReferenceOptions options;
     options.samples = given.samples;
     made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {

@@ -335,13 +335,11 @@ void EmSolver::release(const Overlaps& overlaps, Batch& batch) const {
     std::erase_if(batch.active, is_done);
 }
 
-EmSolver::Batch EmSolver::first_batch(const Overlaps& overlaps) {
-    Batch batch;
+void EmSolver::make_room(const Overlaps& overlaps, Batch& batch) {
     batch.active.reserve(overlaps.max_active);
     batch.sums.resize(overlaps.max_active);
     batch.free_sums.resize(overlaps.max_active);
     std::iota(batch.free_sums.begin(), batch.free_sums.end(), std::uint32_t{0});
-    return batch;
 }
 
 std::size_t EmSolver::end_of_batch(std::size_t first_brick) const {
@@ -351,7 +349,8 @@ std::size_t EmSolver::end_of_batch(std::size_t first_brick) const {
 void EmSolver::add_shares(const PackedCells& cells, std::size_t width, const BrickParts& parts_of,
                           std::span<double> sums) const {
     const Overlaps overlaps = find_overlaps(cells);
-    Batch batch = first_batch(overlaps);
+    Batch batch;
+    make_room(overlaps, batch);
     for (; batch.first_brick < bricks_.size(); batch.first_brick = batch.end_brick) {
         batch.end_brick = end_of_batch(batch.first_brick);
         activate(overlaps, batch);
@@ -386,7 +385,8 @@ void EmSolver::step(PackedCells& cells, EmHistory& history) const {
         });
 
     const Overlaps overlaps = find_overlaps(cells);
-    Batch batch = first_batch(overlaps);
+    Batch batch;
+    make_room(overlaps, batch);
     for (; batch.first_brick < bricks_.size(); batch.first_brick = batch.end_brick) {
         batch.end_brick = end_of_batch(batch.first_brick);
         activate(overlaps, batch);

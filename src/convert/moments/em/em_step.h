@@ -119,8 +119,8 @@ class EmSolver {
     /// own, which are added in the order of bricks: the same bytes for any number of threads.
     void e_step(const PackedCells& cells, double max_peak, const BrickLists& lists,
                 Batch& batch) const;
-    /// A batch before the first, with room for the cells that are active at once.
-    static Batch first_batch(const Overlaps& overlaps);
+    /// Makes room for the cells that are active at once.
+    static void make_room(const Overlaps& overlaps, Batch& batch);
     /// The batch's end.
     std::size_t end_of_batch(std::size_t first_brick) const;
     /// Sets the scratch's kernels to the cells of brick n of the batch.
