@@ -15,7 +15,7 @@ namespace {
 
 using openvdb::Index;
 namespace vp = openvdb::points;
-using LeafT = vp::PointDataTree::LeafNodeType;
+using PointLeaf = vp::PointDataTree::LeafNodeType;
 using Descriptor = vp::AttributeSet::Descriptor;
 
 /// Descriptors with P, then with velocity (if present) and each attribute appended: one more from
@@ -35,17 +35,18 @@ openvdb::Vec3f to_openvdb(Vec3f v) { return {v.x, v.y, v.z}; }
 
 /// Writes value_of(n) for the n-th point of a leaf.
 template <class Value, class ValueOf>
-void fill(LeafT& leaf, std::size_t column, Index count, const ValueOf& value_of) {
+void fill(PointLeaf& leaf, std::size_t column, Index count, const ValueOf& value_of) {
     vp::AttributeWriteHandle<Value> handle(leaf.attributeArray(column));
     for (Index n = 0; n < count; ++n) handle.set(n, value_of(n));
 }
 
-LeafT* make_leaf(const Points& points, const LeafOrder& order, double voxel_size, std::size_t first,
-                 std::size_t last, const std::vector<Descriptor::Ptr>& descriptors) {
+PointLeaf* make_leaf(const Points& points, const LeafOrder& order, double voxel_size,
+                     std::size_t first, std::size_t last,
+                     const std::vector<Descriptor::Ptr>& descriptors) {
     const auto count = static_cast<Index>(last - first);
     const Vec3i corner =
         LeafOrder::voxel(order.key[first] >> LeafOrder::kLeafBits << LeafOrder::kLeafBits);
-    auto* leaf = new LeafT(openvdb::Coord(corner.x, corner.y, corner.z), 0, false);
+    auto* leaf = new PointLeaf(openvdb::Coord(corner.x, corner.y, corner.z), 0, false);
     leaf->initializeAttributes(descriptors.front(), count);
     for (std::size_t n = 1; n < descriptors.size(); ++n) {
         Descriptor::Ptr with_next = descriptors[n];
@@ -53,10 +54,10 @@ LeafT* make_leaf(const Points& points, const LeafOrder& order, double voxel_size
     }
 
     // End of each voxel's points.
-    std::vector<LeafT::ValueType> ends(LeafT::SIZE, 0);
+    std::vector<PointLeaf::ValueType> ends(PointLeaf::SIZE, 0);
     for (std::size_t n = first; n < last; ++n)
-        ends[order.key[n] & (LeafT::SIZE - 1)] =
-            LeafT::ValueType(static_cast<Index>(n + 1 - first));
+        ends[order.key[n] & (PointLeaf::SIZE - 1)] =
+            PointLeaf::ValueType(static_cast<Index>(n + 1 - first));
     for (std::size_t voxel = 1; voxel < ends.size(); ++voxel)
         if (ends[voxel] < ends[voxel - 1]) ends[voxel] = ends[voxel - 1];
     leaf->setOffsets(ends);
@@ -102,11 +103,11 @@ void point_files::write_points_vdb(const std::filesystem::path& file, const Poin
     const double h = voxel_size;
     set_transform(*grid, {{{Vec3d{h, 0, 0}, {0, h, 0}, {0, 0, h}}}, order.origin}, file.string());
     const std::vector<Descriptor::Ptr> descriptors = describe(points);
-    std::vector<LeafT*> leaves(first.size() - 1);
+    std::vector<PointLeaf*> leaves(first.size() - 1);
     vog::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t n) {
         leaves[n] = make_leaf(points, order, h, first[n], first[n + 1], descriptors);
     });
-    for (LeafT* leaf : leaves) grid->tree().addLeaf(leaf);  // the tree owns it
+    for (PointLeaf* leaf : leaves) grid->tree().addLeaf(leaf);  // the tree owns it
     write_vdb_grids(file, 1, [&](std::size_t) { return grid; });
 }
 
