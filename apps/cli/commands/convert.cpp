@@ -9,9 +9,9 @@
 #include <optional>
 
 #include "commands.h"
+#include "fields/field_conversion.h"
 #include "options/conversion_options.h"
 #include "shared/convert_run.h"
-#include "fields/field_conversion.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/validators.h"
