@@ -23,6 +23,9 @@ struct ScalarField {
     std::string name;             ///< "temperature"
     std::string unit;             ///< "K"; empty: not known
     double lower = 0, upper = 0;  ///< least and largest value of the data, in the unit
+    /// Whether the field is the measure itself, the density of the data: its extinction by value is not weighed by
+    /// density once more (vog/volume_picture.h).
+    bool is_measure = false;
 
     BigVector<float> value;      ///< [N] at the Gaussian's mean, in the unit
     BigVector<Vec3f> gradient;   ///< [N] unit per world unit

@@ -26,6 +26,7 @@
 //            renderer.h         all of these renderers by name
 //   shade    shade.h            T to colours by a transfer function
 //            quantity.h         column density maps, colour bars, values as files
+//            value_transfer.h   transfer functions of a field's values
 //   judge    compare.h          differences between two images
 //            evaluate.h         tables and figures of many conversions of one data set
 //   share    export_html.h      models as one HTML page
@@ -69,6 +70,7 @@
 #include "vog/temporary_file.h"
 #include "vog/text.h"
 #include "vog/trace.h"
+#include "vog/value_transfer.h"
 #include "vog/volume.h"
 #include "vog/volume_io.h"
 #include "vog/voxel_field.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <string_view>
+#include <type_traits>
 
 #include "core/paging.h"
 #include "data/field_arrays.h"
@@ -31,6 +32,7 @@ Field described_as(const Field& other) {
     field.unit = other.unit;
     field.lower = other.lower;
     field.upper = other.upper;
+    if constexpr (std::is_same_v<Field, ScalarField>) field.is_measure = other.is_measure;
     return field;
 }
 
@@ -69,6 +71,12 @@ void require_same(const std::vector<Field>& fields, const std::vector<Field>& ot
                     fmt::format("field {}: one model has it and one has not, expected the "
                                 "same fields in models that are joined",
                                 in_quotes(field.name)));
+            if constexpr (std::is_same_v<Field, ScalarField>)
+                if (same->is_measure != field.is_measure)
+                    throw Error(
+                        fmt::format("field {}: the measure itself in one model and not in the "
+                                    "other, expected the same fields in models that are joined",
+                                    in_quotes(field.name)));
             if (same->unit != field.unit)
                 throw Error(fmt::format("field {}: in {} and in {}, expected one unit",
                                         in_quotes(field.name), in_quotes(field.unit),

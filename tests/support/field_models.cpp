@@ -65,6 +65,7 @@ void expect_same_fields(const Fields& a, const Fields& b) {
     for (std::size_t k = 0; k < a.scalar.size(); ++k) {
         const ScalarField &one = a.scalar[k], &other = b.scalar[k];
         expect_described(one, other);
+        EXPECT_EQ(one.is_measure, other.is_measure);
         EXPECT_EQ(one.value, other.value);
         EXPECT_EQ(one.gradient, other.gradient);
         EXPECT_EQ(one.deviation, other.deviation);

@@ -226,7 +226,7 @@ constexpr double kRounding = 1e-6;
 ScalarField scalar_field(const VoxelField& about, const Layout& layout, std::size_t f,
                          const BigVector<WorldPlane>& planes, const BigVector<double>& residuals,
                          const BigVector<double>& masses) {
-    ScalarField field{about.name, about.unit, about.lower, about.upper, {}, {}, {}, {}};
+    ScalarField field{about.name, about.unit, about.lower, about.upper, false, {}, {}, {}, {}};
     const std::size_t size = masses.size(), count = layout.parts.size();
     const auto [index, component, reference, unit] = layout.parts[layout.first_part[f]];
     field.value.resize(size), field.gradient.resize(size);
@@ -273,6 +273,12 @@ VectorField vector_field(const VoxelField& about, const Layout& layout, std::siz
     return field;
 }
 
+/// Whether a field is the volume's own values.
+bool is_measure(const VoxelField& field) {
+    const VoxelValues& values = field.component.front();
+    return !field.is_vector() && values.leaf.empty() && values.tile.empty();
+}
+
 /// Range over all levels.
 VoxelField about(const std::vector<VoxelField>& levels) {
     VoxelField all;
@@ -313,8 +319,9 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
             model.fields.vector.push_back(
                 vector_field(range, layout, f, planes, residuals, masses));
         else
-            model.fields.scalar.push_back(
-                scalar_field(range, layout, f, planes, residuals, masses));
+            model.fields.scalar
+                .emplace_back(scalar_field(range, layout, f, planes, residuals, masses))
+                .is_measure = std::ranges::all_of(fields[f], is_measure);
     }
     if (options.progress) options.progress(1);
 }

@@ -58,9 +58,10 @@ class FieldLine {
         return plain;
     }
     [[noreturn]] void refuse() const {
-        fail(file_, fmt::format("comment '{}': expected 'field', 'scalar' or 'vector', a name, its "
-                                "range as two numbers, and its unit or nothing",
-                                printable(text_, 200)));
+        fail(file_,
+             fmt::format("comment '{}': expected 'field', 'scalar', 'measure' or 'vector', a name, "
+                         "its range as two numbers, and its unit or nothing",
+                         printable(text_, 200)));
     }
 
   private:
@@ -91,7 +92,8 @@ std::string comment_of(const char* kind, const Field& field) {
 
 std::string field_comments(const Fields& fields) {
     std::string text;
-    for (const ScalarField& field : fields.scalar) text += comment_of("scalar", field);
+    for (const ScalarField& field : fields.scalar)
+        text += comment_of(field.is_measure ? "measure" : "scalar", field);
     for (const VectorField& field : fields.vector) text += comment_of("vector", field);
     return text;
 }
@@ -102,8 +104,8 @@ Fields described_fields(const std::filesystem::path& file, const Header& header)
         if (!text.starts_with(kKey)) continue;
         FieldLine line(file, text);
         const std::string kind = line.word();
-        if (kind == "scalar")
-            fields.scalar.push_back(field_of<ScalarField>(line));
+        if (kind == "scalar" || kind == "measure")
+            fields.scalar.emplace_back(field_of<ScalarField>(line)).is_measure = kind == "measure";
         else if (kind == "vector")
             fields.vector.push_back(field_of<VectorField>(line));
         else

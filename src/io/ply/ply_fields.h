@@ -10,7 +10,8 @@
 
 namespace vog::ply {
 
-/// Header lines `comment field KIND NAME LOWER UPPER [UNIT]`, one a field.
+/// Header lines `comment field KIND NAME LOWER UPPER [UNIT]`, one a field; KIND scalar, measure (the scalar field
+/// that is the density itself) or vector.
 std::string field_comments(const Fields& fields);
 /// Fields that the comments describe, for no Gaussians.
 /// throws  vog::Error for a malformed line, and as check_descriptions does

@@ -53,6 +53,7 @@ TEST(ply_fields, come_back_bit_for_bit_under_their_names) {
     const TempDir dir;
     Gaussians plain = model_with_fields(40, 1);
     plain.rotation.clear();
+    plain.fields.scalar.front().is_measure = true;
     // More than a block of rows; no rows.
     for (const Gaussians& model : {model_with_fields(70000, 2), plain, select(plain, {})}) {
         write_ply(dir / "m.ply", model);
@@ -150,7 +151,8 @@ TEST(ply_fields, what_does_not_fit_is_refused_by_name) {
               "field 'temperature': range -0.3333333333333333 to -1500.1, expected finite and in "
               "this order");
     const std::string form =
-        ": expected 'field', 'scalar' or 'vector', a name, its range as two numbers, and its unit "
+        ": expected 'field', 'scalar', 'measure' or 'vector', a name, its range as two numbers, "
+        "and its unit "
         "or "
         "nothing";
     EXPECT_EQ(refused("1500.1 K", "1500.1K K"),
