@@ -1,46 +1,14 @@
 // field_planes.cpp: Coefficients of PlaneSplat and ViewSplat, in double precision.
 #include "render/splat/fields/field_planes.h"
 
+#include "render/splat/fields/projected_mean.h"
+
 namespace vog::splat {
 
 namespace {
 
 using device::FieldPlane;
 using device::VectorPlane;
-
-/// The mean as the picture shows it.
-struct ShownMean {
-    Vec3d from_eye;        ///< p
-    double forward;        ///< t0; parallel rays: 1
-    Vec3d step_x, step_y;  ///< across the view, world units a pixel at forward component 1
-};
-template <class Splat>
-ShownMean shown_mean(const Gaussians& gaussians, std::size_t i, const FarSplat& splat,
-                     const CameraFrame& frame, Splat& out) {
-    const Vec3d p = vec_cast<double>(gaussians.mean[i]) - frame.eye;
-    const double pixel = 1 / frame.pixels_per_unit;
-    const ShownMean at{p, frame.orthographic ? 1 : dot(p, frame.forward), pixel * frame.right,
-                       -pixel * frame.up};
-    const double pixels = frame.pixels_per_unit / at.forward;
-    const double x = pixels * dot(p, frame.right) + 0.5 * (frame.width - 1);
-    const double y = -pixels * dot(p, frame.up) + 0.5 * (frame.height - 1);
-    out.mean_x = static_cast<float>(x - splat.column);
-    out.mean_y = static_cast<float>(y - splat.row);
-    return at;
-}
-
-/// The view direction in the Gaussian's own axes.
-Vec3d own_forward(const Gaussians& gaussians, std::size_t i, const CameraFrame& frame) {
-    if (gaussians.axis_aligned()) return frame.forward;
-    // q⁻¹ f q by two cross products.
-    const Quat q = gaussians.rotation[i];
-    const Vec3d v{double{q.x}, double{q.y}, double{q.z}};
-    const double w = double{q.w}, scale = 2 / (w * w + dot(v, v));
-    const Vec3d once = cross(frame.forward, v);
-    return frame.forward + scale * (w * once + cross(once, v));
-}
-Vec3d times(Vec3d a, Vec3d b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
-Vec3d over(Vec3d a, Vec3d b) { return {a.x / b.x, a.y / b.y, a.z / b.z}; }
 
 /// e02 = 1 / (S_ff peak²), and per_c 1 / (t0 peak)².
 float pinhole_per_c(const Gaussians& gaussians, std::size_t i, const FarSplat& splat,
@@ -97,19 +65,12 @@ PlaneSplat plane_splat(const ShownField& shown, const Gaussians& gaussians,
     const Vec3d g = vec(plane.gradient);
     double x = at.forward * dot(g, at.step_x), y = at.forward * dot(g, at.step_y);
     if (frame.orthographic) {
-        // Across the ray the nearest point moves along it, too: Wᵀ W f is the normal of the plane of nearest
-        // points.
-        const Vec3d scale = vec_cast<double>(gaussians.scale[i]);
-        const Vec3d own = own_forward(gaussians, i, frame), whitened = over(own, scale);
-        const Vec3d own_normal = over(whitened, scale);
-        const Vec3d normal = gaussians.axis_aligned()
-                                 ? own_normal
-                                 : matrix_from_quat(gaussians.rotation[i]) * own_normal;
-        const double per_unit = 1 / dot(whitened, whitened), along = dot(g, frame.forward);
-        x -= along * per_unit * dot(normal, at.step_x);
-        y -= along * per_unit * dot(normal, at.step_y);
+        const ParallelNearest nearest = parallel_nearest(gaussians, i, frame, at);
+        const double along = dot(g, frame.forward);
+        x += along * nearest.depth_x;
+        y += along * nearest.depth_y;
         out.along = static_cast<float>(along);
-        out.per_c = static_cast<float>(double{splat.e02} * per_unit);
+        out.per_c = static_cast<float>(double{splat.e02} * nearest.variance);
     } else {
         out.along = static_cast<float>(dot(g, at.from_eye));
         out.per_c = pinhole_per_c(gaussians, i, splat, frame, at.forward);
