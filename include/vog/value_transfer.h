@@ -13,12 +13,12 @@ namespace vog {
 
 /// Control point of colour.
 struct ValueColor {
-    double value = 0;           ///< of the field, in its unit
+    double value = 0;           ///< value of the field, in its unit
     float r = 0, g = 0, b = 0;  ///< red, green, blue as displayed, [0, 1]
 };
 /// Control point of opacity.
 struct ValueOpacity {
-    double value = 0;    ///< of the field, in its unit
+    double value = 0;    ///< value of the field, in its unit
     double opacity = 0;  ///< share of light that is absorbed over unit_distance, [0, 1]
 };
 
@@ -55,5 +55,49 @@ void validate(const ValueTransfer& transfer);
 /// throws         vog::Error for an invalid tf, a range that is not finite and ascending, a unit distance <= 0
 ValueTransfer over_range(const TransferFunction& tf, double lower, double upper,
                          double unit_distance);
+
+/// Transfer function as a name or a file states it.
+struct TransferPoints {
+    ValueTransfer points;    ///< at shares of a range, [0, 1], or at values; opacity may be empty
+    bool at_values = false;  ///< vog's JSON with "domain", ParaView's and VTK's
+    double lower = 0, upper = 1;     ///< the file's range of values where at_values
+    bool has_unit_distance = false;  ///< whether points.unit_distance is the file's
+};
+/// Points of a named map, or of a JSON file (docs/volume_rendering.md, "Transfer functions").
+/// name_or_file  a name of transfer_function_names, or a path
+/// throws        vog::Error naming the file and the key
+TransferPoints transfer_points(const std::string& name_or_file);
+/// Transfer function of values from points, which are at shares of a range or at values.
+/// lower, upper   values of shares 0 and 1; not used where points are at values
+/// unit_distance  world units, where the points have none
+/// throws         vog::Error as over_range does
+ValueTransfer over_range(const TransferPoints& points, double lower, double upper,
+                         double unit_distance);
+/// Both in one: the transfer function of values of a name or a file.
+ValueTransfer read_value_transfer(const std::string& name_or_file, double lower, double upper,
+                                  double default_unit_distance);
+
+/// Grey window of medical pictures: colour from black to white and opacity from 0 to kMostOpacity over
+/// centre - width / 2 to centre + width / 2.
+/// throws  vog::Error for a width that is not > 0, numbers that are not finite
+ValueTransfer window_transfer(double center, double width, double unit_distance);
+
+/// Band of values with one colour and opacity: lower <= value < upper.
+struct ValueBand {
+    double lower = 0, upper = 0;  ///< values of the field, in its unit; upper may be infinite
+    float r = 0, g = 0, b = 0;    ///< colour as displayed, [0, 1]
+    double opacity = 0;           ///< over unit_distance, [0, 1]
+};
+/// Transfer function of bands; nothing between them.
+/// bands   in any order; bands may touch
+/// throws  vog::Error for no band, bands that overlap or are inside out, and as validate does
+ValueTransfer band_transfer(std::vector<ValueBand> bands, double unit_distance);
+
+/// The same transfer function with nothing below a value.
+/// throws  vog::Error for a threshold that is not finite
+ValueTransfer above(ValueTransfer transfer, double threshold);
+/// Largest opacity over a range of values.
+/// throws  vog::Error as validate does, for a range that is not finite and lower <= upper
+double most_opacity(const ValueTransfer& transfer, double lower, double upper);
 
 }  // namespace vog

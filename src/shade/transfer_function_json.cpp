@@ -5,13 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/atomic_file.h"
 #include "core/json_fault.h"
 #include "shade/color_spaces.h"
 #include "shade/transfer_function.h"
+#include "shade/values/unit_range.h"
 #include "vog/error.h"
+#include "vog/value_transfer.h"
 
 namespace vog {
 
@@ -124,30 +127,8 @@ double sharpened(double y0, double y1, double midpoint, double sharpness, double
     return std::clamp(y0 + rise * (y1 - y0) + lean * slope, std::min(y0, y1), std::max(y0, y1));
 }
 
-/// Clips points to V in [0, 1], with interpolated points where lines cross the ends.
-std::vector<OpacityPoint> clipped(const std::vector<OpacityPoint>& points) {
-    std::vector<OpacityPoint> inside;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        if (i > 0) {
-            const auto [v0, y0] = points[i - 1];
-            const auto [v1, y1] = points[i];
-            for (const float end : {0.0f, 1.0f})
-                if (v0 < end && end < v1)
-                    inside.push_back({end, y0 + (y1 - y0) * ((end - v0) / (v1 - v0))});
-        }
-        if (points[i].v >= 0 && points[i].v <= 1) inside.push_back(points[i]);
-    }
-    if (inside.empty()) {  // all points on one side: constant
-        const OpacityPoint nearest = points.front().v > 1 ? points.front() : points.back();
-        inside.push_back({0, nearest.opacity});
-    }
-    return inside;
-}
-
 /// Opacity from ParaView's list [x, opacity, midpoint, sharpness, ...].
-/// lowest, range  scalars of the colour map, which become V 0 to 1
-std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, double range,
-                                           const std::string& where) {
+std::vector<ValueOpacity> paraview_opacity(const json& list, const std::string& where) {
     const Rows rows = flat_rows(list, 4, where);
     for (const auto& row : rows)
         for (std::size_t c = 1; c < 4; ++c)
@@ -156,12 +137,8 @@ std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, doub
                     fmt::format("{}: point at {} has {}, expected opacity, midpoint and "
                                 "sharpness in [0, 1]",
                                 where, row[0], row[c]));
-    constexpr double kFar = 1e30;  // keeps differences of floats finite
-    std::vector<OpacityPoint> points;
-    const auto add = [&](double x, double opacity) {
-        const double v = std::clamp((x - lowest) / range, -kFar, kFar);
-        points.push_back({static_cast<float>(v), static_cast<float>(opacity)});
-    };
+    std::vector<ValueOpacity> points;
+    const auto add = [&](double x, double opacity) { points.push_back({x, opacity}); };
     add(rows[0][0], rows[0][1]);
     for (std::size_t i = 1; i < rows.size(); ++i) {
         const std::vector<double>&a = rows[i - 1], &b = rows[i];
@@ -178,13 +155,23 @@ std::vector<OpacityPoint> paraview_opacity(const json& list, double lowest, doub
         }
         add(b[0], b[1]);
     }
-    return clipped(points);
+    return points;
 }
 
-TransferFunction from_paraview(const json& preset, const std::string& where) {
+void set_unit_distance(const json& value, const std::string& where, TransferPoints& read) {
+    const double length = number(value, where);
+    if (!(length > 0 && std::isfinite(length)))
+        throw Error(fmt::format("{}: {}, expected a length > 0", where, length));
+    read.points.unit_distance = length;
+    read.has_unit_distance = true;
+}
+
+TransferPoints from_paraview(const json& preset, const std::string& where) {
     TransferFunction tf;
+    TransferPoints read;
+    read.at_values = true;
     if (const auto name = preset.find("Name"); name != preset.end() && name->is_string())
-        tf.name = name->get<std::string>();
+        read.points.name = name->get<std::string>();
     const auto list = preset.find("RGBPoints");
     if (list == preset.end())
         throw Error(fmt::format(
@@ -193,7 +180,7 @@ TransferFunction from_paraview(const json& preset, const std::string& where) {
     if (flag(preset, "UseLogScale", where))
         throw Error(fmt::format("{}UseLogScale: expected a linear map", where));
 
-    // Scalars are mapped linearly to V in [0, 1].
+    // Colours are sampled at shares of the scalars' range; control points keep their scalars.
     const Rows rows = flat_rows(*list, 4, where + "RGBPoints");
     const double lowest = rows.front()[0], range = rows.back()[0] - lowest;
     if (!(range > 0 && std::isfinite(range)))
@@ -201,45 +188,79 @@ TransferFunction from_paraview(const json& preset, const std::string& where) {
             fmt::format("{}RGBPoints: scalars from {} to {}, expected a finite range above "
                         "0",
                         where, lowest, rows.back()[0]));
-    for (const auto& row : rows) tf.color.push_back(color_point((row[0] - lowest) / range, row));
+    std::map<float, double> scalars;
+    for (const auto& row : rows) {
+        tf.color.push_back(color_point((row[0] - lowest) / range, row));
+        scalars.emplace(tf.color.back().v, row[0]);
+    }
     require_valid(where + "RGBPoints", tf);
     const ColorMapSpace space = color_map_space(preset, where);
     tf.color = space.step ? with_steps(tf.color) : sample_colors(space.space, tf.color);
-
+    for (const ColorPoint& point : tf.color) {
+        const auto scalar = scalars.find(point.v);
+        const double value =
+            scalar != scalars.end() ? scalar->second : lowest + double{point.v} * range;
+        read.points.color.push_back({value, point.r, point.g, point.b});
+    }
+    read.lower = lowest, read.upper = rows.back()[0];
     if (const auto points = preset.find("Points"); points != preset.end() && !points->is_null())
-        tf.opacity = paraview_opacity(*points, lowest, range, where + "Points");
-    return tf;
+        read.points.opacity = paraview_opacity(*points, where + "Points");
+    if (const auto unit = preset.find("ScalarOpacityUnitDistance"); unit != preset.end())
+        set_unit_distance(*unit, where + "ScalarOpacityUnitDistance", read);
+    return read;
 }
 
-TransferFunction from_vog(const json& object, const std::string& where) {
+/// "domain": [lo, hi]
+void set_domain(const json& value, const std::string& where, TransferPoints& read) {
+    if (!value.is_array() || value.size() != 2)
+        throw Error(fmt::format("{}: expected an array of 2 numbers", where));
+    read.lower = number(value[0], where), read.upper = number(value[1], where);
+    if (!(read.lower < read.upper) || !std::isfinite(read.upper - read.lower))
+        throw Error(fmt::format("{}: {} to {}, expected the first below the second", where,
+                                read.lower, read.upper));
+    read.at_values = true;
+}
+
+TransferPoints from_vog(const json& object, const std::string& where) {
     for (const auto& [key, value] : object.items())
-        if (key != "name" && key != "colors" && key != "opacity")
-            throw Error(
-                fmt::format("{}unknown key '{}', expected name, colors and opacity", where, key));
-    TransferFunction tf;
+        if (key != "name" && key != "colors" && key != "opacity" && key != "domain" &&
+            key != "unit_distance")
+            throw Error(fmt::format(
+                "{}unknown key '{}', expected name, colors, opacity, domain and unit_distance",
+                where, key));
+    TransferPoints read;
+    if (const auto domain = object.find("domain"); domain != object.end())
+        set_domain(*domain, where + "domain", read);
+    if (const auto unit = object.find("unit_distance"); unit != object.end())
+        set_unit_distance(*unit, where + "unit_distance", read);
     const json& colors = object.at("colors");
     if (colors.is_string()) {
         const std::string name = colors.get<std::string>();
         if (!is_transfer_function_name(name))
             throw Error(fmt::format("{}colors: '{}', expected points or one of {}", where, name,
                                     transfer_function_name_list()));
-        tf = named_transfer_function(name);
+        const TransferFunction named = named_transfer_function(name);
+        read.points.name = named.name;
+        for (const ColorPoint& point : named.color)
+            read.points.color.push_back({read.lower + double{point.v} * (read.upper - read.lower),
+                                         point.r, point.g, point.b});
     } else {
         for (const auto& row : nested_rows(colors, 4, where + "colors"))
-            tf.color.push_back(color_point(row[0], row));
+            read.points.color.push_back({row[0], static_cast<float>(row[1]),
+                                         static_cast<float>(row[2]), static_cast<float>(row[3])});
     }
     if (const auto opacity = object.find("opacity"); opacity != object.end())
         for (const auto& row : nested_rows(*opacity, 2, where + "opacity"))
-            tf.opacity.push_back({static_cast<float>(row[0]), static_cast<float>(row[1])});
+            read.points.opacity.push_back({row[0], row[1]});
     if (const auto name = object.find("name"); name != object.end()) {
         if (!name->is_string())
             throw Error(fmt::format("{}name: {}, expected a string", where, name->type_name()));
-        tf.name = name->get<std::string>();
+        read.points.name = name->get<std::string>();
     }
-    return tf;
+    return read;
 }
 
-TransferFunction from_json(const json& root, const std::string& where) {
+TransferPoints from_json(const json& root, const std::string& where) {
     if (root.is_array()) {
         if (root.empty() || !root.front().is_object())
             throw Error(fmt::format("{}an array without a preset, expected ParaView's", where));
@@ -253,21 +274,34 @@ TransferFunction from_json(const json& root, const std::string& where) {
                     where));
 }
 
-}  // namespace
-
-TransferFunction read_transfer_function(const std::filesystem::path& file) {
+TransferPoints read_points(const std::filesystem::path& file) {
     require_readable(file);
     const std::string where = file.string() + ": ";
-    TransferFunction tf;
+    TransferPoints read;
     try {
         std::ifstream stream(file, std::ios::binary);
-        tf = from_json(json::parse(stream), where);
+        read = from_json(json::parse(stream), where);
     } catch (const json::exception& error) {
         throw Error(where + json_fault(error));
     }
-    if (tf.name.empty()) tf.name = file.stem().string();
-    require_valid(file.string(), tf);
-    return tf;
+    if (read.points.name.empty()) read.points.name = file.stem().string();
+    require_valid(file.string(), over_unit_range(read));
+    return read;
+}
+
+/// throws  vog::Error unless the text is the name of a map or a file
+bool is_map_name(const std::string& name_or_file) {
+    if (is_transfer_function_name(name_or_file)) return true;
+    std::error_code code;
+    if (std::filesystem::exists(name_or_file, code)) return false;
+    throw Error(fmt::format("{}: neither a file nor the name of a transfer function (names: {})",
+                            name_or_file, transfer_function_name_list()));
+}
+
+}  // namespace
+
+TransferFunction read_transfer_function(const std::filesystem::path& file) {
+    return over_unit_range(read_points(file));
 }
 
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf) {
@@ -293,11 +327,18 @@ void write_transfer_function(const std::filesystem::path& file, const TransferFu
 }
 
 TransferFunction load_transfer_function(const std::string& name_or_file) {
-    if (is_transfer_function_name(name_or_file)) return named_transfer_function(name_or_file);
-    std::error_code code;
-    if (std::filesystem::exists(name_or_file, code)) return read_transfer_function(name_or_file);
-    throw Error(fmt::format("{}: neither a file nor the name of a transfer function (names: {})",
-                            name_or_file, transfer_function_name_list()));
+    return is_map_name(name_or_file) ? named_transfer_function(name_or_file)
+                                     : read_transfer_function(name_or_file);
+}
+
+TransferPoints transfer_points(const std::string& name_or_file) {
+    if (!is_map_name(name_or_file)) return read_points(name_or_file);
+    TransferPoints read;
+    const TransferFunction named = named_transfer_function(name_or_file);
+    read.points.name = named.name;
+    for (const ColorPoint& point : named.color)
+        read.points.color.push_back({double{point.v}, point.r, point.g, point.b});
+    return read;
 }
 
 }  // namespace vog

@@ -1,6 +1,9 @@
 // transfer_function_fuzz.cpp: Reader of transfer functions, vog's own and ParaView's; what is read is written and
-// read again.
+// read again; as functions of values their pieces are exact.
+#include <cmath>
+
 #include "fuzz_target.h"
+#include "shade/values/value_pieces.h"
 #include "vog/shade.h"
 
 namespace vog::fuzz {
@@ -22,6 +25,15 @@ void run(Bytes input) {
         const Rgba a = color_at(tf, v);
         expect(a == color_at(again, v), "colours survive bit for bit");
         expect(a.a >= 0 && a.a <= 1, "opacity is in [0, 1]");
+    }
+    ValueTransfer values;  // refused where the domain holds no finite value
+    if (!accepted([&] { values = read_value_transfer(file.string(), -100, 300, 2); })) return;
+    const shading::ValuePieces pieces(values);
+    for (const double value : {-1e30, -100.0, 0.0, 0.3, 1.0, 300.0, values.color.front().value,
+                               values.opacity.back().value, 1e30}) {
+        const ValueLight exact = light_of(values, value), fast = pieces(value);
+        expect(exact.extinction >= 0 && exact.r >= 0 && exact.r <= 1, "light is in its range");
+        expect(std::abs(fast.r - exact.r) < 1e-6, "pieces have the same colours");
     }
 }
 

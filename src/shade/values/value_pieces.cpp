@@ -1,0 +1,94 @@
+// value_pieces.cpp: Pieces of a transfer function of values, and their search.
+#include "shade/values/value_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vog::shading {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Points around the values from `start` on: the last one at or before it, and the next.
+template <class Point>
+std::pair<const Point*, const Point*> points_from(const std::vector<Point>& points, double start) {
+    const auto after = std::upper_bound(points.begin(), points.end(), start,
+                                        [](double v, const Point& p) { return v < p.value; });
+    if (after == points.begin()) return {&points.front(), &points.front()};
+    return {&*(after - 1), after == points.end() ? &points.back() : &*after};
+}
+
+/// Change per unit of value; 0 beyond the ends.
+double slope(double from, double to, double width) { return width > 0 ? (to - from) / width : 0; }
+
+}  // namespace
+
+ValuePieces::ValuePieces(const ValueTransfer& transfer) : unit_distance_(transfer.unit_distance) {
+    validate(transfer);
+    std::vector<double> starts{-kInfinity};
+    for (const ValueColor& point : transfer.color) starts.push_back(point.value);
+    for (const ValueOpacity& point : transfer.opacity) starts.push_back(point.value);
+    std::sort(starts.begin(), starts.end());
+    starts.erase(std::unique(starts.begin(), starts.end()), starts.end());
+    for (std::size_t n = 0; n < starts.size(); ++n) {
+        const auto [from, to] = points_from(transfer.color, starts[n]);
+        const auto [low, high] = points_from(transfer.opacity, starts[n]);
+        Piece piece{};
+        piece.start = starts[n];
+        piece.end = n + 1 < starts.size() ? starts[n + 1] : kInfinity;
+        piece.origin = n == 0 ? piece.end : piece.start;
+        // Both at the piece's origin, from the points that may lie before it.
+        const double width = to->value - from->value, rise = high->value - low->value;
+        const std::array<double, 3> a{double{from->r}, double{from->g}, double{from->b}};
+        const std::array<double, 3> b{double{to->r}, double{to->g}, double{to->b}};
+        for (std::size_t c = 0; c < 3; ++c) {
+            piece.color_slope[c] = slope(a[c], b[c], width);
+            piece.color[c] =
+                a[c] + (width > 0 ? (piece.origin - from->value) / width : 0) * (b[c] - a[c]);
+        }
+        piece.opacity_slope = slope(low->opacity, high->opacity, rise);
+        piece.opacity = low->opacity + (rise > 0 ? (piece.origin - low->value) / rise : 0) *
+                                           (high->opacity - low->opacity);
+        piece.extinction = piece.opacity_slope == 0 ? extinction_of(piece.opacity) : -1;
+        pieces_.push_back(piece);
+    }
+    lowest_ = starts[1];
+    const double range = starts.back() - lowest_;
+    if (range > 0 && std::isfinite(kBuckets / range)) buckets_per_value_ = kBuckets / range;
+    std::uint32_t at = 0;
+    for (std::size_t b = 0; b < kBuckets; ++b) {
+        const double value = lowest_ + static_cast<double>(b) / kBuckets * range;
+        while (at + 1 < pieces_.size() && value >= pieces_[at].end) ++at;
+        first_[b] = at;
+    }
+}
+
+const ValuePieces::Piece& ValuePieces::piece_of(double value) const {
+    const double bucket = (value - lowest_) * buckets_per_value_;
+    std::size_t at =
+        bucket > 0 ? first_[static_cast<std::size_t>(std::min(bucket, kBuckets - 1.0))] : 0;
+    // Buckets are near by rounding; the piece's own ends decide.
+    while (value >= pieces_[at].end) ++at;
+    while (value < pieces_[at].start) --at;
+    return pieces_[at];
+}
+
+double ValuePieces::extinction_of(double opacity) const {
+    return -std::log1p(-std::clamp(opacity, 0.0, kMostOpacity)) / unit_distance_;
+}
+
+ValueLight ValuePieces::operator()(double value) const {
+    const Piece& piece = piece_of(value);
+    const double along = value - piece.origin;
+    const auto color = [&](std::size_t c) {
+        return piece.color_slope[c] == 0
+                   ? piece.color[c]
+                   : std::clamp(piece.color[c] + along * piece.color_slope[c], 0.0, 1.0);
+    };
+    return {piece.extinction >= 0 ? piece.extinction : extinction_of(opacity_at(piece, value)),
+            color(0), color(1), color(2)};
+}
+
+}  // namespace vog::shading
