@@ -65,7 +65,8 @@ struct FieldMaps {
 /// The voxels' own maps: constant in each voxel.
 /// Several volumes are added up; samples are those of ReferenceOptions.
 /// volumes  the measures
-/// fields   [volumes] the field at the voxels of each
+/// fields   [volumes] the field at the voxels of each; a component with neither leaves nor tiles is the volume's
+///          own values
 /// part     FieldPart::value for scalar fields, another for vector fields
 /// throws   vog::Error as voxel_grid and render_reference do, and for fields that are not the volumes'
 [[nodiscard]] FieldMaps render_field_reference(std::span<const Volume> volumes,

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/progress.h"
@@ -87,6 +88,7 @@ struct ReferenceOptions {
     /// N: a pixel is the mean T of N x N rays, through the centres of N x N equal parts of it,
     /// [1, 64]. 1: the ray through its centre.
     int samples = 1;
+    Clipping clip{};  ///< space that counts; exact on every ray
 };
 
 /// Optical depth T per pixel at extinction 1, summed over the grids.

@@ -71,6 +71,7 @@ struct RenderOptions {
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
     int samples = 1;            ///< ReferenceOptions::samples
+    Clipping clip{};            ///< space that counts; for the reference
 };
 
 /// One member of RenderOptions that some renderers have and others lack.
@@ -84,6 +85,7 @@ enum class RenderOption {
     interpolation,
     step,
     samples,
+    clip,
 };
 /// Options whose values are not the defaults.
 std::vector<RenderOption> changed_options(const RenderOptions& options);

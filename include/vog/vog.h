@@ -24,6 +24,8 @@
 //            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
+//            volume_picture.h   emission and absorption by value
+//            clip.h             boxes and planes that cut pictures
 //   shade    shade.h            T to colours by a transfer function
 //            quantity.h         column density maps, colour bars, values as files
 //            value_transfer.h   transfer functions of a field's values
@@ -42,6 +44,7 @@
 #pragma once
 
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/compare.h"
 #include "vog/convert.h"
 #include "vog/convert_fields.h"
@@ -73,5 +76,6 @@
 #include "vog/value_transfer.h"
 #include "vog/volume.h"
 #include "vog/volume_io.h"
+#include "vog/volume_picture.h"
 #include "vog/voxel_field.h"
 #include "vog/voxel_values.h"

@@ -129,16 +129,19 @@ class OptixVolumesState : public State {
 template <class Grids>
 class ReferenceState : public State {
   public:
-    ReferenceState(Grids grids, int samples) : grids_(std::move(grids)), samples_(samples) {}
+    ReferenceState(Grids grids, const RenderOptions& options)
+        : grids_(std::move(grids)), options_{{}, options.samples, options.clip} {}
 
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress& progress) override {
-        depth = render_reference(grids_, camera, width, height, {progress, samples_});
+        ReferenceOptions options = options_;
+        options.progress = progress;
+        depth = render_reference(grids_, camera, width, height, options);
     }
 
   private:
     Grids grids_;
-    int samples_;
+    ReferenceOptions options_;
 };
 
 /// throws vog::Error for a renderer that does not draw the input, or options that are not its
@@ -180,15 +183,15 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
         state_ = std::make_unique<OptixVolumesState>(volumes);
     else
         state_ = std::make_unique<ReferenceState<std::vector<VoxelGrid>>>(
-            voxel_grids(volumes, options.voxels), options.samples);
+            voxel_grids(volumes, options.voxels), options);
     state_->renderer = renderer;
 }
 
 DepthRenderer::DepthRenderer(Renderer renderer, const Levels& levels,
                              const RenderOptions& options) {
     check(renderer, RenderInput::levels, options);
-    state_ = std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels),
-                                                          options.samples);
+    state_ =
+        std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels), options);
     state_->renderer = renderer;
 }
 

@@ -42,6 +42,7 @@ const std::vector<OptionRow>& option_table() {
         {RenderOption::interpolation, "--interpolation", "interpolation", {reference}},
         {RenderOption::step, "--step", "step", {reference}},
         {RenderOption::samples, "--samples", "samples", {reference}},
+        {RenderOption::clip, "--clip", "clip", {reference}},
     };
     return table;
 }
@@ -142,6 +143,7 @@ std::vector<RenderOption> changed_options(const RenderOptions& options) {
     add(options.voxels.interpolation != unset.voxels.interpolation, RenderOption::interpolation);
     add(options.voxels.step_voxels != unset.voxels.step_voxels, RenderOption::step);
     add(options.samples != unset.samples, RenderOption::samples);
+    add(!options.clip.empty(), RenderOption::clip);
     return changed;
 }
 

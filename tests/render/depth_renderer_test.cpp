@@ -97,7 +97,8 @@ TEST(renderers, changed_options_are_those_that_differ_from_the_defaults) {
     all.trace.anyhit = AnyHit::collect;
     all.trace.hits_per_slab = 7;
     all.voxels.interpolation = Interpolation::linear;
-    EXPECT_EQ(changed_options(all).size(), 8u);
+    all.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
+    EXPECT_EQ(changed_options(all).size(), 9u);
 }
 
 TEST(depth_renderer, draws_what_splat_and_trace_draw) {

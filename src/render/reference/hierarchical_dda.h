@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "render/reference/nano_tree.h"
 #include "render/reference/root_cells.h"
@@ -137,13 +138,9 @@ void march_node(const Node& node, const GridRay& ray, Vec3d lower, Segment segme
     });
 }
 
-/// Visits every leaf and active tile on the ray, within a segment of it:
-///   visitor.leaf(const NanoLeaf&, Vec3d lower, Segment)
-///   visitor.tile(Vec3d lower, int edge, float value, Segment)
-/// Cells of the root that share a face compute the same t for it, so here too no part is missed or
-/// doubled.
-template <class Visitor>
-void march(const RootCells& cells, const GridRay& ray, Visitor&& visitor, Segment within = {}) {
+/// Calls visit(cell, part) for each cell of the root on a ray, within a segment of it.
+template <class Visit>
+void for_each_root_cell(const RootCells& cells, const GridRay& ray, Segment within, Visit&& visit) {
     const std::vector<RootCells::Node>& nodes = cells.nodes();
     for (std::size_t n = 0; n < nodes.size();) {
         const RootCells::Node& node = nodes[n];
@@ -152,16 +149,51 @@ void march(const RootCells& cells, const GridRay& ray, Visitor&& visitor, Segmen
             continue;
         }
         for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-            const RootCell& cell = cells[i];
-            const Segment segment = clip(ray, cell.lower, cell.upper, within);
-            if (segment.empty()) continue;
-            if (cell.child)
-                march_node(*cell.child, ray, cell.origin, segment, visitor);
-            else
-                visitor.tile(cell.origin, static_cast<int>(NanoUpper::DIM), cell.value, segment);
+            const Segment segment = clip(ray, cells[i].lower, cells[i].upper, within);
+            if (!segment.empty()) visit(cells[i], segment);
         }
         ++n;
     }
+}
+
+/// Visits one cell of the root along a segment.
+template <class Visitor>
+void march_cell(const RootCell& cell, const GridRay& ray, Segment segment, Visitor& visitor) {
+    if (cell.child)
+        march_node(*cell.child, ray, cell.origin, segment, visitor);
+    else
+        visitor.tile(cell.origin, static_cast<int>(NanoUpper::DIM), cell.value, segment);
+}
+
+/// Visits every leaf and active tile on the ray, within a segment of it:
+///   visitor.leaf(const NanoLeaf&, Vec3d lower, Segment)
+///   visitor.tile(Vec3d lower, int edge, float value, Segment)
+/// Cells of the root that share a face compute the same t for it, so here too no part is missed or
+/// doubled.
+template <class Visitor>
+void march(const RootCells& cells, const GridRay& ray, Visitor&& visitor, Segment within = {}) {
+    for_each_root_cell(cells, ray, within, [&](const RootCell& cell, Segment segment) {
+        march_cell(cell, ray, segment, visitor);
+    });
+}
+
+/// The same from the front to the back: the cells of the root, which march meets in the order of their
+/// hierarchy, are sorted by the ray's entry.
+template <class Visitor>
+void march_in_order(const RootCells& cells, const GridRay& ray, Visitor&& visitor,
+                    Segment within = {}) {
+    struct Entry {
+        Segment segment;
+        const RootCell* cell;
+    };
+    thread_local std::vector<Entry> entries;
+    entries.clear();
+    for_each_root_cell(cells, ray, within, [&](const RootCell& cell, Segment segment) {
+        entries.push_back({segment, &cell});
+    });
+    std::sort(entries.begin(), entries.end(),
+              [](const Entry& a, const Entry& b) { return a.segment.first < b.segment.first; });
+    for (const Entry& entry : entries) march_cell(*entry.cell, ray, entry.segment, visitor);
 }
 
 }  // namespace vog::reference

@@ -38,35 +38,40 @@ struct ConstantSum {
 
 bool finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction) {
+double depth_along(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction,
+                   Segment within = {}) {
     // t is the same in both spaces: a length in world units is t times the length of `direction`.
     double sum = 0;
     if (grid.options.interpolation == Interpolation::constant) {
         const GridRay ray = grid.voxel_ray(origin, direction);
         ConstantSum constant{ray};
-        march(grid.root_cells, ray, constant);
+        march(grid.root_cells, ray, constant, within);
         sum = constant.sum;
     } else {
-        sum = linear_sum(grid, grid.center_ray(origin, direction));
+        sum = linear_sum(grid, grid.center_ray(origin, direction), within);
     }
     return sum * length(direction);
 }
 
-/// Evaluates depth(origin, direction) for every pixel, as the mean over its samples.
+/// Evaluates depth(origin, direction, segment) for every pixel, as the mean over its samples.
 template <class Depth>
 DepthImage render_rays(const Depth& depth, const Camera& camera, int width, int height,
                        const ReferenceOptions& options) {
     const int n = options.samples;
     check_samples(n);
+    validate(options.clip);
     const CameraFrame frame = frame_of(camera, width, height);
     DepthImage image(width, height);
     const auto offset = [&](int i) { return sample_offset(i, n); };
+    const auto along = [&](Vec3d origin, Vec3d direction) {
+        return depth(origin, direction, visible_segment(options.clip, origin, direction));
+    };
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         check_interrupt();
         double sum = 0;
         for (int y = 0; y < n; ++y)
             for (int x = 0; x < n; ++x)
-                sum += depth(frame.origin(column + offset(x), row + offset(y)),
+                sum += along(frame.origin(column + offset(x), row + offset(y)),
                              frame.direction(column + offset(x), row + offset(y)));
         image.at(column, row) = static_cast<float>(sum / (n * n));
     });
@@ -129,9 +134,10 @@ double optical_depth(const LevelGrids& levels, Vec3d origin, Vec3d direction) {
 
 DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& camera, int width,
                             int height, const ReferenceOptions& options) {
-    const auto depth = [&](Vec3d origin, Vec3d direction) {
+    const auto depth = [&](Vec3d origin, Vec3d direction, Segment within) {
         double sum = 0;
-        for (const VoxelGrid& grid : grids) sum += depth_along(grid.data(), origin, direction);
+        for (const VoxelGrid& grid : grids)
+            sum += depth_along(grid.data(), origin, direction, within);
         return sum;
     };
     return render_rays(depth, camera, width, height, options);
@@ -139,8 +145,8 @@ DepthImage render_reference(std::span<const VoxelGrid> grids, const Camera& came
 
 DepthImage render_reference(const LevelGrids& levels, const Camera& camera, int width, int height,
                             const ReferenceOptions& options) {
-    const auto depth = [&](Vec3d origin, Vec3d direction) {
-        return depth_along(levels.data(), origin, direction);
+    const auto depth = [&](Vec3d origin, Vec3d direction, Segment within) {
+        return depth_along(levels.data(), origin, direction, within);
     };
     return render_rays(depth, camera, width, height, options);
 }

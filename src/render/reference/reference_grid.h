@@ -35,6 +35,12 @@ namespace vog::reference {
 
 /// throws vog::Error unless samples is in [1, 64]
 void check_samples(int samples);
+/// Part of a ray that a clip leaves.
+inline Segment visible_segment(const Clipping& clip, Vec3d origin, Vec3d direction) {
+    if (clip.empty()) return {};
+    const RayInterval interval = clipped_ray(clip, origin, direction);
+    return {interval.first, interval.last};
+}
 /// Sample i of n along an edge of a pixel, from its centre.
 inline double sample_offset(int i, int n) { return (i + 0.5) / n - 0.5; }
 

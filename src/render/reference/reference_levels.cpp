@@ -43,11 +43,11 @@ struct SpanCollector {
     }
 };
 
-void collect_spans(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction,
+void collect_spans(const VoxelGrid::Data& grid, Vec3d origin, Vec3d direction, Segment within,
                    std::vector<Span>& spans) {
     spans.clear();
     const GridRay ray = grid.voxel_ray(origin, direction);
-    march(grid.root_cells, ray, SpanCollector{ray, spans});
+    march(grid.root_cells, ray, SpanCollector{ray, spans}, within);
     // In order already, except across cells of the root.
     const auto before = [](const Span& a, const Span& b) { return a.first < b.first; };
     if (!std::is_sorted(spans.begin(), spans.end(), before))
@@ -112,19 +112,20 @@ double visible_sum(std::span<const Span> spans, std::span<const Segment> visible
 
 }  // namespace
 
-double reference::depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction) {
+double reference::depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction,
+                              Segment within) {
     thread_local Scratch scratch;
     scratch.covered.clear();
     double sum = 0;
     for (const LevelGrids::Data::Level& level : grids.levels) {
         const VoxelGrid::Data& field = level.field.data();
         const bool constant = field.options.interpolation == Interpolation::constant;
-        collect_spans(level.domain ? level.domain->data() : field, origin, direction,
+        collect_spans(level.domain ? level.domain->data() : field, origin, direction, within,
                       scratch.domain);
         if (scratch.domain.empty()) continue;
         find_visible(scratch);
         if (constant) {
-            if (level.domain) collect_spans(field, origin, direction, scratch.spans);
+            if (level.domain) collect_spans(field, origin, direction, within, scratch.spans);
             sum += visible_sum(level.domain ? scratch.spans : scratch.domain, scratch.visible);
         } else {
             const GridRay ray = field.center_ray(origin, direction);

@@ -20,7 +20,8 @@ struct LevelGrids::Data {
 
 namespace vog::reference {
 
-/// Optical depth along origin + t direction, t >= 0, at extinction 1.
-double depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction);
+/// Optical depth along origin + t direction, t >= 0, within a segment, at extinction 1.
+double depth_along(const LevelGrids::Data& grids, Vec3d origin, Vec3d direction,
+                   Segment within = {});
 
 }  // namespace vog::reference

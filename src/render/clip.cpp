@@ -1,0 +1,61 @@
+// clip.cpp: the part of a ray inside a box and before planes.
+#include "vog/clip.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "vog/error.h"
+
+namespace vog {
+
+namespace {
+
+bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+/// Cuts an interval to where ahead * t >= start; parallel rays are inside or not.
+void cut(RayInterval& interval, double ahead, double start) {
+    if (ahead == 0) {
+        if (start > 0) interval.last = interval.first;
+    } else if (ahead > 0) {
+        interval.first = std::max(interval.first, start / ahead);
+    } else {
+        interval.last = std::min(interval.last, start / ahead);
+    }
+}
+
+}  // namespace
+
+void validate(const Clipping& clip) {
+    if (clip.box) {
+        const Box& box = *clip.box;
+        if (!is_finite(box.lower) || !is_finite(box.upper))
+            throw Error("clip box: expected finite corners");
+        for (int axis = 0; axis < 3; ++axis)
+            if (!(box.lower[axis] < box.upper[axis]))
+                throw Error(
+                    fmt::format("clip box: {} from {} to {}, expected the first below the second",
+                                "xyz"[axis], box.lower[axis], box.upper[axis]));
+    }
+    for (const ClipPlane& plane : clip.planes)
+        if (!is_finite(plane.normal) || !std::isfinite(plane.offset) || !(length(plane.normal) > 0))
+            throw Error(fmt::format(
+                "clip plane {},{},{},{}: expected finite numbers and a normal that is not 0",
+                plane.normal.x, plane.normal.y, plane.normal.z, plane.offset));
+}
+
+RayInterval clipped_ray(const Clipping& clip, Vec3d origin, Vec3d direction) {
+    RayInterval interval{0, std::numeric_limits<double>::infinity()};
+    if (clip.box)
+        for (int axis = 0; axis < 3; ++axis) {
+            cut(interval, direction[axis], clip.box->lower[axis] - origin[axis]);
+            cut(interval, -direction[axis], origin[axis] - clip.box->upper[axis]);
+        }
+    for (const ClipPlane& plane : clip.planes)
+        cut(interval, dot(plane.normal, direction), plane.offset - dot(plane.normal, origin));
+    return interval;
+}
+
+}  // namespace vog

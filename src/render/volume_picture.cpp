@@ -1,0 +1,51 @@
+// volume_picture.cpp: pictures by value over a background, and the checks of their look.
+#include "vog/volume_picture.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+#include "vog/error.h"
+
+namespace vog {
+
+Image over(const VolumeImage& picture, const Rgba& background) {
+    for (const float c : {background.r, background.g, background.b, background.a})
+        if (!(c >= 0 && c <= 1))
+            throw Error(fmt::format("background ({}, {}, {}, {}), expected numbers in [0, 1]",
+                                    background.r, background.g, background.b, background.a));
+    Image image(picture.width, picture.height);
+    for (std::size_t n = 0; n < picture.pixel.size(); ++n) {
+        const Rgba& front = picture.pixel[n];
+        // Porter-Duff over; an Image's colour is not multiplied by alpha.
+        const float behind = background.a * (1 - front.a);
+        const float alpha = background.a == 1 ? 1 : front.a + behind;
+        if (alpha > 0)
+            image.pixel[n] = {(front.r + behind * background.r) / alpha,
+                              (front.g + behind * background.g) / alpha,
+                              (front.b + behind * background.b) / alpha, alpha};
+        else
+            image.pixel[n] = {background.r, background.g, background.b, 0};
+    }
+    return image;
+}
+
+void validate(const VolumeLook& look) {
+    validate(look.clip);
+    const auto require = [](const char* name, double value, bool valid) {
+        if (!valid || !std::isfinite(value))
+            throw Error(fmt::format("light: {} {}, expected a number {} 0", name, value,
+                                    name == std::string("power") ? ">" : ">="));
+    };
+    require("ambient", look.ambient, look.ambient >= 0);
+    require("diffuse", look.diffuse, look.diffuse >= 0);
+    require("specular", look.specular, look.specular >= 0);
+    require("power", look.power, look.power > 0);
+    for (int axis = 0; axis < 3; ++axis)
+        if (!std::isfinite(look.towards_light[axis]))
+            throw Error(fmt::format("light: direction {},{},{}, expected finite numbers",
+                                    look.towards_light.x, look.towards_light.y,
+                                    look.towards_light.z));
+}
+
+}  // namespace vog
