@@ -25,6 +25,9 @@ struct Clipping {
 /// throws  vog::Error for a box that is inside out or empty, a normal of length 0, and numbers that are not finite
 void validate(const Clipping& clip);
 
+/// The same space in coordinates relative to a point.
+Clipping relative_to(Clipping clip, Vec3d origin);
+
 /// Interval of a ray.
 struct RayInterval {
     double first = 0, last = 0;  ///< t; empty where first >= last

@@ -46,6 +46,12 @@ void validate(const Clipping& clip) {
                 plane.normal.x, plane.normal.y, plane.normal.z, plane.offset));
 }
 
+Clipping relative_to(Clipping clip, Vec3d origin) {
+    if (clip.box) clip.box = Box{clip.box->lower - origin, clip.box->upper - origin};
+    for (ClipPlane& plane : clip.planes) plane.offset -= dot(plane.normal, origin);
+    return clip;
+}
+
 RayInterval clipped_ray(const Clipping& clip, Vec3d origin, Vec3d direction) {
     RayInterval interval{0, std::numeric_limits<double>::infinity()};
     if (clip.box)

@@ -53,9 +53,11 @@ TEST(ply_fields, come_back_bit_for_bit_under_their_names) {
     const TempDir dir;
     Gaussians plain = model_with_fields(40, 1);
     plain.rotation.clear();
-    plain.fields.scalar.front().is_measure = true;
+    Gaussians measured = model_with_fields(5, 4);
+    measured.fields.scalar.back().is_measure = true;
     // More than a block of rows; no rows.
-    for (const Gaussians& model : {model_with_fields(70000, 2), plain, select(plain, {})}) {
+    for (const Gaussians& model :
+         {model_with_fields(70000, 2), measured, plain, select(plain, {})}) {
         write_ply(dir / "m.ply", model);
         expect_same_fields(read_ply(dir / "m.ply").fields, model.fields);
         EXPECT_EQ(read_ply(dir / "m.ply").density, model.density);

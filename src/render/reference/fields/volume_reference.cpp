@@ -2,8 +2,8 @@
 // value: Max, "Optical models for direct volume rendering", 1995, piece by piece.
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
+#include "render/by_value/lighting.h"
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
 #include "shade/values/value_pieces.h"
@@ -11,6 +11,7 @@
 
 namespace vog {
 
+using namespace by_value;
 using namespace reference;
 
 namespace {
@@ -33,39 +34,23 @@ struct Compositor {
 };
 
 /// Light of a voxel: extinction per world unit and colour.
-class Lighting {
+class VoxelLight {
   public:
-    Lighting(const ValueTransfer& transfer, const VolumeLook& look)
-        : pieces_(transfer), look_(look) {
-        if (length(look.towards_light) > 0) towards_light_ = normalized(look.towards_light);
-    }
+    VoxelLight(const ValueTransfer& transfer, const VolumeLook& look)
+        : pieces_(transfer), lighting_(look) {}
     /// towards_eye  unit length
     ValueLight operator()(const FieldGrid& grid, const FieldCell& cell, Vec3d towards_eye) const {
         ValueLight light = pieces_(cell.value);
         if (!grid.own()) light.extinction *= cell.density;
-        if (look_.light && light.extinction > 0) shade(grid.gradient(cell), towards_eye, light);
+        if (!lighting_.on() || !(light.extinction > 0)) return light;
+        const auto [body, shine] = lighting_(grid.gradient(cell), towards_eye);
+        for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
         return light;
     }
 
   private:
-    void shade(Vec3d gradient, Vec3d towards_eye, ValueLight& light) const {
-        const double steepness = length(gradient);
-        if (!(steepness > 0) || !std::isfinite(steepness)) return;
-        Vec3d normal = (1 / steepness) * gradient;
-        if (dot(normal, towards_eye) < 0) normal = -normal;
-        const Vec3d towards_light = towards_light_.value_or(towards_eye);
-        const double facing = std::max(dot(normal, towards_light), 0.0);
-        const Vec3d between = towards_light + towards_eye;
-        const double mirrored =
-            facing > 0 ? std::clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0;
-        const double body = look_.ambient + look_.diffuse * facing;
-        const double shine = mirrored > 0 ? look_.specular * std::pow(mirrored, look_.power) : 0;
-        for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
-    }
-
     shading::ValuePieces pieces_;
-    VolumeLook look_;
-    std::optional<Vec3d> towards_light_;  ///< nothing: the eye
+    Lighting lighting_;
 };
 
 /// Piece of a ray in one of several volumes.
@@ -104,7 +89,7 @@ void composite(std::vector<LitPiece>& pieces, double stretch, Compositor& to) {
 }
 
 /// The light along one ray.
-Compositor light_along(std::span<const FieldGrid> grids, const Lighting& lighting, Vec3d origin,
+Compositor light_along(std::span<const FieldGrid> grids, const VoxelLight& lighting, Vec3d origin,
                        Vec3d direction, Segment within) {
     Compositor light;
     const double stretch = length(direction);
@@ -145,7 +130,7 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
     check_samples(options.samples);
     validate(options.clip);
     validate(look);
-    const Lighting lighting(transfer, look);
+    const VoxelLight lighting(transfer, look);
     const std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
     const CameraFrame frame = frame_of(camera, width, height);
     VolumeImage image{width, height, {}};

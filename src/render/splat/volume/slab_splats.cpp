@@ -1,0 +1,172 @@
+// slab_splats.cpp: Coefficients of SlabSplat, in double precision.
+#include "render/splat/volume/slab_splats.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "render/splat/fields/projected_mean.h"
+
+namespace vog::splat {
+
+using by_value::Shading;
+
+namespace {
+
+float as_float(double number) {
+    constexpr double kMost = std::numeric_limits<float>::max();
+    return static_cast<float>(std::clamp(number, -kMost, kMost));
+}
+
+/// Light of a Gaussian, shaded as the middle of the picture sees it.
+LightQuadratic lit(const SlabView& view, std::size_t i) {
+    if (!view.lighting.on()) return view.light[i];
+    const Vec3d towards = view.frame.orthographic
+                              ? -view.frame.forward
+                              : view.frame.eye - vec_cast<double>(view.gaussians.mean[i]);
+    if (!(length(towards) > 0)) return view.light[i];
+    const Shading shading =
+        view.lighting(vec_cast<double>(view.field.gradient[i]), normalized(towards));
+    return shaded(view.light[i], shading,
+                  explained_share(view.light[i], double{view.field.deviation[i]}, view.share));
+}
+
+/// Gradient of z, per world unit.
+Vec3d z_gradient(const SlabView& view, std::size_t i) {
+    const double spread = double{view.light[i].spread};
+    return spread > 0 ? (1 / spread) * vec_cast<double>(view.field.gradient[i]) : Vec3d{};
+}
+
+/// Standard deviation along the view, of all rays together.
+double view_deviation(const SlabView& view, std::size_t i) {
+    return length(times(own_forward(view.gaussians, i, view.frame),
+                        vec_cast<double>(view.gaussians.scale[i])));
+}
+
+double mean_depth(const SlabView& view, std::size_t i) {
+    return dot(vec_cast<double>(view.gaussians.mean[i]) - view.frame.eye, view.frame.forward);
+}
+
+}  // namespace
+
+DepthRange depths_of(const SlabView& view, std::size_t i) {
+    const double depth = mean_depth(view, i), reach = view.cutoff * view_deviation(view, i);
+    return {static_cast<float>(std::max(depth - reach, 0.0) - view.depth),
+            static_cast<float>(std::max(depth + reach, 0.0) - view.depth)};
+}
+
+SlabSplat slab_splat(const SlabView& view, const SplatOrigin& origin, const FarSplat& splat) {
+    const std::size_t i = origin.index;
+    SlabSplat out;
+    const ShownMean at = shown_mean(view.gaussians, i, splat, view.frame, out);
+    const double depth = mean_depth(view, i), deviation = view_deviation(view, i);
+    out.depth = static_cast<float>(depth - view.depth);
+    out.forward = static_cast<float>(depth);
+    out.near = static_cast<float>(depth - view.cutoff * deviation - view.depth);
+    out.far = static_cast<float>(depth + view.cutoff * deviation - view.depth);
+    LightQuadratic light = lit(view, i);
+    // A point: the mean of z² over the kernel, its z is 0.
+    if (origin.widened)
+        for (auto& c : light.c) c[0] += static_cast<float>(view.share) * c[2];
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t power = 0; power < 3; ++power)
+            out.light[c][power] = as_float(view.unit * double{light.c[c][power]});
+    const Vec3d g = origin.widened ? Vec3d{} : z_gradient(view, i);
+    double x = at.forward * dot(g, at.step_x), y = at.forward * dot(g, at.step_y);
+    const double root_e02 = std::sqrt(double{splat.e02});
+    if (view.frame.orthographic) {
+        const ParallelNearest nearest = parallel_nearest(view.gaussians, i, view.frame, at);
+        const double along = dot(g, view.frame.forward);
+        x += along * nearest.depth_x;
+        y += along * nearest.depth_y;
+        out.along = static_cast<float>(along);
+        out.depth_x = static_cast<float>(nearest.depth_x);
+        out.depth_y = static_cast<float>(nearest.depth_y);
+        out.per_root = static_cast<float>(root_e02 * std::sqrt(nearest.variance));
+    } else {
+        out.along = static_cast<float>(dot(g, at.from_eye));
+        // |W D| is least where it is 1 / deviation, and C is e02 there.
+        out.per_root = static_cast<float>(root_e02 * deviation);
+    }
+    out.x = static_cast<float>(x);
+    out.y = static_cast<float>(y);
+    return out;
+}
+
+void set_clip(const SlabView& view, SlabBand& band) {
+    band.clipped = !view.clip.empty();
+    if (!band.clipped) return;
+    constexpr float kMost = std::numeric_limits<float>::max();
+    band.clip_near.assign(SlabBand::kPlane, 0);
+    band.clip_far.assign(SlabBand::kPlane, 0);
+    const int right = std::min(kTileWidth, view.frame.width - band.column);
+    const int bottom = std::min(kBandRows, view.frame.height - band.row);
+    for (int y = 0; y < bottom; ++y)
+        for (int x = 0; x < right; ++x) {
+            const double column = band.column + x, row = band.row + y;
+            const RayInterval seen = clipped_ray(view.clip, view.frame.origin(column, row),
+                                                 view.frame.direction(column, row));
+            const bool any = seen.first < seen.last;
+            band.clip_near[SlabBand::offset(x, y)] =
+                any ? static_cast<float>(seen.first - view.depth) : kMost;
+            band.clip_far[SlabBand::offset(x, y)] =
+                any ? static_cast<float>(std::min(seen.last - view.depth, double{kMost})) : kMost;
+        }
+}
+
+void add_near_light(const SlabView& view, const NearSplat& s, SlabBand& band) {
+    const std::size_t i = s.index;
+    const int x0 = std::max(s.bounds.x0 - band.column, 0), y0 = std::max(s.bounds.y0 - band.row, 0);
+    const int x1 = std::min(s.bounds.x1 - band.column, kTileWidth - 1);
+    const int y1 = std::min(s.bounds.y1 - band.row, kBandRows - 1);
+    if (y0 > y1 || x0 > x1) return;
+    const DepthRange depths = depths_of(view, i);
+    band.touch({x0, x1, y0, y1}, depths.near, depths.far);
+    const int lowest = band.slab_at(depths.near), highest = band.slab_at(depths.far);
+    const LightQuadratic light = lit(view, i);
+    const Vec3d gradient = z_gradient(view, i), mean = vec_cast<double>(view.gaussians.mean[i]);
+    for (int y = y0; y <= y1; ++y)
+        for (int x = x0; x <= x1; ++x) {
+            const double column = band.column + x, row = band.row + y;
+            const Vec3d e = s.e + column * s.shift_x + row * s.shift_y;
+            const Vec3d d = s.corner + column * s.step_x + row * s.step_y;
+            const double c = dot(d, d), root = std::sqrt(c);
+            const Vec3d offset = cross(e, d);
+            const double m2 = dot(offset, offset) / c, reach2 = view.cutoff * view.cutoff - m2;
+            if (!(reach2 > 0)) continue;
+            const double nearest = dot(e, d) / c, half = std::sqrt(reach2) / root;
+            double start = std::max(nearest - half, 0.0), end = nearest + half;
+            if (band.clipped) {
+                const std::size_t at = SlabBand::offset(x, y);
+                start = std::max(start, view.depth + double{band.clip_near[at]});
+                end = std::min(end, view.depth + double{band.clip_far[at]});
+            }
+            if (!(start < end)) continue;
+            const Vec3d towards = view.frame.direction(column, row);
+            const Vec3d from_mean = view.frame.origin(column, row) - mean;
+            const double z0 = dot(gradient, from_mean), z_step = dot(gradient, towards);
+            const double whole =
+                s.density * std::exp(-0.5 * m2) * std::sqrt(0.5 * std::numbers::pi) / root;
+            const auto part_at = [&](double t) {
+                return std::erf((t - nearest) * root / std::numbers::sqrt2);
+            };
+            const int first =
+                std::max(band.slab_at(static_cast<float>(start - view.depth)), lowest);
+            const int last = std::min(band.slab_at(static_cast<float>(end - view.depth)), highest);
+            double from = start;
+            for (int slab = first; slab <= last; ++slab) {
+                const double back =
+                    view.depth + double{band.first} + (slab + 1) * double{band.thickness};
+                const double to = slab == last ? end : std::clamp(back, from, end);
+                const double tau = whole * (part_at(to) - part_at(from));
+                const Light part = light.at(static_cast<float>(z0 + 0.5 * (from + to) * z_step));
+                for (std::size_t n = 0; n < 4; ++n)
+                    band.plane(slab, static_cast<int>(n))[SlabBand::offset(x, y)] +=
+                        as_float(tau * view.unit * double{part[n]});
+                from = to;
+            }
+        }
+}
+
+}  // namespace vog::splat

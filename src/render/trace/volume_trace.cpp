@@ -1,0 +1,247 @@
+// volume_trace.cpp: Volume rendering of a model by ray tracing: the Gaussians on a ray are collected, and their light
+// integrated in the order of depth by steps finer than the thinnest of them.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "render/by_value/value_light.h"
+#include "render/by_value/volume_field.h"
+#include "render/pixel_tiles.h"
+#include "render/shown_field.h"
+#include "render/trace/small_gaussians.h"
+#include "render/trace/trace_bvh.h"
+#include "render/trace/trace_options.h"
+#include "vog/volume_picture.h"
+
+namespace vog {
+
+using namespace by_value;
+using namespace trace;
+
+namespace {
+
+using Sum = std::array<double, 4>;
+
+/// A Gaussian on a ray, t in scene units.
+struct OnRay {
+    LightQuadratic light;
+    double start, end;     ///< chord in front of the eye
+    double nearest;        ///< t*
+    double per_deviation;  ///< standard deviations per scene unit
+    double whole;          ///< density e^{-m²/2} sqrt(pi/2) / per_deviation, units of depth
+    double z, z_step;      ///< of LightQuadratic at t = 0, and its change with t
+};
+
+/// A Gaussian that is drawn as a splat, at one pixel.
+struct Splatted {
+    int column;
+    std::uint32_t index;
+    double depth;  ///< tau, units of depth
+};
+
+/// What all rays of a picture share.
+struct VolumeRays {
+    const Gaussians& gaussians;
+    const ScalarField& field;
+    const std::vector<LightQuadratic>& light;
+    const TraceModel& model;
+    const TraceBvh& bvh;
+    const float* shares;  ///< SmallGaussians::shares, or null
+    const Lighting& lighting;
+    const Clipping& clip;  ///< relative to the model's origin
+
+    void collect(const device::Ray& ray, const RayInterval& seen, std::vector<OnRay>& hits) const;
+    /// Adds the light of all Gaussians on a ray step by step.
+    LightQuadratic lit(std::uint32_t i, const device::Ray& ray) const;
+    double depth_of(const Splatted& point, const device::Ray& ray) const;
+    RayInterval seen(const device::Ray& ray) const;
+    Rgba composite(const device::Ray& ray, std::span<const OnRay> hits,
+                   std::span<const Splatted> points) const;
+};
+
+/// t of the mean.
+double VolumeRays::depth_of(const Splatted& point, const device::Ray& ray) const {
+    const device::Double3 mean = device::to_double(model.gaussians[point.index].mean);
+    return std::max(dot(mean - ray.origin, ray.direction), 0.0);
+}
+
+/// The part of a ray that the clip leaves.
+RayInterval VolumeRays::seen(const device::Ray& ray) const {
+    RayInterval seen = clipped_ray(clip, model.unit * vec(ray.origin), vec(ray.direction));
+    return {seen.first / model.unit, seen.last / model.unit};
+}
+
+/// Light of a Gaussian, shaded.
+LightQuadratic VolumeRays::lit(std::uint32_t i, const device::Ray& ray) const {
+    if (!lighting.on()) return light[i];
+    return shaded(
+        light[i], lighting(vec_cast<double>(field.gradient[i]), -1.0 * vec(ray.direction)),
+        explained_share(light[i], double{field.deviation[i]}, double{model.kernel.variance}));
+}
+
+void VolumeRays::collect(const device::Ray& ray, const RayInterval& seen,
+                         std::vector<OnRay>& hits) const {
+    hits.clear();
+    device::HitList list;
+    list.capacity = device::kMaxHitsPerSlab;
+    device::CollectedHit last{};
+    for (bool more = true, first = true; more; first = false) {
+        device::begin_slab(list, first ? nullptr : &last);
+        bvh.collect(ray, shares, list);
+        more = list.count == list.capacity;
+        if (list.count == 0) break;
+        device::sort_by_entry(list);
+        last = list.hit[list.count - 1];
+        for (int n = 0; n < list.count; ++n) {
+            const std::uint32_t i = list.hit[n].index;
+            const device::Gaussian& g = model.gaussians[i];
+            const device::Double3 to_mean = device::to_double(g.mean) - ray.origin;
+            const device::Double3 w[3] = {device::to_double(g.w[0]), device::to_double(g.w[1]),
+                                          device::to_double(g.w[2])};
+            const device::Double3 e{dot(w[0], to_mean), dot(w[1], to_mean), dot(w[2], to_mean)};
+            const device::Double3 d{dot(w[0], ray.direction), dot(w[1], ray.direction),
+                                    dot(w[2], ray.direction)};
+            const double c = dot(d, d), root = std::sqrt(c), nearest = dot(e, d) / c;
+            const device::Double3 offset = cross(e, d);
+            const double m2 = dot(offset, offset) / c, reach2 = double{model.cutoff2} - m2;
+            if (!(reach2 > 0)) continue;
+            const double half = std::sqrt(reach2) / root;
+            const double start = std::max(nearest - half, seen.first),
+                         end = std::min(nearest + half, seen.last);
+            if (!(start < end)) continue;
+            // z changes by one with a spread of the field's plane.
+            const double spread = double{light[i].spread};
+            const double per_z = spread > 0 ? model.unit / spread : 0;
+            const Vec3d gradient = vec_cast<double>(field.gradient[i]);
+            const double share = shares ? double{shares[i]} : 1;
+            hits.push_back({lit(i, ray), start, end, nearest, root,
+                            share * double{g.density} * std::exp(-0.5 * m2) *
+                                std::sqrt(0.5 * std::numbers::pi) / root,
+                            -per_z * dot(gradient, vec(to_mean)),
+                            per_z * dot(gradient, vec(ray.direction))});
+        }
+    }
+}
+
+Rgba VolumeRays::composite(const device::Ray& ray, std::span<const OnRay> hits,
+                           std::span<const Splatted> points) const {
+    double start = std::numeric_limits<double>::infinity(), end = 0, thinnest = start;
+    for (const OnRay& hit : hits) {
+        start = std::min(start, hit.start);
+        end = std::max(end, hit.end);
+        thinnest = std::min(thinnest, 1 / hit.per_deviation);
+    }
+    for (const Splatted& point : points) {
+        start = std::min(start, depth_of(point, ray));
+        end = std::max(end, depth_of(point, ray));
+    }
+    if (!(start <= end)) return {0, 0, 0, 0};
+    // An eighth of the thinnest Gaussian; few colours change within that.
+    constexpr double kLeastSteps = 64, kMostSteps = 8192;
+    const double range = std::max(end - start, 1e-300);
+    const auto steps =
+        static_cast<std::size_t>(std::clamp(8 * range / thinnest, kLeastSteps, kMostSteps));
+    const double length = range / double(steps), unit = model.depth_unit;
+    std::vector<Sum> sums(steps, Sum{});
+    const auto step_of = [&](double t) {
+        return std::min(static_cast<std::size_t>(std::max((t - start) / length, 0.0)), steps - 1);
+    };
+    const auto add = [&](std::size_t step, double tau, const Light& by) {
+        for (std::size_t n = 0; n < 4; ++n) sums[step][n] += tau * unit * double{by[n]};
+    };
+    for (const OnRay& hit : hits) {
+        const auto part_at = [&](double t) {
+            return std::erf((t - hit.nearest) * hit.per_deviation / std::numbers::sqrt2);
+        };
+        double from = hit.start, before = part_at(from);
+        const std::size_t last = step_of(hit.end);
+        for (std::size_t step = step_of(hit.start); step <= last; ++step) {
+            const double to = step == last
+                                  ? hit.end
+                                  : std::clamp(start + double(step + 1) * length, from, hit.end);
+            const double after = part_at(to);
+            add(step, hit.whole * (after - before),
+                hit.light.at(static_cast<float>(hit.z + 0.5 * (from + to) * hit.z_step)));
+            from = to, before = after;
+        }
+    }
+    for (const Splatted& point : points) {
+        // A point: the mean of z² over the kernel, its z is 0.
+        LightQuadratic mean = lit(point.index, ray);
+        for (auto& c : mean.c) c[0] += static_cast<float>(model.kernel.variance) * c[2];
+        add(step_of(depth_of(point, ray)), point.depth, mean.at(0));
+    }
+    double transmittance = 1;
+    std::array<double, 3> color{};
+    for (const Sum& sum : sums) {
+        if (!(sum[3] > 0)) continue;
+        const double absorbed = -std::expm1(-sum[3]);
+        for (std::size_t n = 0; n < 3; ++n)
+            color[n] += transmittance * absorbed * std::min(sum[n] / sum[3], 1.0);
+        transmittance *= 1 - absorbed;
+    }
+    return {static_cast<float>(color[0]), static_cast<float>(color[1]),
+            static_cast<float>(color[2]), static_cast<float>(1 - transmittance)};
+}
+
+}  // namespace
+
+VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& field,
+                                const ValueTransfer& transfer, const Camera& camera, int width,
+                                int height, const TraceOptions& options,
+                                const TraceSceneOptions& scene, const VolumeLook& look) {
+    check_trace_options(options);
+    validate(look);
+    const TraceModel model = trace_model(gaussians, scene.aabb_sigma, scene.kappa);
+    const CameraFrame frame = relative_to(frame_of(camera, width, height), model.origin);
+    const ScalarField& values = volume_field(gaussians, field);
+    const std::vector<LightQuadratic> light = fit_light(gaussians, values, transfer);
+    VolumeImage picture{width, height, {}};
+    picture.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                         Rgba{0, 0, 0, 0});
+    if (model.gaussians.empty()) return picture;
+    const TraceBvh bvh(model);
+    const device::Camera rays = scene_camera(frame, model.unit);
+    const SmallGaussians small = small_gaussians(model, rays);
+    const Lighting lighting(look);
+    const Clipping clip = relative_to(look.clip, model.origin);
+    const VolumeRays all{gaussians, values, light,
+                         model,     bvh,    small.shares.empty() ? nullptr : small.shares.data(),
+                         lighting,  clip};
+    // Bands of rows are drawn side by side, a row by one thread.
+    std::vector<std::vector<Splatted>> rows(static_cast<std::size_t>(height));
+    for_each_splat_pixel(
+        small.splats, model.kernel.kernel, height,
+        [&](std::uint32_t n, int x, int y, double depth) {
+            const double far = length(frame.direction(x, y));
+            rows[static_cast<std::size_t>(y)].push_back({x, small.index[n], depth * far});
+        });
+    for (std::vector<Splatted>& row : rows) std::ranges::stable_sort(row, {}, &Splatted::column);
+    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        const auto points = std::ranges::equal_range(rows[static_cast<std::size_t>(row)], column,
+                                                     {}, &Splatted::column);
+        device::Ray ray;
+        std::vector<OnRay> hits;
+        const bool meets = device::camera_ray(rays, model.bounds, column, row, ray);
+        if (!meets) {
+            if (points.empty()) return;
+            // Beside the bounds a pixel can still have a share of a splat.
+            const Vec3d direction = normalized(frame.direction(column, row));
+            const Vec3d origin = (1 / model.unit) * frame.origin(column, row);
+            ray.direction = plain(direction), ray.origin = plain(origin);
+        }
+        const RayInterval seen = all.seen(ray);
+        if (!(seen.first < seen.last)) return;
+        if (meets) all.collect(ray, seen, hits);
+        std::vector<Splatted> shown;
+        for (const Splatted& point : points)
+            if (const double depth = all.depth_of(point, ray);
+                depth >= seen.first && depth <= seen.last)
+                shown.push_back(point);
+        picture.pixel[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+                      static_cast<std::size_t>(column)] = all.composite(ray, hits, shown);
+    });
+    return picture;
+}
+
+}  // namespace vog

@@ -1,0 +1,267 @@
+// volume_splat_test.cpp: pictures of models by value: depth slabs and exact order, against closed forms.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "support/field_models.h"
+#include "support/scenes.h"
+#include "vog/error.h"
+#include "vog/volume_picture.h"
+
+namespace vog {
+
+using namespace test;
+
+namespace {
+
+/// Gaussians on the z axis, each of one value: 1, 2, ...
+Gaussians row_of_values(int count, double spacing) {
+    Gaussians model;
+    model.source = "row";
+    ScalarField field;
+    field.name = "heat";
+    field.lower = 1, field.upper = std::max(count, 1);
+    for (int n = 0; n < count; ++n) {
+        model.mean.push_back({0, 0, static_cast<float>(spacing * n)});
+        model.scale.push_back({0.5f, 0.4f, 0.3f});
+        model.density.push_back(1.5f);
+        field.value.push_back(static_cast<float>(n + 1));
+        field.gradient.push_back({0, 0, 0});
+        field.deviation.push_back(0);
+        field.skewness.push_back(0);
+    }
+    model.fields.scalar.push_back(field);
+    return model;
+}
+
+/// Values 1 and 2: red of little, blue of much extinction.
+ValueTransfer two_colors() {
+    return {"two",
+            {{1, 1, 0.25f, 0}, {1.5, 1, 0.25f, 0}, {1.5, 0, 0.5f, 1}, {2, 0, 0.5f, 1}},
+            {{1, 0.3}, {1.5, 0.3}, {1.5, 0.8}, {2, 0.8}},
+            2};
+}
+
+Camera towards(Vec3d eye, Vec3d at, bool orthographic) {
+    Camera camera;
+    camera.eye = eye;
+    camera.look_at = at;
+    camera.up = {0, 1, 0};
+    camera.fov_degrees = 40;
+    if (orthographic) camera.orthographic_width = 4;
+    return camera;
+}
+
+using Draw = VolumeImage (*)(const Gaussians&, const ValueTransfer&, const Camera&, int, int,
+                             const VolumeLook&);
+VolumeImage splatted(const Gaussians& model, const ValueTransfer& transfer, const Camera& camera,
+                     int width, int height, const VolumeLook& look) {
+    SlabOptions options;
+    options.look = look;
+    return render_volume_splat(model, model.fields.scalar.front().name, transfer, camera, width,
+                               height, options);
+}
+VolumeImage traced(const Gaussians& model, const ValueTransfer& transfer, const Camera& camera,
+                   int width, int height, const VolumeLook& look) {
+    return render_volume_trace(model, model.fields.scalar.front().name, transfer, camera, width,
+                               height, {}, {}, look);
+}
+constexpr Draw kRenderers[] = {splatted, traced};
+
+double psnr(const VolumeImage& a, const VolumeImage& b) {
+    double sum = 0;
+    for (std::size_t n = 0; n < a.pixel.size(); ++n)
+        for (const float d : {a.pixel[n].r - b.pixel[n].r, a.pixel[n].g - b.pixel[n].g,
+                              a.pixel[n].b - b.pixel[n].b})
+            sum += double{d} * double{d};
+    return -10 * std::log10(sum / (3.0 * double(a.pixel.size())));
+}
+
+/// T of Gaussian i along the ray of a pixel.
+double tau_at(const Gaussians& model, std::size_t i, const Camera& camera, int size, int x, int y) {
+    const CameraFrame frame = frame_of(camera, size, size);
+    return optical_depth(model, i, frame.origin(x, y), frame.direction(x, y));
+}
+
+TEST(volume_splat, one_value_is_beers_law) {
+    const Gaussians model = row_of_values(1, 0);
+    const ValueTransfer transfer = two_colors();
+    const double s = light_of(transfer, 1).extinction;
+    constexpr int kSize = 33;
+    for (const bool orthographic : {false, true})
+        // Before the Gaussian, and inside it.
+        for (const double distance : {5.0, 0.2})
+            for (const Draw draw : kRenderers) {
+                const Camera camera = towards({0.3, 0.2, distance}, {0, 0, 0}, orthographic);
+                const VolumeImage image = draw(model, transfer, camera, kSize, kSize, {});
+                for (int n = 0; n < kSize * kSize; n += 5) {
+                    const double tau = tau_at(model, 0, camera, kSize, n % kSize, n / kSize);
+                    const double alpha = 1 - std::exp(-s * tau);
+                    const Rgba& pixel = image.pixel[static_cast<std::size_t>(n)];
+                    EXPECT_NEAR(pixel.a, alpha, 3e-5) << n << ", distance " << distance;
+                    EXPECT_NEAR(pixel.r, alpha, 3e-5);
+                    EXPECT_NEAR(pixel.g, 0.25 * alpha, 3e-5);
+                    EXPECT_NEAR(pixel.b, 0, 3e-5);
+                }
+            }
+}
+
+TEST(volume_splat, the_nearer_one_hides_the_farther_from_both_sides) {
+    const Gaussians model = row_of_values(2, 4);
+    const ValueTransfer transfer = two_colors();
+    const double s[2] = {light_of(transfer, 1).extinction, light_of(transfer, 2).extinction};
+    constexpr int kSize = 97, kMiddle = 48;  // a Gaussian has several pixels
+    for (const bool orthographic : {false, true})
+        for (const bool behind : {false, true})
+            for (const Draw draw : kRenderers) {
+                const Camera camera =
+                    towards({0, 0, behind ? 14.0 : -10.0}, {0, 0, 2}, orthographic);
+                const Rgba pixel = draw(model, transfer, camera, kSize, kSize, {})
+                                       .pixel[kMiddle * kSize + kMiddle];
+                double alpha[2];
+                for (std::size_t i = 0; i < 2; ++i)
+                    alpha[i] =
+                        1 - std::exp(-s[i] * tau_at(model, i, camera, kSize, kMiddle, kMiddle));
+                const double red = behind ? (1 - alpha[1]) * alpha[0] : alpha[0];
+                const double blue = behind ? alpha[1] : (1 - alpha[0]) * alpha[1];
+                EXPECT_NEAR(pixel.r, red, 3e-5) << behind;
+                EXPECT_NEAR(pixel.b, blue, 3e-5) << behind;
+                EXPECT_NEAR(pixel.a, 1 - (1 - alpha[0]) * (1 - alpha[1]), 3e-5);
+            }
+}
+
+/// Overlapping Gaussians with a temperature of any gradient, deviation and skewness.
+Gaussians cloud_of_values() {
+    Gaussians model = random_gaussians(150, 0.08, 0.2, 3);
+    add_random_fields(model, 3);
+    return model;
+}
+ValueTransfer rainbow(const ScalarField& field) {
+    const double low = field.lower, range = field.upper - field.lower;
+    return {"rainbow",
+            {{low, 0, 0, 1}, {low + 0.4 * range, 0, 1, 0}, {low + range, 1, 0, 0}},
+            {{low, 0.1}, {low + 0.3 * range, 0.4}, {low + 0.5 * range, 0}, {low + range, 0.5}},
+            0.2};
+}
+
+TEST(volume_splat, slabs_approach_exact_order) {
+    const Gaussians model = cloud_of_values();
+    const ScalarField& field = model.fields.scalar.front();
+    const ValueTransfer transfer = rainbow(field);
+    for (const bool orthographic : {false, true}) {
+        const Camera camera = towards({1.5, 1.2, 2.5}, {0.5, 0.5, 0.5}, orthographic);
+        const VolumeImage exact = traced(model, transfer, camera, 64, 64, {});
+        double before = 0;
+        for (const int slabs : {4, 32, 256}) {
+            SlabOptions options;
+            options.slabs = slabs;
+            const double found = psnr(
+                render_volume_splat(model, field.name, transfer, camera, 64, 64, options), exact);
+            // An eighth of the thickness; thin slabs end at the steps of the tracer.
+            EXPECT_GT(found, before + 6) << slabs;
+            before = found;
+            if (slabs == 32) {
+                EXPECT_GT(found, 50);
+            }
+        }
+        EXPECT_GT(before, 65);
+    }
+}
+
+TEST(volume_splat, every_target_and_any_number_of_threads_give_one_picture) {
+    const Gaussians model = cloud_of_values();
+    const ScalarField& field = model.fields.scalar.front();
+    const ValueTransfer transfer = rainbow(field);
+    const Camera camera = towards({1.5, 1.2, 2.5}, {0.5, 0.5, 0.5}, false);
+    const VolumeImage best = splatted(model, transfer, camera, 150, 70, {});
+    for (const int threads : {1, 3}) {
+        const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads));
+        EXPECT_EQ(splatted(model, transfer, camera, 150, 70, {}).pixel, best.pixel);
+    }
+    for (const std::string& target : splat_targets()) {
+        SlabOptions options;
+        options.simd_target = target;
+        const VolumeImage other =
+            render_volume_splat(model, field.name, transfer, camera, 150, 70, options);
+        EXPECT_GT(psnr(other, best), 90) << target;
+    }
+}
+
+TEST(volume_splat, clips_cut_each_ray) {
+    const Gaussians model = row_of_values(1, 0);
+    const ValueTransfer transfer = two_colors();
+    const double s = light_of(transfer, 1).extinction;
+    constexpr int kSize = 97, kMiddle = 48;  // a Gaussian has several pixels
+    VolumeLook half;
+    half.clip.planes.push_back({{0, 0, 1}, 0});  // z >= 0 stays: half of the Gaussian
+    VolumeLook box;
+    box.clip.box = Box{{-9, -9, 0}, {9, 9, 9}};
+    VolumeLook nothing;
+    nothing.clip.box = Box{{7, 7, 7}, {9, 9, 9}};
+    for (const bool orthographic : {false, true})
+        for (const double distance : {5.0, 0.05})  // the second is drawn from inside
+            for (const Draw draw : kRenderers) {
+                const Camera camera = towards({0, 0, -distance}, {0, 0, 0}, orthographic);
+                const double whole = tau_at(model, 0, towards({0, 0, -5}, {0, 0, 0}, orthographic),
+                                            kSize, kMiddle, kMiddle);
+                const double alpha = 1 - std::exp(-0.5 * s * whole);
+                for (const VolumeLook& look : {half, box}) {
+                    const VolumeImage image = draw(model, transfer, camera, kSize, kSize, look);
+                    EXPECT_NEAR(image.pixel[kMiddle * kSize + kMiddle].a, alpha, 3e-5);
+                }
+                for (const Rgba& pixel : draw(model, transfer, camera, kSize, kSize, nothing).pixel)
+                    EXPECT_EQ(pixel.a, 0);
+            }
+}
+
+TEST(volume_splat, light_follows_the_gradient) {
+    Gaussians model = row_of_values(1, 0);
+    ScalarField& field = model.fields.scalar.front();
+    field.lower = 0, field.upper = 2;
+    field.gradient[0] = {0, 0, 0.01f};  // along the view: no change of value worth a colour
+    const ValueTransfer transfer{"white", {{0, 0.5f, 0.5f, 0.5f}}, {{0, 0.5}}, 1};
+    VolumeLook look;
+    look.light = true;
+    look.ambient = 0.2, look.diffuse = 0.6, look.specular = 0.1, look.power = 4;
+    const Camera front = towards({0, 0, 6}, {0, 0, 0}, true);
+    for (const Draw draw : kRenderers) {
+        const auto color = [&] {
+            const Rgba p = draw(model, transfer, front, 9, 9, look).pixel[40];
+            return double{p.r} / double{p.a};
+        };
+        look.towards_light = {};
+        field.deviation[0] = 0;
+        EXPECT_NEAR(color(), 0.5 * 0.8 + 0.1, 1e-4);  // head light
+        look.towards_light = {1, 0, 0};
+        EXPECT_NEAR(color(), 0.5 * 0.2, 1e-4);  // from the side
+        field.deviation[0] = 1;                 // the plane explains nothing
+        EXPECT_NEAR(color(), 0.5, 1e-3);
+    }
+}
+
+TEST(volume_splat, what_is_wrong_is_refused_in_one_line) {
+    const Gaussians model = row_of_values(1, 0);
+    const Camera camera = towards({0, 0, 6}, {0, 0, 0}, true);
+    const auto refused = [&](const std::string& field, const SlabOptions& options) {
+        try {
+            (void)render_volume_splat(model, field, two_colors(), camera, 8, 8, options);
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string("accepted");
+    };
+    SlabOptions none, many;
+    none.slabs = 0, many.slabs = 1000000;
+    EXPECT_EQ(refused("heat", none), "splat: 0 depth slabs, expected 1 to 1024");
+    EXPECT_EQ(refused("heat", many), "splat: 1000000 depth slabs, expected 1 to 1024");
+    EXPECT_NE(refused("cold", {}).find("cold"), std::string::npos);
+    EXPECT_TRUE(
+        render_volume_splat(row_of_values(0, 0), "heat", two_colors(), camera, 8, 8).pixel[0].a ==
+        0);
+}
+
+}  // namespace
+}  // namespace vog
