@@ -32,14 +32,17 @@ VALUES = {
     "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--roll": "10", "--camera": "{made}/camera.json",
     "--save-camera": "{out}/camera.json", "--extinction": "0.5", "--tf": "viridis", "--background": "white",
     "--show": "column", "--range": "0.1,2", "--units": "g/cm^2", "--title": "A title",
-    "--field": "density", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy", "--description": "Some text", "--name": "a model", "--levels": "2",
+    "--field": "density", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy",
+    "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
+    "--unit-distance": "2", "--light": "1,2,3", "--light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
+    "--clip-plane": "1,0,0,3", "--description": "Some text", "--name": "a model", "--levels": "2",
     "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
 }
 # Command: its arguments with an input, for each kind of input, and the part of all pairs that is run, one in so many
 # (all with VOG_ALL_PAIRS=1). A volume takes some tenths of a second.
 COMMANDS = {
     "convert": [(["{made}/particles.csv", "-o", "{out}/m.ply"], 2), (["{made}/cloud.vdb", "-o", "{out}/m.ply"], 8)],
-    "render": [(["{made}/model.ply", "-o", "{out}/p.png"], 4), (["{made}/cloud.vdb", "-o", "{out}/p.png"], 8)],
+    "render": [(["{made}/model.ply", "-o", "{out}/p.png"], 6), (["{made}/cloud.vdb", "-o", "{out}/p.png"], 11)],
     "export": [(["{made}/model.ply", "-o", "{out}/p.html"], 2)],
     "compare": [(["{made}/a.exr", "{made}/b.exr"], 1)],
     "sample": [(["cloud", "{out}/s.vdb"], 1)],

@@ -300,6 +300,35 @@ TEST(volume_picture, clips_cut_exactly_within_voxels) {
     EXPECT_THROW(alpha({{}, {{{0, 0, 0}, 1}}}, camera), Error);
 }
 
+TEST(volume_picture, two_sides_of_a_plane_have_the_whole_optical_depth) {
+    Volume coarse = random_volume(5), fine = random_volume(6);
+    coarse.tiles.clear(), fine.tiles.clear();
+    fine.world_from_index.linear = {{Vec3d{0.5, 0, 0}, Vec3d{0, 0.5, 0}, Vec3d{0, 0, 0.5}}};
+    fine.world_from_index.translation = {-0.25, -0.25, -0.25};
+    Levels levels;
+    levels.volumes = {coarse, fine};
+    const Camera camera = pinhole({30, 20, 40}, {3, 3, 3});
+    for (const Interpolation interpolation : {Interpolation::constant, Interpolation::linear}) {
+        // Linear: exact, cell by cell.
+        const LevelGrids grids = level_grids(levels, {interpolation, 0});
+        const VoxelGrid one = voxel_grid(coarse, {interpolation, 0});
+        const auto draw = [&](double side, bool mesh) {
+            ReferenceOptions options;
+            if (side != 0) options.clip.planes = {{{side, side, 0}, side * 7.3}};
+            return mesh ? render_reference(grids, camera, 9, 9, options)
+                        : render_reference({&one, 1}, camera, 9, 9, options);
+        };
+        for (const bool mesh : {true, false}) {
+            const DepthImage whole = draw(0, mesh), front = draw(1, mesh), back = draw(-1, mesh);
+            for (std::size_t n = 0; n < whole.depth.size(); ++n)
+                EXPECT_NEAR(front.depth[n] + back.depth[n], whole.depth[n],
+                            1e-5 * whole.depth[n] + 1e-9);
+            EXPECT_GT(front.depth[40], 0.1f);
+            EXPECT_GT(back.depth[40], 0.1f);
+        }
+    }
+}
+
 TEST(volume_picture, light_shades_by_the_gradient) {
     // Opaque: the front voxels alone are visible, whose gradient is along the ray.
     const Volume volume = leaf_volume([](int) { return 1.0; });

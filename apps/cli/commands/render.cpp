@@ -27,9 +27,11 @@ PictureReport report_of(std::size_t frame, const RenderedPicture& picture) {
     return {frame,
             fmt::format("{}: {}x{}, {:.1f} ms, {}", picture.output, picture.width, picture.height,
                         picture.median_ms(),
-                        picture.scale ? fmt::format("{:.1f} % of the pixels above the range",
-                                                    100 * picture.above_range)
-                                      : fmt::format("extinction {:.6g}", picture.extinction)),
+                        picture.unit_distance
+                            ? fmt::format("mean opacity {:.3f} where covered", picture.mean_opacity)
+                        : picture.scale ? fmt::format("{:.1f} % of the pixels above the range",
+                                                      100 * picture.above_range)
+                                        : fmt::format("extinction {:.6g}", picture.extinction)),
             to_json(picture)};
 }
 
@@ -84,7 +86,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     if (!ranks.is_root) one.view.save_camera.clear();
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
-        double extinction = 0, low = 0, high = 0;
+        double extinction = 0, low = 0, high = 0, unit_distance = 0;
         if (assigned[n]) {
             one.drawing.inputs = {frames[n].input};
             one.output = frames[n].output;
@@ -93,6 +95,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
             const RenderedPicture picture = render(one, command).value();
             extinction = picture.extinction;
             if (picture.scale) low = picture.scale->low, high = picture.scale->high;
+            unit_distance = picture.unit_distance.value_or(0);
             own.push_back(report_of(n, picture));
             if (!arguments.json && !ranks.allgather) print_line(own.back().line);
         }
@@ -102,6 +105,8 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
             for (double* figure : {&extinction, &low, &high})
                 *figure = ranks.allreduce_max(*figure);
         one.color.extinction = fmt::format("{:.17g}", extinction);
+        one.later_frame = true;
+        if (quantity.volume()) one.value.unit_distance = unit_distance;
         if (!fixes_range) continue;
         one.quantity.range = fmt::format("{:.17g},{:.17g}", low, high);
         if (ranks.is_root)

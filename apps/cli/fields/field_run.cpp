@@ -121,9 +121,6 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
         read_volume_fields({grid_text(text)}, given.volume.grid, data->volumes, drawing.notes)
             .front());
     print_notes(drawing.notes);
-    for (std::size_t n = 0; n < data->field.size(); ++n)
-        if (without_values(data->field[n]))
-            data->field[n] = own_field(data->volumes[n], data->field[n].name);
     Fields names;
     const VoxelField& field = data->field.front();
     if (field.is_vector())
@@ -139,6 +136,7 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
     set_primitives_text(drawing, set.is_mesh() ? data->volumes.size() : 0);
     ReferenceOptions options;
     options.samples = given.samples;
+    options.clip = clip_of(given);
     made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {
         options.progress = progress;
         return render_field_reference(data->volumes, data->field, choice.part, camera, size.width,

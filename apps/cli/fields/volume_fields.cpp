@@ -51,6 +51,12 @@ bool without_values(const VoxelField& field) {
     return values.leaf.empty() && values.tile.empty();
 }
 
+std::vector<VoxelField> own_values(const std::vector<Volume>& volumes) {
+    std::vector<VoxelField> fields;
+    for (const Volume& volume : volumes) fields.push_back(measure_field(volume, volume.name));
+    return fields;
+}
+
 std::vector<std::vector<VoxelField>> read_volume_fields(const std::vector<std::string>& texts,
                                                         const std::string& pattern,
                                                         std::vector<Volume>& volumes,

@@ -20,6 +20,9 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const std::vector<std::s
                                                         std::vector<Volume>& volumes,
                                                         std::vector<std::string>& notes);
 
+/// The volumes' own values as fields without values.
+std::vector<VoxelField> own_values(const std::vector<Volume>& volumes);
+
 /// Whether a field is the volume's own grid, read without its values.
 bool without_values(const VoxelField& field);
 

@@ -18,13 +18,14 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
                     "column: column density, the integral of density along the ray in world units "
                     "(of particles: number or value per area), or of --field: mean, weighted by "
                     "density along the ray, or deviation, its standard deviation; coloured over "
-                    "--range")
-        ->check(CLI::IsMember({"T", "column", "mean", "deviation"}))
+                    "--range. volume: emission and absorption by the value of --field or the "
+                    "volume's own, under --tf, --window, --band or --iso")
+        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume"}))
         ->capture_default_str()
         ->group(kQuantityGroup);
     command
         .add_option("--field", arguments.field,
-                    "Field of a model that mean and deviation show: temperature, velocity (a "
+                    "Field that mean, deviation and volume show: temperature, velocity (a "
                     "vector field's component along the view, away from the eye positive) or "
                     "velocity.x, .y, .z")
         ->group(kQuantityGroup);
@@ -32,7 +33,8 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
         .add_option("--range", arguments.range,
                     "Values LO,HI at the two ends of --tf; default: of the first picture, column "
                     "densities from 0 to the largest, logarithmic the four decades below the "
-                    "largest or fewer; fields from the 1st to the 99th percentile")
+                    "largest or fewer; fields from the 1st to the 99th percentile; volume: of the "
+                    "data")
         ->group(kQuantityGroup);
     command
         .add_option("--scale", arguments.scale,
@@ -103,6 +105,11 @@ void check_quantity_options(const QuantityArguments& arguments, const CLI::App& 
             refuse(option,
                    "is of column density and fields, expected --show column, mean or "
                    "deviation");
+    } else if (arguments.volume()) {
+        for (const char* option :
+             {"--scale", "--log", "--units", "--color-bar", "--title", "--least-column",
+              "--values-out", "--depth-out", "--extinction", "--blend"})
+            refuse(option, "does not go with --show volume");
     } else {
         refuse("--extinction", "column density and fields have none, expected it with --show T");
         refuse("--blend", "fades by V, expected it with --show T");
@@ -112,8 +119,8 @@ void check_quantity_options(const QuantityArguments& arguments, const CLI::App& 
             throw CLI::ValidationError(
                 fmt::format("--show {}: expected --field NAME", arguments.show));
         refuse("--depth-out", "is of T, expected --values-out FILE.exr, which has the column");
-    } else {
-        refuse("--field", "is of --show mean or deviation");
+    } else if (!arguments.volume()) {
+        refuse("--field", "is of --show mean, deviation or volume");
         refuse("--least-column", "is of --show mean or deviation");
         if (arguments.scale == "symmetric")
             refuse("--scale", "symmetric is of --show mean or deviation");

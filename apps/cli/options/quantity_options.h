@@ -17,8 +17,9 @@ struct QuantityArguments {
 
     bool column() const { return show == "column"; }
     bool of_field() const { return show == "mean" || show == "deviation"; }
+    bool volume() const { return show == "volume"; }
     /// Whether colours are over --range.
-    bool scaled() const { return column() || of_field(); }
+    bool scaled() const { return column() || of_field() || volume(); }
     bool logarithmic() const { return log || scale == "log"; }
     ScaleFit fit() const {
         return logarithmic()          ? ScaleFit::log

@@ -20,6 +20,7 @@ std::vector<RenderOption> given_options(const CLI::App& command) {
     for (const RenderOption option : {anyhit, hits_per_slab, stop_transmittance, aabb_sigma,
                                       pixel_error, kappa, interpolation, step, samples})
         if (command.count(spelled(option, OptionSpelling::flags)) > 0) given.push_back(option);
+    if (command.count("--clip") + command.count("--clip-plane") > 0) given.push_back(clip);
     return given;
 }
 
@@ -47,6 +48,7 @@ RenderOptions render_options(const DrawingArguments& arguments, std::optional<do
         arguments.interpolation == "linear" ? Interpolation::linear : Interpolation::constant;
     options.voxels.step_voxels = arguments.step_voxels;
     options.samples = arguments.samples;
+    options.clip = clip_of(arguments);
     return options;
 }
 
@@ -131,6 +133,18 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
                     "through its centre")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
+    const auto clipping = "Clipping";
+    command
+        .add_option("--clip", arguments.clip_box,
+                    "Box of the world that counts, x0,y0,z0,x1,y1,z1 (reference: exact on every "
+                    "ray)")
+        ->group(clipping);
+    command
+        .add_option("--clip-plane", arguments.clip_planes,
+                    "Plane nx,ny,nz,d that cuts off its side behind: a point x of the world counts "
+                    "where n.x >= d; may be given again")
+        ->allow_extra_args(false)
+        ->group(clipping);
     add_volume_options(command, arguments.volume);
     command
         .add_option("--aabb-sigma", arguments.aabb_sigma,
@@ -145,6 +159,29 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
                     "writes; a model without one gets one when this option is given")
         ->check(non_negative_number());
     add_point_options(command, arguments.points);
+}
+
+Clipping clip_of(const DrawingArguments& arguments) {
+    Clipping clip;
+    const auto refuse = [](const std::string& option, const std::string& what) {
+        throw CLI::ValidationError(option + ": " + what);
+    };
+    if (!arguments.clip_box.empty()) {
+        const std::vector<double> c = parse_numbers(arguments.clip_box);
+        if (c.size() != 6) refuse("--clip " + arguments.clip_box, "expected x0,y0,z0,x1,y1,z1");
+        clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
+    }
+    for (const std::string& text : arguments.clip_planes) {
+        const std::vector<double> c = parse_numbers(text);
+        if (c.size() != 4) refuse("--clip-plane " + text, "expected nx,ny,nz,d");
+        clip.planes.push_back({{c[0], c[1], c[2]}, c[3]});
+    }
+    try {
+        validate(clip);
+    } catch (const Error& error) {
+        refuse("--clip", error.what());
+    }
+    return clip;
 }
 
 void set_primitives_text(Drawing& drawing, std::size_t levels) {

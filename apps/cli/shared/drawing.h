@@ -10,6 +10,7 @@
 
 #include "shared/inputs.h"
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
@@ -27,6 +28,8 @@ struct DrawingArguments {
     int hits_per_slab = TraceOptions{}.hits_per_slab;
     int samples = ReferenceOptions{}.samples;
     double step_voxels = VoxelGridOptions{}.step_voxels;
+    std::string clip_box;                  ///< x0,y0,z0,x1,y1,z1; empty: none
+    std::vector<std::string> clip_planes;  ///< nx,ny,nz,d
 };
 
 /// Adds the inputs, the options of the renderers and those of the readers.
@@ -53,6 +56,10 @@ struct Drawing {
 ///             of `command` that are another renderer's
 Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> extinction,
                      const CLI::App& command);
+
+/// Clip by --clip and --clip-plane.
+/// throws  CLI::ValidationError for texts that are none
+Clipping clip_of(const DrawingArguments& arguments);
 
 // The steps of load_drawing, for callers that read the inputs in another way.
 

@@ -19,10 +19,7 @@ namespace vog::cli {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-/// Finite numbers separated by commas; empty for other texts.
-std::vector<double> numbers(const std::string& text) {
+std::vector<double> parse_numbers(const std::string& text) {
     std::vector<double> values;
     const char *at = text.data(), *end = at + text.size();
     while (true) {
@@ -35,8 +32,6 @@ std::vector<double> numbers(const std::string& text) {
         at = stop + 1;
     }
 }
-
-}  // namespace
 
 std::string extension_of(const std::string& file) {
     std::string extension = fs::path(file).extension().string();
@@ -109,7 +104,7 @@ LevelOptions level_options(const VolumeInputOptions& options) {
         throw CLI::ValidationError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or in neither",
                         options.grid, options.mask));
-    return {options.grid, options.mask, options.level_set_to_fog, options.values};
+    return {options.grid, options.mask, options.level_set_to_fog, options.values, options.ones};
 }
 
 LoadedVolumes load_volumes(const std::vector<std::string>& files,
@@ -213,7 +208,7 @@ PointOptions point_options(const PointInputOptions& options) {
     if (!options.value.empty()) result.value = options.value;
     result.neighbours = options.neighbours;
     if (options.radius == "adaptive") return result;
-    const auto radius = numbers(options.radius);
+    const auto radius = parse_numbers(options.radius);
     if (radius.size() != 1 || !(radius.front() > 0))
         throw CLI::ValidationError(
             fmt::format("--radius {}: expected a number > 0 or 'adaptive'", options.radius));
@@ -308,7 +303,7 @@ Size parse_size(const std::string& text) {
 }
 
 Rgba parse_background(const std::string& text) {
-    const auto c = numbers(text);
+    const auto c = parse_numbers(text);
     try {
         if (c.empty()) return named_background(text);
     } catch (const Error&) {
@@ -322,7 +317,7 @@ Rgba parse_background(const std::string& text) {
 }
 
 Vec3d parse_vector(const std::string& option, const std::string& text) {
-    const auto v = numbers(text);
+    const auto v = parse_numbers(text);
     if (v.size() != 3)
         throw CLI::ValidationError(fmt::format("{} {}: expected x,y,z", option, text));
     return {v[0], v[1], v[2]};

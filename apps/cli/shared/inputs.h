@@ -31,6 +31,7 @@ struct VolumeInputOptions {
     std::string grid;   ///< name or pattern with '*' and '?'; empty: the default grid
     std::string mask;   ///< name; a '*' in it stands for the match of the '*' of `grid`
     bool sum = false;   ///< densities of several volumes add up
+    bool ones = false;  ///< every active voxel counts as 1: a measure for values of any sign
     bool mesh = false;  ///< several volumes are levels, whatever their lattices
     bool level_set_to_fog = false;
     ValueRules values{};
@@ -105,6 +106,8 @@ struct Size {
 };
 /// Parses "640x480" or "512" (a square). throws CLI::ValidationError for other texts
 Size parse_size(const std::string& text);
+/// Finite numbers separated by commas; empty for other texts.
+std::vector<double> parse_numbers(const std::string& text);
 /// Parses "1,1,1", white, black or transparent. throws CLI::ValidationError for other texts
 Rgba parse_background(const std::string& text);
 /// Parses "x,y,z". throws CLI::ValidationError, with the name of the option, for other texts

@@ -25,6 +25,7 @@ void check_arguments(const RenderArguments& arguments, const CLI::App& command, 
         throw CLI::ValidationError(
             "nothing to make: expected -o, --depth-out, --values-out or --repeat");
     check_quantity_options(quantity, command, !arguments.output.empty());
+    check_value_options(arguments.value, command, quantity.volume());
     if (writes && !quantity.values_output.empty())
         check_output(quantity.values_output, arguments.drawing.inputs, {".npy", ".exr"});
     if (writes && !arguments.output.empty())
@@ -174,7 +175,11 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
         json["units"] = picture.units;
         json["range"] = {picture.scale->low, picture.scale->high};
         json["log"] = picture.scale->kind == ColorScale::Kind::log;
-        json["above_range"] = picture.above_range;
+        if (!picture.unit_distance) json["above_range"] = picture.above_range;
+    }
+    if (picture.unit_distance) {
+        json["unit_distance"] = *picture.unit_distance;
+        json["mean_opacity"] = picture.mean_opacity;
     }
     if (picture.cut)
         json["cut"] = {{"drawn", picture.cut->drawn()},
@@ -198,7 +203,13 @@ void print(const RenderedPicture& picture, bool repeated) {
                                picture.output, picture.width, picture.height,
                                picture.primitives_text, picture.median_ms(), picture.extinction,
                                100 * picture.covered));
-    if (picture.scale && !picture.output.empty())
+    if (picture.unit_distance && !picture.output.empty())
+        print_line(fmt::format(
+            "{}{}: values from {:.6g} to {:.6g}, unit distance {:.6g}, mean opacity {:.3f} where "
+            "covered",
+            picture.quantity, picture.units.empty() ? "" : " [" + picture.units + "]",
+            picture.scale->low, picture.scale->high, *picture.unit_distance, picture.mean_opacity));
+    else if (picture.scale && !picture.output.empty())
         print_line(
             fmt::format("{}{}: colours from {:.6g} to {:.6g}{}, {:.1f} % of the pixels above",
                         picture.quantity, picture.units.empty() ? "" : " [" + picture.units + "]",
@@ -237,6 +248,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     add_view_options(command, arguments.view);
     add_color_options(command, arguments.color);
     add_quantity_options(command, arguments.quantity);
+    add_value_options(command, arguments.value);
     add_memory_options(command, arguments.memory, "");
     command.add_option("--threads", arguments.threads, "Number of threads; 0: one per core")
         ->check(non_negative_number())
@@ -272,6 +284,7 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
                                       const RenderRanks& ranks) {
     check_arguments(arguments, command, ranks.is_root);
     if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
+    if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);
     const Size size = parse_size(arguments.size);
     const std::optional<double> extinction = fixed_extinction(arguments.color);
     const TransferFunction tf = load_transfer_function(arguments.color.tf);

@@ -17,6 +17,7 @@
 #include "options/color_options.h"
 #include "options/memory_options.h"
 #include "options/quantity_options.h"
+#include "options/value_options.h"
 #include "shared/drawing.h"
 #include "shared/terminal.h"
 #include "vog/lod.h"
@@ -29,10 +30,12 @@ struct RenderArguments {
     ViewArguments view;
     ColorArguments color;
     QuantityArguments quantity;
+    ValueArguments value;
     MemoryArguments memory;
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
+    bool later_frame = false;  ///< of a sequence: range and unit distance are the first's
     std::optional<Box> box;  ///< box that views frame, in place of the input's: one camera for many
 };
 
@@ -48,12 +51,14 @@ struct RenderedPicture {
     Camera camera;
     std::uint64_t gaussians = 0, active_voxels = 0;
     int threads = 0;
-    double extinction = 1;              ///< factor on density that T is at
-    double covered = 0;                 ///< fraction of pixels with T > 0
-    double mean_t = 0, max_t = 0;       ///< over all pixels
-    std::vector<double> render_ms;      ///< one per timed render, ascending; not empty
-    std::optional<CutReport> cut;       ///< renders through a hierarchy
-    std::optional<TraceReport> traced;  ///< renders by rays
+    double extinction = 1;                ///< factor on density that T is at
+    double covered = 0;                   ///< fraction of pixels with T > 0
+    double mean_t = 0, max_t = 0;         ///< over all pixels
+    std::vector<double> render_ms;        ///< one per timed render, ascending; not empty
+    std::optional<double> unit_distance;  ///< of a volume picture, world units
+    double mean_opacity = 0;              ///< of a volume picture, over the pixels it covers
+    std::optional<CutReport> cut;         ///< renders through a hierarchy
+    std::optional<TraceReport> traced;    ///< renders by rays
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
     std::uint64_t peak_memory = 0;                         ///< bytes
     std::vector<std::string> notes;                        ///< printed about the inputs
@@ -101,6 +106,11 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
 /// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
 std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
                                             const CLI::App& command, const RenderRanks& ranks);
+
+/// Renders and writes the picture of --show volume, for render() (volume_run.cpp).
+/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
+std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
+                                             const CLI::App& command, const RenderRanks& ranks);
 
 /// Adds the subcommand.
 void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,

@@ -30,7 +30,8 @@ class FieldGrid {
     /// Whether the field is the volume's own values.
     bool own() const { return own_; }
 
-    /// Calls visit(FieldCell) for the active voxels on a ray within a segment of it, front to back.
+    /// Calls visit(FieldCell) for the active voxels on a ray within a segment of it, front to back, until visit
+    /// returns false.
     template <class Visit>
     void walk(Vec3d origin, Vec3d direction, Segment within, Visit&& visit) const {
         const VoxelGrid::Data& grid = grid_.data();
@@ -51,23 +52,26 @@ class FieldGrid {
         const GridRay& ray;
         Vec3d towards;  ///< unit length
         Visit& visit;
+        bool goes_on = true;
 
         void leaf(const NanoLeaf& leaf, Vec3d lower, Segment segment) {
+            if (!goes_on) return;
             const auto& data = *leaf.data();
             const std::size_t index = of.leaf_index_[static_cast<std::size_t>(&leaf - of.leaves_)];
             const Vec3i origin = of.volume_.leaves[index].origin;
             for_each_cell<3>(ray, lower, 1, segment, [&](std::uint32_t offset, Segment part) {
-                if (!data.mValueMask.isOn(offset)) return;
+                if (!goes_on || !data.mValueMask.isOn(offset)) return;
                 const double density{data.mValues[offset]};
                 const auto n = static_cast<std::int32_t>(offset);
-                visit(FieldCell{density, of.leaf_value(towards, index, offset, density), false,
-                                origin + Vec3i{n >> 6, n >> 3 & 7, n & 7}, part});
+                goes_on = visit(FieldCell{density, of.leaf_value(towards, index, offset, density),
+                                          false, origin + Vec3i{n >> 6, n >> 3 & 7, n & 7}, part});
             });
         }
         void tile(Vec3d lower, int, float value, Segment segment) {
+            if (!goes_on) return;
             const Vec3i origin = of.tile_origin(lower);
-            visit(FieldCell{double{value}, of.tile_value(towards, origin, double{value}), true,
-                            origin, segment});
+            goes_on = visit(FieldCell{double{value}, of.tile_value(towards, origin, double{value}),
+                                      true, origin, segment});
         }
     };
 

@@ -55,6 +55,7 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
                                   pixel.add(cell.density * (part_of_ray.last - part_of_ray.first) *
                                                 stretch,
                                             cell.value);
+                                  return true;
                               });
             }
         const std::size_t n = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +

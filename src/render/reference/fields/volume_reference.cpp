@@ -96,11 +96,11 @@ Compositor light_along(std::span<const FieldGrid> grids, const VoxelLight& light
     const Vec3d towards_eye = (-1 / stretch) * direction;
     if (grids.size() == 1) {
         grids[0].walk(origin, direction, within, [&](const FieldCell& cell) {
-            if (light.opaque()) return;
             const ValueLight of_cell = lighting(grids[0], cell, towards_eye);
             const double depth =
                 of_cell.extinction * (cell.segment.last - cell.segment.first) * stretch;
             if (depth > 0) light.add(depth, of_cell.r, of_cell.g, of_cell.b);
+            return !light.opaque();
         });
         return light;
     }
@@ -111,6 +111,7 @@ Compositor light_along(std::span<const FieldGrid> grids, const VoxelLight& light
             const ValueLight of_cell = lighting(grid, cell, towards_eye);
             if (of_cell.extinction > 0 && !cell.segment.empty())
                 pieces.push_back({cell.segment, of_cell});
+            return true;
         });
     composite(pieces, stretch, light);
     return light;

@@ -1,0 +1,131 @@
+// volume_pictures_test.cpp: vog render --show volume: pictures, reports and refusals.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/command.h"
+#include "support/vdb_grids.h"
+#include "vog/image.h"
+#include "vog/ply.h"
+#include "vog/volume_io.h"
+
+namespace vog::test {
+
+class volume_pictures_command : public CommandLine {
+  protected:
+    /// Cube of 8^3 voxels of edge 1 around (3.5, 3.5, 3.5), with values from 1 to 8 along x.
+    void write_ramp(const std::string& name) const {
+        Volume volume;
+        volume.name = "density";
+        Leaf& leaf = volume.leaves.emplace_back();
+        for (int n = 0; n < kLeafVoxels; ++n) leaf.set(n, static_cast<float>((n >> 6) + 1));
+        write_vdb(dir_ / name, volume);
+    }
+    nlohmann::json report(const std::string& arguments) const {
+        return nlohmann::json::parse(must(arguments + " --json").out);
+    }
+    Rgba middle(const std::string& file) const {
+        const Image image = read_image(dir_ / file);
+        return image.at(image.width / 2, image.height / 2);
+    }
+};
+
+constexpr const char* kFront = " --show volume --size 15 --view -x --orthographic ";
+
+TEST_F(volume_pictures_command, show_bands_over_a_background) {
+    write_ramp("ramp.vdb");
+    // One voxel of the ray is in the band: alpha is its opacity at a unit distance of its edge.
+    must(std::string("render ramp.vdb -o band.exr") + kFront +
+         "--band 3,4,red,0.25 --unit-distance 1 --background transparent");
+    const Rgba clear = middle("band.exr");
+    EXPECT_NEAR(clear.r, 1, 1e-5);  // read back not multiplied by alpha
+    EXPECT_NEAR(clear.a, 0.25, 1e-6);
+    must(std::string("render ramp.vdb -o band.exr") + kFront +
+         "--band 3,4,red,0.25 --band 5,6,#0000ff,0.5 --unit-distance 1 --background white");
+    const Rgba white = middle("band.exr");
+    EXPECT_NEAR(white.r, 0.25 + 0.375, 1e-6);
+    EXPECT_NEAR(white.g, 0.375, 1e-6);
+    EXPECT_NEAR(white.b, 0.375 + 0.375, 1e-6);
+    // The plane hides the red voxel, x from 1.5 to 2.5.
+    must(std::string("render ramp.vdb -o band.exr") + kFront +
+         "--band 3,4,red,0.25 --unit-distance 1 --clip-plane 1,0,0,2.5");
+    EXPECT_EQ(middle("band.exr").r, 0);
+    must(std::string("render ramp.vdb -o band.exr") + kFront +
+         "--iso 3,red --light head --light-weights 0.1,0.5,0,1 --threshold 2");
+    EXPECT_NEAR(middle("band.exr").r, 0.6, 1e-3);
+}
+
+TEST_F(volume_pictures_command, find_a_unit_distance_that_their_flags_repeat) {
+    write_ramp("ramp.vdb");
+    const std::string render = "render ramp.vdb -o ramp.exr --show volume --size 48 ";
+    const nlohmann::json found = report(render);
+    EXPECT_NEAR(found["mean_opacity"].get<double>(), 0.6, 0.03);
+    EXPECT_EQ(found["range"], (std::vector<double>{1, 8}));
+    const std::string note = found["notes"][0];
+    EXPECT_NE(note.find("--range 1,8 --unit-distance "), std::string::npos) << note;
+    const std::string picture = read_text(dir_ / "ramp.exr");
+    const std::size_t flags = note.find("--range");
+    must(render + note.substr(flags, note.find(" repeats") - flags));
+    EXPECT_EQ(read_text(dir_ / "ramp.exr"), picture);
+    // A sequence keeps range and unit distance of its first picture.
+    std::filesystem::copy(dir_ / "ramp.vdb", dir_ / "second.vdb");
+    const nlohmann::json both =
+        report("render ramp.vdb second.vdb -o all/ --show volume --size 48");
+    EXPECT_EQ(both["pictures"][1]["unit_distance"], found["unit_distance"]);
+    EXPECT_EQ(both["pictures"][1]["range"], found["range"]);
+}
+
+TEST_F(volume_pictures_command, read_transfer_functions_of_values) {
+    write_ramp("ramp.vdb");
+    write("tf.json", R"({"domain": [0, 10], "unit_distance": 1, "colors": [[0, 0, 1, 0]],
+                         "opacity": [[4, 0], [4, 1], [5, 1], [5, 0]]})");
+    const nlohmann::json made =
+        report(std::string("render ramp.vdb -o tf.exr") + kFront + "--tf tf.json");
+    EXPECT_EQ(made["unit_distance"], 1);
+    EXPECT_NEAR(middle("tf.exr").g, 0.9999, 1e-6);
+    EXPECT_NE(made["notes"].dump().find("opacity 1 counts as 0.9999"), std::string::npos);
+    must_fail(2, "render ramp.vdb -o tf.png --show volume --tf tf.json --range 1,2",
+              "--range: tf.json states values of its own");
+}
+
+TEST_F(volume_pictures_command, show_values_below_0) {
+    const auto grid = make_grid("HU");
+    for (int n = 0; n < 64; ++n)
+        set_voxel(*grid, {n >> 4, n >> 2 & 3, n & 3}, n >> 4 == 2 ? -700.0f : 40.0f);
+    write_grids(dir_ / "ct.vdb", {grid});
+    const nlohmann::json made =
+        report("render ct.vdb -o ct.exr --show volume --size 15 --view +x --orthographic --band "
+               "-800,-600,blue,0.5 --unit-distance 1");
+    EXPECT_NEAR(middle("ct.exr").b, 0.5, 1e-6);
+    EXPECT_EQ(made["range"], (std::vector<double>{-700, 40}));
+    must_fail(1, "render ct.vdb -o ct.png", "ct.vdb");
+}
+
+TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
+    write_ramp("ramp.vdb");
+    Gaussians model;
+    model.mean.push_back({0, 0, 0});
+    model.scale.push_back({1, 1, 1});
+    model.density.push_back(1);
+    write_ply(dir_ / "model.ply", model);
+    must_fail(
+        1, "render model.ply -o p.png --show volume",
+        "model.ply: --show volume needs a scalar field (the model has none; vog convert IN -o "
+        "model.ply --field GRID)");
+    const std::string render = "render ramp.vdb -o p.png --size 8 --show volume ";
+    const auto refused = [&](int code, const std::string& options, const std::string& text) {
+        must_fail(code, render + options, text);
+        EXPECT_FALSE(std::filesystem::exists(dir_ / "p.png"));
+    };
+    refused(1, "--band 9,10,red,0.5",
+            "ramp.vdb: the band from 9 to 10 is outside the data's values, 1 to 8");
+    refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
+    refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
+    refused(2, "--interpolation linear", "--interpolation linear does not go with --show volume");
+    refused(2, "--log", "--log: does not go with --show volume");
+    must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window: is of --show volume");
+    must_fail(2, "render model.ply -o p.png --clip 0,0,0,1,1,1",
+              "--clip is not for --renderer splat");
+}
+
+}  // namespace vog::test
