@@ -90,12 +90,12 @@ TEST_F(volume_pictures_command, read_transfer_functions_of_values) {
 
 TEST_F(volume_pictures_command, show_values_below_0) {
     const auto grid = make_grid("HU");
-    for (int n = 0; n < 64; ++n)
-        set_voxel(*grid, {n >> 4, n >> 2 & 3, n & 3}, n >> 4 == 2 ? -700.0f : 40.0f);
+    for (int n = 0; n < kLeafVoxels; ++n)
+        set_voxel(*grid, {n >> 6, n >> 3 & 7, n & 7}, n >> 6 == 2 ? -700.0f : 40.0f);
     write_grids(dir_ / "ct.vdb", {grid});
-    const nlohmann::json made =
-        report("render ct.vdb -o ct.exr --show volume --size 15 --view +x --orthographic --band "
-               "-800,-600,blue,0.5 --unit-distance 1");
+    const nlohmann::json made = report(
+        "render ct.vdb -o ct.exr --show volume --size 15 --view +x --orthographic --band "
+        "-800,-600,blue,0.5 --unit-distance 1");
     EXPECT_NEAR(middle("ct.exr").b, 0.5, 1e-6);
     EXPECT_EQ(made["range"], (std::vector<double>{-700, 40}));
     must_fail(1, "render ct.vdb -o ct.png", "ct.vdb");

@@ -65,30 +65,4 @@ ValuePieces::ValuePieces(const ValueTransfer& transfer) : unit_distance_(transfe
     }
 }
 
-const ValuePieces::Piece& ValuePieces::piece_of(double value) const {
-    const double bucket = (value - lowest_) * buckets_per_value_;
-    std::size_t at =
-        bucket > 0 ? first_[static_cast<std::size_t>(std::min(bucket, kBuckets - 1.0))] : 0;
-    // Buckets are near by rounding; the piece's own ends decide.
-    while (value >= pieces_[at].end) ++at;
-    while (value < pieces_[at].start) --at;
-    return pieces_[at];
-}
-
-double ValuePieces::extinction_of(double opacity) const {
-    return -std::log1p(-std::clamp(opacity, 0.0, kMostOpacity)) / unit_distance_;
-}
-
-ValueLight ValuePieces::operator()(double value) const {
-    const Piece& piece = piece_of(value);
-    const double along = value - piece.origin;
-    const auto color = [&](std::size_t c) {
-        return piece.color_slope[c] == 0
-                   ? piece.color[c]
-                   : std::clamp(piece.color[c] + along * piece.color_slope[c], 0.0, 1.0);
-    };
-    return {piece.extinction >= 0 ? piece.extinction : extinction_of(opacity_at(piece, value)),
-            color(0), color(1), color(2)};
-}
-
 }  // namespace vog::shading
