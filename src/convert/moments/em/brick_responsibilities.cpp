@@ -3,6 +3,7 @@
 #include "convert/moments/em/brick_responsibilities.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -47,9 +48,30 @@ void indices_between(float low, float high, int& first, int& last) {
     first += static_cast<float>(first) < from;
 }
 
+/// Planes of x and pairs of rows of y that hold a brick's active samples, inclusive. Where data end, and where voxels
+/// are scattered, most runs have none.
+struct ActiveRuns {
+    int x0 = 0, x1 = kLeafEdge - 1, y0 = 0, y1 = kLeafEdge / 2 - 1;
+};
+ActiveRuns active_runs(const Brick& brick) {
+    ActiveRuns runs;
+    if (!brick.leaf) return runs;
+    const auto& mask = brick.leaf->mask;
+    std::uint64_t rows = 0;
+    for (const std::uint64_t plane : mask) rows |= plane;
+    if (rows == 0) return runs;
+    const auto plane = [&](int x) { return mask[static_cast<std::size_t>(x)]; };
+    while (plane(runs.x0) == 0) ++runs.x0;
+    while (plane(runs.x1) == 0) --runs.x1;
+    runs.y0 = std::countr_zero(rows) / kRun;
+    runs.y1 = (63 - std::countl_zero(rows)) / kRun;
+    return runs;
+}
+
 /// Coefficients of a Gaussian relative to the points of a brick, and the runs that it covers.
 /// run  out; written in place, as copying it costs a tenth of a step's time
-void set_run(const CellKernel& kernel, const Points& points, double spacing, RunKernel& run) {
+void set_run(const CellKernel& kernel, const Points& points, double spacing,
+             const ActiveRuns& active, RunKernel& run) {
     const Vec3f d = vec_cast<float>(points.first - kernel.mean);
     run.dx = d.x, run.dy = d.y, run.dz = d.z, run.step = static_cast<float>(spacing);
     const auto& h = kernel.half_inverse;
@@ -62,7 +84,8 @@ void set_run(const CellKernel& kernel, const Points& points, double spacing, Run
     indices_between(per_step * (-half.x - d.x), per_step * (half.x - d.x), run.x0, run.x1);
     indices_between(per_step * (-half.y - d.y), per_step * (half.y - d.y), run.y0, run.y1);
     if (run.y1 < run.y0) run.x1 = run.x0 - 1;
-    run.y0 /= 2, run.y1 /= 2;
+    run.x0 = std::max(run.x0, active.x0), run.x1 = std::min(run.x1, active.x1);
+    run.y0 = std::max(run.y0 / 2, active.y0), run.y1 = std::min(run.y1 / 2, active.y1);
 }
 
 /// Calls take(sample, kernel, point - mean) for each sample outside all supports, with the Gaussian of the
@@ -93,10 +116,11 @@ void for_each_uncovered(const Brick& brick, const Points& points,
 /// returns  whether a point with mass is outside all supports
 bool divide_points(const Brick& brick, const Points& points, BrickScratch& scratch) {
     scratch.runs.clear();
+    const ActiveRuns active = active_runs(brick);
     std::size_t count = 0;
     for (const CellKernel& kernel : scratch.kernels) {
         RunKernel& run = scratch.runs.emplace_back();
-        set_run(kernel, points, brick.spacing, run);
+        set_run(kernel, points, brick.spacing, active, run);
         run.first_run = count;
         count += run.run_count();
     }

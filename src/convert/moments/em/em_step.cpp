@@ -108,92 +108,15 @@ std::uint32_t nearest_cell(const Vec3d& center, const PackedCells& cells) {
 
 }  // namespace
 
-EmSolver::EmSolver(std::span<const Brick> bricks) : bricks_(bricks) {
+EmSolver::EmSolver(std::span<const Brick> bricks) : bricks_(bricks), tree_(bricks) {
     while ((bricks.size() >> batch_log2_) >= kMostBatches) ++batch_log2_;
-    for (std::size_t b = 0; b < bricks.size(); ++b) {
-        const double spacing = bricks[b].spacing;
-        auto grid = std::find_if(grids_.begin(), grids_.end(),
-                                 [&](const Grid& g) { return g.spacing == spacing; });
-        if (grid == grids_.end()) grid = grids_.insert(grid, Grid{spacing, {}, {}, {}});
-        const auto edge = static_cast<std::int32_t>(spacing * kLeafEdge);
-        const Vec3i o = bricks[b].origin;  // a multiple of the edge
-        grid->places.push_back(
-            {{o.x / edge, o.y / edge, o.z / edge}, static_cast<std::uint32_t>(b)});
-    }
-    const std::size_t batches = bricks.empty() ? 0 : ((bricks.size() - 1) >> batch_log2_) + 1;
-    for (Grid& grid : grids_) {
-        // Places are in the order of bricks, and so of batches.
-        grid.places_by_batch = grid.places;
-        for (std::size_t batch = 0; batch <= batches; ++batch)
-            grid.first_of_batch.push_back(static_cast<std::size_t>(
-                std::ranges::lower_bound(grid.places, batch << batch_log2_, {}, &Place::brick) -
-                grid.places.begin()));
-        const auto sort_places = [](std::span<Place> places) {
-            std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-                return std::tie(a.at.x, a.at.y, a.at.z) < std::tie(b.at.x, b.at.y, b.at.z);
-            });
-        };
-        sort_places(grid.places);
-        for (std::size_t batch = 0; batch < batches; ++batch)
-            sort_places(std::span(grid.places_by_batch)
-                            .subspan(grid.first_of_batch[batch],
-                                     grid.first_of_batch[batch + 1] - grid.first_of_batch[batch]));
-    }
 }
 
 template <class Take>
-void EmSolver::for_each_place(double spacing, std::span<const Place> places, const Moments& cell,
-                              const Take& take) {
-    const Vec3d half = support_half_extent(cell), lower = cell.mean - half,
-                upper = cell.mean + half;
-    // Brick coordinates by faces: the first one lies half a voxel below index 0.
-    const double per_edge = 1 / (spacing * kLeafEdge);  // exact: a power of two
-    const auto brick_at = [&](double index) {
-        const double at = (index + 0.5) * per_edge;
-        const auto toward_zero = static_cast<std::int32_t>(at);
-        return toward_zero - (at < toward_zero);
-    };
-    const Vec3i first{brick_at(lower.x), brick_at(lower.y), brick_at(lower.z)};
-    const Vec3i last{brick_at(upper.x), brick_at(upper.y), brick_at(upper.z)};
-    // From brick to brick in their order. A loop over all columns of the support would visit
-    // mostly empty ones where a coarse level's cell lies beside a much finer level.
-    auto place = places.begin();
-    const auto skip_to = [&](Vec3i at) {
-        place = std::lower_bound(place, places.end(), at, [](const Place& a, Vec3i b) {
-            return std::tie(a.at.x, a.at.y, a.at.z) < std::tie(b.x, b.y, b.z);
-        });
-    };
-    skip_to(first);
-    while (place != places.end() && place->at.x <= last.x) {
-        const Vec3i at = place->at;
-        if (at.y < first.y)
-            skip_to({at.x, first.y, first.z});
-        else if (at.y > last.y)
-            skip_to({at.x + 1, first.y, first.z});
-        else if (at.z < first.z)
-            skip_to({at.x, at.y, first.z});
-        else if (at.z > last.z)
-            skip_to({at.x, at.y + 1, first.z});
-        else
-            take(place->brick), ++place;
-    }
-}
-
-template <class Take>
-void EmSolver::for_each_brick(const Moments& cell, const Take& take) const {
-    for (const Grid& grid : grids_) for_each_place(grid.spacing, grid.places, cell, take);
-}
-
-template <class Take>
-void EmSolver::for_each_brick_of_batch(std::size_t batch, const Moments& cell,
-                                       const Take& take) const {
-    for (const Grid& grid : grids_) {
-        const std::size_t first = grid.first_of_batch[batch];
-        for_each_place(
-            grid.spacing,
-            std::span(grid.places_by_batch).subspan(first, grid.first_of_batch[batch + 1] - first),
-            cell, take);
-    }
+void EmSolver::for_each_brick(const Moments& cell, std::size_t begin, std::size_t end,
+                              const Take& take) const {
+    const Vec3d half = support_half_extent(cell);
+    tree_.for_each(voxel_box(cell.mean - half, cell.mean + half), begin, end, take);
 }
 
 EmSolver::Overlaps EmSolver::find_overlaps(const PackedCells& cells) const {
@@ -206,7 +129,7 @@ EmSolver::Overlaps EmSolver::find_overlaps(const PackedCells& cells) const {
         for (std::size_t i = chunk * kChunk; i < end; ++i) {
             const Moments cell = cells[i];
             max_peak[chunk] = std::max(max_peak[chunk], cell_kernel(cell).peak);
-            for_each_brick(cell, [&](std::uint32_t brick) {
+            for_each_brick(cell, 0, bricks_.size(), [&](std::uint32_t brick) {
                 is_covered[brick].store(true, std::memory_order_relaxed);
                 overlaps.batches[i] |= batch_bit(brick);
             });
@@ -260,10 +183,10 @@ EmSolver::BrickLists EmSolver::brick_lists(const PackedCells& cells, const Overl
         for (std::size_t n = chunk * kChunk; n < end; ++n) {
             const std::uint32_t cell = batch.active[n].cell;
             if (!(overlaps.batches[cell] & bit)) continue;
-            for_each_brick_of_batch(
-                batch.first_brick >> batch_log2_, cells[cell], [&](std::uint32_t brick) {
-                    pairs[chunk].push_back({brick, static_cast<std::uint32_t>(n)});
-                });
+            for_each_brick(cells[cell], batch.first_brick, batch.end_brick,
+                           [&](std::uint32_t brick) {
+                               pairs[chunk].push_back({brick, static_cast<std::uint32_t>(n)});
+                           });
         }
     });
     for (const Pair& pair : overlaps.uncovered) {

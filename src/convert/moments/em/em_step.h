@@ -15,6 +15,7 @@
 
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/brick_responsibilities.h"
+#include "convert/moments/em/brick_tree.h"
 #include "core/bfloat16.h"
 
 namespace vog::moments {
@@ -52,19 +53,6 @@ class EmSolver {
                     std::span<double> sums) const;
 
   private:
-    struct Place {
-        Vec3i at;  ///< origin over edge
-        std::uint32_t brick;
-    };
-    /// Bricks of one spacing.
-    struct Grid {
-        double spacing = 1;
-        std::vector<Place> places;  ///< sorted by x, then y, then z
-        /// The same, batch by batch, and the first of each batch, with the end: a cell's bricks in
-        /// one batch are found without a walk over those of all others.
-        std::vector<Place> places_by_batch;
-        std::vector<std::size_t> first_of_batch;
-    };
     struct Pair {
         std::uint32_t brick, cell;
     };
@@ -102,14 +90,10 @@ class EmSolver {
         return ~(bit | (bit - 1));
     }
     /// Calls take(brick) for the bricks that the bounding box of a cell's support overlaps.
+    /// begin, end  all bricks, or those of one batch
     template <class Take>
-    void for_each_brick(const Moments& cell, const Take& take) const;
-    /// The same, for those of one batch.
-    template <class Take>
-    void for_each_brick_of_batch(std::size_t batch, const Moments& cell, const Take& take) const;
-    template <class Take>
-    static void for_each_place(double spacing, std::span<const Place> places, const Moments& cell,
-                               const Take& take);
+    void for_each_brick(const Moments& cell, std::size_t begin, std::size_t end,
+                        const Take& take) const;
     Overlaps find_overlaps(const PackedCells& cells) const;
     /// Adds the cells whose first batch this is to the active ones.
     void activate(const Overlaps& overlaps, Batch& batch) const;
@@ -133,8 +117,8 @@ class EmSolver {
                 EmHistory& history) const;
 
     std::span<const Brick> bricks_;
-    int batch_log2_ = 5;       ///< log2 of bricks per batch; at least 32, work for its threads
-    std::vector<Grid> grids_;  ///< one for each spacing
+    int batch_log2_ = 5;  ///< log2 of bricks per batch; at least 32, work for its threads
+    BrickTree tree_;
 };
 
 }  // namespace vog::moments

@@ -7,6 +7,7 @@
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/octree.h"
 #include "support/moment_volumes.h"
+#include "support/scenes.h"
 #include "vog/convert_moments.h"
 #include "vog/splat.h"
 
@@ -29,6 +30,28 @@ TEST(em_step, voxels_outside_all_supports_are_kept_and_cells_without_voxels_drop
     ASSERT_EQ(cells.size(), 1u);
     EXPECT_EQ(history.momenta.size(), 1u);
     EXPECT_NEAR(cells.mass(0) * voxel_volume(volume) / mass(volume), 1, 1e-6);
+}
+
+/// Voxels along an oblique line make a needle, whose quadratic form is lost to rounding far from its mean.
+TEST(em_step, needles_of_millions_of_voxels_keep_their_mass) {
+    test::VolumeMaker maker;
+    test::Random random(3);
+    for (int n = 0; n < 40; ++n) {
+        const double at = random(-1, 1);
+        maker.set({static_cast<int>(2e6 * at), static_cast<int>(1.4e6 * at),
+                   static_cast<int>(-0.9e6 * at)},
+                  1);
+    }
+    const Volume volume = maker.finish();
+    const LatticeField field = lattice_field(volume);
+    const MomentOctree octree = brick_octree(field.bricks);
+    const Moments all = cell_moments(octree.levels.back().cells[0], octree.levels.back().edge_log2);
+    PackedCells cells(field.bricks);
+    cells.push_back(all);
+    EmHistory history;
+    EmSolver(field.bricks).step(cells, history);
+    ASSERT_EQ(cells.size(), 1u);
+    EXPECT_NEAR(cells.mass(0) / all.mass, 1, 1e-6);
 }
 
 /// Alone, a Gaussian has responsibility 1 everywhere, so a step gives it the moments of all voxels.
