@@ -47,24 +47,48 @@ double relative_l2(const DepthImage& exact, const DepthImage& image) {
 
 }  // namespace
 
-std::vector<ViewError> view_errors(const Volume& volume, const Gaussians& model, int size_px) {
+std::vector<ExactView> exact_views(const Volume& volume, const ExactViewOptions& options) {
     const VoxelGrid grid = voxel_grid(volume);
     const VoxelGrid linear = voxel_grid(volume, {Interpolation::linear, 0.5});
-    SplatRenderer renderer(model);
-    std::vector<ViewError> errors;
-    for (const double distance : kDistances) {
-        const int size = distance > kPaperDistanceRadii ? 2 * size_px : size_px;
+    std::vector<ExactView> views;
+    const auto add = [&](const NamedDirection& from, Orbit orbit, const std::string& name) {
+        orbit.azimuth_degrees = from.azimuth_degrees;
+        orbit.elevation_degrees = from.elevation_degrees;
+        const Camera camera = orbit_view(world_box(volume), orbit);
+        const bool far = orbit.distance_radii > kPaperDistanceRadii;
+        const int size = far ? 2 * options.size_px : options.size_px;
+        ReferenceOptions rays;
+        rays.samples = options.samples;
+        ExactView view{fmt::format("{} {}", from.name, name), camera,
+                       render_reference(std::span(&grid, 1), camera, size, size, rays), 0};
+        if (options.faces)
+            view.faces = relative_l2(
+                view.exact, render_reference(std::span(&linear, 1), camera, size, size, rays));
+        views.push_back(std::move(view));
+    };
+    if (options.orthographic) {
         for (const NamedDirection& from : kDirections) {
-            const Camera camera = orbit_view(
-                world_box(volume),
-                {from.azimuth_degrees, from.elevation_degrees, distance, kPaperFovDegrees});
-            const DepthImage exact = render_reference(std::span(&grid, 1), camera, size, size);
-            errors.push_back(
-                {fmt::format("{} at {} radii", from.name, distance),
-                 relative_l2(exact, renderer.render(camera, size, size)),
-                 relative_l2(exact, render_reference(std::span(&linear, 1), camera, size, size))});
+            Orbit orbit;
+            orbit.orthographic = true;
+            add(from, orbit, "orthographic");
         }
+        return views;
     }
+    for (const double distance : kDistances)
+        for (const NamedDirection& from : kDirections) {
+            Orbit orbit;
+            orbit.distance_radii = distance;
+            add(from, orbit, fmt::format("at {} radii", distance));
+        }
+    return views;
+}
+
+std::vector<double> view_errors(std::span<const ExactView> views, const Gaussians& model) {
+    SplatRenderer renderer(model);
+    std::vector<double> errors;
+    for (const ExactView& view : views)
+        errors.push_back(relative_l2(
+            view.exact, renderer.render(view.camera, view.exact.width, view.exact.height)));
     return errors;
 }
 
