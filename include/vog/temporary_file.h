@@ -19,7 +19,8 @@ class TemporaryFile {
     TemporaryFile& operator=(const TemporaryFile&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
-    /// Renames it to `file`, which it replaces.
+    /// Waits until the disk has its bytes (fsync), then renames it to `file`, which it replaces, and waits
+    /// until the disk has the name.
     /// throws vog::Error with the system's reason
     void rename();
 

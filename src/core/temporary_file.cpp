@@ -60,6 +60,21 @@ void release_slot(int slot) {
     slots[static_cast<std::size_t>(slot)].taken = false;
 }
 
+/// Waits until the disk has the bytes of a file, or the names in a folder. File systems that do not know the call
+/// (EINVAL, ENOTSUP) have nothing to wait for.
+/// returns  0, or the system's reason
+int wait_for_disk(const fs::path& path) {
+    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) return errno == EACCES ? 0 : errno;  // a folder to write in, not to list
+    const int error = ::fsync(file) == 0 ? 0 : errno;
+    ::close(file);
+    return error == EINVAL || error == ENOTSUP ? 0 : error;
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
 /// ".vog-0123456789ab.ply". Random, as processes of several machines may share a folder.
 std::string hidden_name(const fs::path& file) {
     constexpr std::size_t kLongestExtension = 8;
@@ -74,7 +89,7 @@ std::string hidden_name(const fs::path& file) {
 
 TemporaryFile::TemporaryFile(const fs::path& file) : file_(file) {
     std::error_code code;
-    const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+    const fs::path folder = folder_of(file);
     const auto type = fs::status(file, code).type();
     if (type == fs::file_type::none) fail(file, code.value());  // the name is too long, and such
     if (type == fs::file_type::directory) fail(file, EISDIR);
@@ -107,8 +122,11 @@ TemporaryFile::~TemporaryFile() {
 }
 
 void TemporaryFile::rename() {
+    // Else a power cut could leave the new name with none of its bytes, and the earlier file lost.
+    if (const int error = wait_for_disk(path_)) fail(file_, error);
     if (::rename(path_.c_str(), file_.c_str()) != 0) fail(file_, errno);
     renamed_ = true;
+    if (const int error = wait_for_disk(folder_of(file_))) fail(file_, error);
 }
 
 void remove_temporary_files() noexcept {

@@ -1,5 +1,10 @@
 """Pairs of options of the command: a result, or one line that says what is wrong.
 
+Runs cover many pairs at once. Options that work alone go into runs of kOptions of them, chosen so that every two of
+them meet in a run that works; two that are refused together, as far as the messages name them or else by halves, are run by
+themselves. An option that is refused alone joins the option that its message names, if the two work; else it is refused
+in runs with kRefused others. VOG_ALL_PAIRS=1 runs every pair by itself.
+
 The options come from `vog COMMAND --help`, so that none is forgotten: one without a value below fails the test.
 usage: VOG_COMMAND=build/release/apps/cli/vog option_pairs_test.py [COMMAND...]
 """
@@ -38,15 +43,15 @@ VALUES = {
     "--clip-plane": "1,0,0,3", "--description": "Some text", "--name": "a model", "--levels": "2",
     "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
 }
-# Command: its arguments with an input, for each kind of input, and the part of all pairs that is run, one in so many
-# (all with VOG_ALL_PAIRS=1). A volume takes some tenths of a second.
+kOptions, kRefused = 8, 16  # options of one run
+# Command: its arguments with an input, for each kind of input.
 COMMANDS = {
-    "convert": [(["{made}/particles.csv", "-o", "{out}/m.ply"], 2), (["{made}/cloud.vdb", "-o", "{out}/m.ply"], 8)],
-    "render": [(["{made}/model.ply", "-o", "{out}/p.png"], 6), (["{made}/cloud.vdb", "-o", "{out}/p.png"], 11)],
-    "export": [(["{made}/model.ply", "-o", "{out}/p.html"], 2)],
-    "compare": [(["{made}/a.exr", "{made}/b.exr"], 1)],
-    "sample": [(["cloud", "{out}/s.vdb"], 1)],
-    "info": [(["{made}/cloud.vdb"], 1), (["{made}/model.ply"], 1)],
+    "convert": [["{made}/particles.csv", "-o", "{out}/m.ply"], ["{made}/cloud.vdb", "-o", "{out}/m.ply"]],
+    "render": [["{made}/model.ply", "-o", "{out}/p.png"], ["{made}/cloud.vdb", "-o", "{out}/p.png"]],
+    "export": [["{made}/model.ply", "-o", "{out}/p.html"]],
+    "compare": [["{made}/a.exr", "{made}/b.exr"]],
+    "sample": [["cloud", "{out}/s.vdb"]],
+    "info": [["{made}/cloud.vdb"], ["{made}/model.ply"]],
 }
 # Each is small by itself: `vog render` without it draws 512 x 512 pixels.
 ALWAYS = {"render": ["--size", "16x12"], "sample": ["--size", "64"]}
@@ -58,7 +63,7 @@ def options_of(command):
     options = []
     for match in re.finditer(r"^ +(?:-\w,)?(--[a-z-]+)(.*)$", text, re.MULTILINE):
         name, rest = match[1], match[2]
-        if name in ("--help", "--output"):
+        if name in ("--help", "--output", *(option[0] for option in options)):
             continue
         if re.match(r" (TEXT|INT|UINT|FLOAT)", rest):
             assert name in VALUES, f"vog {command} {name}: no value for it in {__file__}"
@@ -80,8 +85,15 @@ def make_inputs(made):
             f"{made}/{name}.exr", "--save-camera", f"{made}/camera.json")
 
 
-def fault_of(made, command, arguments, chosen):
-    """What is wrong with one run; None: it made its output, or was refused in one line."""
+class Outcome:
+    """Result of one run. fault: what is wrong with it, None: it made its output, or was refused in one line."""
+
+    def __init__(self, refusal="", fault=None):
+        self.refusal, self.fault = refusal, fault
+        self.works = not refusal and not fault
+
+
+def outcome_of(made, command, arguments, chosen):
     out = tempfile.mkdtemp(dir=made)
     words = [*arguments, *[word for option in chosen for word in option]]
     if "--size" not in words:
@@ -90,29 +102,146 @@ def fault_of(made, command, arguments, chosen):
     try:
         run = subprocess.run([VOG, command, *words], capture_output=True, timeout=SECONDS)
     except subprocess.TimeoutExpired:
-        return f"more than {SECONDS} s"
+        return Outcome(fault=f"more than {SECONDS} s")
     finally:
         files = [path for path in Path(out).iterdir()]
         empty = [path.name for path in files if path.is_file() and path.stat().st_size == 0]
         shutil.rmtree(out)
     errors = run.stderr.decode(errors="replace")
+    fault = None
     if run.returncode < 0 or run.returncode > 2:
-        return f"exit status {run.returncode}: {errors}"
-    if empty:
-        return f"empty files: {empty}"
-    if run.returncode == 0:
+        fault = f"exit status {run.returncode}: {errors}"
+    elif empty:
+        fault = f"empty files: {empty}"
+    elif run.returncode == 0:
         if ["--json"] in chosen:
             json.loads(run.stdout)
         # A picture of NaN or a report of it has a cause that should have been refused.
-        return "a report with nan" if re.search(rb"\bnan\b", run.stdout) else None
-    if ["--verbose"] in chosen:
-        errors = re.sub(r"^\w[\w ]* [\d.]+ ms\n", "", errors, flags=re.MULTILINE)  # times of stages
-    errors = errors.removesuffix("Run with --help for usage.\n")
-    if len(errors.splitlines()) != 1 or not errors.startswith("vog"):
-        return f"not one line of error: {errors!r}"
-    if files:
-        return f"refused, but wrote {[path.name for path in files]}"
-    return None
+        if re.search(rb"\bnan\b", run.stdout):
+            fault = "a report with nan"
+        return Outcome(fault=fault)
+    else:
+        if ["--verbose"] in chosen:
+            errors = re.sub(r"^\w[\w ]* [\d.]+ ms\n", "", errors, flags=re.MULTILINE)  # times of stages
+        errors = errors.removesuffix("Run with --help for usage.\n")
+        if len(errors.splitlines()) != 1 or not errors.startswith("vog"):
+            fault = f"not one line of error: {errors!r}"
+        elif files:
+            fault = f"refused, but wrote {[path.name for path in files]}"
+    return Outcome(errors or "refused", fault)
+
+
+class Pairs:
+    """Runs of one command with one input until every pair of its options is covered."""
+
+    def __init__(self, run, options):
+        self.run, self.options = run, options  # run: [[option, ...], ...] -> [Outcome, ...]
+        self.runs, self.faults, self.covered = 0, [], set()
+
+    def outcomes(self, choices):
+        found = self.run(choices)
+        for chosen, outcome in zip(choices, found):
+            self.runs += 1
+            self.covered |= {frozenset(pair) for pair in itertools.combinations([o[0] for o in chosen], 2)}
+            if outcome.fault:
+                self.faults.append((chosen, outcome.fault))
+        return found
+
+    def named(self, refusal, options):
+        words = set(re.findall(r"--[a-z-]+", refusal))
+        named = [option for option in options if option[0] in words]
+        if len(named) > 1:
+            return named
+        text = refusal.replace("-", " ")  # "block 4 and budget 200"
+        return [option for option in options if re.search(rf"\b{option[0][2:].replace('-', ' ')}\b", text)]
+
+    def all_alone(self):
+        self.outcomes([[o] for o in self.options] + [list(pair) for pair in itertools.combinations(self.options, 2)])
+
+    def packed(self):
+        alone = self.outcomes([[option] for option in self.options])
+        units = [[option] for option, outcome in zip(self.options, alone) if outcome.works]
+        refused = []
+        for option, outcome in zip(self.options, alone):
+            if not outcome.refusal:
+                continue
+            others = [other for other in self.named(outcome.refusal, self.options) if other != option]
+            needs = [[option, other] for other in others]
+            working = [pair for pair, found in zip(needs, self.outcomes(needs)) if found.works]
+            if working:
+                units.append(working[0])
+            else:
+                refused.append(option)
+        self.together(units)
+        for option in refused:
+            others = [other for other in self.options if frozenset((other[0], option[0])) not in self.covered]
+            others = [other for other in others if other != option]
+            self.outcomes([[option, *others[n : n + kRefused]] for n in range(0, len(others), kRefused)])
+
+    def together(self, units):
+        """Runs in which every two units meet: all work, or a message says which two options do not go together."""
+        every = set(itertools.combinations(range(len(units)), 2))
+        left, apart = set(every), set()  # pairs of units: without a run; known to be refused
+        while left - apart:
+            batch, planned = [], set(apart)
+            while len(batch) < 8 and left - planned:
+                batch.append(self.plan(len(units), left - planned, apart))
+                planned |= set(itertools.combinations(batch[-1], 2))
+            while batch:
+                choices = [self.options_of([units[m] for m in members]) for members in batch]
+                parts = set()
+                for members, chosen, outcome in zip(batch, choices, self.outcomes(choices)):
+                    pairs = set(itertools.combinations(members, 2))
+                    if outcome.works or len(members) == 2:
+                        left -= pairs
+                        apart |= set() if outcome.works else pairs
+                        continue
+                    clash = self.named(outcome.refusal, chosen)
+                    refused = {
+                        (a, b)
+                        for a, b in every
+                        if len(clash) == 2
+                        and (clash[0] in units[a] and clash[1] in units[b] or clash[1] in units[a] and clash[0] in units[b])
+                    }
+                    if refused & pairs & left:
+                        left -= refused & pairs
+                        apart |= refused  # the others meet in later runs
+                    else:
+                        parts |= {tuple(part) for part in self.halves(members)}
+                batch = [list(part) for part in sorted(parts) if set(itertools.combinations(part, 2)) & (left - apart)]
+        for unit in range(len(units)):
+            others = sorted({a + b - unit for a, b in left if unit in (a, b)})
+            left -= {(min(unit, other), max(unit, other)) for other in others}
+            self.outcomes([
+                self.options_of([units[m] for m in [unit, *others[n : n + kRefused]]])
+                for n in range(0, len(others), kRefused)
+            ])
+
+    @staticmethod
+    def options_of(units):
+        return list({option[0]: option for unit in units for option in unit}.values())
+
+    @staticmethod
+    def plan(count, wanted, apart):
+        """Up to kOptions units with many wanted pairs and none apart."""
+        members = list(min(wanted))
+        while len(members) < kOptions:
+            gains = {}
+            for unit in set(range(count)) - set(members):
+                pairs = {(min(unit, m), max(unit, m)) for m in members}
+                gains[unit] = 0 if pairs & apart else len(pairs & wanted)
+            best = max(sorted(gains), key=gains.get, default=None)
+            if best is None or gains[best] == 0:
+                break
+            members.append(best)
+        return sorted(members)
+
+    @staticmethod
+    def halves(members):
+        """Smaller sets in which every two members meet."""
+        size = max(1, len(members) // 4)
+        quarters = [members[n : n + size] for n in range(0, len(members), size)]
+        return [sorted(a + b) for a, b in itertools.combinations(quarters, 2)]
 
 
 def main():
@@ -123,19 +252,19 @@ def main():
         make_inputs(made)
         for command in commands:
             options = options_of(command)
-            singles = [[option] for option in options]
-            pairs = [list(pair) for pair in itertools.combinations(options, 2)]
-            runs = [
-                (made, command, arguments, chosen)
-                for arguments, part in COMMANDS[command]
-                for chosen in singles + pairs[:: 1 if os.environ.get("VOG_ALL_PAIRS") else part]
-            ]
-            with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                found = list(pool.map(lambda run: fault_of(*run), runs))
-            for run, fault in zip(runs, found):
-                if fault:
-                    faults.append(f"vog {command} {' '.join(run[2])} {run[3]}: {fault}")
-            print(f"vog {command}: {len(options)} options, {len(runs)} runs", flush=True)
+            for arguments in COMMANDS[command]:
+                with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+                    pairs = Pairs(
+                        lambda choices: list(pool.map(lambda c: outcome_of(made, command, arguments, c), choices)),
+                        options)
+                    (pairs.all_alone if os.environ.get("VOG_ALL_PAIRS") else pairs.packed)()
+                faults += [f"vog {command} {' '.join(arguments)} {chosen}: {fault}" for chosen, fault in pairs.faults]
+                all_pairs = {frozenset((a[0], b[0])) for a, b in itertools.combinations(options, 2)}
+                print(f"vog {command} {Path(arguments[0]).name}: {len(options)} options, {len(pairs.covered & all_pairs)} "
+                      f"of {len(all_pairs)} pairs in {pairs.runs} runs, "
+                      f"{len(pairs.covered & all_pairs) / pairs.runs:.1f} a run", flush=True)
+                if not all_pairs <= pairs.covered:
+                    faults.append(f"vog {command}: pairs without a run: {sorted(map(sorted, all_pairs - pairs.covered))[:3]}")
     finally:
         shutil.rmtree(made)
     for fault in faults[:30]:

@@ -108,6 +108,10 @@ int fclose(FILE* file) {
     errno = error;
     return failed ? EOF : result;
 }
+int fsync(int file) {
+    if (counts(file) && fails("fsync")) return -1;
+    return NEXT(fsync)(file);
+}
 int rename(const char* from, const char* to) noexcept {
     if (counts(to) && fails("rename")) return -1;
     return NEXT(rename)(from, to);

@@ -17,11 +17,15 @@ TEST_F(output_faults, each_failing_call_of_the_system_keeps_earlier_outputs) {
         const int calls = count_calls(job);
         ASSERT_GE(calls, 4) << job.arguments << ": the faults do not reach the command";
         // The first calls, the last ones, and some between: writes in the middle are alike.
-        int failures = 0;
-        for (int call = 1; call <= calls;
-             call += call >= 8 && call < calls - 4 ? calls / 8 + 1 : 1) {
+        int failures = 0, synced = 0;
+        constexpr int kFirst = 5, kLast = 4, kBetween = 3;
+        for (int call = 1; call <= calls;) {
             failures += fails_whole(job, files, call);
+            synced += read_text(dir_ / "mark") == "fsync";
+            const int left = calls - kLast - call;  // calls up to the last ones
+            call += call < kFirst || left <= 1 ? 1 : std::min(left, calls / (kBetween + 1) + 1);
         }
+        EXPECT_GE(synced, 1) << job.arguments << ": renamed before the disk has the bytes";
         EXPECT_GE(failures, 3) << job.arguments;
         // The failures leave nothing that hinders the next run.
         write_old(job);

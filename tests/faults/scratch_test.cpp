@@ -22,7 +22,7 @@ TEST_F(scratch_faults, full_scratch_folder_keeps_earlier_outputs) {
     const int calls = count_calls(job);
     ASSERT_GE(calls, 8) << "no scratch files are made";
     int failures = 0;
-    for (int call = 1; call <= calls; call += 1 + calls / 16) {
+    for (int call = 1; call <= calls; call += 1 + calls / 6) {
         failures += fails_whole(job, files, call);
         EXPECT_TRUE(std::filesystem::is_empty(dir_ / "out/scratch")) << "call " << call;
     }

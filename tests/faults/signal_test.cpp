@@ -128,8 +128,11 @@ TEST_F(signals, killed_sequences_go_on_where_they_were) {
 }
 
 TEST_F(signals, killed_evaluations_are_resumed) {
+    Volume small = sample_cloud({.size = 64});
+    small.leaves.resize(small.leaves.size() / 6);
+    write_vdb(dir_ / "small.vdb", small);
     const std::string evaluation =
-        "evaluate c.vdb -o out/e --size 16 --repeat 1 --threads 2 --resume --json";
+        "evaluate small.vdb -o out/e --size 16 --repeat 1 --threads 2 --resume --json";
     const auto whole_run = time_of(evaluation);
     const auto rows_of = [](const std::string& text) {
         return nlohmann::json::parse(text)["rows"].size();
