@@ -4,7 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cctype>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "data/volume_partition.h"
+#include "io/nvdb/nvdb_file.h"
 #include "io/vdb/vdb_reader.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -19,16 +19,10 @@
 
 namespace vog {
 
+using namespace nvdb;
 using namespace vdb;
 
 namespace {
-
-bool is_nvdb(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".nvdb";
-}
 
 bool is_pattern(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
 bool has_star(const std::string& name) { return name.find('*') != std::string::npos; }

@@ -3,9 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cctype>
-
 #include "io/nvdb/nvdb_file.h"
 #include "io/nvdb/nvdb_grid.h"
 #include "io/vdb/vdb_density.h"
@@ -17,13 +14,6 @@ namespace vog::field_files {
 using namespace vdb;
 
 namespace {
-
-bool is_nvdb(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".nvdb";
-}
 
 /// Vectors in world space are along its axes whatever their type, which states how they follow
 /// when the grid is moved; those in local space are moved with it here.
@@ -90,7 +80,7 @@ FieldGrid load_field_grid(const FieldSource& source) {
         throw Error(fmt::format("field '{}': no file, expected a .vdb or .nvdb",
                                 printable(source.name.empty() ? source.grid : source.name)));
     openvdb::initialize();
-    FieldGrid field = is_nvdb(source.file) ? load_nvdb(source) : load_vdb(source);
+    FieldGrid field = nvdb::is_nvdb(source.file) ? load_nvdb(source) : load_vdb(source);
     field.staggered = field.grid->getGridClass() == openvdb::GRID_STAGGERED;
     field.level_set = field.grid->getGridClass() == openvdb::GRID_LEVEL_SET;
     if (!source.name.empty()) field.name = source.name;

@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstring>
 
 #include "core/paging.h"
@@ -90,6 +91,13 @@ void check_header(const NanoBuffer& grid, const std::string& where) {
 }
 
 }  // namespace
+
+bool is_nvdb(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension == ".nvdb";
+}
 
 NvdbFile::NvdbFile(const std::filesystem::path& file) : name_(file.string()), file_(file) {
     do read_segment();

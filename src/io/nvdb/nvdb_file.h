@@ -13,6 +13,9 @@
 
 namespace vog::nvdb {
 
+/// Whether a file is a .nvdb, by its extension in any case.
+bool is_nvdb(const std::filesystem::path& file);
+
 /// Entry of one grid in a file.
 struct NvdbEntry {
     std::string name;

@@ -1,17 +1,10 @@
-// voxel_field_test.cpp: fields at the voxels of a measure: lattices, backgrounds, vectors, tiles.
+// voxel_field_test.cpp: fields at the voxels of a measure: lattices, backgrounds, vectors, levels.
 #include "vog/voxel_field.h"
 
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <limits>
-
-#include "support/data.h"
-#include "support/level_volumes.h"
-#include "support/refused_files.h"
-#include "support/vdb_grids.h"
+#include "support/voxel_fields.h"
 #include "vog/distributed.h"
-#include "vog/points.h"
 #include "vog/progress.h"
 #include "vog/volume_io.h"
 
@@ -21,72 +14,6 @@ namespace {
 
 using openvdb::Coord;
 using openvdb::FloatGrid;
-
-const float kNan = std::numeric_limits<float>::quiet_NaN();
-
-/// Transform of a grid of tests, without rounding.
-void place(openvdb::GridBase& grid, const Affine& m) {
-    const auto& r = m.linear;
-    const Vec3d t = m.translation;
-    const openvdb::Mat4d matrix(r(0, 0), r(1, 0), r(2, 0), 0.0, r(0, 1), r(1, 1), r(2, 1), 0.0,
-                                r(0, 2), r(1, 2), r(2, 2), 0.0, t.x, t.y, t.z, 1.0);
-    grid.setTransform(openvdb::math::Transform::createLinearTransform(matrix));
-}
-
-/// Sets a box of active voxels.
-template <class GridT>
-void fill(GridT& grid, Vec3i lower, Vec3i upper,
-          const std::function<typename GridT::ValueType(Vec3i)>& value) {
-    for (int x = lower.x; x <= upper.x; ++x)
-        for (int y = lower.y; y <= upper.y; ++y)
-            for (int z = lower.z; z <= upper.z; ++z) set_voxel(grid, {x, y, z}, value({x, y, z}));
-}
-
-/// Signed, different in each voxel of a small grid.
-float signed_value(Vec3i i) { return float(i.x * 31 - i.y * 17 + i.z * 7) / 4 - 3; }
-
-/// A linear function of the world.
-double plane(Vec3d p) { return 2 - 3 * p.x + 0.5 * p.y + 1.25 * p.z; }
-
-class voxel_field : public testing::Test {
-  protected:
-    VoxelField read(const openvdb::GridBase::Ptr& grid, Volume& volume,
-                    std::span<VoxelField> others = {}, const FieldSource& source = {}) {
-        write_grids(dir_ / "fields.vdb", {grid});
-        FieldSource from = source;
-        from.file = dir_ / "fields.vdb";
-        if (from.grid.empty()) from.grid = grid->getName();
-        notes_.clear();
-        return read_field(from, volume, others, &notes_);
-    }
-    std::string refusal(const openvdb::GridBase::Ptr& grid, Volume volume) {
-        const std::string message = error_of([&] { read(grid, volume); });
-        EXPECT_EQ(message.find('\n'), std::string::npos);
-        return message;
-    }
-    /// Expects value(index) in every component at every active voxel, and 0 elsewhere.
-    static void expect_values(const Volume& volume, const VoxelField& field,
-                              const std::function<Vec3d(Vec3i)>& value, double tolerance) {
-        for (std::size_t c = 0; c < field.component.size(); ++c) {
-            const VoxelValues& values = field.component[c];
-            ASSERT_EQ(values.leaf.size(), volume.leaves.size());
-            for (std::size_t n = 0; n < values.leaf.size(); ++n)
-                for (int at = 0; at < kLeafVoxels; ++at) {
-                    const Vec3i index =
-                        volume.leaves[n].origin + Vec3i{at >> 6, (at >> 3) & 7, at & 7};
-                    const double expected =
-                        volume.leaves[n].active(at) ? value(index)[static_cast<int>(c)] : 0;
-                    ASSERT_NEAR(double{values.leaf[n][static_cast<std::size_t>(at)]}, expected,
-                                tolerance)
-                        << index.x << " " << index.y << " " << index.z << " component " << c;
-                }
-        }
-    }
-    TempDir dir_;
-    std::vector<std::string> notes_;
-};
-
-const Affine kWorld{{{Vec3d{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}}, {100.25, -7, 3}};
 
 }  // namespace
 
@@ -159,6 +86,14 @@ TEST_F(voxel_field, inactive_voxels_have_the_background) {
     EXPECT_EQ(notes_[0].substr(notes_[0].find("fields.vdb")),
               "fields.vdb: grid 't': inactive at 36 % of the mass of the volume, where its "
               "background counts");
+    // Below, there is none: 64 of 512 voxels with 1e-4 of the mass.
+    for (int n = 0; n < 64; ++n) volume.leaves[0].value[std::size_t(n)] = 3.5e-4f;
+    read(grid, volume);
+    EXPECT_TRUE(notes_.empty());
+    // From 0.1 % there is one: 64 of 512 voxels with 2e-3 of the mass.
+    for (int n = 0; n < 64; ++n) volume.leaves[0].value[std::size_t(n)] = 7e-3f;
+    read(grid, volume);
+    EXPECT_EQ(notes_.size(), 1u);
 }
 
 TEST_F(voxel_field, signed_distances_keep_their_sign_inside) {
@@ -307,169 +242,6 @@ TEST_F(voxel_field, staggered_vectors_are_averaged_from_their_faces) {
         0);
 }
 
-TEST_F(voxel_field, tiles_are_divided_where_the_field_varies) {
-    Volume volume = cube_of(8, 0.5f, {});
-    volume.tiles = {{{8, 0, 0}, 8, 0.25f}, {{128, 0, 0}, 128, 1.5f}, {{256, 0, 0}, 128, 2}};
-    sort_nodes(volume);
-    const Volume before = volume;
-    std::vector<VoxelField> others{own_field(volume)};
-
-    const auto grid = make_grid("t");
-    fill(*grid, {}, {15, 7, 7}, signed_value);           // a leaf and the small tile
-    grid->tree().addTile(2, Coord(128, 0, 0), 7, true);  // the first of 128
-    set_voxel(*grid, {256, 0, 8}, -2.5f);                // one voxel in the other
-    const VoxelField field = read(grid, volume, others);
-    validate(volume);
-    EXPECT_EQ(active_voxels(volume), active_voxels(before));
-    EXPECT_DOUBLE_EQ(mass(volume), mass(before));
-    ASSERT_EQ(volume.leaves.size(), 3u);
-    EXPECT_EQ(volume.leaves[1].origin, (Vec3i{8, 0, 0}));
-    EXPECT_EQ(volume.leaves[2].origin, (Vec3i{256, 0, 8}));
-    ASSERT_EQ(volume.tiles.size(), 1u + 16 * 16 * 16 - 1);
-    EXPECT_EQ(volume.tiles[0].edge, 128);
-    for (std::size_t n = 0; n < volume.tiles.size(); ++n) {
-        EXPECT_EQ(field.component[0].tile[n], n == 0 ? 7.0f : 0.0f);
-        EXPECT_EQ(volume.tiles[n].value, n == 0 ? 1.5f : 2.0f);
-        EXPECT_EQ(others[0].component[0].tile[n], volume.tiles[n].value);
-    }
-    expect_values(
-        volume, field,
-        [](Vec3i i) {
-            return Vec3d{i.x < 16 ? double(signed_value(i)) : i == Vec3i{256, 0, 8} ? -2.5 : 0.0};
-        },
-        0);
-    expect_values(
-        volume, others[0], [](Vec3i i) { return Vec3d{i.x < 8    ? 0.5
-                                                      : i.x < 16 ? 0.25
-                                                                 : 2.0}; }, 0);
-    EXPECT_EQ(notes_.size(), 1u);
-    // A second field of the same kind divides nothing more.
-    const Volume divided = volume;
-    read(grid, volume, others);
-    expect_same_volume(volume, divided);
-}
-
-/// Takes no quadratic time: 50,000 tiles in the volume and in the grid.
-TEST_F(voxel_field, many_tiles_are_sampled_one_by_one) {
-    Volume volume;
-    const auto grid = make_grid("t");
-    for (int n = 0; n < 50000; ++n) {
-        const Vec3i origin{4096 * (n / 500), 4096 * (n % 500), 0};
-        volume.tiles.push_back({origin, 4096, 0.5f});
-        grid->tree().addTile(3, Coord(origin.x, origin.y, origin.z), float(n) - 7, true);
-    }
-    const VoxelField field = read(grid, volume);
-    ASSERT_EQ(volume.tiles.size(), 50000u);
-    for (std::size_t n = 0; n < 50000; ++n) ASSERT_EQ(field.component[0].tile[n], float(n) - 7);
-    EXPECT_TRUE(notes_.empty());
-    // Tiles of many root cells: a grid of voxels a hundredth as large.
-    Volume few;
-    few.tiles = {{{0, 0, 0}, 4096, 0.5f}};
-    Affine fine;
-    fine.linear = {{Vec3d{0.01, 0, 0}, {0, 0.01, 0}, {0, 0, 0.01}}};
-    const auto corner = make_grid("t");
-    corner->tree().addTile(3, Coord(0, 0, 0), 3, true);
-    place(*corner, fine);
-    read(corner, few);
-    EXPECT_EQ(active_voxels(few), std::uint64_t{4096} * 4096 * 4096);
-    EXPECT_GT(few.tiles.size(), 32768u);
-    EXPECT_EQ(notes_.size(), 1u);
-}
-
-TEST_F(voxel_field, tiles_that_would_fill_memory_are_refused) {
-    Volume volume;
-    volume.tiles = {{{0, 0, 0}, 4096, 0.5f}};
-    const auto grid = make_grid("t");
-    fill(*grid, {}, {40, 40, 40}, signed_value);
-    Affine coarse;
-    coarse.linear = {{Vec3d{100, 0, 0}, {0, 100, 0}, {0, 0, 100}}};
-    place(*grid, coarse);
-    EXPECT_NE(refusal(grid, volume)
-                  .find("varies inside the tiles of the volume: more than 268,435,456 voxels or "
-                        "16,777,216 tiles to divide them into"),
-              std::string::npos);
-}
-
-TEST_F(voxel_field, values_not_finite_count_at_voxels_of_the_measure_alone) {
-    Volume volume = cube_of(8, 0.5f, {});
-    const auto grid = make_grid("t");
-    fill(*grid, {-4, -4, -4}, {12, 12, 12}, [](Vec3i) { return 1.0f; });
-    set_voxel(*grid, {-1, 3, 3}, kNan);
-    set_voxel(*grid, {8, 3, 3}, std::numeric_limits<float>::infinity());
-    expect_values(
-        volume, read(grid, volume), [](Vec3i) { return Vec3d{1}; }, 0);
-    // A lattice of half the voxels' size: all centres are those of voxels of the grid.
-    Affine fine;
-    fine.linear = {{Vec3d{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}};
-    place(*grid, fine);
-    Volume small = cube_of(4, 0.5f, {});
-    set_voxel(*grid, {1, 2, 2}, kNan);
-    expect_values(
-        small, read(grid, small), [](Vec3i) { return Vec3d{1}; }, 0);
-    place(*grid, {});
-    set_voxel(*grid, {5, 6, 7}, kNan);
-    EXPECT_NE(refusal(grid, volume)
-                  .find("grid 't': not finite at 2 voxels of the volume, the "
-                        "first at index [1, 2, 2], expected finite values there"),
-              std::string::npos);
-    const auto large = make_grid<openvdb::DoubleGrid>("t");
-    fill(*large, {}, {7, 7, 7}, [](Vec3i) { return 1e300; });
-    EXPECT_NE(refusal(large, volume).find("not finite at 512 voxels"), std::string::npos);
-    Volume tile;
-    tile.tiles = {{{0, 0, 0}, 128, 1}};
-    const auto nan_tile = make_grid("t");
-    nan_tile->tree().addTile(2, Coord(0, 0, 0), kNan, true);
-    EXPECT_NE(refusal(nan_tile, tile).find("not finite at 2,097,152 voxels"), std::string::npos);
-}
-
-TEST_F(voxel_field, a_grid_elsewhere_is_refused) {
-    Volume volume = cube_of(8, 0.5f, kWorld);
-    volume.name = "density";
-    const auto grid = make_grid("t");
-    set_voxel(*grid, {0, 0, 0}, 1.0f);
-    EXPECT_NE(refusal(grid, volume)
-                  .find("grid 't': active at no voxel of 'density': [-0.5, -0.5, "
-                        "-0.5] to [0.5, 0.5, 0.5] of the world, which lies in "
-                        "[100, -7.25, 2.75] to [104, -3.25, 6.75]; expected "
-                        "grids that overlap"),
-              std::string::npos);
-    // Indices beyond the range of integers.
-    Affine tiny;
-    tiny.linear(0, 0) = 1e-8;
-    place(*grid, tiny);
-    Volume far = cube_of(8, 0.5f, kWorld);
-    far.tiles = {{{128, 0, 0}, 128, 1}};
-    EXPECT_NE(refusal(grid, far).find("active at no voxel"), std::string::npos);
-}
-
-TEST_F(voxel_field, names_units_and_wrong_grids) {
-    Volume volume = cube_of(8, 0.5f, {});
-    const auto grid = make_grid("t");
-    fill(*grid, {}, {7, 7, 7}, signed_value);
-    grid->insertMeta("units", openvdb::StringMetadata("K"));
-    EXPECT_EQ(read(grid, volume).unit, "K");
-    const VoxelField named = read(grid, volume, {}, {.name = "temperature", .unit = "mK"});
-    EXPECT_EQ(named.name, "temperature");
-    EXPECT_EQ(named.unit, "mK");
-    EXPECT_NE(error_of([&] {
-                  read(grid, volume, {}, {.grid = "heat"});
-              }).find("fields.vdb: no grid named 'heat' (it has: t)"),
-              std::string::npos);
-    EXPECT_NE(error_of([&] {
-                  read_field({.file = dir_ / "absent.vdb"}, volume);
-              }).find("absent.vdb: no such file"),
-              std::string::npos);
-    EXPECT_EQ(error_of([&] { read_field({.grid = "t"}, volume); }),
-              "field 't': no file, expected a .vdb or .nvdb");
-    Points points;
-    points.position = {{1, 2, 3}};
-    write_points(dir_ / "points.vdb", points);
-    EXPECT_NE(error_of([&] {
-                  read_field({.file = dir_ / "points.vdb", .grid = "points"}, volume);
-              }).find("grid 'points': holds points, expected numbers or vectors"),
-              std::string::npos);
-}
-
 TEST_F(voxel_field, fields_of_levels_follow_the_pattern_of_the_grid) {
     const auto expect = [](const FieldSource& field, const std::string& pattern,
                            const std::string& file, const std::string& grid) {
@@ -503,62 +275,6 @@ TEST_F(voxel_field, threads_change_nothing) {
     EXPECT_EQ(field.lower, same.lower);
 }
 
-TEST_F(voxel_field, a_volumes_own_values) {
-    Volume volume = cube_of(8, 0.5f, {});
-    volume.name = "ct";
-    volume.tiles = {{{8, 0, 0}, 8, 0.25f}};
-    const VoxelField field = own_field(volume);
-    EXPECT_EQ(field.name, "ct");
-    EXPECT_EQ(own_field(volume, "hu").name, "hu");
-    EXPECT_EQ(field.component[0].leaf[0], volume.leaves[0].value);
-    EXPECT_EQ(field.component[0].tile, std::vector<float>{0.25f});
-    EXPECT_EQ(field.lower, 0.25);
-    EXPECT_EQ(field.upper, 0.5);
-}
-
-/// A measure of volume, for signed values.
-TEST_F(voxel_field, ones_count_active_voxels_of_any_value) {
-    const auto grid = make_grid("hu", openvdb::GRID_UNKNOWN);
-    fill(*grid, {}, {9, 7, 7}, signed_value);
-    set_voxel(*grid, {3, 2, 1}, kNan);
-    grid->tree().addTile(1, Coord(64, 0, 0), -5, true);
-    write_grids(dir_ / "ct.vdb", {grid});
-    const VdbOptions ones{.ones = true};
-    std::vector<std::string> notes;
-    Volume volume = read_volume(dir_ / "ct.vdb", ones, &notes);
-    validate(volume);
-    EXPECT_EQ(active_voxels(volume), 639u + 512u);
-    EXPECT_EQ(mass(volume), 639.0 + 512.0);
-    ASSERT_EQ(notes.size(), 1u);
-    EXPECT_NE(notes[0].find("ct.vdb: grid 'hu': 1 values that are not finite left out, the first "
-                            "at index [3, 2, 1]"),
-              std::string::npos)
-        << notes[0];
-    const VoxelField field = read_field({.file = dir_ / "ct.vdb", .grid = "hu"}, volume);
-    EXPECT_EQ(field.lower, double(signed_value({0, 7, 0})));
-    EXPECT_EQ(field.component[0].tile, std::vector<float>{-5});
-    const std::vector<std::filesystem::path> files{dir_ / "ct.vdb"};
-    EXPECT_EQ(mass(read_levels(files, {.ones = true}).volumes[0]), 1151.0);
-
-    const auto count = [&](const openvdb::GridBase::Ptr& other) {
-        write_grids(dir_ / "other.vdb", {other});
-        return mass(read_volume(dir_ / "other.vdb", {.grid = other->getName(), .ones = true}));
-    };
-    const auto surface = make_grid("surface", openvdb::GRID_LEVEL_SET);
-    fill(*surface, {}, {3, 3, 3}, [](Vec3i i) { return float(i.x) - 1.5f; });
-    EXPECT_EQ(count(surface), 64);
-    const auto flags = make_grid<openvdb::BoolGrid>("flags");
-    flags->tree().setValueOn({0, 0, 0}, false);
-    flags->tree().setValueOn({0, 0, 1}, true);
-    EXPECT_EQ(count(flags), 2);
-    const auto mask = make_grid<openvdb::MaskGrid>("mask");
-    mask->tree().setValueOn({3, 0, 0});
-    EXPECT_EQ(count(mask), 1);
-    const auto velocity = make_grid<openvdb::Vec3SGrid>("v");
-    set_voxel(*velocity, {0, 0, 0}, openvdb::Vec3s(-1, 0, 2));
-    EXPECT_EQ(count(velocity), 1);
-}
-
 /// Temperature and velocity of a Mantaflow fire, against OpenVDB's own reading.
 TEST_F(voxel_field, of_a_plume_are_as_openvdb_reads_them) {
     VOG_NEEDS_DATA("plume/plume_0030.vdb");
@@ -577,8 +293,9 @@ TEST_F(voxel_field, of_a_plume_are_as_openvdb_reads_them) {
             },
             0);
     }
+    notes_.clear();
     read_field({.file = path, .grid = "temperature"}, volume, {}, &notes_);
-    EXPECT_EQ(notes_.size(), 2u) << "8 voxels of density have no temperature";
+    EXPECT_TRUE(notes_.empty()) << "3e-5 % of the mass have no temperature";
     const auto grid = openvdb::gridPtrCast<openvdb::Vec3SGrid>(file.readGrid("velocity"));
     const VoxelField velocity = read_field({.file = path, .grid = "velocity"}, volume);
     const auto& tree = grid->tree();
