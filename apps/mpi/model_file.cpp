@@ -45,8 +45,8 @@ Sums sums_of(const SharedModel& model, const Ranks& ranks) {
 
 cli::Converted converted(const SharedModel& model, const Sums& sums, std::uint64_t bytes) {
     const Gaussians& about = model.description;
-    return {about.method, about.options, about.summary, sums.count, about.source_voxels, 0,
-            bytes,        sums.mass};
+    return {about.method, about.options, about.summary,       sums.count, about.source_voxels, 0,
+            bytes,        sums.mass,     about.fields.names()};
 }
 
 /// A file that all ranks write through MPI-IO.

@@ -58,8 +58,8 @@ inline constexpr std::uint64_t kMaxDividedVoxels = std::uint64_t{1} << 28;
 /// volume  the measure; its tiles inside which the field varies are divided, into smaller ones and
 ///         leaves
 /// others  fields already sampled at this volume, divided with it
-/// notes   receives a line where the grid is active at a part of the volume only: the share of the
-///         mass at which its background counts; null: not reported
+/// notes   receives a line where the grid is inactive at a thousandth of the mass or more: the share
+///         at which its background counts; null: not reported
 /// throws  vog::Error as read_volume does for files and grids; for values that are NaN or infinite at
 ///         voxels of the volume (their count and the first index), for a grid that is active at none
 ///         of them, for tiles of more than kMaxDividedVoxels to divide
@@ -70,5 +70,8 @@ VoxelField read_field(const FieldSource& source, Volume& volume, std::span<Voxel
 /// The volume's own values as a field.
 /// name  empty: the volume's
 VoxelField own_field(const Volume& volume, const std::string& name = {});
+/// The same for add_fields, without a copy: its component is empty, which stands for the volume's own
+/// values.
+VoxelField measure_field(const Volume& volume, const std::string& name = {});
 
 }  // namespace vog

@@ -1,5 +1,5 @@
 // convert.cpp: vog convert: load -> convert -> save, to one model or one per input.
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -199,7 +199,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format(
             "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
             arguments.inputs.front(), paper.opacity_threshold));
-    if (!arguments.fields.empty()) {
+    if (!arguments.no_fields) {
         std::vector<std::string> field_notes;
         stages.run("fields", [&] {
             add_fields_of(arguments, moments, volumes, model, field_notes, stages.progress());
@@ -324,6 +324,7 @@ Converted converted(const Gaussians& model, const Hierarchy& hierarchy) {
             hierarchy.size(),
             ply_bytes(model, hierarchy),
             mass(model),
+            model.fields.names(),
             {}};
 }
 
@@ -338,7 +339,10 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
                                arguments.output, count_text(made.gaussians), 100 * share,
                                count_text(made.source_voxels),
                                kind == FileKind::points ? "particles" : "active voxels",
-                               bytes_text(made.bytes), mass_ratio));
+                               bytes_text(made.bytes), mass_ratio) +
+                   (made.fields.empty()
+                        ? std::string()
+                        : fmt::format(", fields {}", fmt::join(made.fields, ", "))));
         // The file's summary repeats the counts; here what the first line lacks.
         const std::string details = by_moments ? detail_text(moments.report(volume_mass)) : "";
         if (!details.empty()) print_line(details);
@@ -355,6 +359,7 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         {"nodes", made.nodes},
         {"bytes", made.bytes},
         {"mass_ratio", mass_ratio}};
+    if (!made.fields.empty()) json["fields"] = made.fields;
     if (by_moments) {
         json["mass_ratio_before_threshold"] = moments.cells_mass / volume_mass;
         json["dropped_mass_share"] = moments.dropped_mass / volume_mass;
@@ -410,7 +415,10 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
         "--field", arguments->fields,
         "Field that Gaussians carry beside density, for pictures of it (vog render --show): GRID "
         "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. "
-        "Repeatable");
+        "Repeatable. The volume's own values are one by default");
+    command->add_flag("--no-fields", arguments->no_fields,
+                      "Carry no fields, not even the volume's own values: 24 bytes less for each "
+                      "Gaussian");
     add_moment_options(*command, *arguments);
     add_paper_options(*command, *arguments);
     add_point_options(*command, arguments->points);

@@ -149,7 +149,22 @@ GridInfo info_of(const Volume& volume) {
     return info;
 }
 
+/// Calls take(field, kind) for each field of a model.
+template <class Take>
+void for_each_field(const Fields& fields, const Take& take) {
+    for (const ScalarField& field : fields.scalar) take(field, "scalar");
+    for (const VectorField& field : fields.vector) take(field, "vector");
+}
+
 Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
+    Json fields = Json::array();
+    for_each_field(model.fields, [&](const auto& field, const char* kind) {
+        fields.push_back({{"name", field.name},
+                          {"kind", kind},
+                          {"unit", field.unit},
+                          {"min", field.lower},
+                          {"max", field.upper}});
+    });
     Box bounds;
     for (std::size_t i = 0; i < model.size(); ++i) bounds.include(support_box(model, i));
     return {{"gaussians", model.size()},
@@ -160,6 +175,7 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
             {"bounds", array(bounds)},
             {"box", array(model.box)},
             {"origin", array(model.origin)},
+            {"fields", fields},
             {"nodes", hierarchy.size()},
             {"bytes", ply_bytes(model, hierarchy)},
             {"source", model.source},
@@ -185,6 +201,10 @@ void print(const Gaussians& model, const Hierarchy& hierarchy) {
     const Vec3d o = model.origin;
     if (o != Vec3d{})
         line("origin", fmt::format("({}, {}, {}), which means are relative to", o.x, o.y, o.z));
+    for_each_field(model.fields, [&](const auto& field, const char* kind) {
+        line("field", fmt::format("{}, {}, {:.6g} to {:.6g}{}{}", field.name, kind, field.lower,
+                                  field.upper, field.unit.empty() ? "" : " ", field.unit));
+    });
     if (!model.source.empty()) line("source", model.source);
     if (model.source_voxels)
         line("share", fmt::format("{:.3g} % of {} active voxels or particles",

@@ -8,17 +8,17 @@ namespace vog::cli {
 
 void check_fields(const ConvertArguments& arguments, FileKind kind) {
     if (arguments.fields.empty()) return;
+    if (arguments.no_fields)
+        throw CLI::ValidationError("--field and --no-fields exclude each other");
     if (kind == FileKind::points)
         throw CLI::ValidationError("--field does not go with particles yet: expected volumes");
-    if (!arguments.output.ends_with(".ply"))
-        throw CLI::ValidationError("--field does not go with time series yet: expected one output");
 }
 
 void add_fields_of(const ConvertArguments& arguments, const MomentOptions& moments,
                    std::vector<Volume>& volumes, Gaussians& model, std::vector<std::string>& notes,
                    const Progress& progress) {
     const std::vector<std::vector<VoxelField>> fields =
-        read_volume_fields(arguments.fields, arguments.volume.grid, volumes, notes);
+        read_volume_fields({arguments.fields, arguments.volume.grid, true}, volumes, notes);
     FieldOptions options;
     const bool hard = arguments.method == "moments" && moments.block_voxels &&
                       moments.soft_steps == 0 && moments.refine_seconds == 0 && volumes.size() == 1;

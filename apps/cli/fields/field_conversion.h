@@ -10,10 +10,10 @@
 
 namespace vog::cli {
 
-/// throws  CLI::ValidationError for --field with inputs or outputs that have no fields
+/// throws  CLI::ValidationError for --field with inputs that have no fields, and with --no-fields
 void check_fields(const ConvertArguments& arguments, FileKind kind);
 
-/// Reads the fields of --field and adds them to a model.
+/// Reads the fields of --field and adds them, and the volumes' own values, to a model.
 /// volumes  what the model was made of; tiles inside which a field varies are divided
 /// notes    receives a line for each field that covers only a part of the volumes
 void add_fields_of(const ConvertArguments& arguments, const MomentOptions& moments,

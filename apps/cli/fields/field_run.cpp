@@ -118,7 +118,7 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
     const std::string& text = arguments.quantity.field;
     drawing.notes = set.notes;
     data->field = std::move(
-        read_volume_fields({grid_text(text)}, given.volume.grid, data->volumes, drawing.notes)
+        read_volume_fields({{grid_text(text)}, given.volume.grid}, data->volumes, drawing.notes)
             .front());
     print_notes(drawing.notes);
     Fields names;

@@ -12,23 +12,9 @@ namespace vog::cli {
 
 namespace {
 
-/// The volume's own values, which need no copy.
-VoxelField measure_field(const Volume& volume, const std::string& name) {
-    VoxelField field;
-    field.name = name.empty() ? "density" : name;
-    field.component.resize(1);
-    bool any = false;
-    const auto include = [&](float value) {
-        const double number{value};
-        field.lower = any ? std::min(field.lower, number) : number;
-        field.upper = any ? std::max(field.upper, number) : number;
-        any = true;
-    };
-    for (const Leaf& leaf : volume.leaves)
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (leaf.active(n)) include(leaf.value[static_cast<std::size_t>(n)]);
-    for (const Tile& tile : volume.tiles) include(tile.value);
-    return field;
+/// Whether a source is the volume's own grid.
+bool is_own(const FieldSource& source, const Volume& volume) {
+    return source.file == volume.source && source.grid == volume.name;
 }
 
 /// Reads one field more. Fields without values need no division of tiles.
@@ -51,28 +37,41 @@ bool without_values(const VoxelField& field) {
     return values.leaf.empty() && values.tile.empty();
 }
 
+std::string own_name(const std::vector<Volume>& volumes) {
+    const std::string& name = volumes.front().name;
+    const auto same = [&](const Volume& volume) { return volume.name == name; };
+    return !name.empty() && std::ranges::all_of(volumes, same) ? name : "density";
+}
+
 std::vector<VoxelField> own_values(const std::vector<Volume>& volumes) {
     std::vector<VoxelField> fields;
-    for (const Volume& volume : volumes) fields.push_back(measure_field(volume, volume.name));
+    for (const Volume& volume : volumes) fields.push_back(measure_field(volume, own_name(volumes)));
     return fields;
 }
 
-std::vector<std::vector<VoxelField>> read_volume_fields(const std::vector<std::string>& texts,
-                                                        const std::string& pattern,
+std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
                                                         std::vector<Volume>& volumes,
                                                         std::vector<std::string>& notes) {
-    const std::vector<FieldSource> sources = parse_fields(texts);
-    std::vector<std::vector<VoxelField>> all(sources.size());
+    const std::vector<FieldSource> sources = parse_fields(given.texts);
+    const auto at = [&](const FieldSource& source, const Volume& volume) {
+        return field_of_level(source, given.pattern, LevelSource{volume.source, volume.name});
+    };
+    const std::string name = own_name(volumes);
+    const bool own =
+        given.own && std::ranges::none_of(sources, [&](const FieldSource& source) {
+            return source.name == name || is_own(at(source, volumes.front()), volumes.front());
+        });
+    std::vector<std::vector<VoxelField>> all(sources.size() + (own ? 1 : 0));
     for (Volume& volume : volumes) {
         // One volume at a time: its tiles are divided for all fields.
         std::vector<VoxelField> fields;
         for (const FieldSource& any : sources) {
-            const FieldSource source =
-                field_of_level(any, pattern, LevelSource{volume.source, volume.name});
-            const bool own = source.file == volume.source && source.grid == volume.name;
-            fields.push_back(own ? measure_field(volume, source.name)
+            const FieldSource source = at(any, volume);
+            fields.push_back(is_own(source, volume)
+                                 ? measure_field(volume, source.name.empty() ? name : source.name)
                                  : read_beside(source, volume, fields, notes));
         }
+        if (own) fields.push_back(measure_field(volume, name));
         for (std::size_t f = 0; f < all.size(); ++f) {
             if (!all[f].empty()) fields[f].name = all[f].front().name;
             all[f].push_back(std::move(fields[f]));

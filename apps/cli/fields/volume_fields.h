@@ -8,22 +8,30 @@
 
 namespace vog::cli {
 
-/// Reads fields of volumes; one that is a volume's own grid needs no values (its component is empty).
-/// texts    of --field (options/field_options.h)
-/// pattern  --grid; a '*' in a text stands for what that of the pattern matched in a volume's name
+/// Name of the field of volumes' own values: that of their grid, `density` where it has none or they
+/// differ.
+std::string own_name(const std::vector<Volume>& volumes);
+
+/// Fields of volumes, and how the volumes were read.
+struct FieldTexts {
+    std::vector<std::string> texts;  ///< of --field (options/field_options.h)
+    /// --grid; a '*' in a text stands for what that of the pattern matched in a volume's name.
+    std::string pattern;
+    bool own = false;  ///< the volumes' own values too, unless a text names them or has their name
+};
+/// Reads fields of volumes; one that is the measure's own values has an empty component.
 /// volumes  tiles inside which a field varies are divided
 /// notes    receives a line for each field that covers only a part of a volume
 /// returns  [fields][volumes], of one name for all volumes
 /// throws   CLI::ValidationError for a text, vog::Error for what cannot be read
-std::vector<std::vector<VoxelField>> read_volume_fields(const std::vector<std::string>& texts,
-                                                        const std::string& pattern,
+std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& fields,
                                                         std::vector<Volume>& volumes,
                                                         std::vector<std::string>& notes);
 
 /// The volumes' own values as fields without values.
 std::vector<VoxelField> own_values(const std::vector<Volume>& volumes);
 
-/// Whether a field is the volume's own grid, read without its values.
+/// Whether a field is the measure's own values, without a copy.
 bool without_values(const VoxelField& field);
 
 }  // namespace vog::cli

@@ -29,6 +29,7 @@ struct ConvertArguments {
     PaperOptions paper;
     MomentOptions moments;
     std::vector<std::string> fields;  ///< texts of --field (options/field_options.h)
+    bool no_fields = false;
     int threads = 0;
     bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
     MemoryArguments memory;
@@ -84,10 +85,11 @@ struct MomentTotals {
 struct Converted {
     std::string method, options, summary;
     std::uint64_t gaussians = 0, source_voxels = 0;
-    std::uint64_t nodes = 0;           ///< of the hierarchy
-    std::uint64_t bytes = 0;           ///< size of the file
-    double mass = 0;                   ///< density times world volume
-    std::vector<std::string> notes{};  ///< printed about the inputs
+    std::uint64_t nodes = 0;            ///< of the hierarchy
+    std::uint64_t bytes = 0;            ///< size of the file
+    double mass = 0;                    ///< density times world volume
+    std::vector<std::string> fields{};  ///< names
+    std::vector<std::string> notes{};   ///< printed about the inputs
 };
 Converted converted(const Gaussians& model, const Hierarchy& hierarchy);
 

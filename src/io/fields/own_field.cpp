@@ -10,27 +10,55 @@
 
 namespace vog {
 
-VoxelField own_field(const Volume& volume, const std::string& name) {
-    VoxelField field;
-    field.name = name.empty() ? volume.name : name;
-    VoxelValues& values = field.component.emplace_back();
+namespace {
+
+/// Calls take(leaf, offset, value) for active voxels and take_tile(value) for tiles; returns the volume's
+/// name and the range of its values.
+template <class Take, class TakeTile>
+VoxelField with_range(const Volume& volume, const std::string& name, const Take& take,
+                      const TakeTile& take_tile) {
     float lower = std::numeric_limits<float>::infinity(), upper = -lower;
     const auto include = [&](float value) {
         lower = std::min(lower, value);
         upper = std::max(upper, value);
     };
-    resize_kept(values.leaf, volume.leaves.size());
     for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
         check_interrupt();
         const Leaf& leaf = volume.leaves[n];
         for (int offset = 0; offset < kLeafVoxels; ++offset) {
             if (!leaf.active(offset)) continue;
             const auto at = static_cast<std::size_t>(offset);
-            include(values.leaf[n][at] = leaf.value[at]);
+            include(leaf.value[at]);
+            take(n, at, leaf.value[at]);
         }
     }
-    for (const Tile& tile : volume.tiles) include(values.tile.emplace_back(tile.value));
+    for (const Tile& tile : volume.tiles) {
+        include(tile.value);
+        take_tile(tile.value);
+    }
+    VoxelField field;
+    field.name = name.empty() ? volume.name : name;
     if (lower <= upper) field.lower = double{lower}, field.upper = double{upper};
+    return field;
+}
+
+}  // namespace
+
+VoxelField own_field(const Volume& volume, const std::string& name) {
+    VoxelValues values;
+    resize_kept(values.leaf, volume.leaves.size());
+    VoxelField field = with_range(
+        volume, name,
+        [&](std::size_t leaf, std::size_t at, float value) { values.leaf[leaf][at] = value; },
+        [&](float value) { values.tile.push_back(value); });
+    field.component.push_back(std::move(values));
+    return field;
+}
+
+VoxelField measure_field(const Volume& volume, const std::string& name) {
+    VoxelField field = with_range(
+        volume, name, [](std::size_t, std::size_t, float) {}, [](float) {});
+    field.component.resize(1);
     return field;
 }
 
