@@ -9,7 +9,9 @@
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
+#include "vog/levels.h"
 #include "vog/progress.h"
+#include "vog/quantity.h"
 #include "vog/reference.h"
 #include "vog/splat.h"
 #include "vog/trace.h"
@@ -23,7 +25,8 @@ enum class FieldPart {
     view,   ///< component of a vector field along the ray, away from the eye positive
     x,
     y,
-    z,  ///< component of a vector field along a world axis
+    z,          ///< component of a vector field along a world axis
+    magnitude,  ///< root mean square of a vector field (FieldMaps)
 };
 
 /// A field and the part of it that is shown.
@@ -32,11 +35,15 @@ struct FieldChoice {
     FieldPart part = FieldPart::value;
 };
 
-/// Reads "temperature", "velocity" (the component along the view) or "velocity.x".
+/// Reads "temperature", "velocity" (the component along the view), "velocity.x" or "velocity.magnitude".
 /// throws  vog::Error listing the fields of the model, for one it lacks and a part that the field has not
 FieldChoice field_choice(const std::string& text, const Fields& fields);
+/// Name of the shown number: "temperature", "velocity along the view", "velocity.x", "rms of velocity".
+std::string field_label(const FieldChoice& choice);
 
-/// Sums along the ray through each pixel; rows from the top.
+/// Sums along the ray through each pixel; rows from the top. The mean magnitude of a vector is not a sum of
+/// moments; FieldPart::magnitude has, of the vector u and its mean <u> along the ray,
+///   mean = sqrt <|u|^2>, the root mean square        deviation = sqrt <|u - <u>|^2>, in three dimensions
 struct FieldMaps {
     int width = 0, height = 0;  ///< pixels
     std::vector<float>
@@ -50,19 +57,23 @@ struct FieldMaps {
 /// Splats a field of a model: exact integrals of each Gaussian's plane and residual along every ray.
 /// A Gaussian drawn wider than it is (docs/method.md, "Gaussians smaller than a pixel") has its mean value and
 /// whole variance at each of its pixels.
+/// With a hierarchy its cut is drawn: nodes have the joint moments of the Gaussians below.
+/// report   receives the counts of the cut; null: not
 /// returns  the same bytes for any number of threads
-/// throws   vog::Error as SplatRenderer does, for a field that the model lacks, and for options with boxes or a
-///          hierarchy
+/// throws   vog::Error as SplatRenderer does, for a field that the model lacks, and for options with boxes
 [[nodiscard]] FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
                                            const Camera& camera, int width, int height,
-                                           const SplatOptions& options = {});
+                                           const SplatOptions& options = {},
+                                           CutReport* report = nullptr);
 /// The same by one ray a pixel.
 /// throws  vog::Error as trace_scene and render_trace do, for a field that the model lacks, and for AnyHit::collect
 [[nodiscard]] FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
                                            const Camera& camera, int width, int height,
                                            const TraceOptions& options = {},
                                            const TraceSceneOptions& scene = {});
-/// The voxels' own maps: constant in each voxel.
+/// The voxels' own maps. With Interpolation::constant each voxel is a box with its density and field, with
+/// linear a tent over the eight voxels around (trilinear density; at a point the field has the values of those
+/// voxels, by their weights times density).
 /// Several volumes are added up; samples are those of ReferenceOptions.
 /// volumes  the measures
 /// fields   [volumes] the field at the voxels of each; a component with neither leaves nor tiles is the volume's
@@ -72,10 +83,27 @@ struct FieldMaps {
 [[nodiscard]] FieldMaps render_field_reference(std::span<const Volume> volumes,
                                                std::span<const VoxelField> fields, FieldPart part,
                                                const Camera& camera, int width, int height,
-                                               const ReferenceOptions& options = {});
+                                               const ReferenceOptions& options = {},
+                                               const VoxelGridOptions& voxels = {});
+/// The same of the levels of a mesh: at every point the finest counts alone (level_grids). Deviations below
+/// 3e-4 of the field's range are rounding: the measure times the field is stored in floats.
+/// fields  [levels.volumes]
+[[nodiscard]] FieldMaps render_field_reference(const Levels& levels,
+                                               std::span<const VoxelField> fields, FieldPart part,
+                                               const Camera& camera, int width, int height,
+                                               const ReferenceOptions& options = {},
+                                               const VoxelGridOptions& voxels = {});
+
+/// Values that count for a color scale: where the column is at least a thousandth of the largest. Others are
+/// the rims of supports, often of extreme values.
+/// shown  [maps.column] the map that is shown
+std::vector<float> values_for_scale(const FieldMaps& maps, std::span<const float> shown);
+/// The shown map, NaN where the column is below a share of the largest.
+ValueMap visible_values(const FieldMaps& maps, std::span<const float> shown, double least_share);
 
 /// Contributions of Gaussian i to the sums along o + t r, t >= 0, in double precision by the closed form: the
 /// measure, the measure times the field, and times its square. Every renderer is tested against this function.
+/// FieldPart::magnitude has no first sum: 0.
 struct FieldSums {
     double column = 0, first = 0, second = 0;
 };

@@ -160,6 +160,32 @@ ShownField shown_field(const Gaussians& gaussians, const FieldChoice& choice,
     return shown;
 }
 
+FieldMaps magnitude_maps(const Progress& progress,
+                         const std::function<FieldMaps(FieldPart, const Progress&)>& render) {
+    FieldMaps maps;
+    std::vector<double> square, variance;  // sums over the components
+    int done = 0;
+    for (const FieldPart part : {FieldPart::x, FieldPart::y, FieldPart::z}) {
+        const Progress own =
+            progress ? Progress([&](double fraction) { progress((done + fraction) / 3); })
+                     : Progress{};
+        maps = render(part, own);
+        square.resize(maps.mean.size());
+        variance.resize(maps.mean.size());
+        for (std::size_t n = 0; n < maps.mean.size(); ++n) {
+            const double mean{maps.mean[n]}, deviation{maps.deviation[n]};
+            square[n] += mean * mean + deviation * deviation;
+            variance[n] += deviation * deviation;
+        }
+        ++done;
+    }
+    for (std::size_t n = 0; n < maps.mean.size(); ++n) {
+        maps.mean[n] = static_cast<float>(std::sqrt(square[n]));
+        maps.deviation[n] = static_cast<float>(std::sqrt(variance[n]));
+    }
+    return maps;
+}
+
 FieldMaps empty_maps(int width, int height) {
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();

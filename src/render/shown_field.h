@@ -2,6 +2,8 @@
 // difference from that, so that sums of floats keep the digits of 300 ± 0.1.
 #pragma once
 
+#include <functional>
+
 #include "render/device/field_hit.h"
 #include "vog/field_maps.h"
 
@@ -66,6 +68,10 @@ inline void set_pixel(FieldMaps& maps, std::size_t n, const RaySums& sums, doubl
     maps.deviation[n] =
         static_cast<float>(unit * std::sqrt(std::max(sums.second * per_column - mean * mean, 0.0)));
 }
+/// Maps of FieldPart::magnitude from those of the components.
+/// render  called with FieldPart::x, y and z, and the part of the progress that is its own
+FieldMaps magnitude_maps(const Progress& progress,
+                         const std::function<FieldMaps(FieldPart, const Progress&)>& render);
 /// Maps without any column.
 FieldMaps empty_maps(int width, int height);
 

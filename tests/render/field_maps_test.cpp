@@ -72,8 +72,22 @@ Expected expected(const std::vector<FieldSums>& parts) {
     all.deviation = std::sqrt(std::max(second / all.column, 0.0));
     return all;
 }
+/// Root mean square and three-dimensional dispersion, from the three components.
+Expected magnitude_of(const std::function<Expected(FieldPart)>& component) {
+    double square = 0, variance = 0, column = 0;
+    for (const FieldPart part : {FieldPart::x, FieldPart::y, FieldPart::z}) {
+        const Expected one = component(part);
+        column = one.column;
+        variance += one.deviation * one.deviation;
+        square += one.mean * one.mean + one.deviation * one.deviation;
+    }
+    return {column, std::sqrt(square), std::sqrt(variance)};
+}
 Expected closed_form(const Gaussians& model, const FieldChoice& choice, const CameraFrame& frame,
                      int x, int y) {
+    if (choice.part == FieldPart::magnitude)
+        return magnitude_of(
+            [&](FieldPart part) { return closed_form(model, velocity(part), frame, x, y); });
     std::vector<FieldSums> parts;
     for (std::size_t i = 0; i < model.size(); ++i)
         parts.push_back(field_sums(model, choice, i, frame.origin(x, y), frame.direction(x, y)));
@@ -139,13 +153,15 @@ std::vector<View> views() {
         {"parallel_eye_inside", parallel({0.1, 0.2, 0.3}, 3)},
     };
     for (const auto& [name, camera] : cameras)
-        for (const FieldChoice& choice :
-             {kScalar, velocity(FieldPart::view), velocity(FieldPart::y)}) {
+        for (const FieldChoice& choice : {kScalar, velocity(FieldPart::view),
+                                          velocity(FieldPart::y), velocity(FieldPart::magnitude)}) {
             const bool is_scalar = choice.part == FieldPart::value;
             const bool is_view = choice.part == FieldPart::view;
+            const bool is_y = choice.part == FieldPart::y;
             all.push_back({name + (is_scalar ? "_scalar"
                                    : is_view ? "_along_view"
-                                             : "_y"),
+                                   : is_y    ? "_y"
+                                             : "_magnitude"),
                            some, choice, camera});
         }
     all.push_back(
@@ -293,6 +309,7 @@ void add_by_voxels(const Volume& volume, const VoxelField& field, FieldPart part
         double value = component(0);
         if (part == FieldPart::view)
             value = to.x * component(0) + to.y * component(1) + to.z * component(2);
+        if (part == FieldPart::y) value = component(1);
         if (part == FieldPart::z) value = component(2);
         if (weight > 0) parts.push_back({weight, weight * value, weight * value * value});
     };
@@ -352,6 +369,13 @@ TEST(field_sums, are_the_integrals) {
                 EXPECT_NEAR(sums.second, right.second, 4e-7 * (scale + right.second));
                 ++met;
             }
+            const FieldSums all =
+                field_sums(model, velocity(FieldPart::magnitude), i, origin, direction);
+            double squares = 0;
+            for (const FieldPart part : {FieldPart::x, FieldPart::y, FieldPart::z})
+                squares += by_quadrature(model, velocity(part), i, origin, direction).second;
+            EXPECT_NEAR(all.second, squares, 1e-6 * (squares + all.column));
+            EXPECT_EQ(all.first, 0);
             cut += distance == 0;
         }
     EXPECT_EQ(met, 480);
@@ -490,6 +514,10 @@ TEST(field_maps, choose_a_field_by_its_name) {
     EXPECT_EQ(field_choice("temperature", model.fields).part, FieldPart::value);
     EXPECT_EQ(field_choice("velocity", model.fields).part, FieldPart::view);
     EXPECT_EQ(field_choice("velocity.y", model.fields).part, FieldPart::y);
+    EXPECT_EQ(field_choice("velocity.magnitude", model.fields).part, FieldPart::magnitude);
+    EXPECT_EQ(field_label(field_choice("velocity", model.fields)), "velocity along the view");
+    EXPECT_EQ(field_label(field_choice("velocity.y", model.fields)), "velocity.y");
+    EXPECT_EQ(field_label(velocity(FieldPart::magnitude)), "rms of velocity");
     const auto message = [](const std::string& text, const Fields& fields) {
         try {
             (void)field_choice(text, fields);
@@ -498,7 +526,8 @@ TEST(field_maps, choose_a_field_by_its_name) {
         }
         return std::string();
     };
-    for (const char* wrong : {"pressure", "temperature.x", "velocity.w", "velocity.", ".x", ""})
+    for (const char* wrong : {"pressure", "temperature.x", "temperature.magnitude", "velocity.w",
+                              "velocity.", ".x", ""})
         EXPECT_NE(message(wrong, model.fields).find("expected one of temperature, velocity"),
                   std::string::npos)
             << wrong;
@@ -519,7 +548,8 @@ TEST(field_reference, is_the_sum_over_voxels) {
         volumes[1].tiles.clear();
         const Box box = world_box(volumes[1]);
         Camera camera = pinhole(box.center() + box.radius() * Vec3d{2, 1.5, 1}, box.center(), 30);
-        for (const FieldPart part : {FieldPart::value, FieldPart::view, FieldPart::z}) {
+        for (const FieldPart part :
+             {FieldPart::value, FieldPart::view, FieldPart::z, FieldPart::magnitude}) {
             const std::size_t components = part == FieldPart::value ? 1 : 3;
             const std::vector<VoxelField> fields{random_field(volumes[0], components, 93),
                                                  random_field(volumes[1], components, 94)};
@@ -528,14 +558,18 @@ TEST(field_reference, is_the_sum_over_voxels) {
             const CameraFrame frame = frame_of(camera, 12, 10);
             for (int y = 0; y < 10; ++y)
                 for (int x = 0; x < 12; ++x) {
-                    std::vector<FieldSums> parts;
-                    for (const double dx : {-0.25, 0.25})
-                        for (const double dy : {-0.25, 0.25})
-                            for (std::size_t n = 0; n < 2; ++n)
-                                add_by_voxels(volumes[n], fields[n], part,
-                                              frame.origin(x + dx, y + dy),
-                                              frame.direction(x + dx, y + dy), parts);
-                    const Expected exact = expected(parts);
+                    const auto of_part = [&](FieldPart shown) {
+                        std::vector<FieldSums> parts;
+                        for (const double dx : {-0.25, 0.25})
+                            for (const double dy : {-0.25, 0.25})
+                                for (std::size_t n = 0; n < 2; ++n)
+                                    add_by_voxels(volumes[n], fields[n], shown,
+                                                  frame.origin(x + dx, y + dy),
+                                                  frame.direction(x + dx, y + dy), parts);
+                        return expected(parts);
+                    };
+                    const Expected exact =
+                        part == FieldPart::magnitude ? magnitude_of(of_part) : of_part(part);
                     const auto at = static_cast<std::size_t>(12 * y + x);
                     ASSERT_NEAR(maps.column[at], exact.column / 4, 1e-6 * exact.column) << name;
                     if (exact.column == 0) {

@@ -20,16 +20,14 @@ struct FieldDrawing {
     std::string label;  ///< of the shown number: "velocity along the view"
     std::string unit;   ///< of the field
     std::function<FieldMaps(const Camera&, Size, const Progress&)> draw;
+    std::shared_ptr<CutReport> cut{};  ///< of the last picture; null: no hierarchy
 };
 
 /// throws CLI::ValidationError and vog::Error for options and renderers that do not draw fields
-void check(const RenderArguments& arguments, const CLI::App& command, const Drawing& drawing,
-           const RenderRanks& ranks) {
+void check(const RenderArguments& arguments, const Drawing& drawing, const RenderRanks& ranks) {
     const std::string show = "--show " + arguments.quantity.show;
     if (ranks.allreduce_max || !ranks.is_root)
         throw CLI::ValidationError(show + ": is of one process, expected vog render");
-    if (command.count("--pixel-error"))
-        throw CLI::ValidationError("--pixel-error: is of T and column density");
     const std::string& input = arguments.drawing.inputs.front();
     if (drawing.kind == FileKind::points)
         throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
@@ -37,9 +35,6 @@ void check(const RenderArguments& arguments, const CLI::App& command, const Draw
         if (drawing.renderer != Renderer::reference)
             throw Error(fmt::format("{}: {} draws no fields of volumes, expected reference", show,
                                     info_of(drawing.renderer).name));
-        if (arguments.drawing.interpolation != "constant")
-            throw CLI::ValidationError("--interpolation linear does not go with " + show +
-                                       " yet: voxels are constant");
         return;
     }
     if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
@@ -47,14 +42,14 @@ void check(const RenderArguments& arguments, const CLI::App& command, const Draw
                                 info_of(drawing.renderer).name));
 }
 
-/// "temperature", "velocity along the view", "velocity.x"
-std::string label_of(const FieldChoice& choice, const std::string& text) {
-    return choice.part == FieldPart::view ? text + " along the view" : text;
-}
-
 FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
     const DrawingArguments& given = arguments.drawing;
-    const auto model = std::make_shared<Gaussians>(load_models(given.inputs));
+    const bool splats = drawing.renderer == Renderer::splat;
+    const auto hierarchy = std::make_shared<Hierarchy>();
+    const auto model =
+        std::make_shared<Gaussians>(load_models(given.inputs, splats ? hierarchy.get() : nullptr));
+    // A model without a hierarchy gets one where --pixel-error is given.
+    if (splats && hierarchy->empty() && given.pixel_error) *hierarchy = build_hierarchy(*model);
     const FieldChoice choice = [&] {
         try {
             return field_choice(arguments.quantity.field, model->fields);
@@ -65,7 +60,7 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
     FieldDrawing made;
     const ScalarField* scalar = model->fields.find_scalar(choice.field);
     made.unit = scalar ? scalar->unit : model->fields.find_vector(choice.field)->unit;
-    made.label = label_of(choice, arguments.quantity.field);
+    made.label = field_label(choice);
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     set_primitives_text(drawing, 0);
@@ -82,9 +77,17 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
         SplatOptions options;
         options.aabb_sigma = given.aabb_sigma;
         options.kappa = given.kappa;
-        made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {
+        if (!hierarchy->empty()) {
+            options.hierarchy = hierarchy.get();
+            options.cut.pixel_error = given.pixel_error.value_or(options.cut.pixel_error);
+            made.cut = std::make_shared<CutReport>();
+        }
+        made.draw = [=, cut = made.cut](const Camera& camera, Size size,
+                                        const Progress& progress) mutable {
             options.progress = progress;
-            return render_field_splat(*model, choice, camera, size.width, size.height, options);
+            (void)hierarchy;  // the options point to it
+            return render_field_splat(*model, choice, camera, size.width, size.height, options,
+                                      cut.get());
         };
     }
     made.drawing = std::move(drawing);
@@ -93,33 +96,30 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
 
 /// Volumes with their field at every voxel.
 struct VolumesWithField {
-    std::vector<Volume> volumes;
+    LoadedVolumes set;
     std::vector<VoxelField> field;  ///< [volumes]
 };
 
-/// The grid in the text of a field: "velocity" of "velocity.x".
-std::string grid_text(const std::string& text) {
-    const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
-    return part ? text.substr(0, text.size() - 2) : text;
+/// Length of the part in the text of a field: ".x" of "velocity.x".
+std::size_t part_length(const std::string& text) {
+    for (const std::string_view part : {".x", ".y", ".z", ".magnitude"})
+        if (text.ends_with(part)) return part.size();
+    return 0;
 }
 
 FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing) {
     const DrawingArguments& given = arguments.drawing;
-    LoadedVolumes set = load_volumes(given.inputs, given.volume);
-    const auto data = std::make_shared<VolumesWithField>();
-    if (set.is_mesh()) {
-        Composite mesh = composite(set);
-        drawing.box = mesh.box;
-        data->volumes = std::move(mesh.parts);
-    } else {
-        data->volumes = std::move(set.volumes);
-        for (const Volume& volume : data->volumes) drawing.box.include(world_box(volume));
+    const auto data = std::make_shared<VolumesWithField>(load_volumes(given.inputs, given.volume));
+    std::vector<Volume>& volumes = data->set.volumes;
+    for (const Volume& volume : volumes) {
+        if (!volume.empty()) drawing.box.include(world_box(volume));
+        drawing.active_voxels += active_voxels(volume);
     }
     const std::string& text = arguments.quantity.field;
-    drawing.notes = set.notes;
-    data->field = std::move(
-        read_volume_fields({{grid_text(text)}, given.volume.grid}, data->volumes, drawing.notes)
-            .front());
+    const std::string grid = text.substr(0, text.size() - part_length(text));
+    drawing.notes = data->set.notes;
+    data->field =
+        std::move(read_volume_fields({{grid}, given.volume.grid}, volumes, drawing.notes).front());
     print_notes(drawing.notes);
     Fields names;
     const VoxelField& field = data->field.front();
@@ -127,41 +127,28 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
         names.vector.emplace_back().name = field.name;
     else
         names.scalar.emplace_back().name = field.name;
-    const std::string part = text.substr(grid_text(text).size());
-    const FieldChoice choice = field_choice(field.name + part, names);
+    const FieldChoice choice = field_choice(field.name + text.substr(grid.size()), names);
     FieldDrawing made;
     made.unit = field.unit;
-    made.label = label_of(choice, field.name + part);
-    for (const Volume& volume : data->volumes) drawing.active_voxels += active_voxels(volume);
-    set_primitives_text(drawing, set.is_mesh() ? data->volumes.size() : 0);
+    made.label = field_label(choice);
+    set_primitives_text(drawing, data->set.is_mesh() ? volumes.size() : 0);
     ReferenceOptions options;
     options.samples = given.samples;
     options.clip = clip_of(given);
+    VoxelGridOptions voxels;
+    if (given.interpolation == "linear") voxels.interpolation = Interpolation::linear;
+    voxels.step_voxels = given.step_voxels;
     made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {
         options.progress = progress;
-        return render_field_reference(data->volumes, data->field, choice.part, camera, size.width,
-                                      size.height, options);
+        const int width = size.width, height = size.height;
+        return data->set.is_mesh()
+                   ? render_field_reference(data->set, data->field, choice.part, camera, width,
+                                            height, options, voxels)
+                   : render_field_reference(data->set.volumes, data->field, choice.part, camera,
+                                            width, height, options, voxels);
     };
     made.drawing = std::move(drawing);
     return made;
-}
-
-/// Values that count for the range: those whose column is at least a thousandth of the largest. Others
-/// are the rims of supports, often of extreme values.
-std::vector<float> counted(const FieldMaps& maps, const std::vector<float>& shown) {
-    const float least = 1e-3f * *std::ranges::max_element(maps.column);
-    std::vector<float> values;
-    for (std::size_t n = 0; n < shown.size(); ++n)
-        if (maps.column[n] > 0 && maps.column[n] >= least) values.push_back(shown[n]);
-    return values;
-}
-
-/// Values, NaN where the column is below a share of the largest.
-std::vector<float> visible(const FieldMaps& maps, std::vector<float> shown, double share) {
-    const double least = share * double{*std::ranges::max_element(maps.column)};
-    for (std::size_t n = 0; n < shown.size(); ++n)
-        if (double{maps.column[n]} < least) shown[n] = std::numeric_limits<float>::quiet_NaN();
-    return shown;
 }
 
 /// throws vog::Error for a column beyond the range of floats
@@ -225,7 +212,7 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
     Stages stages(arguments.verbose);
     const FieldDrawing field = stages.run("load", [&] {
         Drawing drawing = begin_drawing(arguments.drawing, command);
-        check(arguments, command, drawing, ranks);
+        check(arguments, drawing, ranks);
         return drawing.kind == FileKind::model ? load_model(arguments, std::move(drawing))
                                                : load_volume_field(arguments, std::move(drawing));
     });
@@ -241,16 +228,15 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
     const std::vector<float>& shown = quantity.show == "mean" ? maps.mean : maps.deviation;
     const ColorScale scale = [&] {
         const auto fixed = fixed_scale(quantity);
-        return fixed ? *fixed : fitted_scale(counted(maps, shown), quantity.fit());
+        return fixed ? *fixed : fitted_scale(values_for_scale(maps, shown), quantity.fit());
     }();
     const std::string name = quantity.show == "mean" ? field.label : "deviation of " + field.label;
     const std::string unit = quantity.units.empty() ? field.unit : quantity.units;
     if (!arguments.output.empty()) {
         const std::string label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
         const Image image = stages.run("shade", [&] {
-            return pictured(arguments,
-                            {maps.width, maps.height, visible(maps, shown, quantity.least_column)},
-                            tf, scale, label);
+            return pictured(arguments, visible_values(maps, shown, quantity.least_column), tf,
+                            scale, label);
         });
         stages.run("save", [&] { write_image(arguments.output, image); });
     }
@@ -261,6 +247,7 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
     RenderedPicture picture =
         figures_of(arguments, drawing, column, std::move(render_ms), stages, scale);
     set_figures(arguments, shown, scale, picture);
+    if (field.cut) picture.cut = *field.cut;
     picture.quantity = name;
     picture.units = unit;
     picture.camera = camera;

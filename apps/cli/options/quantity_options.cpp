@@ -26,8 +26,8 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
     command
         .add_option("--field", arguments.field,
                     "Field that mean, deviation and volume show: temperature, velocity (a "
-                    "vector field's component along the view, away from the eye positive) or "
-                    "velocity.x, .y, .z")
+                    "vector field's component along the view, away from the eye positive), "
+                    "velocity.x, .y, .z, or velocity.magnitude (root mean square)")
         ->group(kQuantityGroup);
     command
         .add_option("--range", arguments.range,

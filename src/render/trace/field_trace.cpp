@@ -77,6 +77,13 @@ std::vector<RaySums> splatted_sums(const Gaussians& gaussians, const ShownField&
 FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
                              const Camera& camera, int width, int height,
                              const TraceOptions& options, const TraceSceneOptions& scene) {
+    if (choice.part == FieldPart::magnitude)
+        return magnitude_maps(options.progress, [&](FieldPart part, const Progress& progress) {
+            TraceOptions own = options;
+            own.progress = progress;
+            return render_field_trace(gaussians, {choice.field, part}, camera, width, height, own,
+                                      scene);
+        });
     check_trace_options(options);
     if (options.anyhit == AnyHit::collect)
         throw Error("trace: any-hit collect with a field, expected accumulate: its maps are sums");

@@ -28,11 +28,6 @@ Vec3i aligned(Vec3i index, std::int32_t edge) {
     return {index.x & ~(edge - 1), index.y & ~(edge - 1), index.z & ~(edge - 1)};
 }
 
-bool is_own(const VoxelField& field) {
-    return field.component.size() == 1 && field.component[0].leaf.empty() &&
-           field.component[0].tile.empty();
-}
-
 /// throws vog::Error for a field that is not of this volume, or lacks the part
 void check(const Volume& volume, const VoxelField& field, FieldPart part) {
     if (field.is_vector() != (part != FieldPart::value) || field.component.empty())
@@ -49,9 +44,21 @@ void check(const Volume& volume, const VoxelField& field, FieldPart part) {
 
 }  // namespace
 
+bool is_own(const VoxelField& field) {
+    return field.component.size() == 1 && field.component[0].leaf.empty() &&
+           field.component[0].tile.empty();
+}
+
+void check_fields(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+                  FieldPart part) {
+    if (volumes.size() != fields.size())
+        throw Error(fmt::format("reference: {} volumes and {} fields, expected one for each",
+                                volumes.size(), fields.size()));
+    for (std::size_t n = 0; n < volumes.size(); ++n) check(volumes[n], fields[n], part);
+}
+
 FieldGrid::FieldGrid(const Volume& volume, const VoxelField& field, FieldPart part)
     : volume_(volume), field_(field), part_(part), own_(is_own(field)), grid_(voxel_grid(volume)) {
-    check(volume, field, part);
     // NanoVDB has the leaves in an order of its own.
     const auto& tree = grid_.data().tree.grid().tree();
     const std::uint32_t count = tree.nodeCount(0);
@@ -105,9 +112,7 @@ Vec3d FieldGrid::gradient(const FieldCell& cell) const {
 
 std::vector<FieldGrid> field_grids(std::span<const Volume> volumes,
                                    std::span<const VoxelField> fields, FieldPart part) {
-    if (volumes.size() != fields.size())
-        throw Error(fmt::format("reference: {} volumes and {} fields, expected one for each",
-                                volumes.size(), fields.size()));
+    check_fields(volumes, fields, part);
     std::vector<FieldGrid> grids;
     grids.reserve(volumes.size());
     for (std::size_t n = 0; n < volumes.size(); ++n)

@@ -20,11 +20,17 @@ struct FieldCell {
     Segment segment;  ///< part of the ray, t of the world ray
 };
 
+/// Whether a field is its volume's own values: it has none of its own.
+bool is_own(const VoxelField& field);
+/// throws  vog::Error unless there is one field for each volume, of it, with the part
+void check_fields(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+                  FieldPart part);
+
 /// The volume and the field must outlive the grid.
 class FieldGrid {
   public:
     /// field  one whose component has neither leaves nor tiles is the volume's own values
-    /// throws vog::Error as voxel_grid does, for a field that is not of this volume, or lacks the part
+    /// throws vog::Error as voxel_grid does
     FieldGrid(const Volume& volume, const VoxelField& field, FieldPart part);
 
     /// Whether the field is the volume's own values.

@@ -1,7 +1,13 @@
-// field_reference.cpp: Maps of a field through the voxels themselves, constant in each voxel.
+// field_reference.cpp: Maps of a field through the voxels themselves: constant in each voxel, or by grids of its
+// moments, interpolated or of levels.
+#include <algorithm>
+#include <vector>
+
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
+#include "render/reference/fields/field_moments.h"
 #include "render/shown_field.h"
+#include "vog/error.h"
 
 namespace vog {
 
@@ -24,17 +30,41 @@ struct FirstRelative {
         sums.first += weight * difference;
         sums.second += weight * difference * difference;
     }
+    /// Adds a whole ray.
+    void add(const RayMoments& ray) {
+        if (!(ray.sums.column > 0)) return;
+        if (!met) reference = ray.reference, met = true;
+        const double shift = ray.reference - reference;
+        sums.column += ray.sums.column;
+        sums.first += ray.sums.first + shift * ray.sums.column;
+        sums.second +=
+            ray.sums.second + 2 * shift * ray.sums.first + shift * shift * ray.sums.column;
+    }
 };
 
-}  // namespace
+/// Fields with values, for grids of moments.
+/// throws vog::Error as field_grids, and for a clip
+std::vector<VoxelField> moment_fields(std::span<const Volume> volumes,
+                                      std::span<const VoxelField> fields, FieldPart part,
+                                      const ReferenceOptions& options) {
+    check_fields(volumes, fields, part);
+    if (!options.clip.empty())
+        throw Error(
+            "reference: a clip of interpolated voxels or levels with a field, expected voxels of "
+            "constant value");
+    std::vector<VoxelField> all(fields.begin(), fields.end());
+    for (std::size_t n = 0; n < all.size(); ++n)
+        if (is_own(all[n])) all[n] = own_field(volumes[n], all[n].name);
+    return all;
+}
 
-FieldMaps render_field_reference(std::span<const Volume> volumes,
-                                 std::span<const VoxelField> fields, FieldPart part,
-                                 const Camera& camera, int width, int height,
-                                 const ReferenceOptions& options) {
+/// Sums over the rays of every pixel.
+/// add  called with a ray and the sums that receive it
+template <class Add>
+FieldMaps maps_of(const Camera& camera, int width, int height, const ReferenceOptions& options,
+                  const Add& add) {
     check_samples(options.samples);
     validate(options.clip);
-    const std::vector<FieldGrid> grids = field_grids(volumes, fields, part);
     const CameraFrame frame = frame_of(camera, width, height);
     FieldMaps maps = empty_maps(width, height);
     const int samples = options.samples;
@@ -45,24 +75,83 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
             for (int x = 0; x < samples; ++x) {
                 const double at_x = column + sample_offset(x, samples);
                 const double at_y = row + sample_offset(y, samples);
-                const Vec3d origin = frame.origin(at_x, at_y);
-                const Vec3d direction = frame.direction(at_x, at_y);
-                const double stretch = length(direction);
-                for (const FieldGrid& grid : grids)
-                    grid.walk(origin, direction, visible_segment(options.clip, origin, direction),
-                              [&](const FieldCell& cell) {
-                                  const Segment& part_of_ray = cell.segment;
-                                  pixel.add(cell.density * (part_of_ray.last - part_of_ray.first) *
-                                                stretch,
-                                            cell.value);
-                                  return true;
-                              });
+                add(frame.origin(at_x, at_y), frame.direction(at_x, at_y), pixel);
             }
         const std::size_t n = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
                               static_cast<std::size_t>(column);
         set_pixel(maps, n, pixel.sums, pixel.sums.column / (samples * samples), pixel.reference, 1);
     });
     return maps;
+}
+
+/// Calls maps(part, progress) for the part, or for each component of a magnitude.
+template <class Maps>
+FieldMaps of_part(FieldPart part, const Progress& progress, const Maps& maps) {
+    return part == FieldPart::magnitude ? magnitude_maps(progress, maps) : maps(part, progress);
+}
+
+}  // namespace
+
+FieldMaps render_field_reference(std::span<const Volume> volumes,
+                                 std::span<const VoxelField> fields, FieldPart part,
+                                 const Camera& camera, int width, int height,
+                                 const ReferenceOptions& options, const VoxelGridOptions& voxels) {
+    const auto of = [&](const Progress& progress) {
+        return ReferenceOptions{progress, options.samples, options.clip};
+    };
+    const auto constant = [&](FieldPart shown, const Progress& progress) {
+        const std::vector<FieldGrid> grids = field_grids(volumes, fields, shown);
+        return maps_of(camera, width, height, of(progress),
+                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                           const Segment seen = visible_segment(options.clip, origin, direction);
+                           const double stretch = length(direction);
+                           for (const FieldGrid& grid : grids)
+                               grid.walk(origin, direction, seen, [&](const FieldCell& cell) {
+                                   const double part_of_ray =
+                                       cell.segment.last - cell.segment.first;
+                                   to.add(cell.density * part_of_ray * stretch, cell.value);
+                                   return true;
+                               });
+                       });
+    };
+    const auto linear = [&](FieldPart shown, const Progress& progress) {
+        const std::vector<VoxelField> valued = moment_fields(volumes, fields, shown, options);
+        const MomentUnits units = moment_units(volumes, valued, shown);
+        std::vector<MomentGrids<VoxelGrid>> grids;
+        for (std::size_t n = 0; n < volumes.size(); ++n)
+            grids.push_back(moment_grids<VoxelGrid>(units, [&](int a, int b) {
+                return voxel_grid(moment_volume(volumes[n], valued[n], units, a, b), voxels);
+            }));
+        return maps_of(camera, width, height, of(progress),
+                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                           for (const auto& grid : grids)
+                               to.add(grid.along(origin, normalized(direction)));
+                       });
+    };
+    return voxels.interpolation == Interpolation::constant
+               ? of_part(part, options.progress, constant)
+               : of_part(part, options.progress, linear);
+}
+
+FieldMaps render_field_reference(const Levels& levels, std::span<const VoxelField> fields,
+                                 FieldPart part, const Camera& camera, int width, int height,
+                                 const ReferenceOptions& options, const VoxelGridOptions& voxels) {
+    return of_part(part, options.progress, [&](FieldPart shown, const Progress& progress) {
+        const std::vector<VoxelField> valued =
+            moment_fields(levels.volumes, fields, shown, options);
+        const MomentUnits units = moment_units(levels.volumes, valued, shown);
+        const auto grids = moment_grids<LevelGrids>(units, [&](int a, int b) {
+            Levels moments{{}, levels.masks};
+            // Without masks the active voxels are the domain, which all moments share.
+            for (std::size_t n = 0; n < valued.size(); ++n)
+                moments.volumes.push_back(moment_volume(levels.volumes[n], valued[n], units, a, b));
+            return level_grids(moments, voxels);
+        });
+        return maps_of(camera, width, height, ReferenceOptions{progress, options.samples, {}},
+                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                           to.add(grids.along(origin, normalized(direction)));
+                       });
+    });
 }
 
 }  // namespace vog

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "render/pixel_limits.h"
 #include "render/splat/fields/field_planes.h"
@@ -19,7 +20,6 @@ namespace {
 void check(const SplatOptions& options, int width, int height) {
     if (options.aabb_sigma != 0)
         throw Error("splat: bounding boxes (aabb_sigma) with a field, expected T or trace");
-    if (options.hierarchy) throw Error("splat: a hierarchy with a field, expected all Gaussians");
     if (width > kMaxSide || height > kMaxSide)
         throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
                                 height, kMaxSide));
@@ -119,15 +119,9 @@ void Picture::draw_tile(int t, bool first, bool last, FieldTile& tile) const {
     if (last) finish(loops, shown, frame, model.unit, splats.column_of(t), splats.row_of(t), maps);
 }
 
-}  // namespace
-
-FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
-                             const Camera& camera, int width, int height,
-                             const SplatOptions& options) {
-    const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians.origin);
-    check(options, width, height);
-    validate(gaussians);
-    const auto cutoff = static_cast<float>(cutoff_of_kappa(options.kappa, gaussians.cutoff));
+/// Maps of a field of Gaussians, all of them.
+FieldMaps maps_of(const Gaussians& gaussians, const FieldChoice& choice, const CameraFrame& frame,
+                  const SplatOptions& options, float cutoff) {
     const ShownField shown = shown_field(gaussians, choice, frame, double{cutoff});
     const FieldPolynomials polynomials{fit_kernel(double{cutoff}),
                                        fit_chord_variance(double{cutoff})};
@@ -135,6 +129,7 @@ FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choi
                            &polynomials.kernel};
     const SplatKernels& kernels =
         options.simd_target.empty() ? best_splat_kernels() : splat_kernels(options.simd_target);
+    const int width = frame.width, height = frame.height;
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     FieldMaps maps{width, height, std::vector<float>(pixels), std::vector<float>(pixels),
                    std::vector<float>(pixels)};
@@ -149,6 +144,29 @@ FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choi
         first = last;
     } while (first < size);
     return maps;
+}
+
+}  // namespace
+
+FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
+                             const Camera& camera, int width, int height,
+                             const SplatOptions& options, CutReport* report) {
+    const CameraFrame world_frame = frame_of(camera, width, height);
+    check(options, width, height);
+    validate(gaussians);
+    const double cutoff = cutoff_of_kappa(options.kappa, gaussians.cutoff);
+    std::optional<ViewCut> cut;
+    if (options.hierarchy) cut.emplace(gaussians, *options.hierarchy, cutoff);
+    const Gaussians& drawn = cut ? cut->choose(world_frame, options.cut) : gaussians;
+    if (report) *report = cut ? cut->report() : CutReport{0, 0, gaussians.size()};
+    const CameraFrame frame = relative_to(world_frame, gaussians.origin);
+    const auto maps = [&](FieldPart part, const Progress& progress) {
+        SplatOptions own = options;
+        own.progress = progress;
+        return maps_of(drawn, {choice.field, part}, frame, own, static_cast<float>(cutoff));
+    };
+    return choice.part == FieldPart::magnitude ? magnitude_maps(options.progress, maps)
+                                               : maps(choice.part, options.progress);
 }
 
 }  // namespace vog

@@ -1,0 +1,76 @@
+// field_moments.h: Measures of a field's moments, each a grid of its own: sums along rays with every rule of the
+// reference, interpolation, levels and masks.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "render/shown_field.h"
+#include "vog/reference.h"
+
+namespace vog::reference {
+
+/// Components of a field in units of their own range over all volumes: u = (value - lower) / unit, [0, 1].
+struct MomentUnits {
+    std::vector<int> component;  ///< of the field: one, or the three of a component along rays
+    Vec3d lower, unit{1, 1, 1};  ///< [components]
+};
+MomentUnits moment_units(std::span<const Volume> volumes, std::span<const VoxelField> fields,
+                         FieldPart part);
+
+/// The volume with its density times u_a, or times u_a u_b.
+/// a, b  places in units.component; b -1: none
+Volume moment_volume(const Volume& volume, const VoxelField& field, const MomentUnits& units, int a,
+                     int b);
+
+/// Sums along a ray of the measure w, of w phi and w phi^2; phi minus its reference on this ray.
+struct RayMoments {
+    RaySums sums;
+    double reference = 0;
+};
+
+/// Grids of w, w u_a and w u_a u_b, a <= b.
+template <class Grid>
+struct MomentGrids {
+    MomentUnits units;
+    Grid measure;
+    std::vector<Grid> first{}, second{};
+
+    /// towards  unit length
+    RayMoments along(Vec3d origin, Vec3d towards) const {
+        RayMoments ray;
+        const std::size_t count = units.component.size();
+        ray.sums.column = optical_depth(measure, origin, towards);
+        Vec3d factor = units.unit;  // of a scalar the unit alone
+        for (int c = 0; c < static_cast<int>(count); ++c) {
+            const double along = count > 1 ? towards[c] : 1;
+            factor[c] *= along;
+            ray.reference += along * units.lower[c];
+        }
+        if (!(ray.sums.column > 0)) return ray;
+        std::size_t n = 0;
+        for (std::size_t a = 0; a < count; ++a) {
+            const double of_a = factor[static_cast<int>(a)];
+            ray.sums.first += of_a * optical_depth(first[a], origin, towards);
+            for (std::size_t b = a; b < count; ++b)
+                ray.sums.second += (a == b ? 1 : 2) * of_a * factor[static_cast<int>(b)] *
+                                   optical_depth(second[n++], origin, towards);
+        }
+        return ray;
+    }
+};
+
+/// Prepares all grids.
+/// prepare  called with (a, b), as moment_volume, -1 for none: returns that grid
+template <class Grid, class Prepare>
+MomentGrids<Grid> moment_grids(const MomentUnits& units, const Prepare& prepare) {
+    MomentGrids<Grid> grids{units, prepare(-1, -1)};
+    const int count = static_cast<int>(units.component.size());
+    for (int a = 0; a < count; ++a) {
+        grids.first.push_back(prepare(a, -1));
+        for (int b = a; b < count; ++b) grids.second.push_back(prepare(a, b));
+    }
+    return grids;
+}
+
+}  // namespace vog::reference
