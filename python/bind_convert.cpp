@@ -5,10 +5,12 @@
 
 #include "arrays.h"
 #include "data.h"
+#include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
+#include "voxel_fields.h"
 
 namespace vog::python {
 
@@ -143,10 +145,56 @@ void fill(const py::object& caller_dict, const MomentReport& report, double targ
     dict["stage_ms"] = ms;
 }
 
+/// Progress of a part of the work, from one fraction to another.
+Progress between(const Progress& progress, double first, double last) {
+    if (!progress) return {};
+    return [=](double fraction) { progress(first + fraction * (last - first)); };
+}
+/// Fraction of the work after which fields are added.
+double converted(const py::object& fields) { return fields.is_none() ? 1 : 0.6; }
+
+/// Fields at the voxels of a Volume or Levels, sampled before the conversion: their errors come early.
+struct SampledFields {
+    std::vector<Volume> volumes;
+    std::vector<std::vector<VoxelField>> values;
+};
+SampledFields sampled_fields(const py::object& data, const py::object& fields) {
+    SampledFields sampled;
+    if (fields.is_none()) return sampled;
+    std::vector<Lattice> lattices;
+    std::size_t count = 1;
+    if (py::isinstance<Volume>(data)) {
+        sampled.volumes.push_back(data.cast<const Volume&>());
+        lattices = lattices_of(sampled.volumes);
+    } else {
+        const auto levels = levels_of(data);
+        count = levels->volumes.size();
+        sampled.volumes = unlocked([&] {
+            // Parts keep the source of their level: its number, meanwhile.
+            Levels numbered = *levels;
+            for (std::size_t n = 0; n < count; ++n) numbered.volumes[n].source = std::to_string(n);
+            return composite(numbered).parts;
+        });
+        for (Volume& part : sampled.volumes) {
+            const Volume& level = levels->volumes[std::stoul(part.source)];
+            lattices.push_back({level.world_from_index, std::stoul(part.source)});
+            part.source = level.source;
+        }
+    }
+    sampled.values = voxel_fields_of(fields, sampled.volumes, lattices, count, "convert");
+    return sampled;
+}
+void add(const SampledFields& sampled, const FieldOptions& options, Gaussians& model) {
+    if (!sampled.values.empty())
+        unlocked([&] { add_fields(model, sampled.volumes, sampled.values, options); });
+}
+
 Model by_moments(const py::object& data, Options& options, const py::object& progress,
-                 const py::object& report_dict) {
+                 const py::object& report_dict, const py::object& fields) {
     MomentOptions moments = moment_options(options);
-    moments.progress = progress_of(progress);
+    const Progress whole = progress_of(progress);
+    const SampledFields sampled = sampled_fields(data, fields);
+    moments.progress = between(whole, 0, converted(fields));
     MomentReport report;
     Model model;
     if (py::isinstance<Volume>(data)) {
@@ -161,19 +209,34 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
         });
     }
     fill(report_dict, report, moments.block_voxels || moments.budget ? 0 : moments.error);
+    FieldOptions shares;
+    if (moments.block_voxels && moments.soft_steps == 0 && moments.refine_seconds == 0 &&
+        py::isinstance<Volume>(data))
+        shares = {FieldShares::cells, moments.block_voxels};
+    shares.progress = between(whole, converted(fields), 1);
+    add(sampled, shares, *model);
     return model;
 }
 
-Model by_paper(const py::object& data, Options& options, const py::object& progress) {
+Model by_paper(const py::object& data, Options& options, const py::object& progress,
+               const py::object& fields) {
     PaperOptions paper = paper_options(options);
-    paper.progress = progress_of(progress);
+    const Progress whole = progress_of(progress);
+    const SampledFields sampled = sampled_fields(data, fields);
+    paper.progress = between(whole, 0, converted(fields));
+    Model model;
     if (py::isinstance<Volume>(data)) {
         const auto& volume = data.cast<const Volume&>();
-        return unlocked([&] { return std::make_shared<Gaussians>(convert_paper(volume, paper)); });
+        model = unlocked([&] { return std::make_shared<Gaussians>(convert_paper(volume, paper)); });
+    } else {
+        const auto levels = levels_of(data);
+        model = unlocked(
+            [&] { return std::make_shared<Gaussians>(convert_paper(composite(*levels), paper)); });
     }
-    const auto levels = levels_of(data);
-    return unlocked(
-        [&] { return std::make_shared<Gaussians>(convert_paper(composite(*levels), paper)); });
+    FieldOptions shares;
+    shares.progress = between(whole, converted(fields), 1);
+    add(sampled, shares, *model);
+    return model;
 }
 
 Model of_points(const Points& points, const std::string& method, Options& options,
@@ -199,19 +262,22 @@ Model of_points(const Points& points, const std::string& method, Options& option
     return model;
 }
 
-Model convert(const py::object& data, const std::string& method, const py::object& progress,
-              const py::object& report, py::dict given) {
+Model convert(const py::object& data, const std::string& method, const py::object& fields,
+              const py::object& progress, const py::object& report, py::dict given) {
     if (method != "moments" && method != "paper")
         throw Error("convert: method '" + method + "', expected 'moments' or 'paper'");
     if (!report.is_none() && !py::isinstance<py::dict>(report))
         throw py::type_error("convert: report: expected a dict to fill");
     Options options(std::move(given));
-    if (py::isinstance<Points>(data))
+    if (py::isinstance<Points>(data)) {
+        if (!fields.is_none())
+            throw Error("convert: fields: of voxels, expected a Volume or Levels as data");
         return of_points(data.cast<const Points&>(), method, options, progress, report);
+    }
     if (!py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, "convert", "a Volume, Levels, a list of Volumes or Points");
-    if (method == "paper") return by_paper(data, options, progress);
-    return by_moments(data, options, progress, report);
+    if (method == "paper") return by_paper(data, options, progress, fields);
+    return by_moments(data, options, progress, report, fields);
 }
 
 }  // namespace
@@ -227,8 +293,8 @@ void bind_convert(py::module_& m) {
            py::object measure, py::object value, py::object radius, py::object neighbours,
            py::object strategy, py::object dense_block, py::object amplitude, py::object kappa,
            py::object opacity_threshold, py::object minimum_radius, py::object variance_threshold,
-           py::object similarity, py::object tree_depth, const py::object& progress,
-           const py::object& report) {
+           py::object similarity, py::object tree_depth, const py::object& fields,
+           const py::object& progress, const py::object& report) {
             using namespace py::literals;
             py::dict given(
                 "block"_a = block, "budget"_a = budget, "error"_a = error, "lod"_a = lod,
@@ -240,7 +306,7 @@ void bind_convert(py::module_& m) {
                 "opacity_threshold"_a = opacity_threshold, "minimum_radius"_a = minimum_radius,
                 "variance_threshold"_a = variance_threshold, "similarity"_a = similarity,
                 "tree_depth"_a = tree_depth);
-            return convert(data, method, progress, report, std::move(given));
+            return convert(data, method, fields, progress, report, std::move(given));
         },
         py::arg("data"), py::kw_only(), py::arg("method") = "moments", py::arg("block") = none,
         py::arg("budget") = none, py::arg("error") = none, py::arg("lod") = none,
@@ -250,8 +316,8 @@ void bind_convert(py::module_& m) {
         py::arg("strategy") = none, py::arg("dense_block") = none, py::arg("amplitude") = none,
         py::arg("kappa") = none, py::arg("opacity_threshold") = none,
         py::arg("minimum_radius") = none, py::arg("variance_threshold") = none,
-        py::arg("similarity") = none, py::arg("tree_depth") = none, py::arg("progress") = none,
-        py::arg("report") = none,
+        py::arg("similarity") = none, py::arg("tree_depth") = none, py::arg("fields") = none,
+        py::arg("progress") = none, py::arg("report") = none,
         R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
 
 data      a Volume; Levels or a list of Volumes: levels of one mesh, where finer ones hide coarser; Points
@@ -288,6 +354,11 @@ dense_block (edge, voxels: 2, 4, 8), amplitude ('mean', 'mass'), kappa (fraction
 are truncated), opacity_threshold (density), minimum_radius (voxels), variance_threshold, similarity,
 tree_depth (1 to 3). Points: value, radius (world units), kappa.
 
+fields    what the Gaussians know beside their density, of voxels: {"temperature": array, "velocity": array}.
+          An array [X, Y, Z] or, of vectors along the world's axes, [X, Y, Z, 3], begins at voxel (0, 0, 0);
+          ((i, j, k), array) or a list of such pairs begins elsewhere; a Volume is sampled at the voxels'
+          centres; a text is the name of a grid in the data's file; of several levels a list with one of these
+          for each. {"value": array, "unit": "K"} states the unit
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), view_note (mass that the views

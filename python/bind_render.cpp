@@ -1,14 +1,17 @@
 // bind_render.cpp: Python's Scene, data prepared for one renderer, and render(), one picture.
+#include <limits>
 #include <memory>
 #include <mutex>
 
 #include "arrays.h"
 #include "data.h"
+#include "shown_maps.h"
 #include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
+#include "voxel_fields.h"
 
 namespace vog::python {
 
@@ -88,6 +91,141 @@ DepthImage draw(Scene& scene, const std::optional<Camera>& camera, const py::obj
     });
 }
 
+/// Arguments of a map.
+struct MapArguments {
+    std::string show, field;
+    const py::object& fields;
+    const std::optional<Camera>& camera;
+    const py::object& size;
+    const py::object& progress;
+};
+
+Camera camera_for(const MapArguments& map, const Box& box, int width, int height) {
+    // Other sizes are refused by the renderer.
+    const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
+    return map.camera ? *map.camera : orbit_view(box, {}, aspect);
+}
+
+ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const RenderArguments& a) {
+    const auto& model = data.cast<const Gaussians&>();
+    if (!map.fields.is_none()) throw Error("render: fields: of voxels, a model has its own");
+    const Renderer renderer = checked_renderer(a, RenderInput::gaussians);
+    if (renderer != Renderer::splat && renderer != Renderer::trace)
+        throw Error(std::string("render: ") + info_of(renderer).name +
+                    " draws no fields, expected splat or trace");
+    const FieldChoice choice = field_choice(map.field, model.fields);
+    const ScalarField* scalar = model.fields.find_scalar(choice.field);
+    const auto [width, height] = size_of(map.size);
+    const Progress report = progress_of(map.progress);
+    ShownMaps shown{{},
+                    map.show,
+                    field_label(choice),
+                    scalar ? scalar->unit : model.fields.find_vector(choice.field)->unit};
+    shown.maps = unlocked([&, width = width, height = height] {
+        const Camera camera = camera_for(map, view_box(model), width, height);
+        if (renderer == Renderer::trace) {
+            TraceOptions options = a.options.trace;
+            options.progress = report;
+            return render_field_trace(model, choice, camera, width, height, options,
+                                      {a.options.aabb_sigma, a.options.kappa});
+        }
+        SplatOptions options;
+        options.progress = report;
+        options.aabb_sigma = a.options.aabb_sigma;
+        options.kappa = a.options.kappa;
+        return render_field_splat(model, choice, camera, width, height, options);
+    });
+    return shown;
+}
+
+/// The mapping with the one field that is shown, and the names for field_choice.
+py::dict shown_field_of(const MapArguments& map) {
+    if (!py::isinstance<py::dict>(map.fields))
+        throw Error("render: fields: expected {'" + map.field +
+                    "': array}, the field at the voxels");
+    py::dict one;
+    for (const auto& [name, value] : map.fields.cast<py::dict>()) {
+        const auto text = py::str(name).cast<std::string>();
+        if (text == map.field || map.field.starts_with(text + ".")) one[name] = value;
+    }
+    if (one.empty())
+        throw Error("render: no field '" + map.field + "' in fields, expected one of " +
+                    py::str(py::str(", ").attr("join")(map.fields)).cast<std::string>());
+    return one;
+}
+
+ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
+                         const RenderArguments& a) {
+    const bool one = py::isinstance<Volume>(data);
+    Levels levels;
+    if (one)
+        levels.volumes.push_back(data.cast<const Volume&>());
+    else if (const auto given = levels_of(data))
+        levels = *given;
+    else
+        refuse_data(data, "render", "Gaussians, a Volume, Levels or a list of Volumes for a field");
+    const Renderer renderer = checked_renderer(a, one ? RenderInput::volumes : RenderInput::levels);
+    if (renderer != Renderer::reference)
+        throw Error(std::string("render: ") + info_of(renderer).name +
+                    " draws no fields of voxels, expected reference");
+    const auto values =
+        voxel_fields_of(shown_field_of(map), levels.volumes, lattices_of(levels.volumes),
+                        levels.volumes.size(), "render");
+    const VoxelField& field = values.front().front();
+    Fields names;
+    if (field.is_vector())
+        names.vector.emplace_back().name = field.name;
+    else
+        names.scalar.emplace_back().name = field.name;
+    const FieldChoice choice = field_choice(map.field, names);
+    const auto [width, height] = size_of(map.size);
+    const ReferenceOptions options{progress_of(map.progress), a.options.samples};
+    ShownMaps shown{{}, map.show, field_label(choice), field.unit};
+    const Box box = box_to_view(data, "render");
+    shown.maps = unlocked([&, width = width, height = height] {
+        const Camera camera = camera_for(map, box, width, height);
+        if (one)
+            return render_field_reference(levels.volumes, values.front(), choice.part, camera,
+                                          width, height, options, a.options.voxels);
+        return render_field_reference(levels, values.front(), choice.part, camera, width, height,
+                                      options, a.options.voxels);
+    });
+    return shown;
+}
+
+/// Maps with the column alone, without a field.
+ShownMaps column_of(const py::object& data, const MapArguments& map, RenderArguments a) {
+    a.extinction = 1;
+    const auto scene = make_scene(data, a);
+    const DepthImage depth = draw(*scene, map.camera, map.size, map.progress);
+    const std::vector<float> none(depth.depth.size(), std::numeric_limits<float>::quiet_NaN());
+    return {{depth.width, depth.height, depth.depth, none, none}, "column", "", ""};
+}
+
+/// DepthImage or FieldMaps, by `show`.
+py::object rendered(const py::object& data, const MapArguments& map, const RenderArguments& a) {
+    if (map.show == "T") {
+        if (!map.field.empty() || !map.fields.is_none())
+            throw Error("render: field and fields are of show 'column', 'mean' and 'deviation'");
+        const auto scene = make_scene(data, a);
+        return py::cast(draw(*scene, map.camera, map.size, map.progress));
+    }
+    if (map.show != "column" && map.show != "mean" && map.show != "deviation")
+        throw Error("render: show '" + map.show +
+                    "', expected 'T', 'column', 'mean' or 'deviation'");
+    if (a.extinction)
+        throw Error("render: extinction is of show 'T': column density and fields have none");
+    if (map.field.empty()) {
+        if (map.show != "column" || !map.fields.is_none())
+            throw Error("render: show '" + map.show + "': expected field, the name of one");
+        return py::cast(column_of(data, map, a));
+    }
+    if (py::isinstance<Points>(data))
+        throw Error("render: a field of particles, expected a model or voxels: convert() them");
+    return py::cast(py::isinstance<Gaussians>(data) ? maps_of_model(data, map, a)
+                                                    : maps_of_voxels(data, map, a));
+}
+
 RenderArguments arguments_of(const std::string& renderer, const py::object& extinction,
                              double aabb_sigma, double kappa, const std::string& anyhit,
                              int hits_per_slab, double stop_transmittance,
@@ -164,12 +302,18 @@ progress  is called with the finished fraction)")
         .def("__repr__", [](const Scene& self) { return "<vog.Scene: " + self.renderer + ">"; });
 
     const std::string render_text =
-        std::string(R"(One picture: optical depth T per pixel, a DepthImage.
+        std::string(
+            R"(One picture: optical depth T per pixel, a vog.DepthImage; or maps of a field, vog.FieldMaps.
 
 data           Gaussians, a Volume, Levels, a list of Volumes, or Points (one Gaussian each)
 camera         None: Camera.orbit(data), fitted to the picture
 size           pixels, 512 or (width, height))") +
         kOptionsText + R"(
+show           'T'; 'column', the integral of the density along the ray; of a field 'mean', weighted by
+               density along the ray, or 'deviation', its standard deviation. FieldMaps have all three
+field          'temperature'; of vectors 'velocity' (along the view, away from the eye positive), 'velocity.x',
+               '.y', '.z' or 'velocity.magnitude' (root mean square)
+fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
 progress       is called with the finished fraction
 
 For many views of one thing make a Scene. The interpreter's lock is released; Ctrl-C ends it.)";
@@ -178,18 +322,20 @@ For many views of one thing make a Scene. The interpreter's lock is released; Ct
         [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,
            const std::string& renderer, const py::object& extinction, double aabb_sigma,
            double kappa, const std::string& anyhit, int hits_per_slab, double stop_transmittance,
-           const std::string& interpolation, double step, int samples, const py::object& progress) {
-            const auto scene = make_scene(
-                data, arguments_of(renderer, extinction, aabb_sigma, kappa, anyhit, hits_per_slab,
-                                   stop_transmittance, interpolation, step, samples));
-            return draw(*scene, camera, size, progress);
+           const std::string& interpolation, double step, int samples, const std::string& show,
+           const std::string& field, const py::object& fields, const py::object& progress) {
+            return rendered(
+                data, {show, field, fields, camera, size, progress},
+                arguments_of(renderer, extinction, aabb_sigma, kappa, anyhit, hits_per_slab,
+                             stop_transmittance, interpolation, step, samples));
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
         py::arg("renderer") = "", py::arg("extinction") = "auto", py::arg("aabb_sigma") = 0.0,
         py::arg("kappa") = 0.0, py::arg("anyhit") = "accumulate",
         py::arg("hits_per_slab") = unset.trace.hits_per_slab, py::arg("stop_transmittance") = 0.0,
         py::arg("interpolation") = "constant", py::arg("step") = unset.voxels.step_voxels,
-        py::arg("samples") = unset.samples, py::arg("progress") = py::none(), render_text.c_str());
+        py::arg("samples") = unset.samples, py::arg("show") = "T", py::arg("field") = "",
+        py::arg("fields") = py::none(), py::arg("progress") = py::none(), render_text.c_str());
     m.def("splat_targets", &splat_targets,
           "SIMD targets of the splat renderer that this machine can run, best first.");
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -66,6 +67,31 @@ inline constexpr std::uint64_t kMaxDividedVoxels = std::uint64_t{1} << 28;
 /// cost    the grid in memory; on two cores some 40 ns a voxel in the same lattice, 0.5 us in others
 VoxelField read_field(const FieldSource& source, Volume& volume, std::span<VoxelField> others = {},
                       std::vector<std::string>* notes = nullptr);
+
+/// Dense values of a field in the caller's memory: a box of voxels, all active.
+struct FieldBlock {
+    const float* value = nullptr;  ///< value of the voxel at `first`, any sign
+    Vec3i size;                    ///< voxels along x, y, z, >= 1
+    std::array<std::ptrdiff_t, 4>
+        stride{};  ///< floats to the next voxel along x, y, z, and to the next component
+    Vec3i first;   ///< least index of the box, within +-2^30
+};
+/// A field in memory, on a lattice of its own.
+struct FieldValues {
+    std::string name;                  ///< "temperature"
+    std::string unit;                  ///< "K"; empty: not known
+    Affine world_from_index;           ///< from voxel indices to world units
+    int components = 1;                ///< 1: scalar; 3: vector, along the world's axes
+    std::vector<FieldBlock> blocks{};  ///< where they overlap, the last one counts
+};
+/// Samples a field in memory at the voxel centres of a volume, as read_field does; its background is 0.
+/// throws  vog::Error as read_field does, and for blocks or components out of range
+VoxelField sample_field(const FieldValues& field, Volume& volume, std::span<VoxelField> others = {},
+                        std::vector<std::string>* notes = nullptr);
+/// The same of another volume's densities.
+VoxelField sample_field(const Volume& field, const std::string& name, Volume& volume,
+                        std::span<VoxelField> others = {},
+                        std::vector<std::string>* notes = nullptr);
 
 /// The volume's own values as a field.
 /// name  empty: the volume's

@@ -2,7 +2,7 @@
 # tests/python/test_stubs.py checks the stubs against the module.
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Optional, SupportsFloat, SupportsIndex, Union, overload
+from typing import Any, Literal, Optional, SupportsFloat, SupportsIndex, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +27,7 @@ __all__ = [
     "sample_levels",
     "sample_particles",
     "convert",
+    "FieldMaps",
     "Scene",
     "render",
     "splat_targets",
@@ -387,9 +388,42 @@ def convert(
     variance_threshold: Union[float, None] = ...,
     similarity: Union[float, None] = ...,
     tree_depth: Union[int, None] = ...,
+    fields: Union[dict[str, Any], None] = ...,
     progress: Union[_Progress, None] = ...,
     report: Union[dict[str, Any], None] = ...,
 ) -> Gaussians: ...
+
+class FieldMaps:
+    def to_numpy(self) -> NDArray[np.float32]: ...
+    @property
+    def column(self) -> NDArray[np.float32]: ...
+    @property
+    def mean(self) -> NDArray[np.float32]: ...
+    @property
+    def deviation(self) -> NDArray[np.float32]: ...
+    @property
+    def show(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def shape(self) -> tuple[int, int]: ...
+    def save(self, file: _Path) -> None: ...
+    def plot(
+        self,
+        tf: _Map = ...,
+        *,
+        range: Union[tuple[float, float], None] = ...,
+        scale: str = ...,
+        least_column: float = ...,
+        units: str = ...,
+        title: str = ...,
+        color_bar: bool = ...,
+        background: Union[str, _Vector] = ...,
+    ) -> Image: ...
+    def _repr_png_(self) -> bytes: ...
+    def __array__(self, dtype: Any = ...) -> NDArray[np.float32]: ...
 
 class Scene:
     def __init__(
@@ -407,7 +441,37 @@ class Scene:
         step: float = ...,
         samples: int = ...,
     ) -> None: ...
-    def render(
+    @overload
+def render(
+        self, camera: Union[Camera, None] = ..., size: _Size = ..., *, progress: Union[_Progress, None] = ...
+    ) -> FieldMaps: ...
+    @property
+    def renderer(self) -> str: ...
+    @property
+    def box(self) -> Union[NDArray[np.float64], None]: ...
+
+def render(
+    data: _Drawable,
+    camera: Union[Camera, None] = ...,
+    size: _Size = ...,
+    *,
+    renderer: str = ...,
+    extinction: _Extinction = ...,
+    aabb_sigma: float = ...,
+    kappa: float = ...,
+    anyhit: str = ...,
+    hits_per_slab: int = ...,
+    stop_transmittance: float = ...,
+    interpolation: str = ...,
+    step: float = ...,
+    samples: int = ...,
+    show: Literal["column", "mean", "deviation"],
+    field: str = ...,
+    fields: Union[dict[str, Any], None] = ...,
+    progress: Union[_Progress, None] = ...,
+) -> FieldMaps: ...
+@overload
+def render(
         self, camera: Union[Camera, None] = ..., size: _Size = ..., *, progress: Union[_Progress, None] = ...
     ) -> DepthImage: ...
     @property
@@ -430,6 +494,9 @@ def render(
     interpolation: str = ...,
     step: float = ...,
     samples: int = ...,
+    show: Literal["T"] = ...,
+    field: str = ...,
+    fields: Union[dict[str, Any], None] = ...,
     progress: Union[_Progress, None] = ...,
 ) -> DepthImage: ...
 def splat_targets() -> list[str]: ...

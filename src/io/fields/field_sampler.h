@@ -6,6 +6,8 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "io/fields/field_grid.h"
 #include "vog/volume.h"
@@ -43,5 +45,10 @@ class FieldSampler {
 /// volume  defines the lattice and its extent
 /// throws  vog::Error for a grid that holds neither numbers nor vectors
 std::unique_ptr<FieldSampler> make_sampler(const FieldGrid& field, const Volume& volume);
+
+/// Samples a grid at the voxels of a volume, whose tiles are divided where it varies: read_field without the
+/// file.
+VoxelField sampled_field(const FieldGrid& grid, Volume& volume, std::span<VoxelField> others,
+                         std::vector<std::string>* notes);
 
 }  // namespace vog::field_files

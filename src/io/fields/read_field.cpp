@@ -170,12 +170,9 @@ std::string coverage_note(const SampleCensus& census, const FieldGrid& grid, con
 
 }  // namespace
 
-VoxelField read_field(const FieldSource& source, Volume& volume, std::span<VoxelField> others,
-                      std::vector<std::string>* notes) {
-    if (volume.empty())
-        throw Error(
-            fmt::format("{}: a field of a volume without active voxels", source.file.string()));
-    const FieldGrid grid = load_field_grid(source);
+VoxelField field_files::sampled_field(const FieldGrid& grid, Volume& volume,
+                                      std::span<VoxelField> others,
+                                      std::vector<std::string>* notes) {
     return vdb::with_vdb_errors(grid.where, [&] {
         const std::unique_ptr<FieldSampler> sampler = make_sampler(grid, volume);
         divide_where_varied(grid, *sampler, volume, others);
@@ -194,6 +191,14 @@ VoxelField read_field(const FieldSource& source, Volume& volume, std::span<Voxel
             notes->push_back(note);
         return field;
     });
+}
+
+VoxelField read_field(const FieldSource& source, Volume& volume, std::span<VoxelField> others,
+                      std::vector<std::string>* notes) {
+    if (volume.empty())
+        throw Error(
+            fmt::format("{}: a field of a volume without active voxels", source.file.string()));
+    return sampled_field(load_field_grid(source), volume, others, notes);
 }
 
 }  // namespace vog

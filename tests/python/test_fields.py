@@ -1,0 +1,147 @@
+"""Fields: convert(fields=), render(show=, field=): arrays, volumes, grids, levels, errors, the command's numbers."""
+import pickle
+
+import numpy as np
+import pytest
+
+import vog
+
+SHAPE = (16, 16, 16)
+X, Y, Z = np.mgrid[:16, :16, :16].astype("f4")
+DENSITY = np.random.default_rng(1).random(SHAPE).astype("f4") + 0.1
+TEMPERATURE = 300 + X
+VELOCITY = np.stack([X, 0 * Y, -Z], axis=-1)
+FIELDS = {"temperature": {"value": TEMPERATURE, "unit": "K"}, "velocity": VELOCITY}
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return vog.Volume.from_numpy(DENSITY, voxel_size=0.1)
+
+
+@pytest.fixture(scope="module")
+def model(volume):
+    return vog.convert(volume, block=2, fields=FIELDS)
+
+
+def test_planes_are_found(volume):
+    hard = vog.convert(volume, block=4, soft_steps=0, fields=FIELDS).fields
+    temperature, velocity = hard["temperature"], hard["velocity"]
+    assert temperature.unit == "K" and temperature.range == (300, 315)
+    # 1 a voxel of 0.1, by 15/16: a voxel of constant field is a box.
+    assert np.allclose(temperature.gradient, (15 / 16 * 10, 0, 0), atol=0.3)
+    assert temperature.deviation.max() < 0.5 and velocity.is_vector
+    assert np.allclose(velocity.gradient, 15 / 16 * np.diag([10, 0, -10]), atol=0.3)
+
+
+def test_any_order_type_and_place_of_arrays_is_the_same(volume, model):
+    value = model.fields["temperature"].value
+    for same in (
+        TEMPERATURE.astype("f8"),
+        np.asfortranarray(TEMPERATURE),
+        ((0, 0, 0), TEMPERATURE),
+        [((0, 0, 0), TEMPERATURE[:8]), ((8, 0, 0), TEMPERATURE[8:])],
+        vog.Volume.from_numpy(TEMPERATURE, voxel_size=0.1),
+    ):
+        other = vog.convert(volume, block=2, fields={"temperature": same})
+        assert np.array_equal(other.fields["temperature"].value, value)
+    paper = vog.convert(volume, method="paper", lod=1, fields={"temperature": TEMPERATURE})
+    assert 300 <= paper.fields["temperature"].value.min() < 315
+
+
+@pytest.mark.parametrize("field", ["temperature", "velocity", "velocity.z", "velocity.magnitude"])
+def test_maps_of_the_model_are_near_those_of_the_voxels(volume, model, field):
+    maps = vog.render(model, size=48, show="mean", field=field)
+    rays = vog.render(model, size=48, show="mean", field=field, renderer="trace")
+    voxels = vog.render(volume, size=48, show="mean", field=field, fields=FIELDS)
+    linear = vog.render(volume, size=48, show="mean", field=field, fields=FIELDS, interpolation="linear", samples=2)
+    inside = voxels.column > 0.3 * voxels.column.max()
+    assert inside.sum() > 100
+    for other in (maps, linear):
+        error = np.abs(other.to_numpy() - voxels.to_numpy())[inside]
+        assert 0 < error.mean() < 0.5 and error.max() < 3
+    assert np.abs(maps.mean - rays.mean)[inside].max() < 1e-3
+    assert np.isnan(maps.mean[maps.column == 0]).all()
+    assert maps.unit == ("K" if field == "temperature" else "")
+
+
+def test_numbers_are_the_commands(tmp_path, command, model):
+    model.save(tmp_path / "m.ply")
+    command("render", "m.ply", "--show", "deviation", "--field", "velocity", "--size", 40, "--values-out", "a.npy",
+            "-o", "a.png", "--color-bar", "--scale", "log")  # fmt: skip
+    maps = vog.render(vog.Gaussians.load(tmp_path / "m.ply"), size=40, show="deviation", field="velocity")
+    assert np.array_equal(np.load(tmp_path / "a.npy"), maps.to_numpy(), equal_nan=True)
+    maps.save(tmp_path / "b.npy")
+    maps.plot(scale="log").save(tmp_path / "b.png")
+    assert (tmp_path / "a.npy").read_bytes() == (tmp_path / "b.npy").read_bytes()
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+def test_maps_are_arrays_pictures_and_pickles(model):
+    maps = vog.render(model, size=(32, 24), show="deviation", field="velocity")
+    assert maps.shape == (24, 32) == np.asarray(maps).shape
+    assert np.array_equal(np.asarray(maps), maps.deviation, equal_nan=True) and maps.name == "velocity along the view"
+    again = pickle.loads(pickle.dumps(maps))
+    assert again.show == "deviation" and np.array_equal(again.column, maps.column)
+    assert maps.plot("coolwarm", range=(-1, 1), title="A title").shape[1] > 32 and maps._repr_png_()[1:4] == b"PNG"
+    column = vog.render(model, size=(32, 24), show="column")
+    assert np.allclose(column.to_numpy(), maps.column, rtol=1e-4, atol=1e-6) and np.isnan(column.mean).all()
+
+
+def test_levels_take_one_field_each():
+    coarse = vog.Volume.from_numpy(np.ones((8, 8, 8)), voxel_size=1, origin=(0.5,) * 3)
+    fine = vog.Volume.from_blocks(
+        [((0, 0, 0), np.full((4, 4, 4), 3.0)), ((4, 0, 0), np.zeros((4, 4, 4)))],
+        voxel_size=0.5, origin=(0.25,) * 3, all_active=True,
+    )  # fmt: skip
+    fields = {"t": [np.full((8, 8, 8), 1.0), [((0, 0, 0), np.full((8, 4, 4), 5.0))]]}
+    model = vog.convert([coarse, fine], block=1, fields=fields)
+    value = model.fields["t"].value
+    assert value.min() == 1 and value.max() == 5 and (value > 3).sum() == 4**3
+    maps = vog.render([coarse, fine], size=32, show="mean", field="t", fields=fields)
+    assert np.nanmin(maps.mean) == 1 and 2 < np.nanmax(maps.mean) < 5
+    with pytest.raises(vog.Error, match="1 values for 2 levels"):
+        vog.convert([coarse, fine], fields={"t": fields["t"][:1]})
+
+
+def test_a_grid_of_the_volumes_file_by_name(tmp_path, volume):
+    volume.save(tmp_path / "a.vdb")
+    loaded = vog.Volume.load(tmp_path / "a.vdb")
+    own = vog.convert(loaded, block=2, soft_steps=0, fields={"value": "density"})
+    assert own.fields["value"].range == pytest.approx((DENSITY.min(), DENSITY.max()))
+
+
+@pytest.mark.parametrize(
+    "call, message",
+    [
+        (lambda v, m: vog.render(m, show="mean"), "expected field, the name of one"),
+        (lambda v, m: vog.render(m, show="mean", field="p"), "no field 'p' in the model, expected one of"),
+        (lambda v, m: vog.render(m, show="mode"), "show 'mode', expected 'T', 'column', 'mean' or 'deviation'"),
+        (lambda v, m: vog.render(m, field="temperature"), "field and fields are of show"),
+        (lambda v, m: vog.render(m, show="mean", field="temperature", extinction=2), "extinction is of show 'T'"),
+        (lambda v, m: vog.render(m, show="mean", field="velocity", fields=FIELDS), "fields: of voxels"),
+        (lambda v, m: vog.render(v, show="mean", field="velocity"), "expected {'velocity': array}"),
+        (lambda v, m: vog.render(v, show="mean", field="p", fields=FIELDS), "expected one of temperature, velocity"),
+        (lambda v, m: vog.convert(v, fields={"t": X[0]}), r"fields: t: shape \(16, 16\), expected \(X, Y, Z\)"),
+        (lambda v, m: vog.convert(v, fields={"t": np.nan * X}), "field 't': not finite at 4,096 voxels"),
+        (lambda v, m: vog.convert(v, fields={"t": ((99, 0, 0), X)}), "field 't': active at no voxel"),
+        (lambda v, m: vog.convert(v, fields={"t": "temperature"}), "of a volume that no file has"),
+        (lambda v, m: vog.convert(v, fields={"t": {"vale": X}}), "unknown 'vale', expected value and unit"),
+        (lambda v, m: vog.convert(vog.sample_particles(64), fields=FIELDS), "fields: of voxels"),
+    ],
+)
+def test_errors_are_one_line(volume, model, call, message):
+    with pytest.raises(vog.Error, match=message) as error:
+        call(volume, model)
+    assert "\n" not in str(error.value)
+
+
+def test_the_wrong_kind_of_thing_is_a_type_error(volume):
+    for fields in (3, {"t": 3}, {"t": None}):
+        with pytest.raises(TypeError, match="expected"):
+            vog.convert(volume, fields=fields)
+
+
+def test_partial_cover_warns(volume):
+    with pytest.warns(UserWarning, match="inactive at .* % of the mass"):
+        vog.convert(volume, block=4, fields={"t": ((8, 0, 0), X)})
