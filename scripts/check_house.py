@@ -28,7 +28,7 @@ PUBLIC_HEADERS = {
     "io": "openvdb ply volume_io voxel_field",
     "shade": "quantity shade value_transfer",
     "render": "clip field_maps gpu reference renderer splat trace volume_picture",
-    "compare": "compare",
+    "compare": "compare compare_maps",
     "convert": "convert convert_fields convert_moments convert_paper convert_points",
     "evaluate": "evaluate",
     "web": "export_html",

@@ -19,6 +19,7 @@
 #include "vog/progress.h"
 #include "vog/shade.h"
 #include "vog/volume.h"
+#include "vog/voxel_field.h"
 
 namespace vog {
 
@@ -68,6 +69,14 @@ struct EvaluationView {
 /// Views of a box: `paper`, five more around it, one from inside. Sets only names and cameras.
 std::vector<EvaluationView> evaluation_views(const Box& box);
 
+/// Difference of the maps of a row's field from the reference's in one view. Definitions: FieldDifference
+/// (vog/compare_maps.h).
+struct FieldResult {
+    double mean_l2 = 0,    ///< relative L2 of the mean, weighted by the column
+        deviation_l2 = 0,  ///< L2 of the deviation over the field's root mean square, likewise
+        missing = 0;       ///< share of the weight where the row's picture has no column, [0, 1]
+};
+
 /// Difference of a row's picture from the reference in one view. Definitions: vog/compare.h.
 struct ViewResult {
     std::string view;  ///< EvaluationView::name
@@ -83,6 +92,7 @@ struct ViewResult {
     double off_by_1 = 0,   ///< share of pixels whose V is off by more than 1 of 255, [0, 1]
         off_by_4 = 0;      ///< share of pixels whose V is off by more than 4 of 255, [0, 1]
     Timing render;         ///< renders of T, without shading and loading
+    std::vector<FieldResult> fields{};  ///< [Evaluation::fields]; empty for rows with boxes
 };
 
 /// Results of one conversion.
@@ -106,6 +116,10 @@ struct Spread {
 /// more_is_better  worst is the least value; else the largest
 Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is_better);
 
+/// The same of a figure of field number `field`, the largest value being the worst.
+/// figure  member of FieldResult: &FieldResult::mean_l2
+Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*figure);
+
 /// Results of an evaluation, the content of its reports. Counts are sums over all volumes.
 struct Evaluation {
     std::string title;                  ///< file and grid of every volume: "smoke.vdb density"
@@ -121,6 +135,7 @@ struct Evaluation {
         extinction;                     ///< "auto" (by view) or a number
     std::string machine;                ///< name of the processor
     int threads = 1;                    ///< threads of conversions and renders
+    std::vector<std::string> fields{};  ///< names of the fields whose maps are compared
     std::vector<EvaluationView> views;  ///< views with their references
     std::vector<EvaluationRow> rows;    ///< one for each conversion, in their order
 };
@@ -135,6 +150,10 @@ struct EvaluateOptions {
     /// Processes that each hold a part of the volumes (vog/distributed.h); the root compares and
     /// writes. Needs conversions that are collective too; not for levels. Null: one process.
     const Collective* collective = nullptr;
+    /// Reads fields at the voxels of volumes, whose tiles it may divide: [fields][volumes]. Their maps of mean
+    /// and deviation are compared too, of vectors those of the component along the view. Empty: no fields.
+    /// Not for several processes.
+    std::function<std::vector<std::vector<VoxelField>>(std::vector<Volume>&)> read_fields{};
     bool resume = false;  ///< keep the rows of an earlier folder/results.json
     Progress progress{};  ///< called with the finished fraction; empty: not
 };

@@ -3,6 +3,7 @@
 #include "vog/evaluate.h"
 
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -13,6 +14,7 @@
 #include "evaluate/evaluated_volumes.h"
 #include "evaluate/evaluation_json.h"
 #include "evaluate/evaluation_report.h"
+#include "evaluate/fields/field_comparison.h"
 #include "shade/named_extinction.h"
 #include "vog/compare.h"
 #include "vog/distributed.h"
@@ -60,8 +62,9 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
     if (!options.resume || !fs::exists(file)) return {};
     Evaluation earlier = read_results(file);
     const auto settings = [](const Evaluation& e) {
-        return fmt::format("{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}",
-                           e.title, e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction);
+        return fmt::format("{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}{}{}",
+                           e.title, e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction,
+                           e.fields.empty() ? "" : ", fields ", fmt::join(e.fields, ", "));
     };
     if (settings(earlier) != settings(now))
         throw Error(fmt::format("{}: results of {}, expected {} (without resume they are replaced)",
@@ -78,6 +81,7 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
 struct References {
     std::vector<DepthImage> depth;
     std::vector<Image> shaded;
+    std::vector<std::vector<FieldMaps>> field;  ///< [views][fields]
 };
 
 /// One evaluation: its references, its rows and its files.
@@ -107,6 +111,10 @@ class Run {
             box_ = box_of(volumes, collective_or_single(options.collective));
         }
         evaluation_.views = evaluation_views(box_);
+        if (options.read_fields) {
+            fields_ = FieldComparison(volumes_, options);
+            evaluation_.fields = fields_.names();
+        }
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
     }
 
@@ -202,6 +210,7 @@ class Run {
             set_extinction(depth, view.extinction);
             references_.shaded.push_back(shade(depth, tf_));
             references_.depth.push_back(std::move(depth));
+            references_.field.push_back(fields_.reference(view.camera));
             if (is_root() && keeps_picture(view.name))
                 write_png(folder_ / "pictures" / picture_name(nullptr, view.name, false),
                           references_.shaded.back());
@@ -301,6 +310,8 @@ class Run {
             }
             advance(1);
         }
+        // Boxes are of T.
+        if (conversion.aabb_sigma == 0) fields_.compare(model, evaluation_, references_.field, row);
         return row;
     }
 
@@ -340,6 +351,7 @@ class Run {
     Evaluation evaluation_;
     Box box_;
     References references_;
+    FieldComparison fields_;
     double done_ = 0, steps_ = 1;
 };
 
@@ -349,6 +361,8 @@ void check(const EvaluateOptions& options) {
     if (!(options.extinction >= 0))
         throw Error(fmt::format("evaluate: extinction {}, expected a number above 0, or 0: auto",
                                 options.extinction));
+    if (options.read_fields && collective_or_single(options.collective).shared())
+        throw Error("evaluate: fields by several processes, expected one");
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 
 #include "core/atomic_file.h"
 #include "core/json_fault.h"
+#include "evaluate/evaluation_report.h"
 #include "vog/error.h"
 
 namespace vog::evaluation {
@@ -85,6 +86,10 @@ Json to_json(const ViewResult& result) {
     Json json = {{"view", result.view}};
     for (const Figure& figure : kFigures) json[figure.name] = number(result.*figure.member);
     json["render_ms"] = to_json(result.render);
+    for (const FieldResult& field : result.fields)
+        json["fields"].push_back({{"mean_l2", number(field.mean_l2)},
+                                  {"deviation_l2", number(field.deviation_l2)},
+                                  {"missing", field.missing}});
     return json;
 }
 ViewResult result_from(const Json& json) {
@@ -93,10 +98,15 @@ ViewResult result_from(const Json& json) {
     for (const Figure& figure : kFigures)
         result.*figure.member = number(json.at(figure.name), figure.if_null);
     result.render = timing_from(json.at("render_ms"));
+    if (json.contains("fields"))
+        for (const Json& field : json.at("fields"))
+            result.fields.push_back({number(field.at("mean_l2"), kInfinity),
+                                     number(field.at("deviation_l2"), kInfinity),
+                                     field.at("missing").get<double>()});
     return result;
 }
 
-Json to_json(const EvaluationRow& row) {
+Json to_json(const EvaluationRow& row, const std::vector<std::string>& fields) {
     Json json = {{"series", row.series},
                  {"step", row.step},
                  {"label", row.label},
@@ -111,6 +121,14 @@ Json to_json(const EvaluationRow& row) {
     const Spread l2 = spread(row, &ViewResult::relative_l2, false);
     json["psnr_v_db"] = {{"mean", number(psnr.mean)}, {"worst", number(psnr.worst)}};
     json["relative_l2"] = {{"mean", number(l2.mean)}, {"worst", number(l2.worst)}};
+    const auto both = [](const Spread& s) {
+        return Json{{"mean", number(s.mean)}, {"worst", number(s.worst)}};
+    };
+    if (has_fields(row))
+        for (std::size_t n = 0; n < fields.size(); ++n)
+            json["fields"][fields[n]] = {
+                {"mean_l2", both(spread(row, n, &FieldResult::mean_l2))},
+                {"deviation_l2", both(spread(row, n, &FieldResult::deviation_l2))}};
     for (const ViewResult& result : row.views) json["views"].push_back(to_json(result));
     return json;
 }
@@ -145,11 +163,18 @@ Evaluation evaluation_from(const std::filesystem::path& file, const Json& json) 
     evaluation.height = settings.at("height").get<int>();
     evaluation.tf = settings.at("tf").get<std::string>();
     evaluation.extinction = settings.at("extinction").get<std::string>();
+    if (settings.contains("fields"))
+        evaluation.fields = settings.at("fields").get<std::vector<std::string>>();
     evaluation.machine = json.at("machine").at("processor").get<std::string>();
     evaluation.threads = json.at("machine").at("threads").get<int>();
     for (const Json& view : json.at("views")) evaluation.views.push_back(view_from(view));
     for (const Json& row : json.at("rows")) {
         evaluation.rows.push_back(row_from(row));
+        for (const ViewResult& view : evaluation.rows.back().views)
+            if (!view.fields.empty() && view.fields.size() != evaluation.fields.size())
+                throw Error(fmt::format("{}: {} fields in view {} of '{}', expected {}",
+                                        file.string(), view.fields.size(), view.view,
+                                        evaluation.rows.back().label, evaluation.fields.size()));
         if (evaluation.rows.back().views.size() != evaluation.views.size())
             throw Error(fmt::format("{}: {} views of '{}', expected {}", file.string(),
                                     evaluation.rows.back().views.size(),
@@ -180,7 +205,10 @@ void write_results(const std::filesystem::path& file, const Evaluation& evaluati
                  {"views", Json::array()},
                  {"rows", Json::array()}};
     for (const EvaluationView& view : evaluation.views) json["views"].push_back(to_json(view));
-    for (const EvaluationRow& row : evaluation.rows) json["rows"].push_back(to_json(row));
+    for (const EvaluationRow& row : evaluation.rows)
+        json["rows"].push_back(to_json(row, evaluation.fields));
+    // Without fields the file is as before.
+    if (!evaluation.fields.empty()) json["settings"]["fields"] = evaluation.fields;
     const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
     write_file(file, [&](std::ofstream& out) { out << text << "\n"; });
 }

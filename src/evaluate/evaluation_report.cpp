@@ -68,6 +68,12 @@ const ViewResult* find_view(const EvaluationRow& row, const std::string& view) {
     return nullptr;
 }
 
+bool has_fields(const EvaluationRow& row) {
+    return !row.views.empty() && std::ranges::none_of(row.views, [](const ViewResult& view) {
+        return view.fields.empty();
+    });
+}
+
 std::string decibel_text(double decibels) {
     return std::isinf(decibels) ? "∞" : fmt::format("{:.2f}", decibels);
 }

@@ -34,6 +34,8 @@ const EvaluationRow* find_row(const Evaluation& evaluation, const std::string& s
 /// The result of a row from a view; null: not rendered from it.
 const ViewResult* find_view(const EvaluationRow& row, const std::string& view);
 
+/// Whether all views of a row have results of fields.
+bool has_fields(const EvaluationRow& row);
 /// Two digits after the point: "44.21"; infinity is "∞".
 std::string decibel_text(double decibels);
 double frames_per_second(const Timing& timing);

@@ -134,4 +134,14 @@ Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is
     return result;
 }
 
+Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*figure) {
+    Spread result;
+    for (const ViewResult& view : row.views) {
+        const double value = view.fields.at(field).*figure;
+        result.mean += value / static_cast<double>(row.views.size());
+        result.worst = std::max(result.worst, value);
+    }
+    return result;
+}
+
 }  // namespace vog

@@ -192,6 +192,44 @@ ReportTable view_table(const Evaluation& evaluation) {
     return table;
 }
 
+/// Errors of the maps of fields, of all rows that have them.
+ReportTable field_table(const Evaluation& evaluation) {
+    ReportTable table{"Fields",
+                      "Maps of each field against those of the voxels, over pixels with a column "
+                      "above a thousandth "
+                      "of the largest, weighted by it: relative L2 of the mean along the ray, and "
+                      "L2 of the deviation "
+                      "over the root mean square of the field; of vectors the component along the "
+                      "view. Mean and worst "
+                      "over all views.",
+                      {"", "Gaussians"},
+                      {},
+                      0};
+    for (const std::string& field : evaluation.fields)
+        for (const char* part : {"mean", "deviation"})
+            for (const char* over : {"mean", "worst"})
+                table.columns.push_back(fmt::format("{}: {} ({})", field, part, over));
+    for (const std::string& series : series_of(evaluation)) {
+        std::vector<std::vector<std::string>> rows;
+        for (const EvaluationRow& row : evaluation.rows) {
+            if (row.series != series || !has_fields(row)) continue;
+            std::vector<std::string>& cells = rows.emplace_back();
+            cells = {fmt::format("{}: {}", step_title(row.step), row.label),
+                     count_text(row.gaussians)};
+            for (std::size_t n = 0; n < evaluation.fields.size(); ++n)
+                for (const auto figure : {&FieldResult::mean_l2, &FieldResult::deviation_l2}) {
+                    const Spread error = spread(row, n, figure);
+                    cells.push_back(fmt::format("{:.2f} %", 100 * error.mean));
+                    cells.push_back(fmt::format("{:.2f} %", 100 * error.worst));
+                }
+        }
+        if (rows.empty()) continue;
+        table.rows.push_back({series_title(series)});
+        table.rows.insert(table.rows.end(), rows.begin(), rows.end());
+    }
+    return table;
+}
+
 }  // namespace
 
 std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
@@ -202,6 +240,7 @@ std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
     for (const std::string& series : series_of(evaluation))
         if (!is_paper_series(series) && !is_moment_series(series))
             tables.push_back(series_table(evaluation, series));
+    if (!evaluation.fields.empty()) tables.push_back(field_table(evaluation));
     tables.push_back(view_table(evaluation));
     std::erase_if(tables, [](const ReportTable& table) { return table.rows.empty(); });
     return tables;

@@ -11,6 +11,7 @@
 #include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
+#include "vog/compare_maps.h"
 #include "vog/error.h"
 
 namespace vog::cli {
@@ -137,24 +138,108 @@ void compare_depths(const CompareArguments& arguments) {
     print_json(json);
 }
 
+void line_at(const char* name, double largest, int column, int row) {
+    line(name, fmt::format("{:+.6g} at column {}, row {}", largest, column, row));
+}
+
+/// Compares one map with another: .npy.
+void compare_maps(const CompareArguments& arguments) {
+    const ValueMap a = read_map(arguments.reference), b = read_map(arguments.image);
+    const MapDifference difference = naming_files(arguments, [&] { return compare(a, b); });
+    if (!arguments.json) {
+        line("maps", fmt::format("{}x{}, {:.3f} % of pixels have a reference", a.width, a.height,
+                                 100 * difference.counted));
+        line("relative L2", fmt::format("{:.6g}", difference.relative_l2));
+        line("bias", fmt::format("{:+.6g}", difference.bias));
+        line_at("largest", difference.largest, difference.largest_column, difference.largest_row);
+        line("missing", fmt::format("{:.3f} % of these pixels", 100 * difference.missing));
+        return;
+    }
+    print_json({{"reference", arguments.reference},
+                {"image", arguments.image},
+                {"kind", "map"},
+                {"width", a.width},
+                {"height", a.height},
+                {"relative_l2", number(difference.relative_l2)},
+                {"bias", number(difference.bias)},
+                {"largest", number(difference.largest)},
+                {"largest_at", {difference.largest_column, difference.largest_row}},
+                {"counted", difference.counted},
+                {"missing", difference.missing}});
+}
+
+/// Compares the three maps of a field: .exr.
+void compare_fields(const CompareArguments& arguments) {
+    const FieldMaps a = read_field_maps(arguments.reference), b = read_field_maps(arguments.image);
+    const FieldDifference difference = naming_files(arguments, [&] { return compare(a, b); });
+    if (!arguments.json) {
+        line("maps of a field",
+             fmt::format("{}x{}, {:.3f} % of pixels count: column above a thousandth of the "
+                         "largest, weighted by it",
+                         a.width, a.height, 100 * difference.counted));
+        line("L2 of column", fmt::format("{:.6g}, all pixels", difference.column_l2));
+        line("L2 of mean", fmt::format("{:.6g}", difference.mean_l2));
+        line("L2 of deviation", fmt::format("{:.6g} of the rms value", difference.deviation_l2));
+        line("bias of mean", fmt::format("{:+.6g}", difference.mean_bias));
+        line("bias of deviation", fmt::format("{:+.6g}", difference.deviation_bias));
+        line_at("largest of mean", difference.largest_mean, difference.largest_column,
+                difference.largest_row);
+        line("missing", fmt::format("{:.3f} % of the weight", 100 * difference.missing));
+        return;
+    }
+    print_json({{"reference", arguments.reference},
+                {"image", arguments.image},
+                {"kind", "field"},
+                {"width", a.width},
+                {"height", a.height},
+                {"column_l2", number(difference.column_l2)},
+                {"mean_l2", number(difference.mean_l2)},
+                {"deviation_l2", number(difference.deviation_l2)},
+                {"mean_bias", number(difference.mean_bias)},
+                {"deviation_bias", number(difference.deviation_bias)},
+                {"largest_mean", number(difference.largest_mean)},
+                {"largest_at", {difference.largest_column, difference.largest_row}},
+                {"counted", difference.counted},
+                {"missing", difference.missing}});
+}
+
+/// Contents of a file, by which files are compared.
+enum class Kind { picture, depth, map, field };
+constexpr const char* kKindNames[] = {"picture", "depth image", "map", "file of a field's maps"};
+Kind kind_of(const std::string& file) {
+    if (is_map_file(file)) return is_field_file(file) ? Kind::field : Kind::map;
+    return is_depth_file(file) ? Kind::depth : Kind::picture;
+}
+
 void compare_files(const CompareArguments& arguments, const CLI::App& command) {
     if (!arguments.diff.empty())
         check_output(arguments.diff, {arguments.reference, arguments.image, arguments.tf},
                      {".png"});
-    const bool depth = is_depth_file(arguments.reference);
-    if (is_depth_file(arguments.image) != depth)
-        throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image,
-                                depth ? "picture" : "depth image",
-                                depth ? "depth image" : "picture", arguments.reference));
-    if (!depth)
+    const Kind kind = kind_of(arguments.reference), other = kind_of(arguments.image);
+    const auto name = [](Kind of) { return kKindNames[static_cast<std::size_t>(of)]; };
+    if (other != kind)
+        throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image, name(other),
+                                name(kind), arguments.reference));
+    if (kind != Kind::depth)
         for (const char* option : {"--tf", "--extinction"})
             if (command.count(option))
+                throw CLI::ValidationError(fmt::format("{}: is of depth images, got {}s", option,
+                                                       kind == Kind::picture ? "picture" : "map"));
+    if (kind == Kind::map || kind == Kind::field)
+        for (const char* option : {"--diff", "--diff-limit"})
+            if (command.count(option))
                 throw CLI::ValidationError(
-                    fmt::format("{}: is of depth images, got pictures", option));
-    if (depth)
-        compare_depths(arguments);
-    else
-        compare_pictures(arguments);
+                    fmt::format("{}: is of pictures and depth images, got maps", option));
+    switch (kind) {
+        case Kind::map:
+            return compare_maps(arguments);
+        case Kind::field:
+            return compare_fields(arguments);
+        case Kind::depth:
+            return compare_depths(arguments);
+        case Kind::picture:
+            return compare_pictures(arguments);
+    }
 }
 
 }  // namespace
@@ -162,11 +247,12 @@ void compare_files(const CompareArguments& arguments, const CLI::App& command) {
 void add_compare(CLI::App& app) {
     auto arguments = std::make_shared<CompareArguments>();
     CLI::App* command = app.add_subcommand(
-        "compare", "Measure the error of a picture or depth image against a reference");
+        "compare", "Measure the error of a picture, depth image or map against a reference");
     command
         ->add_option("reference", arguments->reference,
-                     "Reference: a picture (.png, colour .exr) or a depth image (.exr with one "
-                     "channel Y, the optical depth T)")
+                     "Reference: a picture (.png, colour .exr), a depth image (.exr with one "
+                     "channel Y, the optical depth T), or maps of a field as vog render "
+                     "--values-out writes them (.npy, .exr with column, mean and deviation)")
         ->required();
     command
         ->add_option("image", arguments->image,

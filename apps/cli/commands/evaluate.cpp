@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "fields/volume_fields.h"
 #include "shared/evaluate_run.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
@@ -27,6 +28,30 @@ void print(const Evaluation& evaluation) {
                                paper.psnr_v_db, spread(row, &ViewResult::psnr_v_db, true).worst,
                                paper.relative_l2, paper.bias, 1000 / paper.render.median_ms));
     }
+    for (std::size_t n = 0; n < evaluation.fields.size(); ++n) {
+        print_line(fmt::format("\n{:<20} {:>12} {:>9} {:>12} {:>9}", evaluation.fields[n],
+                               "L2 of mean", "worst", "of deviation", "worst"));
+        for (const EvaluationRow& row : evaluation.rows) {
+            if (row.views.front().fields.empty()) continue;
+            const Spread mean = spread(row, n, &FieldResult::mean_l2);
+            const Spread deviation = spread(row, n, &FieldResult::deviation_l2);
+            print_line(fmt::format("{:<20} {:>12.4f} {:>9.4f} {:>12.4f} {:>9.4f}",
+                                   row.series + " " + row.step, mean.mean, mean.worst,
+                                   deviation.mean, deviation.worst));
+        }
+    }
+}
+
+/// Fields of --field with values at every voxel, for EvaluateOptions::read_fields.
+std::vector<std::vector<VoxelField>> fields_at(const EvaluateArguments& arguments,
+                                               std::vector<Volume>& volumes,
+                                               std::vector<std::string>& notes) {
+    std::vector<std::vector<VoxelField>> all =
+        read_volume_fields(arguments.fields, arguments.volume.grid, volumes, notes);
+    for (std::vector<VoxelField>& field : all)
+        for (std::size_t n = 0; n < volumes.size(); ++n)
+            if (without_values(field[n])) field[n] = own_field(volumes[n], field[n].name);
+    return all;
 }
 
 Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ranks, Stages& stages,
@@ -66,9 +91,15 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     Stages stages(arguments.verbose && is_root);
     arguments.options.progress = stages.progress();
     arguments.options.collective = ranks.collective;
-    std::vector<std::string> notes;
+    std::vector<std::string> notes, field_notes;
+    if (!arguments.fields.empty())
+        arguments.options.read_fields = [&](std::vector<Volume>& volumes) {
+            return fields_at(arguments, volumes, field_notes);
+        };
     const Evaluation evaluation = evaluated(arguments, ranks, stages, notes);
     if (!is_root) return;
+    print_notes(field_notes);
+    notes.insert(notes.end(), field_notes.begin(), field_notes.end());
 
     const std::filesystem::path folder = arguments.folder;
     if (arguments.json) {
@@ -99,6 +130,10 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
                      "Folder to write: results.json, results.md, index.html and pictures")
         ->required();
     add_volume_options(*command, arguments->volume);
+    command->add_option(
+        "--field", arguments->fields,
+        "Field whose maps of mean and deviation are compared too: a grid of the inputs, "
+        "FILE:GRID or NAME=FILE:GRID; of vectors the component along the view. Repeatable");
     command
         ->add_option("--size", arguments->size,
                      "Size of the pictures in pixels, WxH or one number for a square")

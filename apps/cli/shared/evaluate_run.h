@@ -14,6 +14,7 @@ namespace vog::cli {
 
 struct EvaluateArguments {
     std::vector<std::string> inputs;
+    std::vector<std::string> fields;  ///< texts of --field
     std::string folder, size = "512x512", extinction = "auto";
     VolumeInputOptions volume;
     EvaluateOptions options;

@@ -286,6 +286,33 @@ Image image_files::read_exr(const std::filesystem::path& file) {
     });
 }
 
+bool image_files::has_channels(const std::filesystem::path& file,
+                               const std::array<const char*, 3>& names) {
+    return reading(file, [&] {
+        const ExrFile exr(file);
+        const Imf::ChannelList& channels = exr.header().channels();
+        std::size_t count = 0;
+        for (auto channel = channels.begin(); channel != channels.end(); ++channel) ++count;
+        return count == names.size() && std::ranges::all_of(names, [&](const char* name) {
+                   return channels.findChannel(name) != nullptr;
+               });
+    });
+}
+
+std::vector<std::array<float, 3>> image_files::read_channels(
+    const std::filesystem::path& file, const std::array<const char*, 3>& names, int& width,
+    int& height) {
+    return reading(file, [&] {
+        ExrFile exr(file);
+        for (const char* name : names) require_channel_type(exr, name, false);
+        width = static_cast<int>(exr.width());
+        height = static_cast<int>(exr.height());
+        std::vector<std::array<float, 3>> pixels;
+        read_rows(exr, {names.begin(), names.end()}, pixels);
+        return pixels;
+    });
+}
+
 void image_files::write_exr(const std::filesystem::path& file, int width, int height,
                             const std::vector<const char*>& names,
                             const std::vector<float>& interleaved) {

@@ -1,7 +1,9 @@
 // image_files.h: formats of image files, and the decoders behind read_image.
 #pragma once
 
+#include <array>
 #include <filesystem>
+#include <vector>
 
 #include "vog/image.h"
 
@@ -15,6 +17,14 @@ ImageFormat image_format(const std::filesystem::path& file);
 
 Image read_png(const std::filesystem::path& file);
 Image read_exr(const std::filesystem::path& file);
+
+/// Whether an EXR has these channels and no others.
+bool has_channels(const std::filesystem::path& file, const std::array<const char*, 3>& names);
+/// Values of three float32 channels, pixel by pixel.
+/// throws vog::Error for a file that is not whole, and for channels of other types
+std::vector<std::array<float, 3>> read_channels(const std::filesystem::path& file,
+                                                const std::array<const char*, 3>& names, int& width,
+                                                int& height);
 
 /// Writes float32 channels as they are, pixel by pixel, lossless.
 /// names  of the channels
