@@ -85,8 +85,9 @@ struct FieldMaps {
                                                const Camera& camera, int width, int height,
                                                const ReferenceOptions& options = {},
                                                const VoxelGridOptions& voxels = {});
-/// The same of the levels of a mesh: at every point the finest counts alone (level_grids). Deviations below
-/// 3e-4 of the field's range are rounding: the measure times the field is stored in floats.
+/// The same of the levels of a mesh: at every point the finest counts alone (level_grids). Interpolated, and
+/// where a voxel is hidden in part, moments of the field are stored in floats: deviations below 3e-4 of the
+/// mean's distance from the field's least value are rounding.
 /// fields  [levels.volumes]
 [[nodiscard]] FieldMaps render_field_reference(const Levels& levels,
                                                std::span<const VoxelField> fields, FieldPart part,

@@ -76,6 +76,17 @@ def test_from_yt(tmp_path):
     assert covered(tmp_path / "yt.png") > 0.05
 
 
+def test_from_yt_makes_yts_maps(tmp_path):
+    pytest.importorskip("yt", reason="needs yt (apt install python3-yt)")
+    text = run_example(
+        "from_yt.py", "--carry", "temperature", "--velocity", "--maps", "m", "--compare", "--size", 60, cwd=tmp_path
+    )
+    found = dict(re.findall(r"(\w+): L2 of voxels (\S+), of the model", text))
+    assert set(found) == {"temperature", "velocity", "column"}
+    assert max(map(float, found.values())) < 1e-5, text  # the same cells, exactly
+    assert covered(tmp_path / "m-velocity-deviation.png") > 0.05
+
+
 def test_from_yt_reads_enzos_levels_as_they_are(tmp_path, data):
     pytest.importorskip("yt", reason="needs yt (apt install python3-yt)")
     dump = data("enzo-raw/DD0010/DD0010")

@@ -204,6 +204,56 @@ TEST(field_moments, of_levels_are_those_of_their_composite) {
         }
 }
 
+TEST(field_moments, of_levels_that_cut_voxels_are_sums_over_their_pieces) {
+    // Fine voxels of 1/3 of a coarse edge, shifted by half a fine voxel: coarse voxels are hidden in part.
+    Levels levels;
+    levels.volumes = {leaves_at({{0, 0, 0}}, 0.3, {0, 0, 0}, 5, 1.1),
+                      leaves_at({{0, 0, 0}}, 0.1, {0.35, 0.35, 0.35}, 6, 1.1)};
+    const std::vector<VoxelField> fields{field_of(levels.volumes[0], 3, 8),
+                                         field_of(levels.volumes[1], 3, 9)};
+    const FieldMaps maps =
+        render_field_reference(levels, fields, FieldPart::view, camera_of(5), kSize, kSize);
+    const CameraFrame frame = frame_of(camera_of(5), kSize, kSize);
+    const Mat3 to_coarse = inverse(levels.volumes[0].world_from_index.linear);
+    const Mat3 to_fine = inverse(levels.volumes[1].world_from_index.linear);
+    int met = 0;
+    for (int y = 0; y < kSize; ++y)
+        for (int x = 0; x < kSize; ++x) {
+            const Vec3d to = normalized(frame.direction(x, y));
+            constexpr int kSteps = 20000;
+            const double step = 10.0 / kSteps;
+            double w0 = 0, w1 = 0, w2 = 0;
+            for (int k = 0; k < kSteps; ++k) {
+                const Vec3d at = frame.origin(x, y) + (k + 0.5) * step * to;
+                for (const std::size_t n : {1, 0}) {
+                    const Volume& volume = levels.volumes[n];
+                    const Vec3d p =
+                        (n ? to_fine : to_coarse) * (at - volume.world_from_index.translation);
+                    const Vec3i voxel{int(std::floor(p.x + 0.5)), int(std::floor(p.y + 0.5)),
+                                      int(std::floor(p.z + 0.5))};
+                    if (std::min({voxel.x, voxel.y, voxel.z}) < 0 ||
+                        std::max({voxel.x, voxel.y, voxel.z}) > 7)
+                        continue;
+                    const auto i = static_cast<std::size_t>(leaf_offset(voxel.x, voxel.y, voxel.z));
+                    Vec3d value;
+                    for (std::size_t c = 0; c < 3; ++c)
+                        value[static_cast<int>(c)] = double{fields[n].component[c].leaf[0][i]};
+                    const double w = step * double{volume.leaves[0].value[i]};
+                    const double phi = dot(to, value);
+                    w0 += w, w1 += w * phi, w2 += w * phi * phi;
+                    break;
+                }
+            }
+            const auto n = static_cast<std::size_t>(kSize * y + x);
+            ASSERT_NEAR(maps.column[n], w0, 5e-3);
+            if (w0 < 0.3) continue;
+            ++met;
+            ASSERT_NEAR(maps.mean[n], w1 / w0, 0.02);
+            ASSERT_NEAR(maps.deviation[n], std::sqrt(w2 / w0 - w1 * w1 / (w0 * w0)), 0.02);
+        }
+    EXPECT_GT(met, 10);
+}
+
 TEST(field_moments, of_interpolated_levels_have_their_column_and_are_linear_in_the_field) {
     Levels levels;
     levels.volumes = {leaves_at({{0, 0, 0}, {0, 0, 8}, {8, 0, 0}}, 0.1, {0, 0, 0}, 5),

@@ -16,7 +16,7 @@ namespace {
 bool before(Vec3i a, Vec3i b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
 /// Index of the node with this origin among nodes sorted by origin; their number where there is none.
 template <class Nodes>
-std::size_t index_of(const Nodes& nodes, Vec3i origin) {
+std::size_t place_of(const Nodes& nodes, Vec3i origin) {
     const auto found =
         std::lower_bound(nodes.begin(), nodes.end(), origin,
                          [](const auto& node, Vec3i at) { return before(node.origin, at); });
@@ -65,7 +65,7 @@ FieldGrid::FieldGrid(const Volume& volume, const VoxelField& field, FieldPart pa
     if (count > 0) leaves_ = tree.getFirstNode<0>();
     for (std::uint32_t n = 0; n < count; ++n) {
         const auto origin = leaves_[n].origin();
-        leaf_index_.push_back(index_of(volume.leaves, Vec3i{origin[0], origin[1], origin[2]}));
+        leaf_index_.push_back(place_of(volume.leaves, Vec3i{origin[0], origin[1], origin[2]}));
     }
 }
 
@@ -78,7 +78,7 @@ Vec3i FieldGrid::tile_origin(Vec3d lower) const {
 
 double FieldGrid::tile_value(Vec3d towards, Vec3i origin, double density) const {
     if (own_) return density;
-    const std::size_t index = index_of(volume_.tiles, origin);
+    const std::size_t index = place_of(volume_.tiles, origin);
     return shown(towards, [&](std::size_t c) { return field_.component[c].tile[index]; });
 }
 
@@ -87,13 +87,13 @@ double FieldGrid::neighbour(Vec3i index, double otherwise) const {
     const auto& tree = grid_.data().tree.grid().tree();
     if (own_) return double{tree.getValue(coord)};
     if (!tree.isActive(coord)) return otherwise;
-    const std::size_t leaf = index_of(volume_.leaves, aligned(index, kLeafEdge));
+    const std::size_t leaf = place_of(volume_.leaves, aligned(index, kLeafEdge));
     if (leaf < volume_.leaves.size()) {
         const int offset = leaf_offset(index.x & 7, index.y & 7, index.z & 7);
         return double{field_.component[0].leaf[leaf][static_cast<std::size_t>(offset)]};
     }
     for (const std::int32_t edge : {8, 128, 4096})
-        if (const std::size_t tile = index_of(volume_.tiles, aligned(index, edge));
+        if (const std::size_t tile = place_of(volume_.tiles, aligned(index, edge));
             tile < volume_.tiles.size() && volume_.tiles[tile].edge == edge)
             return double{field_.component[0].tile[tile]};
     return otherwise;

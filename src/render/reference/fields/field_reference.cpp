@@ -6,6 +6,7 @@
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/field_moments.h"
+#include "render/reference/fields/visible_parts.h"
 #include "render/shown_field.h"
 #include "vog/error.h"
 
@@ -43,19 +44,20 @@ struct FirstRelative {
 };
 
 /// Fields with values, for grids of moments.
-/// throws vog::Error as field_grids, and for a clip
-std::vector<VoxelField> moment_fields(std::span<const Volume> volumes,
-                                      std::span<const VoxelField> fields, FieldPart part,
-                                      const ReferenceOptions& options) {
+/// throws vog::Error as check_fields does
+std::vector<VoxelField> with_values(std::span<const Volume> volumes,
+                                    std::span<const VoxelField> fields, FieldPart part) {
     check_fields(volumes, fields, part);
-    if (!options.clip.empty())
-        throw Error(
-            "reference: a clip of interpolated voxels or levels with a field, expected voxels of "
-            "constant value");
     std::vector<VoxelField> all(fields.begin(), fields.end());
     for (std::size_t n = 0; n < all.size(); ++n)
         if (is_own(all[n])) all[n] = own_field(volumes[n], all[n].name);
     return all;
+}
+void require_no_clip(const ReferenceOptions& options) {
+    if (!options.clip.empty())
+        throw Error(
+            "reference: a clip of interpolated voxels or levels with a field, expected voxels of "
+            "constant value");
 }
 
 /// Sums over the rays of every pixel.
@@ -115,7 +117,8 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
                        });
     };
     const auto linear = [&](FieldPart shown, const Progress& progress) {
-        const std::vector<VoxelField> valued = moment_fields(volumes, fields, shown, options);
+        require_no_clip(options);
+        const std::vector<VoxelField> valued = with_values(volumes, fields, shown);
         const MomentUnits units = moment_units(volumes, valued, shown);
         std::vector<MomentGrids<VoxelGrid>> grids;
         for (std::size_t n = 0; n < volumes.size(); ++n)
@@ -136,9 +139,13 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
 FieldMaps render_field_reference(const Levels& levels, std::span<const VoxelField> fields,
                                  FieldPart part, const Camera& camera, int width, int height,
                                  const ReferenceOptions& options, const VoxelGridOptions& voxels) {
+    const std::vector<VoxelField> valued = with_values(levels.volumes, fields, part);
+    if (voxels.interpolation == Interpolation::constant)
+        if (const auto parts = visible_parts(levels, valued))
+            return render_field_reference(parts->volumes, parts->fields, part, camera, width,
+                                          height, options, voxels);
+    require_no_clip(options);
     return of_part(part, options.progress, [&](FieldPart shown, const Progress& progress) {
-        const std::vector<VoxelField> valued =
-            moment_fields(levels.volumes, fields, shown, options);
         const MomentUnits units = moment_units(levels.volumes, valued, shown);
         const auto grids = moment_grids<LevelGrids>(units, [&](int a, int b) {
             Levels moments{{}, levels.masks};
