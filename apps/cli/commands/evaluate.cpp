@@ -29,7 +29,8 @@ void print(const Evaluation& evaluation) {
                                paper.relative_l2, paper.bias, 1000 / paper.render.median_ms));
     }
     for (std::size_t n = 0; n < evaluation.fields.size(); ++n) {
-        print_line(fmt::format("\n{:<20} {:>12} {:>9} {:>12} {:>9}", evaluation.fields[n],
+        print_line("");
+        print_line(fmt::format("{:<20} {:>12} {:>9} {:>12} {:>9}", evaluation.fields[n],
                                "L2 of mean", "worst", "of deviation", "worst"));
         for (const EvaluationRow& row : evaluation.rows) {
             if (row.views.front().fields.empty()) continue;
