@@ -66,13 +66,55 @@ const ScalarField& field_of(const Fields& fields, const std::string& name,
 
 /// The one place of the renderers of models, by drawing.renderer.
 VolumeDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
-    const std::string& input = arguments.drawing.inputs.front();
-    const auto model = std::make_shared<Gaussians>(load_models(arguments.drawing.inputs));
-    (void)field_of(model->fields, arguments.quantity.field, input);
-    throw Error(
-        fmt::format("{}: {} draws T, column, mean and deviation of models; --show volume is "
-                    "of volumes",
-                    input, info_of(drawing.renderer).name));
+    const DrawingArguments& given = arguments.drawing;
+    const std::string& input = given.inputs.front();
+    if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
+        throw Error(fmt::format("--show volume: {} draws no models by value, expected splat or trace",
+                                info_of(drawing.renderer).name));
+    const auto model = std::make_shared<Gaussians>(load_models(given.inputs));
+    const ScalarField& field = field_of(model->fields, arguments.quantity.field, input);
+    VolumeLook look = look_of(arguments.value);
+    look.clip = clip_of(given);
+    VolumeDrawing made;
+    made.label = field.name;
+    made.unit = field.unit;
+    made.lower = field.lower, made.upper = field.upper;
+    drawing.box = view_box(*model);
+    drawing.gaussians = model->size();
+    set_primitives_text(drawing, 0);
+    if (drawing.renderer == Renderer::trace) {
+        if (arguments.value.slabs)
+            throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
+        made.draw = [=, name = field.name, scene = TraceSceneOptions{given.aabb_sigma, given.kappa}](
+                        const ValueTransfer& transfer, const Camera& camera, int width, int height,
+                        const Progress& progress) {
+            TraceOptions options;
+            options.progress = progress;
+            return render_volume_trace(*model, name, transfer, camera, width, height, options,
+                                       scene, look);
+        };
+    } else {
+        if (given.aabb_sigma != 0)
+            throw CLI::ValidationError("--aabb-sigma: is of T, and of trace");
+        SlabOptions options;
+        options.slabs = arguments.value.slabs.value_or(options.slabs);
+        options.kappa = given.kappa;
+        options.look = look;
+        // Made with the first transfer function, then kept for pictures under others.
+        const auto renderer = std::make_shared<std::optional<SlabRenderer>>();
+        made.draw = [=, name = field.name](const ValueTransfer& transfer, const Camera& camera,
+                                           int width, int height, const Progress& progress) {
+            if (*renderer)
+                (*renderer)->set_transfer(transfer);
+            else
+                renderer->emplace(*model, name, transfer, options);
+            VolumeImage image = (*renderer)->render(camera, width, height);
+            if (progress) progress(1);
+            return image;
+        };
+    }
+    made.drawing = std::move(drawing);
+    return made;
 }
 
 /// Volumes with a scalar field at every voxel.

@@ -16,9 +16,10 @@ struct ValueArguments {
     std::vector<std::string> bands, isos;
     std::optional<double> threshold, unit_distance;
     std::string light, light_weights;
+    std::optional<int> slabs;
 };
 
-/// Adds --window, --band, --iso, --threshold, --unit-distance, --light and --light-weights.
+/// Adds --window, --band, --iso, --threshold, --unit-distance, --light, --light-weights and --slabs.
 void add_value_options(CLI::App& command, ValueArguments& arguments);
 
 /// throws CLI::ValidationError for options without effect beside the others, and texts that are none
