@@ -17,11 +17,11 @@ constexpr double kMeanOpacity = 0.6;  // of the covered pixels, for colour maps 
 /// Rounded to the digits that notes print, so that their flags repeat the picture.
 double rounded(double value) { return std::stod(fmt::format("{:.4g}", value)); }
 
-/// The unit distance at which the covered pixels' mean opacity is kMeanOpacity, from a few small pictures. The optical
-/// depth of a pixel is proportional to 1 / unit distance: each picture gives all depths, up to rounding where pixels
-/// are opaque.
-double fitted_unit_distance(ValueTransfer transfer, const DrawByValue& draw, const Camera& camera,
-                            Size size) {
+/// The unit distance at which the covered pixels' mean opacity is kMeanOpacity, from a few small pictures; none where
+/// these show nothing. The optical depth of a pixel is proportional to 1 / unit distance: each picture gives all
+/// depths, up to rounding where pixels are opaque.
+std::optional<double> fitted_unit_distance(ValueTransfer transfer, const DrawByValue& draw,
+                                           const Camera& camera, Size size) {
     constexpr int kEdge = 64, kMostPictures = 6;
     const double scale = double(kEdge) / std::max(size.width, size.height);
     const int width = std::max(1, static_cast<int>(std::lround(scale * size.width)));
@@ -33,7 +33,8 @@ double fitted_unit_distance(ValueTransfer transfer, const DrawByValue& draw, con
             if (pixel.a > 0)
                 depths.push_back(-std::log1p(-std::min(double{pixel.a}, 1 - 1e-6)) *
                                  transfer.unit_distance);
-        if (depths.empty() || std::abs(mean_opacity(picture) - kMeanOpacity) < 1e-3) break;
+        if (depths.empty()) return std::nullopt;
+        if (std::abs(mean_opacity(picture) - kMeanOpacity) < 1e-3) break;
         const auto mean_at = [&](double unit) {
             double sum = 0;
             for (const double depth : depths) sum -= std::expm1(-depth / unit);
@@ -128,11 +129,14 @@ ChosenTransfer choose_transfer(const RenderArguments& arguments, const CLI::App&
         chosen.notes.push_back(fmt::format(
             "opacity {} counts as {}: one of 1 is an infinite extinction", most, kMostOpacity));
     if (fits) {
-        chosen.transfer.unit_distance = fitted_unit_distance(chosen.transfer, draw, camera, size);
-        chosen.notes.push_back(fmt::format(
-            "an opacity ramp over the values, its unit distance set for a mean opacity of {} "
-            "(--range {},{} --unit-distance {} repeats it)",
-            kMeanOpacity, chosen.lower, chosen.upper, chosen.transfer.unit_distance));
+        const auto fitted = fitted_unit_distance(chosen.transfer, draw, camera, size);
+        if (fitted) chosen.transfer.unit_distance = *fitted;
+        chosen.notes.push_back(
+            fmt::format("an opacity ramp over the values, its unit distance {} (--range {},{} "
+                        "--unit-distance {} repeats it)",
+                        fitted ? fmt::format("set for a mean opacity of {}", kMeanOpacity)
+                               : "a hundredth of the diagonal, since small pictures show nothing",
+                        chosen.lower, chosen.upper, chosen.transfer.unit_distance));
     }
     return chosen;
 }
