@@ -150,8 +150,12 @@ Progress between(const Progress& progress, double first, double last) {
     if (!progress) return {};
     return [=](double fraction) { progress(first + fraction * (last - first)); };
 }
+/// fields=False: not even the data's own values.
+bool no_fields(const py::object& fields) { return fields.is(py::bool_(false)); }
 /// Fraction of the work after which fields are added.
-double converted(const py::object& fields) { return fields.is_none() ? 1 : 0.6; }
+double converted(const py::object& fields) {
+    return no_fields(fields) ? 1 : fields.is_none() ? 0.9 : 0.6;
+}
 
 /// Fields at the voxels of a Volume or Levels, sampled before the conversion: their errors come early.
 struct SampledFields {
@@ -160,7 +164,7 @@ struct SampledFields {
 };
 SampledFields sampled_fields(const py::object& data, const py::object& fields) {
     SampledFields sampled;
-    if (fields.is_none()) return sampled;
+    if (no_fields(fields)) return sampled;
     std::vector<Lattice> lattices;
     std::size_t count = 1;
     if (py::isinstance<Volume>(data)) {
@@ -181,7 +185,15 @@ SampledFields sampled_fields(const py::object& data, const py::object& fields) {
             part.source = level.source;
         }
     }
-    sampled.values = voxel_fields_of(fields, sampled.volumes, lattices, count, "convert");
+    if (!fields.is_none())
+        sampled.values = voxel_fields_of(fields, sampled.volumes, lattices, count, "convert");
+    const std::string own =
+        sampled.volumes.front().name.empty() ? "density" : sampled.volumes.front().name;
+    const auto named = [&](const auto& field) { return field.front().name == own; };
+    if (std::ranges::none_of(sampled.values, named)) {
+        std::vector<VoxelField>& values = sampled.values.emplace_back();
+        for (const Volume& volume : sampled.volumes) values.push_back(measure_field(volume, own));
+    }
     return sampled;
 }
 void add(const SampledFields& sampled, const FieldOptions& options, Gaussians& model) {
@@ -270,7 +282,7 @@ Model convert(const py::object& data, const std::string& method, const py::objec
         throw py::type_error("convert: report: expected a dict to fill");
     Options options(std::move(given));
     if (py::isinstance<Points>(data)) {
-        if (!fields.is_none())
+        if (!fields.is_none() && !no_fields(fields))
             throw Error("convert: fields: of voxels, expected a Volume or Levels as data");
         return of_points(data.cast<const Points&>(), method, options, progress, report);
     }
@@ -358,7 +370,8 @@ fields    what the Gaussians know beside their density, of voxels: {"temperature
           An array [X, Y, Z] or, of vectors along the world's axes, [X, Y, Z, 3], begins at voxel (0, 0, 0);
           ((i, j, k), array) or a list of such pairs begins elsewhere; a Volume is sampled at the voxels'
           centres; a text is the name of a grid in the data's file; of several levels a list with one of these
-          for each. {"value": array, "unit": "K"} states the unit
+          for each. {"value": array, "unit": "K"} states the unit. The data's own values are a field in any case,
+          'density' in a model as 'density_value'; False: no fields at all
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), view_note (mass that the views

@@ -50,6 +50,7 @@ void bind_camera(py::module_& m);
 void bind_shade(py::module_& m);
 void bind_image(py::module_& m);
 void bind_field_maps(py::module_& m);
+void bind_volume_picture(py::module_& m);
 void bind_convert(py::module_& m);
 void bind_render(py::module_& m);
 void bind_compare(py::module_& m);

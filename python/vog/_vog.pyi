@@ -31,6 +31,7 @@ __all__ = [
     "Scene",
     "render",
     "splat_targets",
+    "render_volume",
     "PictureDifference",
     "DepthDifference",
     "compare",
@@ -492,6 +493,26 @@ def render(
     progress: Union[_Progress, None] = ...,
 ) -> DepthImage: ...
 def splat_targets() -> list[str]: ...
+def render_volume(
+    data: Union[Gaussians, Volume],
+    camera: Union[Camera, None] = ...,
+    size: _Size = ...,
+    *,
+    field: str = ...,
+    tf: Union[str, os.PathLike[str], TransferFunction] = ...,
+    value_range: Union[ArrayLike, None] = ...,
+    window: Union[ArrayLike, None] = ...,
+    bands: Union[Sequence[tuple[float, float, ArrayLike, float]], None] = ...,
+    unit_distance: Union[float, None] = ...,
+    light: Union[str, ArrayLike, None] = ...,
+    clip: Union[ArrayLike, None] = ...,
+    clip_planes: Union[ArrayLike, None] = ...,
+    background: str = ...,
+    renderer: str = ...,
+    slabs: int = ...,
+    fields: Union[dict[str, Any], None] = ...,
+    progress: Union[_Progress, None] = ...,
+) -> Image: ...
 
 class PictureDifference:
     @property

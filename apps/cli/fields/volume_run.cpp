@@ -69,8 +69,9 @@ VolumeDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
     const DrawingArguments& given = arguments.drawing;
     const std::string& input = given.inputs.front();
     if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
-        throw Error(fmt::format("--show volume: {} draws no models by value, expected splat or trace",
-                                info_of(drawing.renderer).name));
+        throw Error(
+            fmt::format("--show volume: {} draws no models by value, expected splat or trace",
+                        info_of(drawing.renderer).name));
     const auto model = std::make_shared<Gaussians>(load_models(given.inputs));
     const ScalarField& field = field_of(model->fields, arguments.quantity.field, input);
     VolumeLook look = look_of(arguments.value);
@@ -85,7 +86,8 @@ VolumeDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
     if (drawing.renderer == Renderer::trace) {
         if (arguments.value.slabs)
             throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
-        made.draw = [=, name = field.name, scene = TraceSceneOptions{given.aabb_sigma, given.kappa}](
+        made.draw = [=, name = field.name,
+                     scene = TraceSceneOptions{given.aabb_sigma, given.kappa}](
                         const ValueTransfer& transfer, const Camera& camera, int width, int height,
                         const Progress& progress) {
             TraceOptions options;

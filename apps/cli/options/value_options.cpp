@@ -152,9 +152,10 @@ void add_value_options(CLI::App& command, ValueArguments& arguments) {
                                 look.ambient, look.diffuse, look.specular, look.power))
         ->group(kValueGroup);
     command
-        .add_option("--slabs", arguments.slabs,
-                    "Depth slabs a tile of a model's picture by splat: more lie nearer to exact order "
-                    "(--renderer trace), and cost memory and time; default 32")
+        .add_option(
+            "--slabs", arguments.slabs,
+            "Depth slabs a tile of a model's picture by splat: more lie nearer to exact order "
+            "(--renderer trace), and cost memory and time; default 32")
         ->check(CLI::Range(1, 1024))
         ->group(kValueGroup);
 }
@@ -215,7 +216,7 @@ void check_value_options(const ValueArguments& arguments, const CLI::App& comman
     };
     if (!volume) {
         for (const char* option : {"--window", "--band", "--iso", "--threshold", "--unit-distance",
-                                   "--light", "--light-weights"})
+                                   "--light", "--light-weights", "--slabs"})
             if (command.count(option)) refuse(option, "is of --show volume");
         return;
     }

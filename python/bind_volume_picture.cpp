@@ -1,0 +1,225 @@
+// bind_volume_picture.cpp: Python's render_volume(), pictures by value.
+#include <algorithm>
+
+#include "arrays.h"
+#include "data.h"
+#include "vog/error.h"
+#include "vog/levels.h"
+#include "vog/renderer.h"
+#include "vog/volume_picture.h"
+#include "voxel_fields.h"
+
+namespace vog::python {
+
+namespace {
+
+/// Keyword arguments that choose a transfer function.
+struct ValueArguments {
+    const py::object &tf, &value_range, &window, &bands, &unit_distance;
+};
+
+std::vector<double> numbers_in(const py::object& list, std::size_t count, const char* name) {
+    const auto given = py::array_t<double, py::array::c_style | py::array::forcecast>(
+        numbers_of(list, name));
+    if (static_cast<std::size_t>(given.size()) != count)
+        throw Error(std::string("render_volume: ") + name + ": " + std::to_string(given.size()) +
+                    " numbers, expected " + std::to_string(count));
+    return {given.data(), given.data() + given.size()};
+}
+
+std::vector<ValueBand> bands_in(const py::object& list) {
+    std::vector<ValueBand> bands;
+    for (const py::handle band : list) {
+        const auto row = py::reinterpret_borrow<py::object>(band);
+        if (py::len(row) != 4)
+            throw Error("render_volume: bands: expected rows (lower, upper, (r, g, b), opacity)");
+        const std::vector<double> color =
+            numbers_in(py::reinterpret_borrow<py::object>(row[py::int_(2)]), 3, "bands: colour");
+        bands.push_back({row[py::int_(0)].cast<double>(), row[py::int_(1)].cast<double>(),
+                         static_cast<float>(color[0]), static_cast<float>(color[1]),
+                         static_cast<float>(color[2]), row[py::int_(3)].cast<double>()});
+    }
+    return bands;
+}
+
+/// lower, upper  of the data
+ValueTransfer transfer_of(const ValueArguments& a, double lower, double upper, const Box& box) {
+    if (!a.window.is_none() && !a.bands.is_none())
+        throw Error("render_volume: window and bands, expected one of them");
+    const double unit = a.unit_distance.is_none() ? 0.02 * box.radius()
+                                                  : a.unit_distance.cast<double>();
+    if (!a.value_range.is_none()) {
+        const std::vector<double> range = numbers_in(a.value_range, 2, "value_range");
+        lower = range[0], upper = range[1];
+    }
+    if (!a.window.is_none()) {
+        const std::vector<double> window = numbers_in(a.window, 2, "window");
+        return window_transfer(window[0], window[1], unit);
+    }
+    if (!a.bands.is_none()) return band_transfer(bands_in(a.bands), unit);
+    if (py::isinstance<TransferFunction>(a.tf))
+        return over_range(a.tf.cast<const TransferFunction&>(), lower, upper, unit);
+    ValueTransfer transfer =
+        read_value_transfer(py::str(a.tf).cast<std::string>(), lower, upper, unit);
+    if (!a.unit_distance.is_none()) transfer.unit_distance = unit;
+    return transfer;
+}
+
+VolumeLook look_of(const py::object& light, const py::object& clip,
+                   const py::object& clip_planes) {
+    VolumeLook look;
+    look.light = !light.is_none();
+    if (look.light && !py::isinstance<py::str>(light)) {
+        const std::vector<double> towards = numbers_in(light, 3, "light");
+        look.towards_light = {towards[0], towards[1], towards[2]};
+    } else if (look.light && light.cast<std::string>() != "head") {
+        throw Error("render_volume: light '" + light.cast<std::string>() +
+                    "', expected 'head' or a direction");
+    }
+    if (!clip.is_none()) {
+        const std::vector<double> c = numbers_in(clip, 6, "clip");
+        look.clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
+    }
+    if (!clip_planes.is_none())
+        for (const py::handle row : clip_planes) {
+            const std::vector<double> p =
+                numbers_in(py::reinterpret_borrow<py::object>(row), 4, "clip_planes");
+            look.clip.planes.push_back({{p[0], p[1], p[2]}, p[3]});
+        }
+    return look;
+}
+
+/// Where a picture is drawn.
+struct PictureArguments {
+    const std::optional<Camera>& camera;
+    int width, height;
+    int slabs;
+    const std::string& renderer;
+    const VolumeLook& look;
+};
+Camera camera_for(const PictureArguments& picture, const Box& box) {
+    const double aspect = double(picture.width) / std::max(picture.height, 1);
+    return picture.camera ? *picture.camera : orbit_view(box, {}, aspect);
+}
+
+VolumeImage of_model(const Gaussians& model, std::string field, const ValueArguments& values,
+                     const PictureArguments& picture, const Progress& progress) {
+    const auto& fields = model.fields.scalar;
+    const auto measure = std::ranges::find(fields, true, &ScalarField::is_measure);
+    if (field.empty() && measure != fields.end()) field = measure->name;
+    if (field.empty() && fields.size() == 1) field = fields.front().name;
+    const ScalarField* found = model.fields.find_scalar(field);
+    if (!found)
+        throw Error("render_volume: " +
+                    (field.empty() ? std::string("no field named")
+                                   : "no scalar field '" + field + "'") +
+                    ", the model has " + std::to_string(fields.size()) +
+                    " scalar fields (convert(volume, fields=...) makes them)");
+    const Box box = view_box(model);
+    const ValueTransfer transfer = transfer_of(values, found->lower, found->upper, box);
+    const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
+    if (renderer != Renderer::splat && renderer != Renderer::trace)
+        throw Error(std::string("render_volume: ") + info_of(renderer).name +
+                    " draws no models by value, expected splat or trace");
+    return unlocked([&] {
+        const Camera camera = camera_for(picture, box);
+        if (renderer == Renderer::trace) {
+            TraceOptions options;
+            options.progress = progress;
+            return render_volume_trace(model, field, transfer, camera, picture.width,
+                                       picture.height, options, {}, picture.look);
+        }
+        SlabOptions options;
+        options.slabs = picture.slabs;
+        options.look = picture.look;
+        return render_volume_splat(model, field, transfer, camera, picture.width, picture.height,
+                                   options);
+    });
+}
+
+VolumeImage of_volume(const Volume& given, const std::string& field, const py::object& fields,
+                      const ValueArguments& values, const PictureArguments& picture,
+                      const Progress& progress) {
+    std::vector<Volume> volumes{given};
+    std::vector<VoxelField> shown;
+    if (field.empty()) {
+        if (!fields.is_none()) throw Error("render_volume: fields: expected field, the shown one");
+        shown.push_back(measure_field(given, given.name));
+    } else {
+        for (auto& sampled :
+             voxel_fields_of(fields, volumes, lattices_of(volumes), 1, "render_volume"))
+            if (sampled.front().name == field) shown.push_back(std::move(sampled.front()));
+        if (shown.empty() || shown.front().is_vector())
+            throw Error("render_volume: no scalar field '" + field + "' in fields");
+    }
+    if (renderer_for(picture.renderer, RenderInput::volumes) != Renderer::reference)
+        throw Error("render_volume: expected renderer 'reference' for voxels");
+    const Box box = world_box(given);
+    const ValueTransfer transfer =
+        transfer_of(values, shown.front().lower, shown.front().upper, box);
+    return unlocked([&] {
+        return render_volume_reference(volumes, shown, transfer, camera_for(picture, box),
+                                       picture.width, picture.height, {progress, 1, {}},
+                                       picture.look);
+    });
+}
+
+}  // namespace
+
+void bind_volume_picture(py::module_& m) {
+    m.def(
+        "render_volume",
+        [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,
+           const std::string& field, const py::object& tf, const py::object& value_range,
+           const py::object& window, const py::object& bands, const py::object& unit_distance,
+           const py::object& light, const py::object& clip, const py::object& clip_planes,
+           const std::string& background, const std::string& renderer, int slabs,
+           const py::object& fields, const py::object& progress) {
+            const auto [width, height] = size_of(size);
+            const VolumeLook look = look_of(light, clip, clip_planes);
+            const PictureArguments picture{camera, width, height, slabs, renderer, look};
+            const ValueArguments values{tf, value_range, window, bands, unit_distance};
+            const Progress report = progress_of(progress);
+            VolumeImage image;
+            if (py::isinstance<Gaussians>(data)) {
+                if (!fields.is_none())
+                    throw Error("render_volume: fields: of voxels, a model has its own");
+                image = of_model(data.cast<const Gaussians&>(), field, values, picture, report);
+            } else if (py::isinstance<Volume>(data)) {
+                image = of_volume(data.cast<const Volume&>(), field, fields, values, picture,
+                                  report);
+            } else {
+                refuse_data(data, "render_volume", "Gaussians or a Volume");
+            }
+            return over(image, named_background(background));
+        },
+        py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
+        py::arg("field") = "", py::arg("tf") = "inferno", py::arg("value_range") = py::none(),
+        py::arg("window") = py::none(), py::arg("bands") = py::none(),
+        py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
+        py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(),
+        py::arg("background") = "black", py::arg("renderer") = "",
+        py::arg("slabs") = SlabOptions{}.slabs, py::arg("fields") = py::none(),
+        py::arg("progress") = py::none(),
+        R"(One picture by value, a vog.Image: emission and absorption under a transfer function of a field's values.
+
+data           Gaussians with a scalar field, or a Volume
+camera         None: Camera.orbit(data), fitted to the picture
+size           pixels, 512 or (width, height)
+field          the scalar field; '': the data's own values
+tf             name of a colour map, or a TransferFunction, over value_range; or a JSON file, whose points may be at values
+value_range    (lower, upper); None: of the data
+window         (centre, width) of medical pictures, in place of tf
+bands          rows (lower, upper, (r, g, b), opacity), in place of tf
+unit_distance  world length that opacities refer to; None: the file's, else a hundredth of the box's diagonal
+light          'head', or a direction towards the light; None: emission and absorption alone
+clip           box of the world that is shown, [2, 3]; None: all
+clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays
+background     'black', 'white' or 'transparent'
+renderer       of models 'splat' (depth slabs) or 'trace' (exact order), of voxels 'reference'; '': the first of them
+slabs          splat: depth slabs a tile, 1 to 1024
+fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
+progress       is called with the finished fraction)");
+}
+
+}  // namespace vog::python

@@ -1,0 +1,78 @@
+"""render_volume(): models and voxels by value, transfer functions, clips, light, errors."""
+import numpy as np
+import pytest
+
+import vog
+
+X, Y, Z = np.mgrid[:24, :24, :24].astype("f4") - 11.5
+BALL = np.exp(-(X**2 + Y**2 + Z**2) / 60).astype("f4")
+BALL[BALL < 0.02] = 0
+BANDS = [(0.1, 0.3, (0, 0, 1), 0.2), (0.6, 2, (1, 1, 0), 0.6)]
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return vog.Volume.from_numpy(BALL)
+
+
+@pytest.fixture(scope="module")
+def model(volume):
+    return vog.convert(volume, budget=400)
+
+
+def psnr(a, b):
+    return vog.compare(a, b).psnr_db
+
+
+def test_models_look_like_their_voxels(volume, model):
+    assert list(model.fields) == ["density_value"]
+    camera = vog.Camera.orbit(volume, 30, 20)
+    for transfer in ({"tf": "magma", "unit_distance": 4}, {"bands": BANDS, "unit_distance": 2}):
+        truth = vog.render_volume(volume, camera, 96, **transfer)
+        slabs = vog.render_volume(model, camera, 96, **transfer)
+        exact = vog.render_volume(model, camera, 96, renderer="trace", **transfer)
+        assert np.asarray(truth).max() > 0.2
+        assert psnr(truth, slabs) > 30
+        assert psnr(exact, slabs) > 45
+
+
+def test_clip_light_and_background(volume, model):
+    camera = vog.Camera.orbit(volume, 0, 0)
+    for data in (volume, model):
+        options = {"camera": camera, "size": 48, "bands": BANDS}
+        whole = np.asarray(vog.render_volume(data, **options))
+        half = np.asarray(vog.render_volume(data, clip_planes=[(0, -1, 0, -11.5)], **options))  # below
+        box = np.asarray(vog.render_volume(data, clip=[[-99, -99, -99], [99, 11.5, 99]], **options))
+        assert np.allclose(half, box, atol=0.02)
+        assert half[:20].sum() == 0 and np.allclose(half[30:], whole[30:], atol=0.02)
+        lit = np.asarray(vog.render_volume(data, light="head", **options))
+        assert not np.allclose(lit, whole, atol=0.02)
+        clear = np.asarray(vog.render_volume(data, background="transparent", **options))
+        assert clear.shape[-1] == 4 and clear[0, 0, 3] == 0
+
+
+def test_other_fields_weigh_by_density():
+    volume = vog.Volume.from_numpy(BALL)
+    heat = {"heat": np.broadcast_to(np.linspace(0, 1, 24, dtype="f4")[:, None, None], BALL.shape).copy()}
+    model = vog.convert(volume, budget=400, fields=heat)
+    camera = vog.Camera.orbit(volume, 30, 20)
+    transfer = {"field": "heat", "tf": "inferno", "unit_distance": 4}
+    truth = vog.render_volume(volume, camera, 96, fields=heat, **transfer)
+    assert psnr(truth, vog.render_volume(model, camera, 96, **transfer)) > 30
+
+
+def test_errors_are_one_line(volume, model):
+    for call, message in (
+        (lambda: vog.render_volume(model, field="cold"), "no scalar field 'cold'"),
+        (lambda: vog.render_volume(model, slabs=0), "0 depth slabs, expected 1 to 1024"),
+        (lambda: vog.render_volume(model, renderer="reference"), "reference"),
+        (lambda: vog.render_volume(volume, clip=[[1, 1, 1], [0, 2, 2]]), "clip box"),
+        (lambda: vog.render_volume(volume, light="side"), "light 'side'"),
+        (lambda: vog.render_volume(volume, window=(1, 2), bands=BANDS), "window and bands"),
+        (lambda: vog.render_volume(volume, bands=[(1, 0, (1, 1, 1), 1)]), "band"),
+        (lambda: vog.render_volume(vog.convert(volume, block=4, fields=False)), "no field"),
+        (lambda: vog.render_volume(volume, unit_distance=-1), "unit_distance"),
+    ):
+        with pytest.raises(vog.Error) as error:
+            call()
+        assert message in str(error.value) and "\n" not in str(error.value)
