@@ -5,7 +5,9 @@
 // (vog/convert_moments.h).
 #pragma once
 
+#include <span>
 #include <string>
+#include <vector>
 
 #include "vog/convert_moments.h"
 #include "vog/gaussians.h"
@@ -13,6 +15,14 @@
 #include "vog/progress.h"
 
 namespace vog {
+
+/// A field of a model of particles (vog/fields.h).
+struct PointField {
+    /// `velocity` (a vector), a name as of point_values, or that of a vector in three attributes, `wind` for wind_x
+    /// wind_y wind_z.
+    std::string values;
+    std::string name{};  ///< of the field; empty: `values`
+};
 
 /// Options of convert_points. Cells are chosen by one of block_voxels, budget and error; by none:
 /// one Gaussian a particle.
@@ -37,6 +47,9 @@ struct PointOptions {
     /// among them, everything else is done by each. Null: a single process.
     const Collective* collective = nullptr;
     Progress progress{};  ///< called with the finished fraction; empty: not
+    /// Fields of the model, weighted by the particles' masses. A particle's value is constant over its
+    /// Gaussian; a cell has the joint moments of its particles.
+    std::vector<PointField> fields{};
 };
 
 /// Options of a level of detail: uniform cells of 2, 4, 8, 16 or 32 voxels along an edge.
@@ -55,7 +68,7 @@ void set_cut(PointOptions& options, const CellChoice& cut);
 /// returns  one a particle: isotropic, in the order of the particles, without those of value 0; by
 ///          cells: one each. World units; the same bytes for any number of threads
 /// throws   vog::Error if an option is out of range, two choices of cells are set, a value is
-///          negative or all are zero, or the radius is adaptive and all particles are in one place
+///          negative or all are zero, a field is unknown (the names are listed), or the radius is adaptive and all particles are in one place
 /// cost     O(N log N) time; besides the particles 28 bytes each, and 150 for a budget
 [[nodiscard]] Gaussians convert_points(const Points& points, const PointOptions& options = {},
                                        MomentReport* report = nullptr);
@@ -65,9 +78,11 @@ void set_cut(PointOptions& options, const CellChoice& cut);
 /// value   peak density, >= 0, by its name as in PointOptions; "speed" in the paper
 /// radius  sqrt(2) standard deviations, world units, > 0; 0: half of point_voxel_size
 /// kappa   share of its peak at which a Gaussian is cut, [1.3e-14, 1): cutoff = sqrt(-2 ln kappa)
+/// fields  as PointOptions::fields
 /// throws  vog::Error as convert_points does
 [[nodiscard]] Gaussians convert_points_paper(const Points& points,
                                              const std::string& value = "speed", double radius = 0,
-                                             float kappa = 0.01f);
+                                             float kappa = 0.01f,
+                                             std::span<const PointField> fields = {});
 
 }  // namespace vog

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <numeric>
 
 #include "compare/error_views.h"
 #include "convert/moments/error_search.h"
@@ -14,6 +15,7 @@
 #include "convert/moments/stage_clock.h"
 #include "convert/particles/moment_tree.h"
 #include "convert/particles/nearest_neighbours.h"
+#include "convert/particles/particle_fields.h"
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/convert_points.h"
@@ -44,6 +46,7 @@ struct PointJob {
     Vec3d origin{};            ///< of the model
     PointGrid grid{};          ///< for cuts and adaptive radii only
     StageClock clock{report, options.progress};
+    std::vector<ParticleValues> fields = particle_values(points, options.fields);
 
     /// Whether Gaussians stand for cells of several particles.
     bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
@@ -146,14 +149,28 @@ Vec3d origin_of(const Points& points, double radius) {
     return model_origin({box.lower - reach, box.upper + reach});
 }
 
-/// One isotropic Gaussian for each particle with mass.
-Gaussians all_particles(const PointJob& job) {
+/// Particles with mass.
+BigVector<std::uint32_t> with_mass(const BigVector<float>& values) {
     BigVector<std::uint32_t> kept;
-    kept.reserve(job.values.size());
-    for (std::size_t n = 0; n < job.values.size(); ++n) {
-        if (job.values[n] > 0) kept.push_back(static_cast<std::uint32_t>(n));
+    kept.reserve(values.size());
+    for (std::size_t n = 0; n < values.size(); ++n) {
+        if (values[n] > 0) kept.push_back(static_cast<std::uint32_t>(n));
         keep_memory_at(n);
     }
+    return kept;
+}
+
+/// Members of Gaussians that are a particle each.
+Members one_each(BigVector<std::uint32_t> particles) {
+    Members members{std::move(particles), {}};
+    members.end.resize(members.particle.size());
+    std::iota(members.end.begin(), members.end.end(), std::uint32_t{1});
+    return members;
+}
+
+/// One isotropic Gaussian for each particle with mass, without fields.
+Gaussians all_particles(const PointJob& job) {
+    const BigVector<std::uint32_t> kept = with_mass(job.values);
     Gaussians model;
     model.cutoff = kMomentCutoff;
     model.box = view_box_of(job.points);
@@ -185,21 +202,24 @@ BigVector<Particle> grid_particles(const PointJob& job, double mass_unit) {
         const auto variance = static_cast<float>(radius * radius);
         particles.push_back({grid.place(job.points, n),
                              static_cast<float>(job.values[from] / mass_unit),
-                             {variance, 0, 0, variance, 0, variance}});
+                             {variance, 0, 0, variance, 0, variance},
+                             from});
     }
     return particles;
 }
 
 /// Moments of the particles in each cube of block_voxels: those whose Morton keys share the higher
 /// bits.
-BigVector<Moments> uniform_cells(const PointJob& job, double mass_unit) {
+/// particles  those of grid_particles
+/// ends       receives for each cell the index behind its last particle there
+BigVector<Moments> uniform_cells(const PointJob& job, const BigVector<Particle>& particles,
+                                 BigVector<std::uint32_t>& ends) {
     const PointGrid& grid = job.grid;
     const int level =
         kKeyBits - grid.root_log2 + std::countr_zero(unsigned(job.options.block_voxels));
     const auto cell_of = [&](std::size_t n) {
         return 3 * level >= 64 ? 0 : grid.key[n] >> (3 * level);
     };
-    const BigVector<Particle> particles = grid_particles(job, mass_unit);
     BigVector<Moments> cells;
     std::vector<Moments> inside;
     std::size_t particle = 0;
@@ -208,14 +228,39 @@ BigVector<Moments> uniform_cells(const PointJob& job, double mass_unit) {
         if (job.values[grid.index[n]] > 0)
             inside.push_back(particle_moments(particles[particle++]));
         if (n + 1 < grid.size() && cell_of(n + 1) == cell_of(n)) continue;
-        if (!inside.empty()) cells.push_back(joined_moments(inside));
+        if (inside.empty()) continue;
+        cells.push_back(joined_moments(inside));
+        ends.push_back(static_cast<std::uint32_t>(particle));
         inside.clear();
     }
     return cells;
 }
 
+/// Model and the particles of its Gaussians, which only fields need.
+struct CutModel {
+    Gaussians model;
+    Members members;
+};
+
+/// Particles of the kept cells.
+/// ends  of all cells in `particles`
+Members members_of(const BigVector<Particle>& particles, const BigVector<std::uint32_t>& ends,
+                   const BigVector<std::uint32_t>& kept) {
+    Members members;
+    for (const std::uint32_t cell : kept) {
+        for (std::size_t n = cell ? ends[cell - 1] : 0; n < ends[cell]; ++n)
+            members.particle.push_back(particles[n].index);
+        members.end.push_back(static_cast<std::uint32_t>(members.particle.size()));
+        keep_memory();
+    }
+    return members;
+}
+
 /// Gaussians of the cells above the mass threshold; records the dropped mass in job.report.
-Gaussians thresholded_gaussians(PointJob& job, const BigVector<Moments>& cells, double mass_unit) {
+/// ends  of the cells in `particles`
+CutModel thresholded_gaussians(PointJob& job, const BigVector<Moments>& cells,
+                               const BigVector<Particle>& particles,
+                               const BigVector<std::uint32_t>& ends, double mass_unit) {
     MassThreshold threshold;
     for (std::size_t n = 0; n < cells.size(); ++n) {
         threshold.add(static_cast<float>(cells[n].mass));
@@ -242,39 +287,47 @@ Gaussians thresholded_gaussians(PointJob& job, const BigVector<Moments>& cells, 
     resize(model, kept.size(), job.options.axis_aligned);
     vog::parallel_for(std::size_t{0}, kept.size(),
                       [&](std::size_t i) { set_gaussian(model, i, cells[kept[i]], frame); });
-    return model;
+    if (job.fields.empty()) return {std::move(model), {}};
+    return {std::move(model), members_of(particles, ends, kept)};
 }
 
 /// Model of cells: of one size, a budget or an error.
-Gaussians cut_model(PointJob& job) {
+CutModel cut_model(PointJob& job) {
     const PointOptions& options = job.options;
     const double mass_unit = job.total / static_cast<double>(job.points.size());
-    if (options.block_voxels)
-        return thresholded_gaussians(job, uniform_cells(job, mass_unit), mass_unit);
+    BigVector<std::uint32_t> ends;
+    if (options.block_voxels) {
+        const BigVector<Particle> particles = grid_particles(job, mass_unit);
+        const BigVector<Moments> cells = uniform_cells(job, particles, ends);
+        return thresholded_gaussians(job, cells, particles, ends, mass_unit);
+    }
     const PointTree tree = point_tree(grid_particles(job, mass_unit));
     job.clock.end_stage("tree", 0.6);
-    if (options.budget)
-        return thresholded_gaussians(job, best_cut(tree, options.budget), mass_unit);
+    const auto model_of_budget = [&](std::size_t budget) {
+        const BigVector<Moments> cells = best_cut(tree, budget, &ends);
+        return thresholded_gaussians(job, cells, tree.particles, ends, mass_unit);
+    };
+    if (options.budget) return model_of_budget(options.budget);
 
     const ErrorViews views(all_particles(job));
     job.clock.end_stage("reference", 0.7);
     const std::size_t finest = tree.particles.size();
-    Gaussians model;
-    MomentReport report;  // for `model`: each try overwrites job.report
+    CutModel best;
+    MomentReport report;  // for `best`: each try overwrites job.report
     const auto error_of_budget = [&](std::size_t budget) {
-        Gaussians tried = thresholded_gaussians(job, best_cut(tree, budget), mass_unit);
-        const RelativeError error = views.relative_l2(tried);
+        CutModel tried = model_of_budget(budget);
+        const RelativeError error = views.relative_l2(tried.model);
         job.report.measured_error = error.worst, job.report.mean_error = error.mean;
         job.report.view_note = views.note();
         if (job.report.measured_error <= options.error || budget >= finest) {
-            model = std::move(tried);
+            best = std::move(tried);
             report = job.report;
         }
         return job.report.measured_error;
     };
     smallest_budget(options.error, finest, error_of_budget, {});
     job.report = report;
-    return model;
+    return best;
 }
 
 /// The options as flags of `vog convert`, and the measured error.
@@ -330,7 +383,8 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
         options.radius > 0 ? BigVector<double>(points.size(), options.radius) : adaptive_radii(job);
     job.clock.end_stage("radii", 0.5);
 
-    Gaussians model = job.cuts() ? cut_model(job) : all_particles(job);
+    CutModel cut = job.cuts() ? cut_model(job) : CutModel{all_particles(job), {}};
+    Gaussians& model = cut.model;
     check_density_range(model, name_of(points));
     job.clock.end_stage("model", 0.9);
     if (options.measure && job.report.measured_error < 0) {
@@ -338,23 +392,29 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
         const RelativeError error = views.relative_l2(model);
         job.report.measured_error = error.worst, job.report.mean_error = error.mean;
         job.report.view_note = views.note();
-        job.clock.end_stage("measure", 1);
+        job.clock.end_stage("measure", 0.95);
+    }
+    if (!job.fields.empty()) {
+        if (!job.cuts()) cut.members = one_each(with_mass(job.values));
+        add_particle_fields(model, points, job.fields, cut.members, job.values, job.radius);
+        job.clock.end_stage("fields", 1);
     }
     describe(model, points, options.value);
     model.method = job.cuts() ? "moments" : "particles";
     model.options = option_text(job);
     model.summary = summary_text(model, job.report, "particles");
-    return model;
+    return std::move(model);
 }
 
 Gaussians convert_points_paper(const Points& points, const std::string& value, double radius,
-                               float kappa) {
+                               float kappa, std::span<const PointField> fields) {
     validate(points);
     if (!(radius >= 0 && std::isfinite(radius)))
         throw Error(fmt::format("particles: radius {}, expected more than 0, or 0", radius));
     if (!(kappa > 0 && kappa < 1))
         throw Error(fmt::format("particles: kappa {}, expected in (0, 1)", kappa));
     const BigVector<float> values = masses(points, value);
+    const std::vector<ParticleValues> field_values = particle_values(points, fields);
     const double voxel_size = point_voxel_size(points);
     const double paper_radius = radius > 0 ? radius : 0.5 * voxel_size;
     const LeafOrder order = leaf_order(points, voxel_size);
@@ -363,13 +423,18 @@ Gaussians convert_points_paper(const Points& points, const std::string& value, d
     model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(kappa)));
     model.box = view_box_of(points);
     model.origin = origin_of(points, paper_radius);
+    BigVector<std::uint32_t> kept;
     for (const std::uint32_t n : order.index) {
         if (!(values[n] > 0)) continue;
+        if (!fields.empty()) kept.push_back(n);
         const auto s = static_cast<float>(paper_radius / std::numbers::sqrt2);
         model.mean.push_back(vec_cast<float>(points.position[n] - model.origin));
         model.scale.push_back({s, s, s});
         model.density.push_back(values[n]);
     }
+    if (!fields.empty())
+        add_particle_fields(model, points, field_values, one_each(std::move(kept)), values,
+                            BigVector<double>(points.size(), paper_radius / std::numbers::sqrt2));
     describe(model, points, value);
     model.method = "paper";
     model.options =
