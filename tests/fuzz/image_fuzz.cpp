@@ -1,8 +1,9 @@
-// image_fuzz.cpp: Readers of pictures, PNG and EXR; what is read is written and read again.
+// image_fuzz.cpp: Readers of pictures and maps, PNG, EXR and NumPy; what is read is written and read again.
 #include <cmath>
 #include <limits>
 
 #include "fuzz_target.h"
+#include "vog/compare_maps.h"
 #include "vog/image.h"
 
 namespace vog::fuzz {
@@ -33,6 +34,18 @@ void run(Bytes input) {
         expect(same_bytes(again.depth, depth.depth), "T survives bit for bit");
         expect(again.extinction == depth.extinction, "the extinction survives");
     }
+    accepted([&] { (void)is_map_file(file); });
+    ValueMap map;
+    if (accepted([&] { map = read_map(file); })) {
+        const std::filesystem::path npy = scratch_file("again.npy");
+        ValueMap again;
+        expect(accepted([&] { write_map(npy, map); }), "a map that is read is written");
+        expect(accepted([&] { again = read_map(npy); }), "a map that is written is read");
+        expect(same_bytes(again.value, map.value), "values survive bit for bit");
+    }
+    FieldMaps maps;
+    if (accepted([&] { maps = read_field_maps(file); }))
+        accepted([&] { (void)compare(maps, maps); });
 }
 
 }  // namespace vog::fuzz

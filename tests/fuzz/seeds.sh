@@ -21,6 +21,7 @@ done
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/aligned.ply" --block 16 --axis-aligned >/dev/null
 "$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
     --save-camera "$folder/camera/perspective.json" >/dev/null
+"$vog" render "$folder/ply/plain.ply" --size 16 --show column --values-out "$folder/image/column.npy" >/dev/null
 "$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.exr" --size 16 --orthographic \
     --save-camera "$folder/camera/orthographic.json" >/dev/null
 cat >"$folder/transfer_function/own.json" <<'JSON'
