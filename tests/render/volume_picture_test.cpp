@@ -232,6 +232,20 @@ TEST(volume_picture, is_that_of_all_voxels_in_order) {
     }
 }
 
+TEST(volume_picture, a_field_without_values_is_the_volumes_own_in_maps_too) {
+    const Volume volume = random_volume(9);
+    const VoxelField implied = own(), stated = own_field(volume);
+    const Camera camera = pinhole({30, 20, 40}, {3, 3, 3});
+    const auto draw = [&](const VoxelField& field) {
+        return render_field_reference({&volume, 1}, {&field, 1}, FieldPart::value, camera, 16, 16);
+    };
+    const FieldMaps a = draw(implied), b = draw(stated);
+    EXPECT_EQ(a.column, b.column);
+    ASSERT_GT(a.column[136], 0);
+    EXPECT_EQ(a.mean[136], b.mean[136]);
+    EXPECT_EQ(a.deviation[136], b.deviation[136]);
+}
+
 TEST(volume_picture, is_the_same_for_any_number_of_threads_and_averages_samples) {
     const Volume volume = random_volume(4);
     const VoxelField field = own();

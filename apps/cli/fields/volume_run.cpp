@@ -14,13 +14,17 @@ namespace vog::cli {
 
 namespace {
 
+/// Picture of the inputs, with progress.
+using DrawVolume =
+    std::function<VolumeImage(const ValueTransfer&, const Camera&, int, int, const Progress&)>;
+
 /// Inputs with a scalar field, ready for pictures by value.
 struct VolumeDrawing {
     Drawing drawing;              ///< for views and reports, not for drawing T
     std::string label;            ///< of the field
     std::string unit;             ///< of the field
     double lower = 0, upper = 0;  ///< least and largest value of the data
-    std::function<VolumeImage(const ValueTransfer&, const Camera&, int, int, const Progress&)> draw;
+    DrawVolume draw;
 };
 
 /// throws CLI::ValidationError and vog::Error for options and renderers that do not draw by value
@@ -64,57 +68,61 @@ const ScalarField& field_of(const Fields& fields, const std::string& name,
                             name.empty() ? "" : fmt::format(" '{}'", printable(name)), has));
 }
 
-/// The one place of the renderers of models, by drawing.renderer.
-VolumeDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
+/// The renderers of models by value: the one place that knows them.
+/// throws  CLI::ValidationError and vog::Error for options and renderers that draw no model by value
+DrawVolume model_renderer(const RenderArguments& arguments, Renderer renderer,
+                          const std::shared_ptr<const Gaussians>& model, const std::string& field) {
     const DrawingArguments& given = arguments.drawing;
-    const std::string& input = given.inputs.front();
-    if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
-        throw Error(
-            fmt::format("--show volume: {} draws no models by value, expected splat or trace",
-                        info_of(drawing.renderer).name));
-    const auto model = std::make_shared<Gaussians>(load_models(given.inputs));
-    const ScalarField& field = field_of(model->fields, arguments.quantity.field, input);
     VolumeLook look = look_of(arguments.value);
     look.clip = clip_of(given);
+    if (renderer == Renderer::trace) {
+        if (arguments.value.slabs)
+            throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
+        const TraceSceneOptions scene{given.aabb_sigma, given.kappa};
+        return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,
+                   const Progress& progress) {
+            TraceOptions options;
+            options.progress = progress;
+            return render_volume_trace(*model, field, transfer, camera, width, height, options,
+                                       scene, look);
+        };
+    }
+    if (renderer != Renderer::splat)
+        throw Error(
+            fmt::format("--show volume: {} draws no models by value, expected splat or trace",
+                        info_of(renderer).name));
+    if (given.aabb_sigma != 0)
+        throw CLI::ValidationError("--aabb-sigma: is of T, column density and trace");
+    SlabOptions options;
+    options.slabs = arguments.value.slabs.value_or(options.slabs);
+    options.kappa = given.kappa;
+    options.look = look;
+    // Made with the first transfer function, then kept for pictures under others.
+    const auto kept = std::make_shared<std::optional<SlabRenderer>>();
+    return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,
+               const Progress& progress) {
+        if (*kept)
+            (*kept)->set_transfer(transfer);
+        else
+            kept->emplace(*model, field, transfer, options);
+        VolumeImage image = (*kept)->render(camera, width, height);
+        if (progress) progress(1);
+        return image;
+    };
+}
+
+VolumeDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
+    const std::string& input = arguments.drawing.inputs.front();
+    const auto model = std::make_shared<Gaussians>(load_models(arguments.drawing.inputs));
+    const ScalarField& field = field_of(model->fields, arguments.quantity.field, input);
     VolumeDrawing made;
     made.label = field.name;
     made.unit = field.unit;
     made.lower = field.lower, made.upper = field.upper;
+    made.draw = model_renderer(arguments, drawing.renderer, model, field.name);
     drawing.box = view_box(*model);
     drawing.gaussians = model->size();
     set_primitives_text(drawing, 0);
-    if (drawing.renderer == Renderer::trace) {
-        if (arguments.value.slabs)
-            throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
-        made.draw = [=, name = field.name,
-                     scene = TraceSceneOptions{given.aabb_sigma, given.kappa}](
-                        const ValueTransfer& transfer, const Camera& camera, int width, int height,
-                        const Progress& progress) {
-            TraceOptions options;
-            options.progress = progress;
-            return render_volume_trace(*model, name, transfer, camera, width, height, options,
-                                       scene, look);
-        };
-    } else {
-        if (given.aabb_sigma != 0)
-            throw CLI::ValidationError("--aabb-sigma: is of T, and of trace");
-        SlabOptions options;
-        options.slabs = arguments.value.slabs.value_or(options.slabs);
-        options.kappa = given.kappa;
-        options.look = look;
-        // Made with the first transfer function, then kept for pictures under others.
-        const auto renderer = std::make_shared<std::optional<SlabRenderer>>();
-        made.draw = [=, name = field.name](const ValueTransfer& transfer, const Camera& camera,
-                                           int width, int height, const Progress& progress) {
-            if (*renderer)
-                (*renderer)->set_transfer(transfer);
-            else
-                renderer->emplace(*model, name, transfer, options);
-            VolumeImage image = (*renderer)->render(camera, width, height);
-            if (progress) progress(1);
-            return image;
-        };
-    }
     made.drawing = std::move(drawing);
     return made;
 }
@@ -148,7 +156,7 @@ std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
     const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
     const std::string grid = part ? text.substr(0, text.size() - 2) : text;
     std::vector<VoxelField> fields = std::move(
-        read_volume_fields({{grid}, arguments.drawing.volume.grid}, volumes, notes).front());
+        read_volume_fields({grid}, arguments.drawing.volume.grid, volumes, notes).front());
     for (VoxelField& field : fields) {
         if (field.is_vector() != part)
             throw Error(fmt::format(
