@@ -127,7 +127,7 @@ def test_a_grid_of_the_volumes_file_by_name(tmp_path, volume):
         (lambda v, m: vog.convert(v, fields={"t": ((99, 0, 0), X)}), "field 't': active at no voxel"),
         (lambda v, m: vog.convert(v, fields={"t": "temperature"}), "of a volume that no file has"),
         (lambda v, m: vog.convert(v, fields={"t": {"vale": X}}), "unknown 'vale', expected value and unit"),
-        (lambda v, m: vog.convert(vog.sample_particles(64), fields=FIELDS), "fields: of voxels"),
+        (lambda v, m: vog.convert(vog.sample_particles(8), fields=FIELDS), "fields: of voxels"),
     ],
 )
 def test_errors_are_one_line(volume, model, call, message):
