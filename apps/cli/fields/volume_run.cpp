@@ -28,8 +28,8 @@ struct VolumeDrawing {
 };
 
 /// throws CLI::ValidationError and vog::Error for options and renderers that do not draw by value
-void check(const RenderArguments& arguments, const CLI::App& command, const Drawing& drawing,
-           const RenderRanks& ranks) {
+void check_by_value(const RenderArguments& arguments, const CLI::App& command,
+                    const Drawing& drawing, const RenderRanks& ranks) {
     if (ranks.allreduce_max || !ranks.is_root)
         throw CLI::ValidationError("--show volume: is of one process, expected vog render");
     if (command.count("--pixel-error"))
@@ -111,7 +111,7 @@ DrawVolume model_renderer(const RenderArguments& arguments, Renderer renderer,
     };
 }
 
-VolumeDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
+VolumeDrawing load_model_by_value(const RenderArguments& arguments, Drawing drawing) {
     const std::string& input = arguments.drawing.inputs.front();
     const auto model = std::make_shared<Gaussians>(load_models(arguments.drawing.inputs));
     const ScalarField& field = field_of(model->fields, arguments.quantity.field, input);
@@ -263,9 +263,9 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
     Stages stages(arguments.verbose);
     VolumeDrawing volume = stages.run("load", [&] {
         Drawing drawing = begin_drawing(arguments.drawing, command);
-        check(arguments, command, drawing, ranks);
+        check_by_value(arguments, command, drawing, ranks);
         return drawing.kind == FileKind::model
-                   ? load_model(arguments, std::move(drawing))
+                   ? load_model_by_value(arguments, std::move(drawing))
                    : load_volume_by_value(arguments, std::move(drawing));
     });
     Drawing& drawing = volume.drawing;
