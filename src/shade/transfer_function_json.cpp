@@ -274,7 +274,7 @@ TransferPoints from_json(const json& root, const std::string& where) {
                     where));
 }
 
-TransferPoints read_points(const std::filesystem::path& file) {
+TransferPoints points_in(const std::filesystem::path& file) {
     require_readable(file);
     const std::string where = file.string() + ": ";
     TransferPoints read;
@@ -301,7 +301,7 @@ bool is_map_name(const std::string& name_or_file) {
 }  // namespace
 
 TransferFunction read_transfer_function(const std::filesystem::path& file) {
-    return over_unit_range(read_points(file));
+    return over_unit_range(points_in(file));
 }
 
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf) {
@@ -332,7 +332,7 @@ TransferFunction load_transfer_function(const std::string& name_or_file) {
 }
 
 TransferPoints transfer_points(const std::string& name_or_file) {
-    if (!is_map_name(name_or_file)) return read_points(name_or_file);
+    if (!is_map_name(name_or_file)) return points_in(name_or_file);
     TransferPoints read;
     const TransferFunction named = named_transfer_function(name_or_file);
     read.points.name = named.name;
