@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "shared/inputs.h"
+#include "shared/validators.h"
 
 namespace vog::cli {
 
@@ -59,6 +60,7 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
             "--least-column", arguments.least_column,
             "Share of the largest column below which a picture of a field shows nothing: the "
             "mean of next to nothing is no colour. Files of values have every pixel")
+        ->check(non_negative_number())  // the range alone lets NaN through
         ->check(CLI::Range(0.0, 1.0))
         ->capture_default_str()
         ->group(kQuantityGroup);
