@@ -13,6 +13,7 @@
 #include <tuple>
 
 #include "commands.h"
+#include "fields/own_values.h"
 #include "inputs_part.h"
 #include "model_file.h"
 #include "rank_files.h"
@@ -313,7 +314,7 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
         return read_volumes_part(arguments.inputs, arguments.volume, ranks, align_voxels(options));
     });
     options.moments.origin = options.paper.origin = model_origin(from.box);
-    const std::vector<InputPart> parts = stages.run("compose", [&] { return input_parts(from); });
+    std::vector<InputPart> parts = stages.run("compose", [&] { return input_parts(from); });
     if (options.by_moments) require_mass(parts, ranks);
     // Hidden voxels of levels do not count, as in a single process.
     from.active_voxels = 0;
@@ -340,6 +341,15 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
     std::uint64_t count = 0;
     for (const Gaussians& part : model.inputs) count += part.size();
     count = ranks.sum(count);
+    if (!arguments.no_fields)
+        stages.run("fields", [&] {
+            std::vector<std::vector<Volume>*> volumes;
+            for (InputPart& part : parts) volumes.push_back(&part.volumes);
+            add_own_values(arguments, options, from.is_mesh(), volumes, model, ranks);
+            ranks.agree();
+        });
+    if (arguments.volume.ones)
+        model.description.options = "--measure volume " + model.description.options;
     if (options.by_moments)
         model.description.summary = summary_text(count, model.description.source_voxels,
                                                  totals.report(data_mass), "active voxels");

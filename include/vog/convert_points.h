@@ -21,7 +21,7 @@ struct PointField {
     /// `velocity` (a vector), a name as of point_values, or that of a vector in three attributes, `wind` for wind_x
     /// wind_y wind_z.
     std::string values;
-    std::string name{};  ///< of the field; empty: `values`
+    std::string name{};  ///< name of the field; empty: `values`
 };
 
 /// Options of convert_points. Cells are chosen by one of block_voxels, budget and error; by none:

@@ -1,10 +1,14 @@
 // field_conversion_test.cpp: fields of vog convert: a volume's own values by default, --field, --no-fields.
 #include <gtest/gtest.h>
 
+#include <fmt/core.h>
+
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "support/command.h"
 #include "support/random_volume.h"
+#include "support/voxel_fields.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/lod.h"
@@ -102,6 +106,107 @@ TEST_F(field_conversion_command, levels_carry_their_own_values) {
     const Gaussians named = read_ply(dir_ / "T.ply");
     ASSERT_EQ(named.fields.names(), std::vector<std::string>{"T"});
     EXPECT_EQ(named.fields.scalar[0].value, model.fields.scalar[0].value);
+}
+
+/// Each step of a series has the fields of its own file.
+TEST_F(field_conversion_command, steps_of_a_series_carry_fields) {
+    for (int n = 0; n < 2; ++n) {
+        Volume density = small_volume(), heat = density;
+        heat.name = "heat";
+        for (Leaf& leaf : heat.leaves)
+            for (float& value : leaf.value) value *= float(n + 2);
+        write_vdb(dir_ / ("step_" + std::to_string(n) + ".vdb"), std::vector{density, heat});
+    }
+    must("convert 'step_*.vdb' -o steps/ --grid density --field heat --block 8 --no-hierarchy");
+    const float most = static_cast<float>(own_field(small_volume()).upper);
+    for (int n = 0; n < 2; ++n) {
+        const Gaussians model = read_ply(dir_ / "steps" / ("step_" + std::to_string(n) + ".ply"));
+        ASSERT_EQ(model.fields.names(), (std::vector<std::string>{"heat", "density"}));
+        EXPECT_FLOAT_EQ(static_cast<float>(model.fields.scalar[0].upper), most * float(n + 2));
+    }
+}
+
+/// Signed values are a field over the measure that counts voxels.
+TEST_F(field_conversion_command, signed_values_convert_by_volume) {
+    const auto grid = make_grid("hu", openvdb::GRID_UNKNOWN);
+    fill(*grid, {}, {15, 15, 15}, [](Vec3i i) { return float(100 * i.x) - 1000; });
+    set_voxel(*grid, {3, 2, 1}, std::numeric_limits<float>::quiet_NaN());
+    write_grids(dir_ / "ct.vdb", {grid});
+    must_fail(1, "convert ct.vdb -o ct.ply --skip-nonfinite", "vog convert --measure volume");
+    const Result made =
+        must("convert ct.vdb -o ct.ply --measure volume --block 4 --soft-steps 0 --no-hierarchy");
+    EXPECT_NE(
+        made.error.find("1 values that are not finite left out, the first at index [3, 2, 1]"),
+        std::string::npos)
+        << made.error;
+    const Gaussians model = read_ply(dir_ / "ct.ply");
+    ASSERT_EQ(model.size(), 64u);
+    EXPECT_NEAR(mass(model), 16 * 16 * 16 - 1, 1e-3);
+    EXPECT_TRUE(model.options.starts_with("--measure volume ")) << model.options;
+    ASSERT_EQ(model.fields.names(), std::vector<std::string>{"hu"});
+    const ScalarField& hu = model.fields.scalar[0];
+    EXPECT_EQ(hu.lower, -1000);
+    EXPECT_EQ(hu.upper, 500);
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        // Values are linear along x, and each voxel is a box: of the positions' variance in a cell, 16/12, the
+        // boxes have 1/12, and the plane through constant boxes is 15/16 as steep. One cell lacks a voxel.
+        EXPECT_NEAR(hu.value[i], 100 * world_mean(model, i).x - 1000, 0.2);
+        EXPECT_NEAR(hu.gradient[i].x, 100.0 * 15 / 16, 0.5);
+        EXPECT_NEAR(hu.deviation[i], 100.0 / 16 * std::sqrt(15.0 / 12), 0.1);
+    }
+    must("convert ct.vdb -o ct.ply --measure volume --block 4 --no-fields");
+    EXPECT_TRUE(read_ply(dir_ / "ct.ply").fields.empty());
+    for (const std::string option : {"--clip-negative", "--level-set-to-fog"})
+        must_fail(2, "convert ct.vdb -o m.ply --measure volume " + option,
+                  option + " does not go with --measure volume");
+    write("p.csv", "x,y,z\n1,2,3\n2,3,4\n");
+    must_fail(2, "convert p.csv -o p.ply --measure volume", "--measure does not go with particles");
+}
+
+/// Values of single particles, and the plane through those of a cell.
+TEST_F(field_conversion_command, particles_carry_columns_and_velocity) {
+    std::string text = "x,y,z,vx,vy,vz,mass,T,wind_x,wind_y,wind_z\n";
+    for (int n = 0; n < 64; ++n) {
+        const int x = n % 4, y = n / 4 % 4, z = n / 16;
+        text += fmt::format("{},{},{},{},{},{},{},{},1,2,{}\n", x, y, z, x, 2 * y, -z, 1 + x,
+                            300 + 10 * x + z, n);
+    }
+    write("p.csv", text);
+    const std::string fields = " --value mass --field T --field velocity --field gust=wind";
+    must("convert p.csv -o p.ply --no-hierarchy" + fields);
+    const Gaussians each = read_ply(dir_ / "p.ply");
+    ASSERT_EQ(each.size(), 64u);
+    ASSERT_EQ(each.fields.names(), (std::vector<std::string>{"T", "velocity", "gust"}));
+    for (std::size_t i = 0; i < each.size(); ++i) {
+        const Vec3d at = world_mean(each, i);
+        EXPECT_NEAR(each.fields.scalar[0].value[i], 300 + 10 * at.x + at.z, 1e-4);
+        EXPECT_EQ(each.fields.scalar[0].deviation[i], 0);
+        EXPECT_NEAR(each.fields.vector[0].value[i].y, 2 * at.y, 1e-5);
+    }
+    EXPECT_EQ(each.fields.vector[1].value[63].z, 63);
+    must("convert p.csv -o p.ply --no-hierarchy --method paper" + fields);
+    const Gaussians paper = read_ply(dir_ / "p.ply");
+    for (std::size_t i = 0; i < paper.size(); ++i)
+        EXPECT_NEAR(paper.fields.scalar[0].value[i],
+                    300 + 10 * world_mean(paper, i).x + world_mean(paper, i).z, 1e-4);
+
+    // One Gaussian of all: weighted by mass 1 + x, of which x has the mean 2 and the variance 1.
+    for (const std::string cut : {" --block 128", " --budget 1"}) {
+        must("convert p.csv -o p.ply --no-hierarchy --radius 0.001" + fields + cut);
+        const Gaussians one = read_ply(dir_ / "p.ply");
+        ASSERT_EQ(one.size(), 1u) << cut;
+        const ScalarField& t = one.fields.scalar[0];
+        EXPECT_NEAR(t.value[0], 300 + 20 + 1.5, 1e-3);
+        EXPECT_NEAR(t.gradient[0].x, 10, 1e-3);
+        EXPECT_NEAR(t.gradient[0].z, 1, 1e-3);
+        EXPECT_NEAR(t.deviation[0], 0, 0.05);
+        EXPECT_EQ(t.lower, 300);
+        EXPECT_EQ(t.upper, 333);
+        EXPECT_NEAR(one.fields.vector[0].value[0].x, 2, 1e-5);
+    }
+    must_fail(1, "convert p.csv -o p.ply --field heat", "no value named 'heat' (it has: count");
+    must_fail(2, "convert p.csv -o p.ply --field T --field T=mass", "a second field named 'T'");
+    must_fail(2, "convert p.csv -o q.csv --field T", "--field does not go with unconverted");
 }
 
 }  // namespace vog::test

@@ -157,6 +157,28 @@ TEST_F(mpi_convert, header_keeps_all_options) {
     EXPECT_EQ(read_ply(dir_ / "many.ply").options, "--block 8" + others + " (in 2 parts)");
 }
 
+/// The default of both: the bytes of uniform cuts are compared with this field.
+TEST_F(mpi_convert, models_carry_their_own_values) {
+    must("sample cloud c.vdb --size 64");
+    const auto [one, many] = both(3, "c.vdb --soft-steps 0 --block 8 --measure volume");
+    EXPECT_TRUE(one == many);
+    both(2, "c.vdb --budget 300 --soft-steps 0");
+    const Gaussians model = read_ply(dir_ / "many.ply"), whole = read_ply(dir_ / "one.ply");
+    ASSERT_EQ(model.fields.names(), std::vector<std::string>{"density"});
+    EXPECT_EQ(model.fields.scalar[0].upper, whole.fields.scalar[0].upper);
+    const auto sum = [](const Gaussians& of) {
+        double all = 0;
+        for (std::size_t i = 0; i < of.size(); ++i)
+            all += mass(of, i) * double{of.fields.scalar[0].value[i]};
+        return all;
+    };
+    EXPECT_NEAR(sum(model), sum(whole), 0.01 * sum(whole));
+    must_mpi(2, "convert c.vdb -o plain.ply --block 8 --no-fields");
+    EXPECT_TRUE(read_ply(dir_ / "plain.ply").fields.empty());
+    must_fail_mpi(2, "-n 2 COMMAND convert c.vdb -o m.ply --field c.vdb:density",
+                  "--field: parts of a volume carry their own values alone");
+}
+
 TEST_F(mpi_convert, volume_without_mass_is_refused) {
     Volume volume;
     volume.name = "density";

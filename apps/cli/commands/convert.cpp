@@ -11,6 +11,7 @@
 #include "commands.h"
 #include "fields/field_conversion.h"
 #include "options/conversion_options.h"
+#include "options/field_options.h"
 #include "shared/convert_run.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
@@ -86,6 +87,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     options.axis_aligned = cut.axis_aligned;
     options.measure = cut.measure;
     options.collective = ranks.collective;
+    options.fields = parse_point_fields(arguments.fields);
     const bool paper = arguments.method == "paper";
     if (paper && arguments.points.value.empty()) options.value = "speed";
     Stages stages(arguments.verbose && ranks.is_root);
@@ -109,7 +111,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     MomentReport one;
     Gaussians model = stages.run("convert", [&] {
         return paper ? convert_points_paper(points, options.value, options.radius,
-                                            arguments.paper.kappa)
+                                            arguments.paper.kappa, options.fields)
                      : convert_points(points, options, &one);
     });
     if (!ranks.is_root) return {};
@@ -153,7 +155,8 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     moments.progress = paper.progress = stages.progress();
     if (ranks.convert_volumes && !arguments.fields.empty())
         throw CLI::ValidationError(
-            "--field: parts of a volume have no fields yet; expected one process (vog convert)");
+            "--field: parts of a volume carry their own values alone; expected one process (vog "
+            "convert)");
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
@@ -163,7 +166,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     Composite mesh =
         set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
     std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
-    Gaussians model;
+    std::vector<Gaussians> parts;  // one a volume; of a mesh one
     double volume_mass = 0;
     Box box;
     for (const Volume& volume : volumes) {
@@ -181,10 +184,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         if (moments.error > 0 && one.measured_error > moments.error && !moments.block_voxels &&
             !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
-        if (model.size() == 0 && model.source.empty())
-            model = std::move(part);
-        else
-            append(model, part);
+        parts.push_back(std::move(part));
     };
     stages.run("convert", [&] {
         MomentReport one;
@@ -195,20 +195,27 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
             add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
                 one, mass(volume));
     });
-    if (model.size() == 0)
-        throw Error(fmt::format(
-            "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
-            arguments.inputs.front(), paper.opacity_threshold));
     if (!arguments.no_fields) {
         std::vector<std::string> field_notes;
         stages.run("fields", [&] {
-            add_fields_of(arguments, moments, volumes, model, field_notes, stages.progress());
+            const FieldTexts texts = field_texts(arguments, own_name(volumes));
+            for (std::size_t n = 0; n < parts.size(); ++n)
+                add_fields_of(texts, {by_moments, moments, paper},
+                              set.is_mesh() ? std::span(volumes) : std::span(volumes).subspan(n, 1),
+                              parts[n], field_notes);
         });
         print_notes(field_notes);
         set.notes.insert(set.notes.end(), field_notes.begin(), field_notes.end());
     }
+    Gaussians model = std::move(parts.front());
+    for (std::size_t n = 1; n < parts.size(); ++n) append(model, parts[n]);
+    if (model.size() == 0)
+        throw Error(fmt::format(
+            "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
+            arguments.inputs.front(), paper.opacity_threshold));
     if (by_moments)
         model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
+    if (arguments.volume.ones) model.options = "--measure volume " + model.options;
     if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
@@ -232,7 +239,9 @@ std::uint64_t memory_needed(const ConvertArguments& arguments, const std::string
     options.grid = arguments.volume.grid;
     options.level_set_to_fog = arguments.volume.level_set_to_fog;
     options.values = arguments.volume.values;
-    return kLeaves * sizeof(Leaf) * VolumeReader(input, options).leaf_count();
+    options.ones = arguments.volume.ones;
+    const std::uint64_t leaves = kLeaves + arguments.fields.size();
+    return leaves * sizeof(Leaf) * VolumeReader(input, options).leaf_count();
 }
 
 /// Drops the frames that are assigned to other ranks.
@@ -303,6 +312,7 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const
 void convert(const ConvertArguments& given, const CLI::App& command, const ConvertRanks& ranks) {
     ConvertArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
+    arguments.volume.ones = given.measure == "volume";
     const CommandMemory memory(arguments.memory);
     const ThreadLimit threads(arguments.threads);
     if (arguments.again && !is_sequence(arguments.output))
@@ -414,8 +424,16 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
     command->add_option(
         "--field", arguments->fields,
         "Field that Gaussians carry beside density, for pictures of it (vog render --show): GRID "
-        "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. "
-        "Repeatable. The volume's own values are one by default");
+        "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. Of "
+        "particles velocity, a column or NAME=COLUMN. Repeatable. The volume's own values are one "
+        "by default");
+    command
+        ->add_option("--measure", arguments->measure,
+                     "Weight of a voxel. density: its value, which must not be negative; volume: 1 "
+                     "for each active voxel, of signed values too (Hounsfield units, differences, "
+                     "velocities), which Gaussians carry as a field")
+        ->check(CLI::IsMember({"density", "volume"}))
+        ->capture_default_str();
     command->add_flag("--no-fields", arguments->no_fields,
                       "Carry no fields, not even the volume's own values: 24 bytes less for each "
                       "Gaussian");

@@ -118,8 +118,9 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
     const std::string& text = arguments.quantity.field;
     const std::string grid = text.substr(0, text.size() - part_length(text));
     drawing.notes = data->set.notes;
-    data->field =
-        std::move(read_volume_fields({{grid}, given.volume.grid}, volumes, drawing.notes).front());
+    data->field = std::move(
+        read_volume_fields({{grid}, given.volume.grid, given.inputs}, volumes, drawing.notes)
+            .front());
     print_notes(drawing.notes);
     Fields names;
     const VoxelField& field = data->field.front();

@@ -6,15 +6,22 @@
 
 #include "options/field_options.h"
 #include "vog/distributed.h"
+#include "vog/text.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {
 
 namespace {
 
-/// Whether a source is the volume's own grid.
-bool is_own(const FieldSource& source, const Volume& volume) {
-    return source.file == volume.source && source.grid == volume.name;
+/// File and grid of a volume.
+LevelSource source_of(const Volume& volume, const std::vector<std::string>& inputs) {
+    const auto file = std::ranges::find_if(
+        inputs, [&](const std::string& input) { return printable(input) == volume.source; });
+    return {file == inputs.end() ? volume.source : *file, volume.name};
+}
+
+bool same_grid(const FieldSource& field, const LevelSource& volume) {
+    return field.file == volume.file && field.grid == volume.grid;
 }
 
 /// Reads one field more. Fields without values need no division of tiles.
@@ -37,7 +44,8 @@ bool without_values(const VoxelField& field) {
     return values.leaf.empty() && values.tile.empty();
 }
 
-std::string own_name(const std::vector<Volume>& volumes) {
+std::string own_name(std::span<const Volume> volumes) {
+    if (volumes.empty()) return {};
     const std::string& name = volumes.front().name;
     const auto same = [&](const Volume& volume) { return volume.name == name; };
     return !name.empty() && std::ranges::all_of(volumes, same) ? name : "density";
@@ -50,28 +58,33 @@ std::vector<VoxelField> own_values(const std::vector<Volume>& volumes) {
 }
 
 std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
-                                                        std::vector<Volume>& volumes,
+                                                        std::span<Volume> volumes,
                                                         std::vector<std::string>& notes) {
-    const std::vector<FieldSource> sources = parse_fields(given.texts);
-    const auto at = [&](const FieldSource& source, const Volume& volume) {
-        return field_of_level(source, given.pattern, LevelSource{volume.source, volume.name});
-    };
-    const std::string name = own_name(volumes);
-    const bool own =
-        given.own && std::ranges::none_of(sources, [&](const FieldSource& source) {
-            return source.name == name || is_own(at(source, volumes.front()), volumes.front());
-        });
-    std::vector<std::vector<VoxelField>> all(sources.size() + (own ? 1 : 0));
+    std::vector<FieldSource> sources = parse_fields(given.texts);
+    const std::string& own = given.own;
+    if (!own.empty()) {
+        const LevelSource first = source_of(volumes.front(), given.inputs);
+        const auto is_own = [&](const FieldSource& source) {
+            return source.name == own ||
+                   same_grid(field_of_level(source, given.pattern, first), first);
+        };
+        if (std::ranges::none_of(sources, is_own)) sources.push_back({.name = own});
+    }
+    std::vector<std::vector<VoxelField>> all(sources.size());
     for (Volume& volume : volumes) {
         // One volume at a time: its tiles are divided for all fields.
+        const LevelSource from = source_of(volume, given.inputs);
         std::vector<VoxelField> fields;
-        for (const FieldSource& any : sources) {
-            const FieldSource source = at(any, volume);
-            fields.push_back(is_own(source, volume)
-                                 ? measure_field(volume, source.name.empty() ? name : source.name)
-                                 : read_beside(source, volume, fields, notes));
+        for (std::size_t f = 0; f < sources.size(); ++f) {
+            const bool added = f >= given.texts.size();
+            const FieldSource source =
+                added ? FieldSource{.file = from.file, .grid = from.grid, .name = own}
+                      : field_of_level(sources[f], given.pattern, from);
+            fields.push_back(
+                same_grid(source, from) && !given.ones
+                    ? measure_field(volume, source.name.empty() ? "density" : source.name)
+                    : read_beside(source, volume, fields, notes));
         }
-        if (own) fields.push_back(measure_field(volume, name));
         for (std::size_t f = 0; f < all.size(); ++f) {
             if (!all[f].empty()) fields[f].name = all[f].front().name;
             all[f].push_back(std::move(fields[f]));

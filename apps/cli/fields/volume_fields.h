@@ -1,6 +1,7 @@
 // volume_fields.h: fields at the voxels of volumes, by the texts of --field.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -10,14 +11,17 @@ namespace vog::cli {
 
 /// Name of the field of volumes' own values: that of their grid, `density` where it has none or they
 /// differ.
-std::string own_name(const std::vector<Volume>& volumes);
+std::string own_name(std::span<const Volume> volumes);
 
 /// Fields of volumes, and how the volumes were read.
 struct FieldTexts {
     std::vector<std::string> texts;  ///< of --field (options/field_options.h)
     /// --grid; a '*' in a text stands for what that of the pattern matched in a volume's name.
     std::string pattern;
-    bool own = false;  ///< the volumes' own values too, unless a text names them or has their name
+    std::vector<std::string> inputs;  ///< files of the volumes, which know their printable names
+    bool ones = false;                ///< volumes count voxels: their values are read as a field
+    /// Name of a field of the volumes' own values, unless a text names them or has that name; empty: none.
+    std::string own{};
 };
 /// Reads fields of volumes; one that is the measure's own values has an empty component.
 /// volumes  tiles inside which a field varies are divided
@@ -25,7 +29,7 @@ struct FieldTexts {
 /// returns  [fields][volumes], of one name for all volumes
 /// throws   CLI::ValidationError for a text, vog::Error for what cannot be read
 std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& fields,
-                                                        std::vector<Volume>& volumes,
+                                                        std::span<Volume> volumes,
                                                         std::vector<std::string>& notes);
 
 /// The volumes' own values as fields without values.

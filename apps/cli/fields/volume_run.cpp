@@ -156,7 +156,9 @@ std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
     const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
     const std::string grid = part ? text.substr(0, text.size() - 2) : text;
     std::vector<VoxelField> fields = std::move(
-        read_volume_fields({grid}, arguments.drawing.volume.grid, volumes, notes).front());
+        read_volume_fields({{grid}, arguments.drawing.volume.grid, arguments.drawing.inputs},
+                           volumes, notes)
+            .front());
     for (VoxelField& field : fields) {
         if (field.is_vector() != part)
             throw Error(fmt::format(

@@ -58,7 +58,16 @@ void check_options(const ConvertArguments& arguments, const CLI::App& command, F
     refuse_volume_options(command, kind, arguments.inputs);
     refuse_group(command, arguments.method == "paper" ? kMomentGroup : kPaperGroup,
                  "--method " + arguments.method);
+    if (arguments.measure == "volume")
+        for (const char* option : {"--level-set-to-fog", "--clip-negative"})
+            if (command.count(option))
+                throw CLI::ValidationError(
+                    fmt::format("{} does not go with --measure volume, which counts voxels of any "
+                                "value",
+                                option));
     if (!particles) return;
+    if (command.count("--measure"))
+        throw CLI::ValidationError("--measure does not go with particles (--value is their mass)");
     for (const CLI::Option* option : command.get_options())
         if (option->count() && option->get_group() == kPaperGroup &&
             option->get_name() != "--kappa")
@@ -187,7 +196,7 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
                   "Write the stage times into the file, which then differs from run to run")
         ->group(kMomentGroup);
     command
-        .add_flag("--measure", moments.measure,
+        .add_flag("--measure-error", moments.measure,
                   "Measure the error also with --budget, --block and --lod")
         ->group(kMomentGroup);
 }

@@ -70,6 +70,17 @@ void check_name(const std::string& text, const std::string& name) {
                                  name));
 }
 
+/// throws CLI::ValidationError where the last field has another's name
+template <class Field>
+void check_unused(const std::string& text, const std::vector<Field>& fields) {
+    const std::string& name = fields.back().name;
+    const auto same = [&](const Field& other) { return other.name == name; };
+    if (!name.empty() && std::ranges::count_if(fields, same) > 1)
+        refuse(text, fmt::format("a second field named '{}', expected a name of its own "
+                                 "(NAME=...)",
+                                 name));
+}
+
 }  // namespace
 
 FieldSource parse_field(const std::string& text) {
@@ -94,14 +105,24 @@ std::vector<FieldSource> parse_fields(std::span<const std::string> texts) {
     std::vector<FieldSource> sources;
     for (const std::string& text : texts) {
         sources.push_back(parse_field(text));
-        const std::string& name = sources.back().name;
-        const auto same = [&](const FieldSource& other) { return other.name == name; };
-        if (!name.empty() && std::ranges::count_if(sources, same) > 1)
-            refuse(text, fmt::format("a second field named '{}', expected a name of its own "
-                                     "(NAME=...)",
-                                     name));
+        check_unused(text, sources);
     }
     return sources;
+}
+
+std::vector<PointField> parse_point_fields(std::span<const std::string> texts) {
+    std::vector<PointField> fields;
+    for (const std::string& text : texts) {
+        const std::size_t equals = text.find('=');
+        const bool named = equals != text.npos;
+        PointField& field = fields.emplace_back();
+        field.values = named ? text.substr(equals + 1) : text;
+        field.name = named ? text.substr(0, equals) : text;
+        if (field.values.empty()) refuse(text, "no column, expected COLUMN or NAME=COLUMN");
+        check_name(text, field.name);
+        check_unused(text, fields);
+    }
+    return fields;
 }
 
 }  // namespace vog::cli

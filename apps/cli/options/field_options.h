@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "vog/convert_points.h"
 #include "vog/voxel_field.h"
 
 namespace vog::cli {
@@ -21,5 +22,9 @@ FieldSource parse_field(const std::string& text);
 /// Parses all fields of a command.
 /// throws  CLI::ValidationError as parse_field does, and for a name used twice
 std::vector<FieldSource> parse_fields(std::span<const std::string> texts);
+
+/// Parses the fields of particles: COLUMN, or NAME=COLUMN.
+/// throws  CLI::ValidationError as parse_fields does
+std::vector<PointField> parse_point_fields(std::span<const std::string> texts);
 
 }  // namespace vog::cli

@@ -21,7 +21,7 @@ namespace vog::cli {
 
 struct ConvertArguments {
     std::vector<std::string> inputs;
-    std::string output, method = "moments";
+    std::string output, method = "moments", measure = "density";
     VolumeInputOptions volume;
     PointInputOptions points;
     int lod = 0;

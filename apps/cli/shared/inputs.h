@@ -35,6 +35,7 @@ struct VolumeInputOptions {
     bool mesh = false;  ///< several volumes are levels, whatever their lattices
     bool level_set_to_fog = false;
     ValueRules values{};
+    bool ones = false;  ///< LevelOptions::ones; no option of add_volume_options
 };
 /// Adds --grid, --mask, --sum, --mesh, --level-set-to-fog,
 /// --skip-nonfinite and --clip-negative.

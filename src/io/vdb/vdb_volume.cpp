@@ -104,7 +104,9 @@ void vdb::check_census(const Census& census, const ValueRules& rules, const std:
     if (census.not_finite.values && !rules.skip_nonfinite)
         refuse(census.not_finite, "not finite", "--skip-nonfinite leaves such voxels out");
     if (census.negative.values && !rules.clip_negative)
-        refuse(census.negative, "negative", "--clip-negative sets them to 0");
+        refuse(
+            census.negative, "negative",
+            "--clip-negative sets them to 0, vog convert --measure volume carries them as a field");
     notes = {census.negative.values, census.not_finite.values, census.inactive_not_finite, {}};
     if (census.not_finite.values) notes.first_skipped = census.not_finite.index;
 }
