@@ -130,7 +130,7 @@ BigVector<WorldPlane> find_planes(const Gaussians& model, std::span<const Volume
     const std::size_t width = kPositionSums + kValueSums * count;
     std::vector<BigVector<double>> sums(levels.size());
     for (std::size_t level = 0; level < levels.size(); ++level) {
-        sums[level].resize(width * size);
+        resize_kept(sums[level], width * size);
         const std::vector<Component> components = layout.components(levels[level], fields, level);
         divisions[level]->add(
             width,
@@ -138,8 +138,9 @@ BigVector<WorldPlane> find_planes(const Gaussians& model, std::span<const Volume
                 std::span<double> parts) { add_joint_sums(divided, components, parts); },
             sums[level]);
     }
-    BigVector<WorldPlane> planes(size * count);
-    masses.resize(size);
+    BigVector<WorldPlane> planes;
+    resize_kept(planes, size * count);
+    resize_kept(masses, size);
     std::vector<double> voxels;
     for (const Volume& volume : levels) voxels.push_back(voxel_volume(volume));
     vog::parallel_for(std::size_t{0}, size, [&](std::size_t i) {
@@ -164,11 +165,14 @@ BigVector<WorldPlane> find_planes(const Gaussians& model, std::span<const Volume
     for (std::size_t c = 0; c < count; ++c) {
         double mass = 0, sum = 0;
         for (std::size_t i = 0; i < size; ++i) {
+            keep_memory_at(i);
             mass += masses[i];
             if (masses[i] > 0) sum += masses[i] * planes[count * i + c].value;
         }
-        for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t i = 0; i < size; ++i) {
+            keep_memory_at(i);
             if (!(masses[i] > 0) && mass > 0) planes[count * i + c] = {sum / mass, {}};
+        }
     }
     return planes;
 }
@@ -180,11 +184,13 @@ BigVector<double> find_residuals(const Gaussians& model, std::span<const Volume>
                                  const Layout& layout, const BigVector<WorldPlane>& planes) {
     const std::size_t size = model.size(), count = layout.parts.size();
     const std::size_t width = layout.residual_sums;
-    BigVector<double> all(width * size);
+    BigVector<double> all;
+    resize_kept(all, width * size);
     for (std::size_t level = 0; level < levels.size(); ++level) {
         const std::vector<Component> components = layout.components(levels[level], fields, level);
         const Mat3 to_index = transpose(levels[level].world_from_index.linear);
-        BigVector<double> sums(width * size);
+        BigVector<double> sums;
+        resize_kept(sums, width * size);
         divisions[level]->add(
             width,
             [&](const DividedBrick& divided, std::span<const std::uint32_t> gaussian,
@@ -229,8 +235,8 @@ ScalarField scalar_field(const VoxelField& about, const Layout& layout, std::siz
     ScalarField field{about.name, about.unit, about.lower, about.upper, false, {}, {}, {}, {}};
     const std::size_t size = masses.size(), count = layout.parts.size();
     const auto [index, component, reference, unit] = layout.parts[layout.first_part[f]];
-    field.value.resize(size), field.gradient.resize(size);
-    field.deviation.resize(size), field.skewness.resize(size);
+    resize_kept(field.value, size), resize_kept(field.gradient, size);
+    resize_kept(field.deviation, size), resize_kept(field.skewness, size);
     for (std::size_t i = 0; i < size; ++i) {
         keep_memory_at(i);
         const WorldPlane& plane = planes[count * i + layout.first_part[f]];
@@ -254,8 +260,8 @@ VectorField vector_field(const VoxelField& about, const Layout& layout, std::siz
     VectorField field{about.name, about.unit, about.lower, about.upper, {}, {}, {}};
     const std::size_t size = masses.size(), count = layout.parts.size();
     const double unit = double{layout.parts[layout.first_part[f]].unit};
-    field.value.resize(size), field.covariance.resize(size);
-    for (auto& gradient : field.gradient) gradient.resize(size);
+    resize_kept(field.value, size), resize_kept(field.covariance, size);
+    for (auto& gradient : field.gradient) resize_kept(gradient, size);
     for (std::size_t i = 0; i < size; ++i) {
         keep_memory_at(i);
         for (std::size_t c = 0; c < 3; ++c) {

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/paging.h"
 #include "core/parallel.h"
 
 namespace vog::moments {
@@ -289,9 +290,11 @@ void EmSolver::add_shares(const PackedCells& cells, std::size_t width, const Bri
             parts_of(b, std::span(cell).subspan(first, count), scratch,
                      std::span(parts).subspan(width * first, width * count));
         });
-        for (std::size_t n = 0; n < cell.size(); ++n)
+        for (std::size_t n = 0; n < cell.size(); ++n) {
+            keep_memory_at(n);
             for (std::size_t sum = 0; sum < width; ++sum)
                 sums[width * cell[n] + sum] += parts[width * n + sum];
+        }
         release(overlaps, batch);
     }
 }
