@@ -31,11 +31,10 @@ struct VolumeInputOptions {
     std::string grid;   ///< name or pattern with '*' and '?'; empty: the default grid
     std::string mask;   ///< name; a '*' in it stands for the match of the '*' of `grid`
     bool sum = false;   ///< densities of several volumes add up
-    bool ones = false;  ///< every active voxel counts as 1: a measure for values of any sign
     bool mesh = false;  ///< several volumes are levels, whatever their lattices
     bool level_set_to_fog = false;
     ValueRules values{};
-    bool ones = false;  ///< LevelOptions::ones; no option of add_volume_options
+    bool ones = false;  ///< every active voxel counts as 1: a measure for values of any sign
 };
 /// Adds --grid, --mask, --sum, --mesh, --level-set-to-fog,
 /// --skip-nonfinite and --clip-negative.

@@ -104,7 +104,7 @@ void add_particle_fields(Gaussians& model, const Points& points,
     for (const ParticleValues& values : fields) {
         const auto [lower, upper] = range_of(values, mass);
         if (values.component.size() == 1) {
-            ScalarField field{values.name, {}, lower, upper, {}, {}, {}, {}};
+            ScalarField field{values.name, {}, lower, upper, false, {}, {}, {}, {}};
             field.value.resize(size), field.gradient.resize(size);
             field.deviation.resize(size), field.skewness.resize(size);
             scalar.emplace_back(&values, model.fields.scalar.size());
