@@ -32,26 +32,27 @@ TEST(memory_limit, arrays_outlive_it) {
 
 class larger_than_memory : public LargerThanMemory {};
 
-// 16.6 million voxels: 84 MB of leaves, and 45 MB for an idle process.
+// 17 million voxels: 84 MB of leaves, and 45 MB for an idle process.
 TEST_F(larger_than_memory, a_volume_makes_the_same_model) {
-    must("sample cloud cloud.vdb --size 512");
-    expect_same("convert cloud.vdb --block 4 --soft-steps 0 -o", ".ply", 128);
+    write_cube("cube.vdb", 32);
+    expect_same("convert cube.vdb --block 4 --soft-steps 0 -o", ".ply", 128);
     // Overlapping cells read the neighbours of each leaf; the model alone has 92 MB.
-    expect_same("convert cloud.vdb --block 2 --no-hierarchy --no-fields -o", ".ply", 160);
-    expect_same("convert cloud.vdb --budget 3000 -o", ".ply", 160);
+    expect_same("convert cube.vdb --block 2 --no-hierarchy --no-fields -o", ".ply", 160);
+    write_cube("large.vdb", 35);
+    expect_same("convert large.vdb --budget 3000 --soft-steps 1 -o", ".ply", 160);
 }
 
 // Leaves and the tree for ray traversal: 234 MB.
 TEST_F(larger_than_memory, a_volume_makes_the_same_picture) {
-    must("sample cloud cloud.vdb --size 512");
-    expect_same("render cloud.vdb --size 64 --depth-out", ".exr", 168);
-    must_fail(2, "render cloud.vdb -o a.png --scratch .", "--memory");
+    write_cube("cube.vdb", 32);
+    expect_same("render cube.vdb --size 64 --depth-out", ".exr", 168);
+    must_fail(2, "render cube.vdb -o a.png --scratch .", "--memory");
 }
 
-// Two levels with 17 million voxels in all, 92,000 of them at the seam: more than 330 MB.
+// Two levels with 20 million voxels in all, the finer one in a corner of the coarser.
 TEST_F(larger_than_memory, levels_make_the_same_model) {
-    must("sample cloud coarse.vdb --size 256");
-    must("sample cloud fine.vdb --size 512");
+    write_cube("coarse.vdb", 20, 2);
+    write_cube("fine.vdb", 31, 1);
     expect_same("convert coarse.vdb fine.vdb --block 8 --soft-steps 0 -o", ".ply", 192);
 }
 

@@ -1,5 +1,6 @@
 // convert_moments_test.cpp: the moment conversion against closed forms: mass, mean, covariance, T.
 #include "vog/convert_moments.h"
+#include "vog/memory.h"
 
 #include <gtest/gtest.h>
 
@@ -340,6 +341,33 @@ TEST(moments, any_number_of_threads_gives_the_same_bytes) {
                     EXPECT_EQ(one, bytes) << seed << ' ' << threads;
             }
         }
+    }
+}
+
+/// 64 MiB is the least limit, and arrays from 4 MiB on lie in files: 2,200 leaves do.
+TEST(moments, a_memory_limit_gives_the_same_bytes) {
+    const auto generated = [] {
+        test::Random values(26);
+        Volume volume;
+        for (int n = 0; n < 13 * 13 * 13; ++n) {
+            Leaf& leaf = volume.leaves.emplace_back();
+            leaf.origin = {8 * (n / 169 - 6), 8 * (n / 13 % 13), 8 * (n % 13)};
+            for (int v = n % 5; v < kLeafVoxels; v += 40 + n % 37)
+                leaf.set(v, static_cast<float>(values(0.1, 2)));
+        }
+        return volume;
+    };
+    std::vector<MomentOptions> all(2);
+    all[0].block_voxels = 4;
+    all[0].soft_steps = 0;
+    all[1].budget = 300;
+    all[1].soft_steps = 1;
+    for (const MomentOptions& options : all) {
+        const std::vector<char> free = bytes_of(convert_moments(generated(), options));
+        const MemoryLimit limit(64 << 20);
+        const Volume volume = generated();
+        EXPECT_GT(limit.scratch_bytes(), std::uint64_t{4} << 20);
+        EXPECT_EQ(free, bytes_of(convert_moments(volume, options)));
     }
 }
 
