@@ -47,9 +47,8 @@ void print(const Evaluation& evaluation) {
 std::vector<std::vector<VoxelField>> fields_at(const EvaluateArguments& arguments,
                                                std::vector<Volume>& volumes,
                                                std::vector<std::string>& notes) {
-    std::vector<std::vector<VoxelField>> all =
-        read_volume_fields({arguments.fields, arguments.volume.grid, arguments.inputs}, volumes,
-                           notes);
+    std::vector<std::vector<VoxelField>> all = read_volume_fields(
+        {arguments.fields, arguments.volume.grid, arguments.inputs}, volumes, notes);
     for (std::vector<VoxelField>& field : all)
         for (std::size_t n = 0; n < volumes.size(); ++n)
             if (without_values(field[n])) field[n] = own_field(volumes[n], field[n].name);
