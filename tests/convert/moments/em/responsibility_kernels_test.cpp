@@ -99,5 +99,16 @@ TEST(responsibility_kernels, weights_are_mass_over_sum_and_uncovered_points_are_
     EXPECT_EQ(again[5], 0);
 }
 
+/// Far from the mean of a needle rounding makes its quadratic form negative: infinite values would lose mass.
+TEST(responsibility_kernels, values_exceed_no_peak_where_the_form_is_lost_to_rounding) {
+    RunKernel kernel;
+    kernel.dx = 1e6f, kernel.xx = -1e-6f, kernel.peak = 0.5f;
+    kernel.x0 = 0, kernel.x1 = 7, kernel.y0 = 0, kernel.y1 = 3;
+    alignas(64) float values[kLeafVoxels];
+    alignas(64) BrickFloats sum{};
+    add_values(std::span(&kernel, 1), values, sum);
+    for (const float value : sum) EXPECT_LE(value, kernel.peak);
+}
+
 }  // namespace
 }  // namespace vog
