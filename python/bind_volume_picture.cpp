@@ -19,8 +19,8 @@ struct ValueArguments {
 };
 
 std::vector<double> numbers_in(const py::object& list, std::size_t count, const char* name) {
-    const auto given = py::array_t<double, py::array::c_style | py::array::forcecast>(
-        numbers_of(list, name));
+    const auto given =
+        py::array_t<double, py::array::c_style | py::array::forcecast>(numbers_of(list, name));
     if (static_cast<std::size_t>(given.size()) != count)
         throw Error(std::string("render_volume: ") + name + ": " + std::to_string(given.size()) +
                     " numbers, expected " + std::to_string(count));
@@ -46,8 +46,8 @@ std::vector<ValueBand> bands_in(const py::object& list) {
 ValueTransfer transfer_of(const ValueArguments& a, double lower, double upper, const Box& box) {
     if (!a.window.is_none() && !a.bands.is_none())
         throw Error("render_volume: window and bands, expected one of them");
-    const double unit = a.unit_distance.is_none() ? 0.02 * box.radius()
-                                                  : a.unit_distance.cast<double>();
+    const double unit =
+        a.unit_distance.is_none() ? 0.02 * box.radius() : a.unit_distance.cast<double>();
     if (!a.value_range.is_none()) {
         const std::vector<double> range = numbers_in(a.value_range, 2, "value_range");
         lower = range[0], upper = range[1];
@@ -65,8 +65,7 @@ ValueTransfer transfer_of(const ValueArguments& a, double lower, double upper, c
     return transfer;
 }
 
-VolumeLook look_of(const py::object& light, const py::object& clip,
-                   const py::object& clip_planes) {
+VolumeLook look_of(const py::object& light, const py::object& clip, const py::object& clip_planes) {
     VolumeLook look;
     look.light = !light.is_none();
     if (look.light && !py::isinstance<py::str>(light)) {
@@ -110,11 +109,11 @@ VolumeImage of_model(const Gaussians& model, std::string field, const ValueArgum
     if (field.empty() && fields.size() == 1) field = fields.front().name;
     const ScalarField* found = model.fields.find_scalar(field);
     if (!found)
-        throw Error("render_volume: " +
-                    (field.empty() ? std::string("no field named")
-                                   : "no scalar field '" + field + "'") +
-                    ", the model has " + std::to_string(fields.size()) +
-                    " scalar fields (convert(volume, fields=...) makes them)");
+        throw Error(
+            "render_volume: " +
+            (field.empty() ? std::string("no field named") : "no scalar field '" + field + "'") +
+            ", the model has " + std::to_string(fields.size()) +
+            " scalar fields (convert(volume, fields=...) makes them)");
     const Box box = view_box(model);
     const ValueTransfer transfer = transfer_of(values, found->lower, found->upper, box);
     const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
@@ -186,8 +185,8 @@ void bind_volume_picture(py::module_& m) {
                     throw Error("render_volume: fields: of voxels, a model has its own");
                 image = of_model(data.cast<const Gaussians&>(), field, values, picture, report);
             } else if (py::isinstance<Volume>(data)) {
-                image = of_volume(data.cast<const Volume&>(), field, fields, values, picture,
-                                  report);
+                image =
+                    of_volume(data.cast<const Volume&>(), field, fields, values, picture, report);
             } else {
                 refuse_data(data, "render_volume", "Gaussians or a Volume");
             }
