@@ -187,8 +187,10 @@ SampledFields sampled_fields(const py::object& data, const py::object& fields) {
     }
     if (!fields.is_none())
         sampled.values = voxel_fields_of(fields, sampled.volumes, lattices, count, "convert");
+    const std::string& first = sampled.volumes.front().name;
+    const auto same = [&](const Volume& volume) { return volume.name == first; };
     const std::string own =
-        sampled.volumes.front().name.empty() ? "density" : sampled.volumes.front().name;
+        !first.empty() && std::ranges::all_of(sampled.volumes, same) ? first : "density";
     const auto named = [&](const auto& field) { return field.front().name == own; };
     if (std::ranges::none_of(sampled.values, named)) {
         std::vector<VoxelField>& values = sampled.values.emplace_back();
@@ -370,8 +372,8 @@ fields    what the Gaussians know beside their density, of voxels: {"temperature
           An array [X, Y, Z] or, of vectors along the world's axes, [X, Y, Z, 3], begins at voxel (0, 0, 0);
           ((i, j, k), array) or a list of such pairs begins elsewhere; a Volume is sampled at the voxels'
           centres; a text is the name of a grid in the data's file; of several levels a list with one of these
-          for each. {"value": array, "unit": "K"} states the unit. The data's own values are a field in any case,
-          'density' in a model as 'density_value'; False: no fields at all
+          for each. {"value": array, "unit": "K"} states the unit. The data's own values are a field in any case;
+          False: no fields at all
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), view_note (mass that the views

@@ -172,7 +172,7 @@ void bind_volume_picture(py::module_& m) {
            const std::string& field, const py::object& tf, const py::object& value_range,
            const py::object& window, const py::object& bands, const py::object& unit_distance,
            const py::object& light, const py::object& clip, const py::object& clip_planes,
-           const std::string& background, const std::string& renderer, int slabs,
+           const py::object& background, const std::string& renderer, int slabs,
            const py::object& fields, const py::object& progress) {
             const auto [width, height] = size_of(size);
             const VolumeLook look = look_of(light, clip, clip_planes);
@@ -190,7 +190,7 @@ void bind_volume_picture(py::module_& m) {
             } else {
                 refuse_data(data, "render_volume", "Gaussians or a Volume");
             }
-            return over(image, named_background(background));
+            return Picture{over(image, background_of(background))};
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
         py::arg("field") = "", py::arg("tf") = "inferno", py::arg("value_range") = py::none(),
@@ -214,7 +214,7 @@ unit_distance  world length that opacities refer to; None: the file's, else a hu
 light          'head', or a direction towards the light; None: emission and absorption alone
 clip           box of the world that is shown, [2, 3]; None: all
 clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays
-background     'black', 'white' or 'transparent'
+background     'black', 'white', 'transparent', or (r, g, b) in [0, 1]
 renderer       of models 'splat' (depth slabs) or 'trace' (exact order), of voxels 'reference'; '': the first of them
 slabs          splat: depth slabs a tile, 1 to 1024
 fields         of voxels: the field at them, {'temperature': array}, as convert() takes it

@@ -507,7 +507,7 @@ def render_volume(
     light: Union[str, ArrayLike, None] = ...,
     clip: Union[ArrayLike, None] = ...,
     clip_planes: Union[ArrayLike, None] = ...,
-    background: str = ...,
+    background: Union[str, _Vector] = ...,
     renderer: str = ...,
     slabs: int = ...,
     fields: Union[dict[str, Any], None] = ...,

@@ -88,6 +88,27 @@ TEST_F(volume_pictures_command, read_transfer_functions_of_values) {
               "--range: tf.json states values of its own");
 }
 
+TEST_F(volume_pictures_command, show_models_as_their_voxels_and_clip_them) {
+    must("sample cloud cloud.vdb --size 64");
+    must("convert cloud.vdb -o m.ply --budget 1500 --no-hierarchy");
+    const std::string look =
+        " --show volume --size 64 --band 0.1,0.25,#0040ff,0.1 --band 0.3,9,white,0.5"
+        " --unit-distance 0.05 --clip-plane 1,0,0,0 --light head -o ";
+    must("render cloud.vdb" + look + "voxels.png");
+    must("render m.ply" + look + "slabs.png");
+    must("render m.ply" + look + "many.png --slabs 256");
+    must("render m.ply" + look + "exact.png --renderer trace");
+    const auto psnr = [&](const std::string& a, const std::string& b) {
+        return report("compare " + a + " " + b)["psnr_rgb_db"].get<double>();
+    };
+    EXPECT_GT(psnr("voxels.png", "slabs.png"), 24);  // few Gaussians
+    EXPECT_GT(psnr("exact.png", "slabs.png"), 40);
+    EXPECT_GT(psnr("exact.png", "many.png"), psnr("exact.png", "slabs.png"));
+    must_fail(2, "render m.ply" + look + "p.png --renderer trace --slabs 8",
+              "--slabs: is of splat");
+    must_fail(2, "render m.ply" + look + "p.png --slabs 0", "--slabs");
+    must_fail(2, "render m.ply -o p.png --slabs 8", "--slabs: is of --show volume");
+}
 TEST_F(volume_pictures_command, show_values_below_0) {
     const auto grid = make_grid("HU");
     for (int n = 0; n < kLeafVoxels; ++n)

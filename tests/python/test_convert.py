@@ -38,7 +38,7 @@ import vog
 )
 def test_models_are_the_commands_byte_for_byte(tmp_path, command, cloud, options, flags):
     cloud.save(tmp_path / "cloud.vdb")
-    command("convert", "cloud.vdb", "-o", "command.ply", "--no-hierarchy", "--no-fields", *flags)
+    command("convert", "cloud.vdb", "-o", "command.ply", "--no-hierarchy", *flags)
     vog.convert(vog.Volume.load(tmp_path / "cloud.vdb"), **options).save(tmp_path / "python.ply")
     assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()
 
@@ -65,7 +65,7 @@ def test_models_of_particles_are_the_commands_too(tmp_path, command, options, fl
 def test_models_of_levels_are_the_commands_too(tmp_path, command, method):
     command("sample", "amr", "amr.vdb", "--size", 64)
     flags = ["--no-hierarchy", "--lod", 3, "--method", method]
-    command("convert", "amr.vdb", "--grid", "density_L*", "-o", "command.ply", "--no-fields", *flags)
+    command("convert", "amr.vdb", "--grid", "density_L*", "-o", "command.ply", *flags)
     levels = vog.Levels.load(tmp_path / "amr.vdb", "density_L*")
     vog.convert(levels, lod=3, method=method).save(tmp_path / "python.ply")
     assert (tmp_path / "python.ply").read_bytes() == (tmp_path / "command.ply").read_bytes()

@@ -105,7 +105,7 @@ def test_from_yt_reads_enzos_levels_as_they_are(tmp_path, data):
 
 def test_real_files_look_the_same_as_the_commands(tmp_path, command, data):
     smoke = data("smoke.vdb")
-    command("convert", smoke, "-o", "a.ply", "--budget", 3080, "--no-hierarchy", "--no-fields")
+    command("convert", smoke, "-o", "a.ply", "--budget", 3080, "--no-hierarchy")
     command("render", "a.ply", "-o", "a.png", "--size", "320x400", "--fov", 30, "--save-camera", "camera.json")
     model = vog.convert(vog.Volume.load(smoke), budget=3080)
     model.save(tmp_path / "b.ply")

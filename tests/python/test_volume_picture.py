@@ -25,7 +25,7 @@ def psnr(a, b):
 
 
 def test_models_look_like_their_voxels(volume, model):
-    assert list(model.fields) == ["density_value"]
+    assert list(model.fields) == ["density"]
     camera = vog.Camera.orbit(volume, 30, 20)
     for transfer in ({"tf": "magma", "unit_distance": 4}, {"bands": BANDS, "unit_distance": 2}):
         truth = vog.render_volume(volume, camera, 96, **transfer)

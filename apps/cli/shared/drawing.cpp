@@ -20,7 +20,11 @@ std::vector<RenderOption> given_options(const CLI::App& command) {
     for (const RenderOption option : {anyhit, hits_per_slab, stop_transmittance, aabb_sigma,
                                       pixel_error, kappa, interpolation, step, samples})
         if (command.count(spelled(option, OptionSpelling::flags)) > 0) given.push_back(option);
-    if (command.count("--clip") + command.count("--clip-plane") > 0) given.push_back(clip);
+    // Pictures by value are clipped by every renderer that has them.
+    const CLI::Option* show = command.get_option_no_throw("--show");
+    const bool by_value = show && show->count() > 0 && show->as<std::string>() == "volume";
+    if (!by_value && command.count("--clip") + command.count("--clip-plane") > 0)
+        given.push_back(clip);
     return given;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "fields/field_conversion.h"
+#include "fields/volume_fields.h"
 #include "vog/convert_fields.h"
 
 namespace vog::mpi {
@@ -28,7 +29,8 @@ std::string own_name(std::span<std::vector<Volume>* const> volumes, const Ranks&
 void describe(const VoxelField* field, Fields& fields, const Ranks& ranks) {
     const nlohmann::json mine = field ? nlohmann::json{{"name", field->name},
                                                        {"unit", field->unit},
-                                                       {"vector", field->is_vector()}}
+                                                       {"vector", field->is_vector()},
+                                                       {"measure", cli::without_values(*field)}}
                                       : nlohmann::json();
     for (const std::string& text : ranks.gather(cli::json_line(mine))) {
         const nlohmann::json one = nlohmann::json::parse(text);
@@ -37,7 +39,7 @@ void describe(const VoxelField* field, Fields& fields, const Ranks& ranks) {
         if (one["vector"])
             set(fields.vector.emplace_back());
         else
-            set(fields.scalar.emplace_back());
+            set(fields.scalar.emplace_back()), fields.scalar.back().is_measure = one["measure"];
     }
 }
 
