@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <cstdint>
 #include <fstream>
-#include <regex>
+#include <string_view>
+#include <system_error>
 
 #include "core/atomic_file.h"
 #include "data/image_checks.h"
@@ -54,11 +56,34 @@ NpyHeader header_of(const std::string& name, std::ifstream& in) {
         refuse(name, "not a whole .npy file of version 1 or 2");
     std::string text(length, '\0');
     if (!in.read(text.data(), std::ssize(text))) refuse(name, "a header cut short");
-    static const std::regex kHeader(
-        R"(\{'descr': '<f([48])', 'fortran_order': False, 'shape': \((\d{1,9}), (\d{1,9})\), \}\s*)");
-    std::smatch match;
-    if (!std::regex_match(text, match, kHeader)) refuse(name, text.substr(0, text.find('\n')));
-    return {std::stoll(match[2]), std::stoll(match[3]), match[1] == "8"};
+    // {'descr': '<f4', 'fortran_order': False, 'shape': (480, 640), } and blanks
+    std::string_view rest = text;
+    const auto require = [&](bool valid) {
+        if (!valid) refuse(name, text.substr(0, text.find('\n')));
+    };
+    const auto skip = [&](std::string_view expected) {
+        require(rest.starts_with(expected));
+        rest.remove_prefix(expected.size());
+    };
+    const auto number = [&] {
+        constexpr std::ptrdiff_t kMostDigits = 9;
+        std::int64_t value = 0;
+        const auto [end, code] = std::from_chars(rest.data(), rest.data() + rest.size(), value);
+        const std::ptrdiff_t digits = end - rest.data();
+        require(code == std::errc{} && value >= 0 && digits <= kMostDigits);
+        rest.remove_prefix(static_cast<std::size_t>(digits));
+        return value;
+    };
+    skip("{'descr': '<f");
+    const bool is_double = rest.starts_with('8');
+    skip(is_double ? "8" : "4");
+    skip("', 'fortran_order': False, 'shape': (");
+    const std::int64_t height = number();
+    skip(", ");
+    const std::int64_t width = number();
+    skip("), }");
+    require(rest.find_first_not_of(" \t\r\n") == rest.npos);
+    return {height, width, is_double};
 }
 
 }  // namespace
