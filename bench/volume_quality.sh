@@ -1,7 +1,7 @@
 #!/bin/sh
 # volume_quality.sh: the table of docs/volume_rendering.md: models rendered by value against the voxels themselves,
-# PSNR of RGB over black under three transfer functions (a ramp, three narrow bands, an opaque step; those of
-# the figures in the design) from seven views at 384x384, and the depth slabs against exact order.
+# PSNR of RGB over black under three transfer functions (a ramp, three narrow bands, an opaque step) from seven views
+# three radii away at 384x384, and the depth slabs against exact order.
 #
 # usage: bench/volume_quality.sh VOG DATA_FOLDER
 set -eu
@@ -39,7 +39,7 @@ PYTHON
 picture() {  # input, function, view, output, options
     input=$1 tf=$2 view=$3 output=$4
     shift 4
-    "$vog" render "$input" --show volume --tf "$folder/$tf.json" --view "$view" --size 384 --background black \
+    "$vog" render "$input" --show volume --tf "$folder/$tf.json" --view "$view" --distance 3 --size 384 --background black \
         -o "$output" "$@" > /dev/null 2> "$folder/log" || { cat "$folder/log" >&2; exit 1; }
 }
 psnr() { "$vog" compare "$1" "$2" --json | python3 -c 'import json,sys; print(json.load(sys.stdin)["psnr_rgb_db"])'; }

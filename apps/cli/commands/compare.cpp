@@ -204,40 +204,42 @@ void compare_fields(const CompareArguments& arguments) {
 }
 
 /// Contents of a file, by which files are compared.
-enum class Kind { picture, depth, map, field };
+enum class Compared { picture, depth, map, field };
 constexpr const char* kKindNames[] = {"picture", "depth image", "map", "file of a field's maps"};
-Kind kind_of(const std::string& file) {
-    if (is_map_file(file)) return is_field_file(file) ? Kind::field : Kind::map;
-    return is_depth_file(file) ? Kind::depth : Kind::picture;
+Compared compared_kind(const std::string& file) {
+    if (is_map_file(file)) return is_field_file(file) ? Compared::field : Compared::map;
+    return is_depth_file(file) ? Compared::depth : Compared::picture;
 }
 
 void compare_files(const CompareArguments& arguments, const CLI::App& command) {
     if (!arguments.diff.empty())
         check_output(arguments.diff, {arguments.reference, arguments.image, arguments.tf},
                      {".png"});
-    const Kind kind = kind_of(arguments.reference), other = kind_of(arguments.image);
-    const auto name = [](Kind of) { return kKindNames[static_cast<std::size_t>(of)]; };
+    const Compared kind = compared_kind(arguments.reference),
+                   other = compared_kind(arguments.image);
+    const auto name = [](Compared of) { return kKindNames[static_cast<std::size_t>(of)]; };
     if (other != kind)
         throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image, name(other),
                                 name(kind), arguments.reference));
-    if (kind != Kind::depth)
+    if (kind != Compared::depth)
         for (const char* option : {"--tf", "--extinction"})
             if (command.count(option))
-                throw CLI::ValidationError(fmt::format("{}: is of depth images, got {}s", option,
-                                                       kind == Kind::picture ? "picture" : "map"));
-    if (kind == Kind::map || kind == Kind::field)
+                throw CLI::ValidationError(
+                    fmt::format("{}: is of depth images, got {}s", option,
+                                kind == Compared::picture ? "picture" : "map"));
+    if (kind == Compared::map || kind == Compared::field)
         for (const char* option : {"--diff", "--diff-limit"})
             if (command.count(option))
                 throw CLI::ValidationError(
                     fmt::format("{}: is of pictures and depth images, got maps", option));
     switch (kind) {
-        case Kind::map:
+        case Compared::map:
             return compare_maps(arguments);
-        case Kind::field:
+        case Compared::field:
             return compare_fields(arguments);
-        case Kind::depth:
+        case Compared::depth:
             return compare_depths(arguments);
-        case Kind::picture:
+        case Compared::picture:
             return compare_pictures(arguments);
     }
 }
