@@ -1,6 +1,7 @@
 // shown_field.cpp: Planes of a field in the unit of a picture.
 #include "render/shown_field.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
