@@ -15,11 +15,13 @@ namespace vog {
 struct ValueColor {
     double value = 0;           ///< value of the field, in its unit
     float r = 0, g = 0, b = 0;  ///< red, green, blue as displayed, [0, 1]
+    friend bool operator==(const ValueColor&, const ValueColor&) = default;
 };
 /// Control point of opacity.
 struct ValueOpacity {
     double value = 0;    ///< value of the field, in its unit
     double opacity = 0;  ///< share of light that is absorbed over unit_distance, [0, 1]
+    friend bool operator==(const ValueOpacity&, const ValueOpacity&) = default;
 };
 
 /// Opacity above this counts as this: an opacity of 1 is an infinite extinction.
@@ -32,6 +34,7 @@ struct ValueTransfer {
     std::vector<ValueColor> color;      ///< at least one, sorted by value
     std::vector<ValueOpacity> opacity;  ///< at least one, sorted by value
     double unit_distance = 1;           ///< world units, > 0: length that an opacity refers to
+    friend bool operator==(const ValueTransfer&, const ValueTransfer&) = default;
 };
 
 /// Light of a value.

@@ -70,7 +70,7 @@ class SlabRenderer {
     SlabRenderer(SlabRenderer&&) noexcept;
     SlabRenderer& operator=(SlabRenderer&&) noexcept;
 
-    /// Transfer function of the next pictures. cost: about 1 us a Gaussian
+    /// Transfer function of the next pictures. The same one again costs nothing, another about 1 us a Gaussian.
     void set_transfer(const ValueTransfer& transfer);
     /// returns  the same bytes for any number of threads
     /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <optional>
 
 #include "render/by_value/volume_field.h"
 #include "render/pixel_limits.h"
@@ -111,6 +112,7 @@ struct SlabRenderer::State {
     KernelPolynomial kernel;
     const SplatKernels* kernels;
     SlabPolynomials polynomials;
+    std::optional<ValueTransfer> transfer;  ///< of the light
     std::vector<LightQuadratic> light;
     VolumeLook look;
     std::deque<SlabBatch> batches;
@@ -148,7 +150,10 @@ SlabRenderer::SlabRenderer(SlabRenderer&&) noexcept = default;
 SlabRenderer& SlabRenderer::operator=(SlabRenderer&&) noexcept = default;
 
 void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
-    state_->light = fit_light(*state_->gaussians, *state_->field, transfer);
+    State& s = *state_;
+    if (s.transfer == transfer) return;
+    s.light = fit_light(*s.gaussians, *s.field, transfer);
+    s.transfer = transfer;
 }
 
 VolumeImage SlabRenderer::render(const Camera& camera, int width, int height) {
