@@ -61,54 +61,11 @@ double chord_variance(double u) {
                    std::erf(z / std::numbers::sqrt2);
 }
 
-double horner(const std::vector<double>& coefficient, double v) {
-    double sum = 0;
-    for (auto c = coefficient.rbegin(); c != coefficient.rend(); ++c) sum = sum * v + *c;
-    return sum;
-}
-
-/// The interpolant at the zeros of a Chebyshev polynomial over u = half (v + 1), in powers of v.
-std::vector<double> interpolant(std::size_t count, double half) {
-    std::vector<double> series(count, 0.0);
-    for (std::size_t node = 0; node < count; ++node) {
-        const double theta = std::numbers::pi * (static_cast<double>(node) + 0.5) / double(count);
-        const double value = chord_variance(half * (std::cos(theta) + 1));
-        for (std::size_t j = 0; j < count; ++j)
-            series[j] += (j == 0 ? 1.0 : 2.0) / double(count) * value * std::cos(double(j) * theta);
-    }
-    // T_0 = 1, T_{j+1} = 2 v T_j - T_{j-1}, with T_{-1} = T_1 = v.
-    std::vector<double> power(count, 0.0), current(count, 0.0), previous(count, 0.0);
-    current[0] = 1;
-    if (count > 1) previous[1] = 1;
-    for (std::size_t j = 0; j < count; ++j) {
-        std::vector<double> next(count, 0.0);
-        for (std::size_t i = 0; i < count; ++i) {
-            power[i] += series[j] * current[i];
-            if (i + 1 < count) next[i + 1] += 2 * current[i];
-            next[i] -= previous[i];
-        }
-        previous = current;
-        current = next;
-    }
-    return power;
-}
-
 }  // namespace
 
 ChordVariance fit_chord_variance(double cutoff, double tolerance) {
-    const double half = 0.5 * cutoff * cutoff;
-    constexpr std::size_t kMaxCount = 30;  // k = 8 needs 24 for 1e-5
-    for (std::size_t count = 2;; ++count) {
-        const std::vector<double> power = interpolant(count, half);
-        double worst = 0;
-        constexpr int kProbes = 500;
-        for (int probe = 0; probe <= kProbes; ++probe) {
-            const double v = -1 + 2.0 * probe / kProbes;
-            worst = std::max(worst, std::abs(horner(power, v) - chord_variance(half * (v + 1))));
-        }
-        if (worst > tolerance && count < kMaxCount) continue;
-        return {{power.begin(), power.end()}, static_cast<float>(1 / half), worst};
-    }
+    constexpr std::size_t kMost = 30;  // k = 8 needs 24 for 1e-5
+    return fit_chebyshev(chord_variance, cutoff * cutoff, tolerance, kMost);
 }
 
 const FieldKernels& field_kernels(const SplatKernels& kernels) {

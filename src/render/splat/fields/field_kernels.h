@@ -18,6 +18,7 @@
 #include <array>
 #include <vector>
 
+#include "render/chebyshev_fit.h"
 #include "render/splat/splat_kernels.h"
 
 namespace vog::splat {
@@ -41,13 +42,8 @@ struct ViewSplat {
     std::array<float, 6> variance{};  ///< Dᵀ R D: 1, x, y, x², x y, y²
 };
 
-/// h(u) = 1 - 2 z n(z) / (2 N(z) - 1), z = sqrt(u): the variance of a normal distribution cut at ± z. A
-/// polynomial in slope u - 1.
-struct ChordVariance {
-    std::vector<float> coefficient;
-    float slope = 1;
-    double max_error = 0;
-};
+/// h(u) = 1 - 2 z n(z) / (2 N(z) - 1), z = sqrt(u): the variance of a normal distribution cut at ± z.
+using ChordVariance = ChebyshevFit;
 /// Fits h over [0, k²].
 /// cutoff  k, (0, 8]
 ChordVariance fit_chord_variance(double cutoff, double tolerance = 1e-5);

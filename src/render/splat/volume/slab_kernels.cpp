@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <numbers>
 
@@ -54,57 +53,6 @@ namespace {
 HWY_EXPORT(slab_kernels_of);
 HWY_EXPORT(one_lane_slab_kernels);
 
-using Function = std::function<double(double)>;
-
-double horner(const std::vector<double>& coefficient, double v) {
-    double sum = 0;
-    for (auto c = coefficient.rbegin(); c != coefficient.rend(); ++c) sum = sum * v + *c;
-    return sum;
-}
-
-/// The interpolant at the zeros of a Chebyshev polynomial over x = half (v + 1), in powers of v.
-std::vector<double> interpolant(const Function& of, std::size_t count, double half) {
-    std::vector<double> series(count, 0.0);
-    for (std::size_t node = 0; node < count; ++node) {
-        const double theta = std::numbers::pi * (static_cast<double>(node) + 0.5) / double(count);
-        const double value = of(half * (std::cos(theta) + 1));
-        for (std::size_t j = 0; j < count; ++j)
-            series[j] += (j == 0 ? 1.0 : 2.0) / double(count) * value * std::cos(double(j) * theta);
-    }
-    // T_0 = 1, T_{j+1} = 2 v T_j - T_{j-1}, with T_{-1} = T_1 = v.
-    std::vector<double> power(count, 0.0), current(count, 0.0), previous(count, 0.0);
-    current[0] = 1;
-    if (count > 1) previous[1] = 1;
-    for (std::size_t j = 0; j < count; ++j) {
-        std::vector<double> next(count, 0.0);
-        for (std::size_t i = 0; i < count; ++i) {
-            power[i] += series[j] * current[i];
-            if (i + 1 < count) next[i + 1] += 2 * current[i];
-            next[i] -= previous[i];
-        }
-        previous = current;
-        current = next;
-    }
-    return power;
-}
-
-/// The polynomial of lowest degree, from `least` coefficients on, within a tolerance.
-SlabPolynomial fit(const Function& of, double cutoff, double tolerance, std::size_t least) {
-    const double half = 0.5 * cutoff * cutoff;
-    constexpr std::size_t kMaxCount = 32;
-    for (std::size_t count = least;; ++count) {
-        const std::vector<double> power = interpolant(of, count, half);
-        double worst = 0;
-        constexpr int kProbes = 400;
-        for (int probe = 0; probe <= kProbes; ++probe) {
-            const double v = -1 + 2.0 * probe / kProbes;
-            worst = std::max(worst, std::abs(horner(power, v) - of(half * (v + 1))));
-        }
-        if (worst > tolerance && count < kMaxCount) continue;
-        return {{power.begin(), power.end()}, static_cast<float>(1 / half), worst};
-    }
-}
-
 }  // namespace
 
 SlabPolynomials fit_slab_polynomials(double cutoff, double tolerance) {
@@ -114,7 +62,10 @@ SlabPolynomials fit_slab_polynomials(double cutoff, double tolerance) {
         return std::sqrt(std::numbers::pi / 2) * std::erf(u / std::numbers::sqrt2) / u;
     };
     const auto peak = [&](double x) { return std::exp(0.5 * (x - cutoff * cutoff)); };
-    return {fit(part, cutoff, tolerance, 2), fit(peak, cutoff, tolerance, 2)};
+    constexpr std::size_t kMost = 32;
+    const double square = cutoff * cutoff;
+    return {fit_chebyshev(part, square, tolerance, kMost),
+            fit_chebyshev(peak, square, tolerance, kMost)};
 }
 
 const SlabKernels& slab_kernels(const SplatKernels& kernels) {

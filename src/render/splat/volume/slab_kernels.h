@@ -12,6 +12,7 @@
 #include <array>
 #include <vector>
 
+#include "render/chebyshev_fit.h"
 #include "render/splat/splat_kernels.h"
 #include "vog/image.h"
 
@@ -31,15 +32,9 @@ struct SlabSplat {
     float near = 0, far = 0;                      ///< range of depths of the whole support
 };
 
-/// A function of one variable in [0, k²], as a polynomial in v = slope x - 1.
-struct SlabPolynomial {
-    std::vector<float> coefficient;
-    float slope = 1;
-    double max_error = 0;
-};
 /// Of a cutoff: G(u) / u in u², and e^{(x - k²)/2} in x = k² - m².
 struct SlabPolynomials {
-    SlabPolynomial part, peak;
+    ChebyshevFit part, peak;
 };
 /// cutoff     k, (0, 8]
 /// tolerance  of the whole integral of a Gaussian through its mean, about

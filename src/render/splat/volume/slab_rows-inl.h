@@ -1,14 +1,14 @@
 // slab_rows-inl.h: Light of splats to depth slabs, one SIMD vector of pixels at a time, in single precision.
 // Included once per SIMD target by slab_kernels.cpp, after splat_rows-inl.h.
 
-/// SlabPolynomial in every lane. kDegree < 0: any degree, read term by term.
+/// ChebyshevFit in every lane. kDegree < 0: any degree, read term by term.
 template <int kDegree, class V>
 struct SlabLanes {
     V slope, c[kDegree < 0 ? 1 : kDegree + 1];
-    const SlabPolynomial* fitted;
+    const ChebyshevFit* fitted;
 };
 template <int kDegree, class D, class V = hn::Vec<D>>
-HWY_INLINE SlabLanes<kDegree, V> slab_lanes(D d, const SlabPolynomial& fitted) {
+HWY_INLINE SlabLanes<kDegree, V> slab_lanes(D d, const ChebyshevFit& fitted) {
     SlabLanes<kDegree, V> lanes;
     lanes.slope = hn::Set(d, fitted.slope);
     lanes.fitted = &fitted;
