@@ -223,12 +223,10 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
         });
     }
     fill(report_dict, report, moments.block_voxels || moments.budget ? 0 : moments.error);
-    FieldOptions shares;
-    if (moments.block_voxels && moments.soft_steps == 0 && moments.refine_seconds == 0 &&
-        py::isinstance<Volume>(data))
-        shares = {FieldShares::cells, moments.block_voxels};
-    shares.progress = between(whole, converted(fields), 1);
-    add(sampled, shares, *model);
+    FieldOptions field_options;
+    field_options.cells = report.cells;
+    field_options.progress = between(whole, converted(fields), 1);
+    add(sampled, field_options, *model);
     return model;
 }
 
@@ -247,9 +245,9 @@ Model by_paper(const py::object& data, Options& options, const py::object& progr
         model = unlocked(
             [&] { return std::make_shared<Gaussians>(convert_paper(composite(*levels), paper)); });
     }
-    FieldOptions shares;
-    shares.progress = between(whole, converted(fields), 1);
-    add(sampled, shares, *model);
+    FieldOptions field_options;
+    field_options.progress = between(whole, converted(fields), 1);
+    add(sampled, field_options, *model);
     return model;
 }
 

@@ -132,6 +132,7 @@ class PartConversion {
         budget_ = budget ? budget : conversion_.moments.budget;
         mass_ = 0;
         totals_ = {};
+        cells_.clear();
         std::vector<Gaussians> models;
         for (const InputPart& part : parts) models.push_back(convert(part));
         return models;
@@ -158,6 +159,8 @@ class PartConversion {
         totals_ = totals;
         return best;
     }
+    /// MomentReport::cells of the last conversion, by input.
+    const std::vector<std::optional<UniformCells>>& cells() const { return cells_; }
     /// Mass of the data of the last conversion: all ranks, all inputs.
     double data_mass() const {
         double sum = mass_;
@@ -180,6 +183,7 @@ class PartConversion {
         double part_mass = 0;
         for (const Volume& volume : part.volumes) part_mass += mass(volume);
         mass_ += part_mass;
+        cells_.emplace_back();
         if (!conversion_.by_moments) return by_paper(part);
         if (collective_) return uniform_cells(part, part_mass);
         if (part_mass == 0) return {};
@@ -189,6 +193,7 @@ class PartConversion {
         options.measure = false;  // the whole model is measured at the end
         Gaussians model = by_moments(part, options, &report);
         totals_.add(report, part_mass);
+        cells_.back() = report.cells;
         return model;
     }
     Gaussians by_paper(const InputPart& part) const {
@@ -214,6 +219,7 @@ class PartConversion {
         ranks_.sum(std::span(&part_mass, 1));
         // The report is global on every rank already, so the root alone adds it.
         if (ranks_.first()) totals_.add(report, part_mass);
+        cells_.back() = report.cells;
         return model;
     }
     /// Share of the budget in proportion to the part's active voxels, at least 1.
@@ -234,6 +240,7 @@ class PartConversion {
     std::size_t budget_ = 0;
     double mass_ = 0;
     MomentTotals totals_;
+    std::vector<std::optional<UniformCells>> cells_;
 };
 
 /// The text of the lowest rank that has one.
@@ -345,7 +352,7 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
         stages.run("fields", [&] {
             std::vector<std::vector<Volume>*> volumes;
             for (InputPart& part : parts) volumes.push_back(&part.volumes);
-            add_own_values(arguments, options, from.is_mesh(), volumes, model, ranks);
+            add_own_values(arguments, conversion.cells(), volumes, model, ranks);
             ranks.agree();
         });
     if (arguments.volume.ones)

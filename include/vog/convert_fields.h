@@ -2,9 +2,11 @@
 // (docs/fields.md).
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "vog/convert_moments.h"
 #include "vog/gaussians.h"
 #include "vog/points.h"
 #include "vog/progress.h"
@@ -12,17 +14,13 @@
 
 namespace vog {
 
-/// Part of the voxels that is each Gaussian's.
-enum class FieldShares {
-    soft,   ///< a voxel's mass is divided among the Gaussians by their densities there
-    cells,  ///< whole cells of a hard uniform cut: each voxel counts for the Gaussian of its cell
-};
-
 /// Options of add_fields.
 struct FieldOptions {
-    FieldShares shares = FieldShares::soft;
-    int block_voxels = 0;  ///< edge of a cell, voxels, for FieldShares::cells
-    Progress progress{};   ///< called with the finished fraction; empty: not
+    /// Cells of the model (MomentReport::cells): a voxel counts for the Gaussian of its cell, or for those
+    /// of the windows it lies in. None, or of a volume whose tiles were divided since: a voxel's mass is
+    /// divided among the Gaussians by their densities there.
+    std::optional<UniformCells> cells{};
+    Progress progress{};  ///< called with the finished fraction; empty: not
 };
 
 /// Adds fields to a model, by the moments of position and value over each Gaussian's part of the voxels.
@@ -32,7 +30,7 @@ struct FieldOptions {
 /// fields  [fields][levels] each field at the voxels of each volume; a component with neither leaves nor
 ///         tiles is the volume's own values
 /// throws  vog::Error for a name that the model has already or that is reserved
-/// cost    about two steps of expectation-maximisation
+/// cost    about two steps of expectation-maximisation; of cells a part of their conversion's
 void add_fields(Gaussians& model, std::span<const Volume> levels,
                 std::span<const std::vector<VoxelField>> fields, const FieldOptions& options = {});
 

@@ -81,6 +81,13 @@ struct CellChoice {
 /// throws  vog::Error if two ways are given: "block and budget exclude each other"
 void set_cut(MomentOptions& options, const CellChoice& cut);
 
+/// Cells of a uniform cut of one volume without soft steps: a Gaussian for each, in Morton order.
+struct UniformCells {
+    int block_voxels = 1;      ///< edge of a cell
+    bool overlapping = false;  ///< else hard
+    double least_mass = 0;     ///< of the cells kept, density times voxels
+};
+
 /// Results of a conversion by moments.
 struct MomentReport {
     double mass_ratio = 1;          ///< mass of all cells, dropped ones included / mass of the data
@@ -95,6 +102,8 @@ struct MomentReport {
     std::string view_note;
     /// Whether the default stopped at one Gaussian to kVoxelsPerGaussian voxels, above its error.
     bool stopped_by_count = false;
+    /// The voxels of each Gaussian, for fields; none: the Gaussians' densities divide them.
+    std::optional<UniformCells> cells{};
     /// Stages of the conversion in their order: name and duration, milliseconds.
     std::vector<std::pair<std::string, double>> stage_ms;
 };

@@ -166,7 +166,8 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     Composite mesh =
         set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
     std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
-    std::vector<Gaussians> parts;  // one a volume; of a mesh one
+    std::vector<Gaussians> parts;                    // one a volume; of a mesh one
+    std::vector<std::optional<UniformCells>> cells;  // of each part
     double volume_mass = 0;
     Box box;
     for (const Volume& volume : volumes) {
@@ -185,6 +186,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
             !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
         parts.push_back(std::move(part));
+        cells.push_back(one.cells);
     };
     stages.run("convert", [&] {
         MomentReport one;
@@ -200,7 +202,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         stages.run("fields", [&] {
             const FieldTexts texts = field_texts(arguments, own_name(volumes));
             for (std::size_t n = 0; n < parts.size(); ++n)
-                add_fields_of(texts, {by_moments, moments, paper},
+                add_fields_of(texts, cells[n],
                               set.is_mesh() ? std::span(volumes) : std::span(volumes).subspan(n, 1),
                               parts[n], field_notes);
         });

@@ -1,6 +1,7 @@
 // field_conversion.h: fields of a conversion: read at the voxels that were converted, and added to their model.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -23,12 +24,9 @@ FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own
 /// Reads the fields of --field and adds them, and the volumes' own values, to a model.
 /// volumes  one, or parts of a mesh: what the model was made of; tiles inside which a field varies are
 ///          divided
+/// cells    of the model, MomentReport::cells
 /// notes    receives a line for each field that covers only a part of the volumes
-void add_fields_of(const FieldTexts& texts, const VolumeConversion& conversion,
+void add_fields_of(const FieldTexts& texts, const std::optional<UniformCells>& cells,
                    std::span<Volume> volumes, Gaussians& model, std::vector<std::string>& notes);
-
-/// Options by which a conversion divides voxels among its Gaussians.
-/// volumes  number of them
-FieldOptions field_options(const VolumeConversion& conversion, std::size_t volumes);
 
 }  // namespace vog::cli

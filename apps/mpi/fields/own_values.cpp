@@ -45,8 +45,9 @@ void describe(const VoxelField* field, Fields& fields, const Ranks& ranks) {
 
 }  // namespace
 
-void add_own_values(const cli::ConvertArguments& arguments, const cli::VolumeConversion& conversion,
-                    bool mesh, std::span<std::vector<Volume>* const> volumes, SharedModel& model,
+void add_own_values(const cli::ConvertArguments& arguments,
+                    std::span<const std::optional<UniformCells>> cells,
+                    std::span<std::vector<Volume>* const> volumes, SharedModel& model,
                     const Ranks& ranks) {
     const cli::FieldTexts texts = cli::field_texts(arguments, own_name(volumes, ranks));
     constexpr double kNone = std::numeric_limits<double>::infinity();
@@ -65,10 +66,7 @@ void add_own_values(const cli::ConvertArguments& arguments, const cli::VolumeCon
         if (!fields.empty())
             for (VoxelField& field : fields.front()) field.lower = least, field.upper = most;
         lower = std::min(lower, least), upper = std::max(upper, most);
-        // Cells of a mesh's levels are not one lattice.
-        const FieldOptions options =
-            mesh ? FieldOptions{} : cli::field_options(conversion, own.size());
-        if (!fields.empty()) add_fields(model.inputs[n], own, fields, options);
+        if (!fields.empty()) add_fields(model.inputs[n], own, fields, {cells[n]});
         Fields& described = model.description.fields;
         if (described.empty())
             describe(fields.empty() ? nullptr : &fields.front().front(), described, ranks);

@@ -2,13 +2,13 @@
 // voxels, then the plane through them and what it leaves.
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
+#include <deque>
 #include <optional>
+#include <utility>
 
-#include "convert/fields/division.h"
-#include "convert/moments/covariance_adjugate.h"
+#include "convert/fields/cell_fields.h"
+#include "convert/fields/field_entries.h"
+#include "convert/fields/soft_division.h"
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/convert_fields.h"
@@ -19,51 +19,6 @@ namespace vog {
 using namespace joint;
 
 namespace {
-
-/// Components of all fields, one after another, and how their numbers are scaled.
-struct Layout {
-    struct Part {
-        std::size_t field, component;
-        float reference, unit;
-    };
-    std::vector<Part> parts;
-    std::vector<std::size_t> first_part;  ///< [fields]
-    std::vector<std::size_t> first_sum;   ///< [fields] of the residuals
-    std::size_t residual_sums = 0;
-
-    explicit Layout(std::span<const std::vector<VoxelField>> fields) {
-        for (std::size_t f = 0; f < fields.size(); ++f) {
-            const VoxelField& field = fields[f].front();
-            first_part.push_back(parts.size());
-            first_sum.push_back(residual_sums);
-            residual_sums += field.is_vector() ? kVectorSums : kScalarSums;
-            double lower = field.lower, upper = field.upper;
-            for (const VoxelField& level : fields[f])
-                lower = std::min(lower, level.lower), upper = std::max(upper, level.upper);
-            // A vector's range is that of its magnitude: components lie on both sides of 0.
-            const double middle = field.is_vector() ? 0 : 0.5 * (lower + upper);
-            const double half = field.is_vector() ? upper : 0.5 * (upper - lower);
-            const double unit = half > 0 ? std::exp2(std::clamp(std::ilogb(half), -120, 120)) : 1;
-            for (std::size_t c = 0; c < field.component.size(); ++c)
-                parts.push_back({f, c, static_cast<float>(middle), static_cast<float>(unit)});
-        }
-    }
-    std::vector<Component> components(const Volume& volume,
-                                      std::span<const std::vector<VoxelField>> fields,
-                                      std::size_t level) const {
-        std::vector<Component> all;
-        for (const Part& part : parts)
-            all.push_back({&volume, &fields[part.field][level].component[part.component],
-                           part.reference, part.unit});
-        return all;
-    }
-};
-
-/// Plane of a component about a Gaussian's mean, in the component's unit; gradient per world unit.
-struct WorldPlane {
-    double value = 0;
-    Vec3d gradient;
-};
 
 /// Sums of one Gaussian in world units.
 struct WorldSums {
@@ -93,37 +48,19 @@ WorldPlane plane_of(const WorldSums& sums, double value, Vec3d along) {
     const double mean = value / sums.mass;
     const Vec3d center = (1 / sums.mass) * sums.first;
     const Vec3d with = (1 / sums.mass) * along - mean * center;
-    // In units of the spread, whose squares may leave the range of doubles otherwise.
-    std::array<double, 6> c{};
-    double trace = 0;
+    std::array<double, 6> covariance{};
     std::size_t n = 0;
     for (int row = 0; row < 3; ++row)
-        for (int column = row; column < 3; ++column) {
-            c[n++] = sums.second(row, column) / sums.mass - center[row] * center[column];
-            if (row == column) trace += c[n - 1];
-        }
-    if (!(trace > 0)) return {mean, {}};
-    for (double& entry : c) entry /= trace;
-    const auto [adjugate, det] = moments::adjugate_of(c);
-    if (!(det > 0)) return {mean, {}};
-    const auto& a = adjugate;
-    const Vec3d w = (1 / trace) * with;
-    const Vec3d gradient = (1 / det) * Vec3d{a[0] * w.x + a[1] * w.y + a[2] * w.z,
-                                             a[1] * w.x + a[3] * w.y + a[4] * w.z,
-                                             a[2] * w.x + a[4] * w.y + a[5] * w.z};
+        for (int column = row; column < 3; ++column)
+            covariance[n++] = sums.second(row, column) / sums.mass - center[row] * center[column];
+    const Vec3d gradient = least_squares(covariance, with);
     return {mean - dot(gradient, center), gradient};
-}
-
-std::unique_ptr<Division> division_of(const Gaussians& model, const Volume& volume,
-                                      const FieldOptions& options) {
-    return options.shares == FieldShares::cells ? cell_division(model, volume, options.block_voxels)
-                                                : soft_division(model, volume);
 }
 
 /// First pass: planes of all components.
 /// masses  out: [Gaussians]
 BigVector<WorldPlane> find_planes(const Gaussians& model, std::span<const Volume> levels,
-                                  std::span<const std::unique_ptr<Division>> divisions,
+                                  const std::deque<SoftDivision>& divisions,
                                   std::span<const std::vector<VoxelField>> fields,
                                   const Layout& layout, BigVector<double>& masses) {
     const std::size_t size = model.size(), count = layout.parts.size();
@@ -132,7 +69,7 @@ BigVector<WorldPlane> find_planes(const Gaussians& model, std::span<const Volume
     for (std::size_t level = 0; level < levels.size(); ++level) {
         resize_kept(sums[level], width * size);
         const std::vector<Component> components = layout.components(levels[level], fields, level);
-        divisions[level]->add(
+        divisions[level].add(
             width,
             [&](const DividedBrick& divided, std::span<const std::uint32_t>,
                 std::span<double> parts) { add_joint_sums(divided, components, parts); },
@@ -179,7 +116,7 @@ BigVector<WorldPlane> find_planes(const Gaussians& model, std::span<const Volume
 
 /// Second pass: sums of residuals, [Gaussians][Layout::residual_sums], mass in world units.
 BigVector<double> find_residuals(const Gaussians& model, std::span<const Volume> levels,
-                                 std::span<const std::unique_ptr<Division>> divisions,
+                                 const std::deque<SoftDivision>& divisions,
                                  std::span<const std::vector<VoxelField>> fields,
                                  const Layout& layout, const BigVector<WorldPlane>& planes) {
     const std::size_t size = model.size(), count = layout.parts.size();
@@ -191,7 +128,7 @@ BigVector<double> find_residuals(const Gaussians& model, std::span<const Volume>
         const Mat3 to_index = transpose(levels[level].world_from_index.linear);
         BigVector<double> sums;
         resize_kept(sums, width * size);
-        divisions[level]->add(
+        divisions[level].add(
             width,
             [&](const DividedBrick& divided, std::span<const std::uint32_t> gaussian,
                 std::span<double> parts) {
@@ -220,79 +157,23 @@ BigVector<double> find_residuals(const Gaussians& model, std::span<const Volume>
     return all;
 }
 
-float as_float(double number) {
-    constexpr double kMost = std::numeric_limits<float>::max();
-    return static_cast<float>(std::clamp(number, -kMost, kMost));
-}
-Vec3f as_floats(Vec3d v) { return {as_float(v.x), as_float(v.y), as_float(v.z)}; }
-
-/// Residuals below this share of the field's range are rounding of floats.
-constexpr double kRounding = 1e-6;
-
-ScalarField scalar_field(const VoxelField& about, const Layout& layout, std::size_t f,
-                         const BigVector<WorldPlane>& planes, const BigVector<double>& residuals,
-                         const BigVector<double>& masses) {
-    ScalarField field{about.name, about.unit, about.lower, about.upper, false, {}, {}, {}, {}};
-    const std::size_t size = masses.size(), count = layout.parts.size();
-    const auto [index, component, reference, unit] = layout.parts[layout.first_part[f]];
-    resize_kept(field.value, size), resize_kept(field.gradient, size);
-    resize_kept(field.deviation, size), resize_kept(field.skewness, size);
-    for (std::size_t i = 0; i < size; ++i) {
+/// By the densities of the Gaussians.
+void add_by_shares(const Gaussians& model, std::span<const Volume> levels,
+                   std::span<const std::vector<VoxelField>> fields, const Layout& layout,
+                   const Progress& progress, FieldEntries& entries) {
+    std::deque<SoftDivision> divisions;
+    for (const Volume& volume : levels) divisions.emplace_back(model, volume);
+    BigVector<double> masses;
+    const BigVector<WorldPlane> planes =
+        find_planes(model, levels, divisions, fields, layout, masses);
+    if (progress) progress(0.5);
+    const BigVector<double> residuals =
+        find_residuals(model, levels, divisions, fields, layout, planes);
+    for (std::size_t i = 0; i < model.size(); ++i) {
         keep_memory_at(i);
-        const WorldPlane& plane = planes[count * i + layout.first_part[f]];
-        field.value[i] = as_float(double{reference} + double{unit} * plane.value);
-        field.gradient[i] = as_floats(double{unit} * plane.gradient);
-        if (!(masses[i] > 0)) continue;
-        const double* sums = &residuals[layout.residual_sums * i + layout.first_sum[f]];
-        const double variance = std::max(sums[0] / masses[i], 0.0), r = std::sqrt(variance);
-        if (r < kRounding) continue;
-        constexpr double kMostSkewness = 3;
-        field.deviation[i] = as_float(double{unit} * r);
-        field.skewness[i] = static_cast<float>(
-            std::clamp(sums[1] / (masses[i] * variance * r), -kMostSkewness, kMostSkewness));
+        entries.set(i, &planes[layout.parts.size() * i], &residuals[layout.residual_sums * i],
+                    masses[i]);
     }
-    return field;
-}
-
-VectorField vector_field(const VoxelField& about, const Layout& layout, std::size_t f,
-                         const BigVector<WorldPlane>& planes, const BigVector<double>& residuals,
-                         const BigVector<double>& masses) {
-    VectorField field{about.name, about.unit, about.lower, about.upper, {}, {}, {}};
-    const std::size_t size = masses.size(), count = layout.parts.size();
-    const double unit = double{layout.parts[layout.first_part[f]].unit};
-    resize_kept(field.value, size), resize_kept(field.covariance, size);
-    for (auto& gradient : field.gradient) resize_kept(gradient, size);
-    for (std::size_t i = 0; i < size; ++i) {
-        keep_memory_at(i);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const WorldPlane& plane = planes[count * i + layout.first_part[f] + c];
-            field.value[i][static_cast<int>(c)] = as_float(unit * plane.value);
-            field.gradient[c][i] = as_floats(unit * plane.gradient);
-        }
-        if (!(masses[i] > 0)) continue;
-        const double* sums = &residuals[layout.residual_sums * i + layout.first_sum[f]];
-        for (std::size_t n = 0; n < kVectorSums; ++n) {
-            const double entry = sums[n] / masses[i];
-            field.covariance[i][n] = as_float(unit * unit * entry);
-        }
-    }
-    return field;
-}
-
-/// Whether a field is the volume's own values.
-bool is_measure(const VoxelField& field) {
-    const VoxelValues& values = field.component.front();
-    return !field.is_vector() && values.leaf.empty() && values.tile.empty();
-}
-
-/// Range over all levels.
-VoxelField about(const std::vector<VoxelField>& levels) {
-    VoxelField all;
-    all.name = levels.front().name, all.unit = levels.front().unit;
-    all.lower = levels.front().lower, all.upper = levels.front().upper;
-    for (const VoxelField& level : levels)
-        all.lower = std::min(all.lower, level.lower), all.upper = std::max(all.upper, level.upper);
-    return all;
 }
 
 }  // namespace
@@ -311,24 +192,16 @@ void add_fields(Gaussians& model, std::span<const Volume> levels,
     }
     if (fields.empty() || model.size() == 0) return;
     const Layout layout(fields);
-    std::vector<std::unique_ptr<Division>> divisions;
-    for (const Volume& volume : levels) divisions.push_back(division_of(model, volume, options));
-    BigVector<double> masses;
-    const BigVector<WorldPlane> planes =
-        find_planes(model, levels, divisions, fields, layout, masses);
-    if (options.progress) options.progress(0.5);
-    const BigVector<double> residuals =
-        find_residuals(model, levels, divisions, fields, layout, planes);
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-        const VoxelField range = about(fields[f]);
-        if (fields[f].front().is_vector())
-            model.fields.vector.push_back(
-                vector_field(range, layout, f, planes, residuals, masses));
-        else
-            model.fields.scalar
-                .emplace_back(scalar_field(range, layout, f, planes, residuals, masses))
-                .is_measure = std::ranges::all_of(fields[f], is_measure);
+    std::optional<FieldEntries> entries(std::in_place, fields, layout, model.size());
+    const bool by_cells =
+        options.cells && levels.size() == 1 &&
+        add_by_cells(levels.front(), layout.components(levels.front(), fields, 0), layout,
+                     {*options.cells, model.size()}, options.progress, *entries);
+    if (!by_cells) {
+        entries.emplace(fields, layout, model.size());
+        add_by_shares(model, levels, fields, layout, options.progress, *entries);
     }
+    std::move(*entries).move_to(model);
     if (options.progress) options.progress(1);
 }
 

@@ -1,7 +1,8 @@
 // soft_division.cpp: shares of voxels by the densities of Gaussians, as the E step has them.
+#include "convert/fields/soft_division.h"
+
 #include <cmath>
 
-#include "convert/fields/division.h"
 #include "core/paging.h"
 
 namespace vog::joint {
@@ -35,38 +36,26 @@ PackedCells cells_of(const Gaussians& model, const Volume& volume,
     return cells;
 }
 
-class SoftDivision : public Division {
-  public:
-    SoftDivision(const Gaussians& model, const Volume& volume)
-        : field_bricks_(field_bricks(volume)) {
-        for (const FieldBrick& brick : field_bricks_) bricks_.push_back(brick.brick);
-        cells_ = cells_of(model, volume, bricks_);
-        solver_.emplace(bricks_);
-    }
-    void add(std::size_t width, const PartsOfBrick& parts_of,
-             std::span<double> sums) const override {
-        solver_->add_shares(
-            cells_, width,
-            [&](std::size_t b, std::span<const std::uint32_t> gaussian,
-                moments::BrickScratch& scratch, std::span<double> parts) {
-                std::vector<moments::UncoveredSample> uncovered;
-                moments::divide_samples(bricks_[b], scratch, uncovered);
-                parts_of({&field_bricks_[b], &scratch, uncovered}, gaussian, parts);
-            },
-            sums);
-    }
-
-  private:
-    std::vector<FieldBrick> field_bricks_;
-    std::vector<moments::Brick> bricks_;
-    PackedCells cells_;
-    std::optional<moments::EmSolver> solver_;
-};
-
 }  // namespace
 
-std::unique_ptr<Division> soft_division(const Gaussians& model, const Volume& volume) {
-    return std::make_unique<SoftDivision>(model, volume);
+SoftDivision::SoftDivision(const Gaussians& model, const Volume& volume)
+    : field_bricks_(field_bricks(volume)) {
+    for (const FieldBrick& brick : field_bricks_) bricks_.push_back(brick.brick);
+    cells_ = cells_of(model, volume, bricks_);
+    solver_.emplace(bricks_);
+}
+
+void SoftDivision::add(std::size_t width, const PartsOfBrick& parts_of,
+                       std::span<double> sums) const {
+    solver_->add_shares(
+        cells_, width,
+        [&](std::size_t b, std::span<const std::uint32_t> gaussian, moments::BrickScratch& scratch,
+            std::span<double> parts) {
+            std::vector<moments::UncoveredSample> uncovered;
+            moments::divide_samples(bricks_[b], scratch, uncovered);
+            parts_of({&field_bricks_[b], &scratch, uncovered}, gaussian, parts);
+        },
+        sums);
 }
 
 }  // namespace vog::joint

@@ -203,6 +203,10 @@ Gaussians run(MomentJob& job) {
 
     Gaussians model = job.options.block_voxels ? uniform_model(job) : adaptive_model(job);
     model.cutoff = kMomentCutoff;
+    if (job.has_uniform_cells())
+        job.report.cells =
+            UniformCells{job.options.block_voxels, job.overlaps(),
+                         copies.empty() ? job.least_mass : std::ldexp(job.least_mass, exponent)};
     if (job.options.measure && job.report.measured_error < 0) {
         const ErrorViews views(job.parts, job.box);
         job.report_error(views.relative_l2(model), views);

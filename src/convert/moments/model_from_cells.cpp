@@ -34,6 +34,7 @@ Gaussians thresholded_gaussians(MomentJob& job, std::span<const LatticeField> fi
     threshold.sum_over(job.collective());
     const float least = threshold.least_mass(job.options.mass_threshold);
     threshold.write_to(job.report, job.data_mass);
+    job.least_mass = double{least};
 
     for (std::size_t f = 0; f < fields.size(); ++f)
         cells[f].keep_if([&](std::size_t n) { return mass_of(f, n) >= least; });

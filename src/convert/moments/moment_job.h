@@ -33,7 +33,8 @@ struct MomentJob {
     /// World volume that masses are counted in: a voxel of the first part, which makes them sums of
     /// values; between processes that share levels, the largest of those.
     double unit_volume = 1;
-    double data_mass = 0;  ///< all parts and processes; density times unit_volume
+    double data_mass = 0;   ///< all parts and processes; density times unit_volume
+    double least_mass = 0;  ///< of the cells kept by the mass threshold, likewise
     StageClock clock{report, options.progress};
 
     const Collective& collective() const { return collective_or_single(options.collective); }
@@ -43,6 +44,10 @@ struct MomentJob {
                options.block_voxels <= kLeafEdge && !options.collective;
     }
     int soft_steps() const;
+    /// Whether the model has one Gaussian for each kept cell of a uniform cut, unchanged.
+    bool has_uniform_cells() const {
+        return options.block_voxels && !levels && soft_steps() == 0 && options.refine_seconds == 0;
+    }
     /// Largest measured error of an adaptive cut without a budget.
     double error() const { return options.error > 0 ? options.error : kDefaultError; }
     /// Samples of all parts: active voxels of leaves, and 8^3 of each tile, whatever its size.

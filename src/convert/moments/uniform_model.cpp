@@ -62,6 +62,7 @@ Gaussians two_pass_model(MomentJob& job) {
     threshold.sum_over(job.collective());
     const float least = threshold.least_mass(job.options.mass_threshold);
     threshold.write_to(job.report, job.data_mass);
+    job.least_mass = double{least};
 
     std::vector<std::size_t> first(masses.size() + 1);
     for (std::size_t chunk = 0; chunk < masses.size(); ++chunk) {
@@ -104,8 +105,7 @@ void widen(PackedCells& cells) {
 
 Gaussians uniform_model(MomentJob& job) {
     const int block = job.options.block_voxels;
-    const bool one_pass = job.soft_steps() == 0 && job.options.refine_seconds == 0;
-    if (!job.levels && one_pass && block <= kLeafEdge) return two_pass_model(job);
+    if (job.has_uniform_cells() && block <= kLeafEdge) return two_pass_model(job);
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
     for (const LatticeField& field : fields)

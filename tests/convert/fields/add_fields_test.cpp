@@ -113,7 +113,7 @@ TEST(add_fields, hard_cells_have_the_plane_of_least_squares_of_their_voxels) {
         const Volume volume = leaves_of(31, 0.4);
         const VoxelField field = field_of("temperature", volume, wavy);
         Gaussians model = hard_model(volume, block);
-        add(model, volume, field, {FieldShares::cells, block, {}});
+        add(model, volume, field, {UniformCells{block}});
         ASSERT_EQ(model.fields.scalar.size(), 1u);
         const ScalarField& made = model.fields.scalar[0];
         EXPECT_EQ(made.name, "temperature");
@@ -151,6 +151,76 @@ TEST(add_fields, hard_cells_have_the_plane_of_least_squares_of_their_voxels) {
             worst = std::max(worst, length(error - box));
         }
         EXPECT_LT(worst, 1e-3) << block;
+    }
+}
+
+/// Sums of windows, by hand: a half cell belongs to its own cell and along each axis to the one it borders, with the
+/// weights 7/8 and 1/8, divided by their sum over the cells that have a voxel.
+TEST(add_fields, windows_have_the_plane_of_least_squares_of_their_voxels) {
+    for (const int block : {1, 2, 4, 8}) {
+        const Volume volume = leaves_of(41, 0.4);
+        const VoxelField field = field_of("temperature", volume, wavy);
+        const auto occupied = cells_of(volume, field, block);
+        struct Sample {
+            double weight, value;
+            Vec3d at;
+        };
+        std::map<std::tuple<int, int, int>, std::vector<Sample>> windows;
+        const int parts = block == 1 ? 2 : 1;  // samples of a voxel along an axis
+        for (const auto& [own, cell] : occupied)
+            for (const Cell::Voxel& voxel : cell.voxels)
+                for (int n = 0; n < parts * parts * parts; ++n) {
+                    Vec3d index = inverse(volume.world_from_index)(voxel.at);
+                    if (parts == 2)
+                        index = index + Vec3d{n & 1 ? 0.25 : -0.25, n & 2 ? 0.25 : -0.25,
+                                              n & 4 ? 0.25 : -0.25};
+                    std::vector<std::pair<std::tuple<int, int, int>, double>> shares;
+                    double all = 0;
+                    for (int k = 0; k < 8; ++k) {
+                        std::array<int, 3> at{std::get<0>(own), std::get<1>(own), std::get<2>(own)};
+                        double weight = 1;
+                        for (int axis = 0; axis < 3; ++axis) {
+                            const auto a = static_cast<std::size_t>(axis);
+                            const double center = (at[a] + 0.5) * block - 0.5;
+                            const bool next = k >> axis & 1;
+                            weight *= next ? 0.125 : 0.875;
+                            if (next) at[a] += index[axis] > center ? 1 : -1;
+                        }
+                        const std::tuple place{at[0], at[1], at[2]};
+                        if (!occupied.contains(place)) continue;
+                        shares.emplace_back(place, weight), all += weight;
+                    }
+                    for (const auto& [place, weight] : shares)
+                        windows[place].push_back(
+                            {voxel.mass * weight / all / (parts * parts * parts), voxel.value,
+                             volume.world_from_index(index)});
+                }
+        // Hard cells are as many, in the same order; their fields depend on the windows alone.
+        Gaussians model = hard_model(volume, block);
+        ASSERT_EQ(model.size(), windows.size());
+        add(model, volume, field, {UniformCells{block, true}});
+        const ScalarField& made = model.fields.scalar[0];
+        for (std::size_t i = 0; i < model.size(); ++i) {
+            const auto& samples =
+                windows[cell_at(inverse(volume.world_from_index)(world_mean(model, i)), block)];
+            double m = 0, value = 0, left = 0;
+            Vec3d mean;
+            for (const Sample& s : samples)
+                m += s.weight, value += s.weight * s.value, mean = mean + s.weight * s.at;
+            mean = (1 / m) * mean;
+            const Vec3d g = vec_cast<double>(made.gradient[i]);
+            Vec3d with;
+            for (const Sample& s : samples) {
+                const double z = s.value - value / m - dot(g, s.at - mean);
+                left += s.weight / m * z * z;
+                with = with + (s.weight / m * z) * (s.at - mean);
+            }
+            const Mat3& map = volume.world_from_index.linear;
+            const Vec3d box = (1.0 / 12 / (parts * parts)) * (map * (transpose(map) * g));
+            EXPECT_NEAR(double{made.value[i]}, value / m, 2e-4);
+            EXPECT_NEAR(double{made.deviation[i]}, std::sqrt(left), 2e-4);
+            EXPECT_LT(length(with - box), 5e-4 * block + 1e-3);
+        }
     }
 }
 
@@ -240,14 +310,14 @@ TEST(add_fields, a_vector_field_is_three_scalar_ones_and_their_products) {
 TEST(add_fields, any_number_of_threads_gives_the_same_bytes) {
     const Volume volume = test::random_volume(38, 0.1);
     const VoxelField field = field_of("temperature", volume, wavy);
-    for (const FieldShares shares : {FieldShares::soft, FieldShares::cells}) {
+    for (const bool by_cells : {false, true}) {
         MomentOptions options;
         options.block_voxels = 4, options.soft_steps = 0;
         Gaussians model = convert_moments(volume, options), one;
         for (const int threads : {1, 2, 3, 8}) {
             const ThreadLimit limit(threads);
             Gaussians made = model;
-            add(made, volume, field, {shares, 4, {}});
+            add(made, volume, field, {by_cells ? std::optional(UniformCells{4}) : std::nullopt});
             if (threads == 1) one = made;
             EXPECT_EQ(one.fields.scalar[0].value, made.fields.scalar[0].value);
             EXPECT_EQ(one.fields.scalar[0].deviation, made.fields.scalar[0].deviation);
@@ -261,7 +331,7 @@ TEST(add_fields, cells_of_the_parts_of_a_volume_are_those_of_the_whole) {
     const Volume volume = leaves_of(39, 0.2);
     const VoxelField field = field_of("temperature", volume, wavy);
     Gaussians whole = hard_model(volume, 4);
-    add(whole, volume, field, {FieldShares::cells, 4, {}});
+    add(whole, volume, field, {UniformCells{4}});
     std::size_t i = 0;
     std::map<std::tuple<float, float, float>, float> value_at;
     for (; i < whole.size(); ++i)
@@ -281,7 +351,7 @@ TEST(add_fields, cells_of_the_parts_of_a_volume_are_those_of_the_whole) {
         options.block_voxels = 4, options.soft_steps = 0, options.mass_threshold = 0;
         options.origin = whole.origin;
         Gaussians model = convert_moments(part, options);
-        add(model, part, of_part, {FieldShares::cells, 4, {}});
+        add(model, part, of_part, {UniformCells{4}});
         for (std::size_t n = 0; n < model.size(); ++n, ++found) {
             const Vec3f m = model.mean[n];
             ASSERT_TRUE((value_at.contains({m.x, m.y, m.z})));

@@ -65,16 +65,11 @@ OverlappingCells::OverlappingCells(const Volume& volume, std::span<const MortonN
                                    int edge)
     : volume_(volume), nodes_(nodes), edge_(edge) {}
 
-template <int edge>
-bool OverlappingCells::gather(const MortonNode& node, OverlapScratch& scratch) const {
+template <int edge, class LeafOf, class TileOf>
+void OverlappingCells::gather_around(const MortonNode& node, const LeafOf& leaf_of,
+                                     const TileOf& tile_of, std::vector<float>& values) const {
     constexpr int reach = Around<edge>::reach;
-    const auto has_mass = [&](const MortonNode& other) {
-        return other.tile ? volume_.tiles[other.index].value > 0
-                          : std::ranges::any_of(volume_.leaves[other.index].value,
-                                                [](float v) { return v > 0; });
-    };
-    if (!has_mass(node)) return false;
-    scratch.values.assign(Around<edge>::kVoxels, 0);
+    values.assign(Around<edge>::kVoxels, 0);
     for (int n = 0; n < 27; ++n) {
         const Vec3i side{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
         const Vec3i origin = node.origin + kLeafEdge * side;
@@ -82,8 +77,8 @@ bool OverlappingCells::gather(const MortonNode& node, OverlapScratch& scratch) c
             std::ranges::lower_bound(nodes_, origin, morton_less, &MortonNode::origin);
         if (found == nodes_.end() || !(found->origin == origin) || found->edge != kLeafEdge)
             continue;
-        const float value = found->tile ? std::max(0.0f, volume_.tiles[found->index].value) : 0;
-        const float* leaf = found->tile ? nullptr : volume_.leaves[found->index].value.data();
+        const float value = found->tile ? tile_of(found->index) : 0;
+        const float* leaf = found->tile ? nullptr : leaf_of(found->index);
         // Voxels [first, end) of the neighbour lie in the gathered cube.
         Vec3i first, end, to;
         for (int axis = 0; axis < 3; ++axis) {
@@ -93,8 +88,8 @@ bool OverlappingCells::gather(const MortonNode& node, OverlapScratch& scratch) c
         }
         for (int x = first.x; x < end.x; ++x)
             for (int y = first.y; y < end.y; ++y) {
-                float* row = scratch.values.data() + ((to.x + x) * reach + to.y + y) * reach +
-                             to.z + first.z;
+                float* row =
+                    values.data() + ((to.x + x) * reach + to.y + y) * reach + to.z + first.z;
                 const float* from = leaf ? leaf + leaf_offset(x, y, first.z) : nullptr;
                 // Rows of 8 floats and less, for which calls of memmove cost more than a loop.
                 if (end.z - first.z == kLeafEdge)
@@ -103,7 +98,16 @@ bool OverlappingCells::gather(const MortonNode& node, OverlapScratch& scratch) c
                     for (int z = 0; z < edge; ++z) row[z] = from ? from[z] : value;
             }
     }
-    return true;
+}
+
+void OverlappingCells::gather(const MortonNode& node, const VoxelValues& field,
+                              std::vector<float>& values) const {
+    const auto leaf_of = [&](std::size_t index) { return field.leaf[index].data(); };
+    const auto tile_of = [&](std::size_t index) { return field.tile[index]; };
+    if (edge_ == 1) return gather_around<1>(node, leaf_of, tile_of, values);
+    if (edge_ == 2) return gather_around<2>(node, leaf_of, tile_of, values);
+    if (edge_ == 4) return gather_around<4>(node, leaf_of, tile_of, values);
+    gather_around<8>(node, leaf_of, tile_of, values);
 }
 
 template <int edge>
@@ -284,8 +288,16 @@ void OverlappingCells::take_leaf(const MortonNode& node, OverlapScratch& scratch
     constexpr int across = kLeafEdge / edge, cells = Around<edge>::cells;
     scratch.side = edge;
     scratch.cells.assign(std::size_t{across} * across * across, {});
-    if (!gather<edge>(node, scratch)) return;
-    const bool shared = find_shares<edge>(scratch);
+    const auto leaf_of = [&](std::size_t index) { return volume_.leaves[index].value.data(); };
+    const auto tile_of = [&](std::size_t index) {
+        return std::max(0.0f, volume_.tiles[index].value);
+    };
+    const bool has_mass = node.tile ? tile_of(node.index) > 0
+                                    : std::ranges::any_of(volume_.leaves[node.index].value,
+                                                          [](float v) { return v > 0; });
+    if (!has_mass) return;
+    gather_around<edge>(node, leaf_of, tile_of, scratch.values);
+    const bool shared = scratch.shared = find_shares<edge>(scratch);
     if constexpr (edge <= 2)
         take_fine<edge>(scratch, shared, masses_only);
     else

@@ -11,6 +11,7 @@
 #include "convert/moments/cells/lattice_field.h"
 #include "convert/moments/cells/morton_nodes.h"
 #include "convert/moments/cells/packed_cells.h"
+#include "vog/voxel_field.h"
 
 namespace vog::moments {
 
@@ -27,6 +28,7 @@ struct OverlapScratch {
     std::vector<MomentSums> half_sums;
     std::vector<MomentSums> cells;  ///< the node's cells in Morton order, about their centres
     int side = 1;                   ///< edge of these cells, voxels
+    bool shared = false;            ///< window_sums are set: not all cells have a voxel above 0
 };
 
 /// Windows over the leaves and tiles of one volume. Occupied cells alone have windows: the share of
@@ -41,13 +43,19 @@ class OverlappingCells {
     /// Sets scratch.cells and scratch.side; empty cells have mass 0.
     /// masses_only  leaves the other moments unset, in a third of the time for fine cells
     void take(const MortonNode& node, OverlapScratch& scratch, bool masses_only = false) const;
+    /// Copies a field at the voxels of the node's cells and of one ring of cells around, as
+    /// scratch.values are laid out; 0 where the volume has no leaf or small tile.
+    /// node  of kLeafEdge voxels
+    void gather(const MortonNode& node, const VoxelValues& field, std::vector<float>& values) const;
 
   private:
     template <int edge>
     void take_leaf(const MortonNode& node, OverlapScratch& scratch, bool masses_only) const;
-    /// Copies voxels of the node and around into scratch.values; false if the node has no mass.
-    template <int edge>
-    bool gather(const MortonNode& node, OverlapScratch& scratch) const;
+    /// Copies one value a voxel of the node and around.
+    /// leaf_of, tile_of  called with an index: the 512 values of a leaf, the one of a tile
+    template <int edge, class LeafOf, class TileOf>
+    void gather_around(const MortonNode& node, const LeafOf& leaf_of, const TileOf& tile_of,
+                       std::vector<float>& values) const;
     /// Sets scratch.occupied, and scratch.window_sums, the sum of the windows of occupied cells at
     /// each half cell; false where all cells are occupied: sums of 1.
     template <int edge>
