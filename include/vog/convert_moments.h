@@ -85,7 +85,7 @@ void set_cut(MomentOptions& options, const CellChoice& cut);
 struct UniformCells {
     int block_voxels = 1;      ///< edge of a cell
     bool overlapping = false;  ///< else hard
-    double least_mass = 0;     ///< of the cells kept, density times voxels
+    double least_mass = 0;     ///< lightest kept, density times voxels
 };
 
 /// Results of a conversion by moments.
