@@ -72,8 +72,12 @@ bool is_right(const vog::FieldMaps& maps, const vog::FieldChoice& choice,
 
 void depth(benchmark::State& state, bool parallel, int size) {
     const vog::Camera view = camera(parallel);
-    for (auto _ : state)
-        benchmark::DoNotOptimize(vog::render_splat(model(), view, size, size).depth.data());
+    vog::SplatRenderer renderer(model());
+    vog::DepthImage image;
+    for (auto _ : state) {
+        renderer.render(view, size, size, image);
+        benchmark::DoNotOptimize(image.depth.data());
+    }
     state.counters["gaussians"] = static_cast<double>(model().size());
 }
 
@@ -83,9 +87,11 @@ void maps(benchmark::State& state, const vog::FieldChoice& choice, bool parallel
         state.SkipWithError("the maps are not the closed form");
         return;
     }
-    for (auto _ : state)
-        benchmark::DoNotOptimize(
-            vog::render_field_splat(model(), choice, view, size, size).mean.data());
+    vog::FieldMaps maps;
+    for (auto _ : state) {
+        vog::render_field_splat(model(), choice, view, size, size, {}, maps);
+        benchmark::DoNotOptimize(maps.mean.data());
+    }
 }
 
 const bool kRegistered = [] {

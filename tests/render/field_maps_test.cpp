@@ -499,6 +499,22 @@ TEST(field_maps, have_the_column_of_T) {
         ASSERT_NEAR(maps.column[n], depth.depth[n], 2e-6f * most);
 }
 
+TEST(field_maps, an_earlier_pictures_arrays_leave_no_trace) {
+    const Gaussians model = model_of(40, 0.01, 0.05, 72);
+    FieldMaps maps;
+    render_field_splat(model, kScalar, pinhole({0.5, 0.5, 1}, {0, 0, 0}, 60), 150, 90, {}, maps);
+    const Camera camera = pinhole({4, 3, 6}, {0, 0, 0}, 60);
+    render_field_splat(model, kScalar, camera, 200, 70, {}, maps);
+    const FieldMaps fresh = render_field_splat(model, kScalar, camera, 200, 70);
+    EXPECT_EQ(maps.width, 200);
+    EXPECT_EQ(maps.column, fresh.column);
+    for (std::size_t n = 0; n < fresh.mean.size(); ++n) {
+        ASSERT_EQ(std::isnan(maps.mean[n]), std::isnan(fresh.mean[n]));
+        ASSERT_TRUE(std::isnan(fresh.mean[n]) || maps.mean[n] == fresh.mean[n]);
+        ASSERT_EQ(fresh.column[n] > 0, !std::isnan(maps.deviation[n]));
+    }
+}
+
 TEST(field_maps, of_an_empty_model_show_nothing) {
     Gaussians model;
     add_fields(model, 1);

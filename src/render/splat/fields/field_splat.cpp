@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "render/pixel_limits.h"
@@ -50,6 +51,19 @@ void finish(const FieldKernels& loops, const ShownField& shown, const CameraFram
             row.reference_step = dot(shown.reference, frame.step_x);
         }
         loops.finish(row);
+    }
+}
+
+/// Pixels of a tile without any column.
+void clear(const CameraFrame& frame, int left, int top, FieldMaps& maps) {
+    const auto width = static_cast<std::size_t>(std::min(kTileWidth, frame.width - left));
+    const int bottom = std::min(top + kTileHeight, frame.height);
+    for (int y = top; y < bottom; ++y) {
+        const auto n = static_cast<std::size_t>(y) * static_cast<std::size_t>(maps.width) +
+                       static_cast<std::size_t>(left);
+        std::fill_n(&maps.column[n], width, 0.0f);
+        std::fill_n(&maps.mean[n], width, std::numeric_limits<float>::quiet_NaN());
+        std::fill_n(&maps.deviation[n], width, std::numeric_limits<float>::quiet_NaN());
     }
 }
 
@@ -110,6 +124,7 @@ void Picture::draw_tile(int t, bool first, bool last, FieldTile& tile) const {
     });
     for (const NearSplat& splat : splats.near)
         add_near_field(splat, shown, gaussians, frame, double{model.cutoff}, tile);
+    if (!touched && first && last) return clear(frame, splats.column_of(t), splats.row_of(t), maps);
     if (touched) {
         // Without the unit of T: the sums keep their digits where T itself is too small for a float.
         float* sums[3] = {maps.column.data(), maps.mean.data(), maps.deviation.data()};
@@ -120,8 +135,8 @@ void Picture::draw_tile(int t, bool first, bool last, FieldTile& tile) const {
 }
 
 /// Maps of a field of Gaussians, all of them.
-FieldMaps maps_of(const Gaussians& gaussians, const FieldChoice& choice, const CameraFrame& frame,
-                  const SplatOptions& options, float cutoff) {
+void draw_maps(const Gaussians& gaussians, const FieldChoice& choice, const CameraFrame& frame,
+               const SplatOptions& options, float cutoff, FieldMaps& maps) {
     const ShownField shown = shown_field(gaussians, choice, frame, double{cutoff});
     const FieldPolynomials polynomials{fit_kernel(double{cutoff}),
                                        fit_chord_variance(double{cutoff})};
@@ -131,10 +146,13 @@ FieldMaps maps_of(const Gaussians& gaussians, const FieldChoice& choice, const C
         options.simd_target.empty() ? best_splat_kernels() : splat_kernels(options.simd_target);
     const int width = frame.width, height = frame.height;
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-    FieldMaps maps{width, height, std::vector<float>(pixels), std::vector<float>(pixels),
-                   std::vector<float>(pixels)};
-    Picture picture{gaussians, shown, frame, model, polynomials, kernels, maps};
     const std::size_t size = gaussians.size(), batch = TileBins::most_splats(width, height);
+    maps.width = width, maps.height = height;
+    for (std::vector<float>* map : {&maps.column, &maps.mean, &maps.deviation}) {
+        map->resize(pixels);
+        if (size > batch) std::ranges::fill(*map, 0.0f);  // tiles of several batches are added up
+    }
+    Picture picture{gaussians, shown, frame, model, polynomials, kernels, maps};
     std::size_t first = 0;
     do {
         const std::size_t last = std::min(first + batch, size);
@@ -143,14 +161,13 @@ FieldMaps maps_of(const Gaussians& gaussians, const FieldChoice& choice, const C
             options.progress(size > 0 ? static_cast<double>(last) / static_cast<double>(size) : 1);
         first = last;
     } while (first < size);
-    return maps;
 }
 
 }  // namespace
 
-FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
-                             const Camera& camera, int width, int height,
-                             const SplatOptions& options, CutReport* report) {
+void render_field_splat(const Gaussians& gaussians, const FieldChoice& choice, const Camera& camera,
+                        int width, int height, const SplatOptions& options, FieldMaps& maps,
+                        CutReport* report) {
     const CameraFrame world_frame = frame_of(camera, width, height);
     check(options, width, height);
     validate(gaussians);
@@ -160,13 +177,25 @@ FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choi
     const Gaussians& drawn = cut ? cut->choose(world_frame, options.cut) : gaussians;
     if (report) *report = cut ? cut->report() : CutReport{0, 0, gaussians.size()};
     const CameraFrame frame = relative_to(world_frame, gaussians.origin);
-    const auto maps = [&](FieldPart part, const Progress& progress) {
+    const auto draw = [&](FieldPart part, const Progress& progress, FieldMaps& to) {
         SplatOptions own = options;
         own.progress = progress;
-        return maps_of(drawn, {choice.field, part}, frame, own, static_cast<float>(cutoff));
+        draw_maps(drawn, {choice.field, part}, frame, own, static_cast<float>(cutoff), to);
     };
-    return choice.part == FieldPart::magnitude ? magnitude_maps(options.progress, maps)
-                                               : maps(choice.part, options.progress);
+    if (choice.part != FieldPart::magnitude) return draw(choice.part, options.progress, maps);
+    maps = magnitude_maps(options.progress, [&](FieldPart part, const Progress& progress) {
+        FieldMaps of_part;
+        draw(part, progress, of_part);
+        return of_part;
+    });
+}
+
+FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
+                             const Camera& camera, int width, int height,
+                             const SplatOptions& options, CutReport* report) {
+    FieldMaps maps;
+    render_field_splat(gaussians, choice, camera, width, height, options, maps, report);
+    return maps;
 }
 
 }  // namespace vog
