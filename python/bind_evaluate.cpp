@@ -1,4 +1,5 @@
 // bind_evaluate.cpp: evaluate(): the paper's tables and plots.
+#include <map>
 #include <memory>
 #include <tuple>
 
@@ -19,14 +20,28 @@ std::vector<Conversion> conversions_of(const std::string& name) {
 
 py::object evaluate_data(const py::object& data, const std::filesystem::path& folder,
                          const py::object& size, int repeats, const py::object& extinction,
-                         const std::string& tf, const std::string& conversions, bool resume,
-                         const py::object& progress) {
+                         const py::object& tf, const std::string& conversions,
+                         const std::map<std::string, Gaussians>& models, const std::string& show,
+                         bool resume, const py::object& progress) {
     EvaluateOptions options;
     std::tie(options.width, options.height) = size_of(size);
     options.repeats = repeats;
     options.extinction = extinction_of(extinction).value_or(0);
-    options.tf = tf;
     options.conversions = conversions_of(conversions);
+    if (!models.empty()) options.conversions.clear();
+    for (const auto& [name, model] : models) options.conversions.push_back(model_row(name, model));
+    if (show != "T" && show != "volume")
+        throw Error("show: '" + show + "', expected 'T' or 'volume'");
+    options.by_value = show == "volume";
+    const auto texts = py::isinstance<py::str>(tf) ? std::vector{tf.cast<std::string>()}
+                       : tf.is_none()              ? std::vector<std::string>{}
+                                                   : tf.cast<std::vector<std::string>>();
+    if (options.by_value)
+        options.value_functions = texts;
+    else if (texts.size() > 1)
+        throw Error("tf: several are of show='volume'");
+    else if (!texts.empty())
+        options.tf = texts.front();
     options.resume = resume;
     options.progress = progress_of(progress);
     if (py::isinstance<Volume>(data)) {
@@ -49,8 +64,8 @@ void bind_evaluate(py::module_& m) {
     m.def(
         "evaluate", &evaluate_data, py::arg("data"), py::arg("folder"), py::kw_only(),
         py::arg("size") = 512, py::arg("repeats") = 5, py::arg("extinction") = "auto",
-        py::arg("tf") = "inferno", py::arg("conversions") = "all", py::arg("resume") = false,
-        py::arg("progress") = py::none(),
+        py::arg("tf") = py::none(), py::arg("conversions") = "all", py::arg("models") = py::dict(),
+        py::arg("show") = "T", py::arg("resume") = false, py::arg("progress") = py::none(),
         R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels.
 
 data         a Volume, Levels or a list of Volumes
@@ -58,8 +73,11 @@ folder       output folder, created if absent: results.json, results.md, index.h
 size         size of the pictures in pixels, 512 or (width, height)
 repeats      timed renders per view, after one warm-up
 extinction   factor on density, or 'auto': by the reference of each view
-tf           transfer function of the pictures and the RGB figures: a name or a JSON file
+tf           transfer function of the pictures and the RGB figures: a name or a JSON file, default 'inferno'; with
+             show='volume' those of values, one or a list, beside a ramp, three narrow bands and an opaque step
 conversions  'all', 'paper' or 'moments'
+models       {name: Gaussians}, evaluated in place of conversions
+show         'T', or 'volume': pictures by value are compared too, from seven views
 resume       True: continues an interrupted evaluation with its finished conversions
 progress     called with the finished fraction, [0, 1]
 

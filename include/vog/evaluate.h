@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -39,6 +40,8 @@ struct Conversion {
     std::string budget_series{}, budget_step{};
     /// Converts the levels of an adaptive mesh as one model. Empty: `convert` for each part.
     std::function<Gaussians(const Composite&, std::size_t budget)> convert_levels{};
+    /// Finished model of the data, in place of a conversion. Null: `convert`.
+    std::shared_ptr<const Gaussians> model{};
 };
 
 /// Conversions of the paper's tables, series "mean" (its amplitude, the mean density of a group)
@@ -50,6 +53,9 @@ std::vector<Conversion> paper_conversions();
 std::vector<Conversion> moment_conversions();
 /// paper_conversions, then moment_conversions.
 std::vector<Conversion> all_conversions();
+/// Row of a finished model: series "model".
+/// name  step of the row, part of names of pictures: "smoke.ply"
+Conversion model_row(const std::string& name, Gaussians model);
 
 /// Wall-clock times of repeated runs.
 struct Timing {
@@ -75,6 +81,14 @@ struct FieldResult {
     double mean_l2 = 0,    ///< relative L2 of the mean, weighted by the column
         deviation_l2 = 0,  ///< L2 of the deviation over the field's root mean square, likewise
         missing = 0;       ///< share of the weight where the row's picture has no column, [0, 1]
+};
+
+/// Views of pictures by value, three bounding radii from the centre.
+inline constexpr const char* kValueViews[] = {"paper", "+x", "-x", "+y", "-y", "+z", "-z"};
+/// Difference of a row's picture by value (docs/volume_rendering.md) from the voxels', over black, in one view.
+struct ValueResult {
+    double psnr_rgb_db = 0,  ///< PSNR of RGB over all pixels, dB; infinity: no 8-bit value differs
+        ssim = 0;            ///< structural similarity of the luma, [-1, 1]; NaN below 11 pixels
 };
 
 /// Difference of a row's picture from the reference in one view. Definitions: vog/compare.h.
@@ -105,6 +119,8 @@ struct EvaluationRow {
     double mass_ratio = 1;            ///< mass of the model / mass of the data
     Timing convert;                 ///< conversions: up to 3 runs, one if it takes a second or more
     std::vector<ViewResult> views;  ///< in the order of Evaluation::views
+    /// [Evaluation::functions][kValueViews] of pictures by value; empty: none, or a row with boxes.
+    std::vector<std::vector<ValueResult>> values{};
 };
 
 /// Mean and worst value of a figure over the views of a row, in the figure's unit.
@@ -119,6 +135,9 @@ Spread spread(const EvaluationRow& row, double ViewResult::*figure, bool more_is
 /// The same of a figure of field number `field`, the largest value being the worst.
 /// figure  member of FieldResult: &FieldResult::mean_l2
 Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*figure);
+/// The same of pictures by value under function number `function`, the least value being the worst.
+/// figure  member of ValueResult: &ValueResult::psnr_rgb_db
+Spread spread(const EvaluationRow& row, std::size_t function, double ValueResult::*figure);
 
 /// Results of an evaluation, the content of its reports. Counts are sums over all volumes.
 struct Evaluation {
@@ -136,8 +155,9 @@ struct Evaluation {
     std::string machine;                ///< name of the processor
     int threads = 1;                    ///< threads of conversions and renders
     std::vector<std::string> fields{};  ///< names of the fields whose maps are compared
-    std::vector<EvaluationView> views;  ///< views with their references
-    std::vector<EvaluationRow> rows;    ///< one for each conversion, in their order
+    std::vector<std::string> functions{};  ///< transfer functions of the pictures by value
+    std::vector<EvaluationView> views;     ///< views with their references
+    std::vector<EvaluationRow> rows;       ///< one for each conversion, in their order
 };
 
 /// Options of evaluate.
@@ -154,6 +174,11 @@ struct EvaluateOptions {
     /// and deviation are compared too, of vectors those of the component along the view. Empty: no fields.
     /// Not for several processes.
     std::function<std::vector<std::vector<VoxelField>>(std::vector<Volume>&)> read_fields{};
+    /// Compare pictures by the volumes' own values too, from kValueViews, under a ramp, three narrow bands and an
+    /// opaque step over values from 0 to their 99.9th percentile. Not for several processes.
+    bool by_value = false;
+    /// Further transfer functions of values for them: names or JSON files.
+    std::vector<std::string> value_functions{};
     bool resume = false;  ///< keep the rows of an earlier folder/results.json
     Progress progress{};  ///< called with the finished fraction; empty: not
 };

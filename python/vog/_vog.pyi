@@ -561,8 +561,10 @@ def evaluate(
     size: _Size = ...,
     repeats: int = ...,
     extinction: _Extinction = ...,
-    tf: str = ...,
+    tf: Union[str, Sequence[str], None] = ...,
     conversions: str = ...,
+    models: dict[str, Gaussians] = ...,
+    show: str = ...,
     resume: bool = ...,
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...

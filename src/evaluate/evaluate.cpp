@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <system_error>
 
 #include "data/field_arrays.h"
@@ -15,6 +16,7 @@
 #include "evaluate/evaluation_json.h"
 #include "evaluate/evaluation_report.h"
 #include "evaluate/fields/field_comparison.h"
+#include "evaluate/values/value_comparison.h"
 #include "shade/named_extinction.h"
 #include "vog/compare.h"
 #include "vog/distributed.h"
@@ -62,9 +64,11 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
     if (!options.resume || !fs::exists(file)) return {};
     Evaluation earlier = read_results(file);
     const auto settings = [](const Evaluation& e) {
-        return fmt::format("{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}{}{}",
+        return fmt::format("{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}{}{}{}{}",
                            e.title, e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction,
-                           e.fields.empty() ? "" : ", fields ", fmt::join(e.fields, ", "));
+                           e.fields.empty() ? "" : ", fields ", fmt::join(e.fields, ", "),
+                           e.functions.empty() ? "" : ", by value under ",
+                           fmt::join(e.functions, ", "));
     };
     if (settings(earlier) != settings(now))
         throw Error(fmt::format("{}: results of {}, expected {} (without resume they are replaced)",
@@ -115,6 +119,10 @@ class Run {
             fields_ = FieldComparison(volumes_, options);
             evaluation_.fields = fields_.names();
         }
+        if (options.by_value) {
+            by_value_.emplace(volumes_, box_, options);
+            evaluation_.functions = by_value_->names();
+        }
         steps_ = static_cast<double>(evaluation_.views.size() * (options.conversions.size() + 1));
     }
 
@@ -128,7 +136,8 @@ class Run {
                 return row.series == conversion.series && row.step == conversion.step;
             };
             const auto found = std::find_if(kept.begin(), kept.end(), same);
-            if (found == kept.end()) {
+            // A model of this name may be another one.
+            if (found == kept.end() || conversion.model) {
                 evaluation_.rows.push_back(make_row(conversion));
                 // Not after kept rows: the file has all of them, and would lose the others.
                 if (is_root()) write_results(folder_ / "results.json", evaluation_);
@@ -237,6 +246,7 @@ class Run {
 
     /// Converts all volumes to one model; several volumes share the budget by active voxels.
     Gaussians converted(const Conversion& conversion, std::size_t budget) const {
+        if (conversion.model) return *conversion.model;
         if (levels_ && conversion.convert_levels) return conversion.convert_levels(mesh_, budget);
         std::uint64_t all_voxels = 0;
         for (const Volume& volume : volumes_) all_voxels += active_voxels(volume);
@@ -262,8 +272,8 @@ class Run {
         Gaussians model;
         std::vector<double> ms;
         do ms.push_back(shared_ms([&] { model = converted(conversion, budget); }));
-        while (ms.size() < kRuns && ms.back() < kQuickMs);
-        timing = timing_of(std::move(ms));
+        while (!conversion.model && ms.size() < kRuns && ms.back() < kQuickMs);
+        timing = conversion.model ? Timing{} : timing_of(std::move(ms));
         model.box = box_;
         return model;
     }
@@ -312,6 +322,7 @@ class Run {
         }
         // Boxes are of T.
         if (conversion.aabb_sigma == 0) fields_.compare(model, evaluation_, references_.field, row);
+        if (conversion.aabb_sigma == 0 && by_value_) row.values = by_value_->compare(model);
         return row;
     }
 
@@ -352,6 +363,7 @@ class Run {
     Box box_;
     References references_;
     FieldComparison fields_;
+    std::optional<ValueComparison> by_value_;
     double done_ = 0, steps_ = 1;
 };
 
@@ -361,8 +373,9 @@ void check(const EvaluateOptions& options) {
     if (!(options.extinction >= 0))
         throw Error(fmt::format("evaluate: extinction {}, expected a number above 0, or 0: auto",
                                 options.extinction));
-    if (options.read_fields && collective_or_single(options.collective).shared())
-        throw Error("evaluate: fields by several processes, expected one");
+    if ((options.read_fields || options.by_value) &&
+        collective_or_single(options.collective).shared())
+        throw Error("evaluate: fields or pictures by value by several processes, expected one");
 }
 
 }  // namespace

@@ -190,7 +190,8 @@ std::string plots_html(const Evaluation& evaluation) {
         "plots over levels of detail and box extents; the others show quality over the size of the "
         "model. PSNR is of V = 1 - exp(-T) as a grey picture.</p>\n<div "
         "class=\"plots\">\n";
-    for (const Plot& plot : plots) out += svg(plot);
+    for (const Plot& plot : plots)
+        if (!plot.series.empty()) out += svg(plot);
     return out + "</div>\n";
 }
 

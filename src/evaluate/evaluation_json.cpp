@@ -106,7 +106,8 @@ ViewResult result_from(const Json& json) {
     return result;
 }
 
-Json to_json(const EvaluationRow& row, const std::vector<std::string>& fields) {
+Json to_json(const EvaluationRow& row, const std::vector<std::string>& fields,
+             const std::vector<std::string>& functions) {
     Json json = {{"series", row.series},
                  {"step", row.step},
                  {"label", row.label},
@@ -129,10 +130,20 @@ Json to_json(const EvaluationRow& row, const std::vector<std::string>& fields) {
             json["fields"][fields[n]] = {
                 {"mean_l2", both(spread(row, n, &FieldResult::mean_l2))},
                 {"deviation_l2", both(spread(row, n, &FieldResult::deviation_l2))}};
+    for (std::size_t n = 0; n < row.values.size(); ++n) {
+        Json& of_function = json["volume"][functions[n]];
+        of_function = {{"psnr_rgb_db", both(spread(row, n, &ValueResult::psnr_rgb_db))},
+                       {"ssim", both(spread(row, n, &ValueResult::ssim))}};
+        for (std::size_t view = 0; view < row.values[n].size(); ++view)
+            of_function["views"].push_back(
+                {{"view", kValueViews[view]},
+                 {"psnr_rgb_db", number(row.values[n][view].psnr_rgb_db)},
+                 {"ssim", number(row.values[n][view].ssim)}});
+    }
     for (const ViewResult& result : row.views) json["views"].push_back(to_json(result));
     return json;
 }
-EvaluationRow row_from(const Json& json) {
+EvaluationRow row_from(const Json& json, const std::vector<std::string>& functions) {
     EvaluationRow row;
     row.series = json.at("series").get<std::string>();
     row.step = json.at("step").get<std::string>();
@@ -144,6 +155,15 @@ EvaluationRow row_from(const Json& json) {
     row.mass_ratio = json.at("mass_ratio").get<double>();
     row.convert = timing_from(json.at("convert_ms"));
     for (const Json& view : json.at("views")) row.views.push_back(result_from(view));
+    if (!json.contains("volume")) return row;
+    constexpr double kNoSsim = std::numeric_limits<double>::quiet_NaN();
+    for (const std::string& function : functions) {
+        std::vector<ValueResult>& results = row.values.emplace_back();
+        const Json& views = json.at("volume").at(function).at("views");
+        for (std::size_t n = 0; n < std::size(kValueViews); ++n)
+            results.push_back({number(views.at(n).at("psnr_rgb_db"), kInfinity),
+                               number(views.at(n).at("ssim"), kNoSsim)});
+    }
     return row;
 }
 
@@ -165,11 +185,13 @@ Evaluation evaluation_from(const std::filesystem::path& file, const Json& json) 
     evaluation.extinction = settings.at("extinction").get<std::string>();
     if (settings.contains("fields"))
         evaluation.fields = settings.at("fields").get<std::vector<std::string>>();
+    if (settings.contains("functions"))
+        evaluation.functions = settings.at("functions").get<std::vector<std::string>>();
     evaluation.machine = json.at("machine").at("processor").get<std::string>();
     evaluation.threads = json.at("machine").at("threads").get<int>();
     for (const Json& view : json.at("views")) evaluation.views.push_back(view_from(view));
     for (const Json& row : json.at("rows")) {
-        evaluation.rows.push_back(row_from(row));
+        evaluation.rows.push_back(row_from(row, evaluation.functions));
         for (const ViewResult& view : evaluation.rows.back().views)
             if (!view.fields.empty() && view.fields.size() != evaluation.fields.size())
                 throw Error(fmt::format("{}: {} fields in view {} of '{}', expected {}",
@@ -206,9 +228,10 @@ void write_results(const std::filesystem::path& file, const Evaluation& evaluati
                  {"rows", Json::array()}};
     for (const EvaluationView& view : evaluation.views) json["views"].push_back(to_json(view));
     for (const EvaluationRow& row : evaluation.rows)
-        json["rows"].push_back(to_json(row, evaluation.fields));
-    // Without fields the file is as before.
+        json["rows"].push_back(to_json(row, evaluation.fields, evaluation.functions));
+    // Without fields and pictures by value the file is as before.
     if (!evaluation.fields.empty()) json["settings"]["fields"] = evaluation.fields;
+    if (!evaluation.functions.empty()) json["settings"]["functions"] = evaluation.functions;
     const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);
     write_file(file, [&](std::ofstream& out) { out << text << "\n"; });
 }

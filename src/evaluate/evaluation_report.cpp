@@ -45,10 +45,12 @@ std::string series_title(const std::string& series) {
     if (series == "mass") return "mass conserved";
     if (series == "uniform") return "moments, uniform cells";
     if (series == "adaptive") return "moments, adaptive cut";
+    if (series == "model") return "models";
     return series;
 }
 
 std::string step_title(const std::string& step) {
+    if (step.find('.') != std::string::npos) return step;  // file of a model
     if (step.starts_with("lod")) return "LOD " + step.substr(3);
     if (step.starts_with("sigma")) return "σ = " + step.substr(5);
     if (step.starts_with("block")) return step.substr(5) + "³";

@@ -100,6 +100,12 @@ std::vector<Conversion> all_conversions() {
     return all;
 }
 
+Conversion model_row(const std::string& name, Gaussians model) {
+    Conversion row{"model", name, model.method, 0, {}};
+    row.model = std::make_shared<const Gaussians>(std::move(model));
+    return row;
+}
+
 std::vector<EvaluationView> evaluation_views(const Box& box) {
     std::vector<EvaluationView> views;
     views.push_back({"paper", paper_view(box), 1, 0, {}});
@@ -140,6 +146,16 @@ Spread spread(const EvaluationRow& row, std::size_t field, double FieldResult::*
         const double value = view.fields.at(field).*figure;
         result.mean += value / static_cast<double>(row.views.size());
         result.worst = std::max(result.worst, value);
+    }
+    return result;
+}
+
+Spread spread(const EvaluationRow& row, std::size_t function, double ValueResult::*figure) {
+    const std::vector<ValueResult>& views = row.values.at(function);
+    Spread result{0, views.front().*figure};
+    for (const ValueResult& view : views) {
+        result.mean += view.*figure / static_cast<double>(views.size());
+        result.worst = std::min(result.worst, view.*figure);
     }
     return result;
 }

@@ -230,6 +230,43 @@ ReportTable field_table(const Evaluation& evaluation) {
     return table;
 }
 
+/// PSNR and SSIM of the pictures by value, of all rows that have them.
+ReportTable value_table(const Evaluation& evaluation) {
+    ReportTable table{"Volume rendering by value",
+                      "Pictures by value against those of the voxels, over black, under each "
+                      "transfer function, from "
+                      "the view `paper` and both directions of the three axes: PSNR of RGB, and "
+                      "SSIM of the luma. "
+                      "Mean and worst over these views.",
+                      {"", "Gaussians"},
+                      {},
+                      0};
+    for (const std::string& function : evaluation.functions)
+        for (const char* figure :
+             {"RGB, dB (mean)", "RGB, dB (worst)", "SSIM (mean)", "SSIM (worst)"})
+            table.columns.push_back(fmt::format("{}: {}", function, figure));
+    for (const std::string& series : series_of(evaluation)) {
+        std::vector<std::vector<std::string>> rows;
+        for (const EvaluationRow& row : evaluation.rows) {
+            if (row.series != series || row.values.empty()) continue;
+            std::vector<std::string>& cells = rows.emplace_back();
+            cells = {fmt::format("{}: {}", step_title(row.step), row.label),
+                     count_text(row.gaussians)};
+            for (std::size_t n = 0; n < row.values.size(); ++n) {
+                const Spread psnr = spread(row, n, &ValueResult::psnr_rgb_db);
+                const Spread ssim = spread(row, n, &ValueResult::ssim);
+                cells.insert(cells.end(),
+                             {decibel_text(psnr.mean), decibel_text(psnr.worst),
+                              fmt::format("{:.4f}", ssim.mean), fmt::format("{:.4f}", ssim.worst)});
+            }
+        }
+        if (rows.empty()) continue;
+        table.rows.push_back({series_title(series)});
+        table.rows.insert(table.rows.end(), rows.begin(), rows.end());
+    }
+    return table;
+}
+
 }  // namespace
 
 std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
@@ -241,6 +278,7 @@ std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
         if (!is_paper_series(series) && !is_moment_series(series))
             tables.push_back(series_table(evaluation, series));
     if (!evaluation.fields.empty()) tables.push_back(field_table(evaluation));
+    if (!evaluation.functions.empty()) tables.push_back(value_table(evaluation));
     tables.push_back(view_table(evaluation));
     std::erase_if(tables, [](const ReportTable& table) { return table.rows.empty(); });
     return tables;

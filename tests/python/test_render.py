@@ -286,6 +286,16 @@ def test_evaluate_returns_what_it_writes(tmp_path, cloud):
         vog.evaluate(cloud, tmp_path, conversions="some")
     with pytest.raises(TypeError):
         vog.evaluate(vog.sample_particles(8), tmp_path)
+    result = vog.evaluate(
+        cloud, tmp_path / "by_value", size=16, repeats=1, models={"mine": vog.convert(cloud, block=8)}, show="volume", tf=["hot"]
+    )
+    assert [row["step"] for row in result["rows"]] == ["mine"]
+    assert list(result["rows"][0]["volume"]) == ["ramp", "bands", "step", "hot"]
+    assert len(result["rows"][0]["volume"]["ramp"]["views"]) == 7
+    with pytest.raises(vog.Error, match="expected 'T' or 'volume'"):
+        vog.evaluate(cloud, tmp_path, show="mean")
+    with pytest.raises(vog.Error, match="several are of show='volume'"):
+        vog.evaluate(cloud, tmp_path, tf=["hot", "jet"])
 
 
 def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):

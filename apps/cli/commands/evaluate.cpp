@@ -2,6 +2,8 @@
 // pictures.
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -41,6 +43,62 @@ void print(const Evaluation& evaluation) {
                                    deviation.mean, deviation.worst));
         }
     }
+    for (std::size_t n = 0; n < evaluation.functions.size(); ++n) {
+        print_line("");
+        print_line(fmt::format("{:<20} {:>12} {:>9} {:>12} {:>9}", evaluation.functions[n],
+                               "RGB, dB", "worst", "SSIM", "worst"));
+        for (const EvaluationRow& row : evaluation.rows) {
+            if (row.values.empty()) continue;
+            const Spread psnr = spread(row, n, &ValueResult::psnr_rgb_db);
+            const Spread ssim = spread(row, n, &ValueResult::ssim);
+            print_line(fmt::format("{:<20} {:>12.2f} {:>9.2f} {:>12.4f} {:>9.4f}",
+                                   row.series + " " + row.step, psnr.mean, psnr.worst, ssim.mean,
+                                   ssim.worst));
+        }
+    }
+}
+
+/// Takes the models out of the inputs.
+/// throws  CLI::ValidationError, vog::Error for models without volumes
+void take_models(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
+    std::vector<std::string> volumes;
+    for (const std::string& input : arguments.inputs)
+        (kind_of(input, arguments.volume.grid) == FileKind::model ? arguments.models : volumes)
+            .push_back(input);
+    if (volumes.empty())
+        throw Error(
+            fmt::format("{}: holds a model, expected a volume: its voxels are the reference",
+                        arguments.inputs.front()));
+    if (ranks.load && !arguments.models.empty())
+        throw CLI::ValidationError(arguments.models.front() +
+                                   ": models are evaluated by one process, expected vog evaluate");
+    arguments.inputs = std::move(volumes);
+}
+
+/// Rows of the models, named after their files; of two files of one name the second has a number.
+std::vector<Conversion> model_rows(const std::vector<std::string>& models) {
+    std::vector<Conversion> rows;
+    for (const std::string& file : models) {
+        const std::string name = std::filesystem::path(file).filename().string();
+        std::string step = name;
+        for (int n = 2; std::ranges::find(rows, step, &Conversion::step) != rows.end(); ++n)
+            step = fmt::format("{}-{}", name, n);
+        rows.push_back(model_row(step, load_models({file})));
+    }
+    return rows;
+}
+
+/// --show and --tf, which is of values under --show volume.
+void set_transfer_functions(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
+    arguments.options.by_value = arguments.show == "volume";
+    if (arguments.options.by_value) {
+        if (ranks.load)
+            throw CLI::ValidationError("--show volume: is of one process, expected vog evaluate");
+        arguments.options.value_functions = arguments.tfs;
+        return;
+    }
+    if (arguments.tfs.size() > 1) throw CLI::ValidationError("--tf: several are of --show volume");
+    if (!arguments.tfs.empty()) arguments.options.tf = arguments.tfs.front();
 }
 
 /// Fields of --field with values at every voxel, for EvaluateOptions::read_fields.
@@ -74,11 +132,12 @@ Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ra
 }
 
 void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
-    if (const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
-        kind != FileKind::volume)
-        throw Error(fmt::format("{}: holds {}, expected a volume: its voxels are the reference",
-                                arguments.inputs.front(),
-                                kind == FileKind::model ? "a model" : "particles"));
+    take_models(arguments, ranks);
+    set_transfer_functions(arguments, ranks);
+    if (common_kind(arguments.inputs, arguments.volume.grid) != FileKind::volume)
+        throw Error(
+            fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
+                        arguments.inputs.front()));
     if (std::filesystem::exists(arguments.folder) &&
         !std::filesystem::is_directory(arguments.folder))
         throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
@@ -88,6 +147,7 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     if (arguments.extinction != "auto")
         arguments.options.extinction = parse_extinction(arguments.extinction);
     const ThreadLimit limit(arguments.threads);
+    if (!arguments.models.empty()) arguments.options.conversions = model_rows(arguments.models);
     const bool is_root = collective_or_single(ranks.collective).is_root();
     Stages stages(arguments.verbose && is_root);
     arguments.options.progress = stages.progress();
@@ -123,8 +183,10 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
         "evaluate",
         "Measure all conversions of a volume against its voxels: the paper's tables and plots");
     command
-        ->add_option("inputs", arguments->inputs,
-                     "Volumes (.vdb, .nvdb); several: levels or parts of one mesh")
+        ->add_option(
+            "inputs", arguments->inputs,
+            "Volumes (.vdb, .nvdb); several: levels or parts of one mesh. Models of them (.ply, "
+            ".json) are evaluated in place of conversions")
         ->required();
     command
         ->add_option("-o,--output", arguments->folder,
@@ -145,9 +207,16 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
                      "the 99th percentile of the reference's non-zero optical depth T is 4")
         ->capture_default_str();
     command
-        ->add_option("--tf", arguments->options.tf,
+        ->add_option("--tf", arguments->tfs,
                      "Transfer function of the pictures and of the RGB figures: a name or a JSON "
-                     "file")
+                     "file; default inferno. With --show volume one of values, beside a ramp, "
+                     "three narrow bands and an opaque step; repeatable")
+        ->allow_extra_args(false);
+    command
+        ->add_option("--show", arguments->show,
+                     "T, or volume: pictures by value are compared too, emission and absorption "
+                     "under several transfer functions from seven views")
+        ->check(CLI::IsMember({"T", "volume"}))
         ->capture_default_str();
     command
         ->add_option("--repeat", arguments->options.repeats,

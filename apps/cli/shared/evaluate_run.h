@@ -14,7 +14,10 @@ namespace vog::cli {
 
 struct EvaluateArguments {
     std::vector<std::string> inputs;
+    std::vector<std::string> models;  ///< taken out of the inputs
     std::vector<std::string> fields;  ///< texts of --field
+    std::vector<std::string> tfs;     ///< texts of --tf
+    std::string show = "T";
     std::string folder, size = "512x512", extinction = "auto";
     VolumeInputOptions volume;
     EvaluateOptions options;

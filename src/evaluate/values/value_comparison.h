@@ -1,0 +1,38 @@
+// value_comparison.h: pictures by value of an evaluation: the voxels' own, and those of each row's model.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "vog/evaluate.h"
+#include "vog/image.h"
+#include "vog/value_transfer.h"
+
+namespace vog::evaluation {
+
+/// Pictures of the voxels by value, under several transfer functions from the views of kValueViews.
+class ValueComparison {
+  public:
+    /// box     of the data
+    /// throws  vog::Error for data without values above 0, and as read_value_transfer does
+    ValueComparison(std::span<const Volume> volumes, const Box& box,
+                    const EvaluateOptions& options);
+
+    /// Names of the transfer functions.
+    std::vector<std::string> names() const;
+    /// Differences of a model's pictures from the voxels'. A model without the volumes' own values gets them, as
+    /// `vog convert` adds them.
+    /// returns  [functions][views]
+    std::vector<std::vector<ValueResult>> compare(const Gaussians& model) const;
+
+  private:
+    std::span<const Volume> volumes_;
+    std::vector<VoxelField> values_;  ///< [volumes] their own
+    std::vector<ValueTransfer> functions_;
+    std::vector<Camera> views_;
+    std::vector<std::vector<Image>> reference_;  ///< [functions][views]
+    int width_, height_;
+};
+
+}  // namespace vog::evaluation
