@@ -5,6 +5,7 @@
 #include "data.h"
 #include "vog/error.h"
 #include "vog/levels.h"
+#include "vog/maximum_picture.h"
 #include "vog/renderer.h"
 #include "vog/volume_picture.h"
 #include "voxel_fields.h"
@@ -101,25 +102,35 @@ Camera camera_for(const PictureArguments& picture, const Box& box) {
     return picture.camera ? *picture.camera : orbit_view(box, {}, aspect);
 }
 
-VolumeImage of_model(const Gaussians& model, std::string field, const ValueArguments& values,
-                     const PictureArguments& picture, const Progress& progress) {
+/// The field of this name, else the model's own values, else its only field.
+const ScalarField& field_of(const Gaussians& model, std::string name, const std::string& call) {
     const auto& fields = model.fields.scalar;
     const auto measure = std::ranges::find(fields, true, &ScalarField::is_measure);
-    if (field.empty() && measure != fields.end()) field = measure->name;
-    if (field.empty() && fields.size() == 1) field = fields.front().name;
-    const ScalarField* found = model.fields.find_scalar(field);
-    if (!found)
-        throw Error(
-            "render_volume: " +
-            (field.empty() ? std::string("no field named") : "no scalar field '" + field + "'") +
-            ", the model has " + std::to_string(fields.size()) +
-            " scalar fields (convert(volume, fields=...) makes them)");
-    const Box box = view_box(model);
-    const ValueTransfer transfer = transfer_of(values, found->lower, found->upper, box);
-    const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
+    if (name.empty() && measure != fields.end()) name = measure->name;
+    if (name.empty() && fields.size() == 1) name = fields.front().name;
+    if (const ScalarField* found = model.fields.find_scalar(name)) return *found;
+    throw Error(call + ": " +
+                (name.empty() ? std::string("no field named") : "no scalar field '" + name + "'") +
+                ", the model has " + std::to_string(fields.size()) +
+                " scalar fields (convert(volume, fields=...) makes them)");
+}
+
+/// The renderer of models of this name.
+Renderer model_renderer(const std::string& name, const std::string& call) {
+    const Renderer renderer = renderer_for(name, RenderInput::gaussians);
     if (renderer != Renderer::splat && renderer != Renderer::trace)
-        throw Error(std::string("render_volume: ") + info_of(renderer).name +
+        throw Error(call + ": " + info_of(renderer).name +
                     " draws no models by value, expected splat or trace");
+    return renderer;
+}
+
+VolumeImage of_model(const Gaussians& model, const std::string& name, const ValueArguments& values,
+                     const PictureArguments& picture, const Progress& progress) {
+    const ScalarField& found = field_of(model, name, "render_volume");
+    const std::string& field = found.name;
+    const Box box = view_box(model);
+    const ValueTransfer transfer = transfer_of(values, found.lower, found.upper, box);
+    const Renderer renderer = model_renderer(picture.renderer, "render_volume");
     return unlocked([&] {
         const Camera camera = camera_for(picture, box);
         if (renderer == Renderer::trace) {
@@ -136,23 +147,32 @@ VolumeImage of_model(const Gaussians& model, std::string field, const ValueArgum
     });
 }
 
+/// A scalar field at the voxels of a volume, whose tiles it may divide; '': its own values.
+std::vector<VoxelField> voxels_of(std::vector<Volume>& volumes, const std::string& field,
+                                  const py::object& fields, const std::string& renderer,
+                                  const char* call) {
+    std::vector<VoxelField> shown;
+    if (field.empty()) {
+        if (!fields.is_none())
+            throw Error(std::string(call) + ": fields: expected field, the shown one");
+        shown.push_back(measure_field(volumes.front(), volumes.front().name));
+    } else {
+        for (auto& sampled : voxel_fields_of(fields, volumes, lattices_of(volumes), 1, call))
+            if (sampled.front().name == field) shown.push_back(std::move(sampled.front()));
+        if (shown.empty() || shown.front().is_vector())
+            throw Error(std::string(call) + ": no scalar field '" + field + "' in fields");
+    }
+    if (renderer_for(renderer, RenderInput::volumes) != Renderer::reference)
+        throw Error(std::string(call) + ": expected renderer 'reference' for voxels");
+    return shown;
+}
+
 VolumeImage of_volume(const Volume& given, const std::string& field, const py::object& fields,
                       const ValueArguments& values, const PictureArguments& picture,
                       const Progress& progress) {
     std::vector<Volume> volumes{given};
-    std::vector<VoxelField> shown;
-    if (field.empty()) {
-        if (!fields.is_none()) throw Error("render_volume: fields: expected field, the shown one");
-        shown.push_back(measure_field(given, given.name));
-    } else {
-        for (auto& sampled :
-             voxel_fields_of(fields, volumes, lattices_of(volumes), 1, "render_volume"))
-            if (sampled.front().name == field) shown.push_back(std::move(sampled.front()));
-        if (shown.empty() || shown.front().is_vector())
-            throw Error("render_volume: no scalar field '" + field + "' in fields");
-    }
-    if (renderer_for(picture.renderer, RenderInput::volumes) != Renderer::reference)
-        throw Error("render_volume: expected renderer 'reference' for voxels");
+    const std::vector<VoxelField> shown =
+        voxels_of(volumes, field, fields, picture.renderer, "render_volume");
     const Box box = world_box(given);
     const ValueTransfer transfer =
         transfer_of(values, shown.front().lower, shown.front().upper, box);
@@ -163,9 +183,76 @@ VolumeImage of_volume(const Volume& given, const std::string& field, const py::o
     });
 }
 
+ValueMap maximum_of_model(const Gaussians& model, const std::string& name,
+                          const PictureArguments& picture, const Progress& progress) {
+    const std::string& field = field_of(model, name, "render_maximum").name;
+    const Renderer renderer = model_renderer(picture.renderer, "render_maximum");
+    return unlocked([&] {
+        const Camera camera = camera_for(picture, view_box(model));
+        if (renderer == Renderer::trace) {
+            TraceOptions options;
+            options.progress = progress;
+            return render_maximum_trace(model, field, camera, picture.width, picture.height,
+                                        options, {}, picture.look.clip);
+        }
+        SlabOptions options;
+        options.slabs = picture.slabs;
+        options.look = picture.look;
+        return render_maximum_splat(model, field, camera, picture.width, picture.height, options);
+    });
+}
+
+ValueMap maximum_of_volume(const Volume& given, const std::string& field, const py::object& fields,
+                           const PictureArguments& picture, const Progress& progress) {
+    std::vector<Volume> volumes{given};
+    const std::vector<VoxelField> shown =
+        voxels_of(volumes, field, fields, picture.renderer, "render_maximum");
+    return unlocked([&] {
+        return render_maximum_reference(volumes, shown, camera_for(picture, world_box(given)),
+                                        picture.width, picture.height,
+                                        {progress, 1, picture.look.clip});
+    });
+}
+
+void bind_maximum_picture(py::module_& m) {
+    m.def(
+        "render_maximum",
+        [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,
+           const std::string& field, const py::object& clip, const py::object& clip_planes,
+           const std::string& renderer, int slabs, const py::object& fields,
+           const py::object& progress) {
+            const auto [width, height] = size_of(size);
+            const VolumeLook look = look_of(py::none(), clip, clip_planes);
+            const PictureArguments picture{camera, width, height, slabs, renderer, look};
+            const Progress report = progress_of(progress);
+            ValueMap map;
+            if (py::isinstance<Gaussians>(data)) {
+                if (!fields.is_none())
+                    throw Error("render_maximum: fields: of voxels, a model has its own");
+                map = maximum_of_model(data.cast<const Gaussians&>(), field, picture, report);
+            } else if (py::isinstance<Volume>(data)) {
+                map = maximum_of_volume(data.cast<const Volume&>(), field, fields, picture, report);
+            } else {
+                refuse_data(data, "render_maximum", "Gaussians or a Volume");
+            }
+            return py::array_t<float>({map.height, map.width}, map.value.data());
+        },
+        py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
+        py::arg("field") = "", py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(),
+        py::arg("renderer") = "", py::arg("slabs") = kMaximumSlabs, py::arg("fields") = py::none(),
+        py::arg("progress") = py::none(),
+        R"(Maximum intensity projection, float32 [height, width]: the largest value of a field along each ray, NaN where
+there is none. Of voxels the largest value, of models the largest mean of the field.
+
+data, camera, size, field, clip, clip_planes, fields, progress   as of render_volume
+renderer  of models 'splat' (depth slabs) or 'trace' (exact order), of voxels 'reference'; '': the first of them
+slabs     splat: depth slabs a tile, 1 to 1024)");
+}
+
 }  // namespace
 
 void bind_volume_picture(py::module_& m) {
+    bind_maximum_picture(m);
     m.def(
         "render_volume",
         [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,

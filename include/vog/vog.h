@@ -24,6 +24,7 @@
 //            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
+//            maximum_picture.h  maximum intensity projections
 //            volume_picture.h   emission and absorption by value
 //            clip.h             boxes and planes that cut pictures
 //   shade    shade.h            T to colours by a transfer function
@@ -60,6 +61,7 @@
 #include "vog/levels.h"
 #include "vog/linear.h"
 #include "vog/lod.h"
+#include "vog/maximum_picture.h"
 #include "vog/memory.h"
 #include "vog/ply.h"
 #include "vog/points.h"

@@ -32,6 +32,7 @@ __all__ = [
     "render",
     "splat_targets",
     "render_volume",
+    "render_maximum",
     "PictureDifference",
     "DepthDifference",
     "compare",
@@ -513,6 +514,19 @@ def render_volume(
     fields: Union[dict[str, Any], None] = ...,
     progress: Union[_Progress, None] = ...,
 ) -> Image: ...
+def render_maximum(
+    data: Union[Gaussians, Volume],
+    camera: Union[Camera, None] = ...,
+    size: _Size = ...,
+    *,
+    field: str = ...,
+    clip: Union[ArrayLike, None] = ...,
+    clip_planes: Union[ArrayLike, None] = ...,
+    renderer: str = ...,
+    slabs: int = ...,
+    fields: Union[dict[str, Any], None] = ...,
+    progress: Union[_Progress, None] = ...,
+) -> NDArray[np.float32]: ...
 
 class PictureDifference:
     @property

@@ -39,7 +39,7 @@ std::string line_refused(const std::string& line, bool volume = true) {
     app.add_option("--range", range);
     add_value_options(app, given);
     app.parse(line);
-    return refusal([&] { check_value_options(given, app, volume); });
+    return refusal([&] { check_value_options(given, app, volume ? "volume" : "T"); });
 }
 
 TEST(value_options, bands_and_surfaces_are_sorted) {

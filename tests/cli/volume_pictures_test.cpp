@@ -145,8 +145,40 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
     refused(2, "--interpolation linear", "--interpolation linear does not go with --show volume");
     refused(2, "--log", "--log: does not go with --show volume");
     must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window: is of --show volume");
+    must_fail(2, "render ramp.vdb -o p.png --show maximum --light head",
+              "--light: is of --show volume");
+    must_fail(2, "render ramp.vdb -o p.png --show maximum --interpolation linear",
+              "does not go with");
+    must_fail(1, "render model.ply -o p.png --show maximum",
+              "model.ply: --show maximum needs a scalar field");
     must_fail(2, "render model.ply -o p.png --clip 0,0,0,1,1,1",
               "--clip is not for --renderer splat");
+}
+
+TEST_F(volume_pictures_command, show_the_largest_value) {
+    write_ramp("ramp.vdb");
+    must("convert ramp.vdb -o ramp.ply --block 2");
+    const std::string side = " --show maximum --size 16 --view +z --orthographic --width 8 ";
+    for (const char* input : {"ramp.vdb", "ramp.ply"}) {
+        const nlohmann::json shown = report(std::string("render ") + input +
+                                            " -o m.png --values-out m.npy --color-bar" + side);
+        EXPECT_EQ(shown["quantity"], "maximum of density");
+        EXPECT_FALSE(shown.contains("extinction"));
+        EXPECT_NEAR(shown["max_t"].get<double>(), 8, 0.2) << input;
+        must(std::string("render ") + input + " --values-out m.exr" + side +
+             "--clip -1,-1,-1,3.5,9,9");
+        EXPECT_NEAR(report(std::string("render ") + input + " -o m.png" + side +
+                           "--clip-plane -1,0,0,-3.5")["max_t"]
+                        .get<double>(),
+                    4, 0.4)
+            << input;
+    }
+    // A line of text without an extinction, which these have not.
+    EXPECT_EQ(must("render ramp.vdb -o v.png --show volume --size 8").out.find("extinction"),
+              std::string::npos);
+    EXPECT_NE(must("render ramp.vdb -o t.png --size 8").out.find("extinction"), std::string::npos);
+    std::filesystem::copy(dir_ / "ramp.vdb", dir_ / "second.vdb");
+    must("render ramp.vdb second.vdb -o all/ --show maximum --size 8");
 }
 
 }  // namespace vog::test

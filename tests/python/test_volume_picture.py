@@ -76,3 +76,19 @@ def test_errors_are_one_line(volume, model):
         with pytest.raises(vog.Error) as error:
             call()
         assert message in str(error.value) and "\n" not in str(error.value)
+
+
+def test_maximum_of_models_is_near_that_of_voxels(volume, model):
+    camera = vog.Camera.orbit(volume, 30, 20)
+    truth = vog.render_maximum(volume, camera, 64)
+    assert truth.dtype == np.float32 and truth.shape == (64, 64) and np.nanmax(truth) == BALL.max()
+    for options in ({}, {"renderer": "trace"}, {"slabs": 64}):
+        image = vog.render_maximum(model, camera, (64, 64), **options)
+        both = ~np.isnan(truth) & ~np.isnan(image)
+        assert both.mean() > 0.2 and np.sqrt(np.mean((truth - image)[both] ** 2)) < 0.05
+    half = vog.render_maximum(volume, camera, 64, clip_planes=[(0, -1, 0, -5)])
+    assert np.nanmax(half) < 0.6
+    with pytest.raises(vog.Error, match="render_maximum: no scalar field 'none'"):
+        vog.render_maximum(model, camera, 16, field="none")
+    with pytest.raises(TypeError, match="render_maximum"):
+        vog.render_maximum(3)

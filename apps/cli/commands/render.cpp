@@ -66,7 +66,7 @@ Box box_of_all(const RenderArguments& arguments, const std::vector<bool>& assign
 Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
                      const RenderRanks& ranks) {
     const QuantityArguments& quantity = arguments.quantity;
-    if ((quantity.of_field() || quantity.volume()) && ranks.allreduce_max)
+    if ((quantity.of_field() || quantity.volume() || quantity.maximum()) && ranks.allreduce_max)
         throw CLI::ValidationError("--show " + quantity.show +
                                    ": is of one process, expected vog render");
     if (!arguments.depth_output.empty() && !is_sequence(arguments.depth_output))

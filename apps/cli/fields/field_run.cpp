@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "fields/value_maps.h"
 #include "fields/volume_fields.h"
 #include "shared/render_run.h"
 #include "vog/error.h"
@@ -173,34 +173,6 @@ void write_numbers(const std::string& file, const FieldMaps& maps,
     }
 }
 
-/// The picture with --color-bar and --title.
-Image pictured(const RenderArguments& arguments, const ValueMap& map, const TransferFunction& tf,
-               const ColorScale& scale, const std::string& label) {
-    const ShadeOptions shading = shading_of(arguments.color);
-    const Image image = shade_map(map, tf, scale, shading);
-    const QuantityArguments& given = arguments.quantity;
-    if (!given.color_bar && given.title.empty()) return image;
-    return annotated(image, tf, scale, {given.title, label, given.color_bar}, shading.background);
-}
-
-/// Figures of the shown values in place of T's.
-void set_figures(const RenderArguments& arguments, const std::vector<float>& shown,
-                 const ColorScale& scale, RenderedPicture& picture) {
-    picture.scale = scale;
-    picture.above_range = share_above(shown, scale.high);
-    picture.values_output = arguments.quantity.values_output;
-    double sum = 0, most = -HUGE_VAL;
-    std::size_t count = 0;
-    for (const float value : shown) {
-        if (std::isnan(value)) continue;
-        ++count;
-        sum += double{value};
-        most = std::max(most, double{value});
-    }
-    picture.mean_t = count ? sum / static_cast<double>(count) : 0;
-    picture.max_t = count ? most : 0;
-}
-
 }  // namespace
 
 std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
@@ -236,8 +208,8 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
     if (!arguments.output.empty()) {
         const std::string label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
         const Image image = stages.run("shade", [&] {
-            return pictured(arguments, visible_values(maps, shown, quantity.least_column), tf,
-                            scale, label);
+            return map_picture(arguments, visible_values(maps, shown, quantity.least_column), tf,
+                               scale, label);
         });
         stages.run("save", [&] { write_image(arguments.output, image); });
     }

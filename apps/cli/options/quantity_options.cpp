@@ -14,19 +14,21 @@ constexpr const char* kQuantityGroup = "Quantity";
 
 void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
     command
-        .add_option("--show", arguments.show,
-                    "Quantity of the picture: T (optical depth, coloured by V = 1 - exp(-T)), or "
-                    "column: column density, the integral of density along the ray in world units "
-                    "(of particles: number or value per area), or of --field: mean, weighted by "
-                    "density along the ray, or deviation, its standard deviation; coloured over "
-                    "--range. volume: emission and absorption by the value of --field or the "
-                    "volume's own, under --tf, --window, --band or --iso")
-        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume"}))
+        .add_option(
+            "--show", arguments.show,
+            "Quantity of the picture: T (optical depth, coloured by V = 1 - exp(-T)), or "
+            "column: column density, the integral of density along the ray in world units "
+            "(of particles: number or value per area), or of --field: mean, weighted by "
+            "density along the ray, or deviation, its standard deviation; coloured over "
+            "--range. volume: emission and absorption by the value of --field or the "
+            "volume's own, under --tf, --window, --band or --iso. maximum: the largest value "
+            "of --field or of the volume's own along the ray")
+        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume", "maximum"}))
         ->capture_default_str()
         ->group(kQuantityGroup);
     command
         .add_option("--field", arguments.field,
-                    "Field that mean, deviation and volume show: temperature, velocity (a "
+                    "Field that mean, deviation, volume and maximum show: temperature, velocity (a "
                     "vector field's component along the view, away from the eye positive), "
                     "velocity.x, .y, .z, or velocity.magnitude (root mean square)")
         ->group(kQuantityGroup);
@@ -121,8 +123,11 @@ void check_quantity_options(const QuantityArguments& arguments, const CLI::App& 
             throw CLI::ValidationError(
                 fmt::format("--show {}: expected --field NAME", arguments.show));
         refuse("--depth-out", "is of T, expected --values-out FILE.exr, which has the column");
+    } else if (arguments.maximum()) {
+        refuse("--depth-out", "is of T, expected --values-out");
+        refuse("--least-column", "is of --show mean or deviation");
     } else if (!arguments.volume()) {
-        refuse("--field", "is of --show mean, deviation or volume");
+        refuse("--field", "is of --show mean, deviation, volume or maximum");
         refuse("--least-column", "is of --show mean or deviation");
         if (arguments.scale == "symmetric")
             refuse("--scale", "symmetric is of --show mean or deviation");

@@ -18,8 +18,9 @@ struct QuantityArguments {
     bool column() const { return show == "column"; }
     bool of_field() const { return show == "mean" || show == "deviation"; }
     bool volume() const { return show == "volume"; }
+    bool maximum() const { return show == "maximum"; }
     /// Whether colours are over --range.
-    bool scaled() const { return column() || of_field() || volume(); }
+    bool scaled() const { return column() || of_field() || volume() || maximum(); }
     bool logarithmic() const { return log || scale == "log"; }
     ScaleFit fit() const {
         return logarithmic()          ? ScaleFit::log

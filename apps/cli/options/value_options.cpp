@@ -210,14 +210,17 @@ VolumeLook look_of(const ValueArguments& arguments) {
     return look;
 }
 
-void check_value_options(const ValueArguments& arguments, const CLI::App& command, bool volume) {
+void check_value_options(const ValueArguments& arguments, const CLI::App& command,
+                         const std::string& show) {
     const auto refuse = [](const std::string& option, const std::string& reason) {
         throw CLI::ValidationError(option + ": " + reason);
     };
-    if (!volume) {
+    if (show != "volume") {
         for (const char* option : {"--window", "--band", "--iso", "--threshold", "--unit-distance",
-                                   "--light", "--light-weights", "--slabs"})
+                                   "--light", "--light-weights"})
             if (command.count(option)) refuse(option, "is of --show volume");
+        if (show != "maximum" && command.count("--slabs"))
+            refuse("--slabs", "is of --show volume and maximum");
         return;
     }
     const bool bands = !arguments.bands.empty() || !arguments.isos.empty();

@@ -23,8 +23,9 @@ struct ValueArguments {
 void add_value_options(CLI::App& command, ValueArguments& arguments);
 
 /// throws CLI::ValidationError for options without effect beside the others, and texts that are none
-/// volume  whether --show volume is given
-void check_value_options(const ValueArguments& arguments, const CLI::App& command, bool volume);
+/// show  of --show
+void check_value_options(const ValueArguments& arguments, const CLI::App& command,
+                         const std::string& show);
 
 /// Centre and width of --window; none without it.
 std::optional<std::pair<double, double>> window_of(const ValueArguments& arguments);

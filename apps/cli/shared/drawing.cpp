@@ -22,7 +22,8 @@ std::vector<RenderOption> given_options(const CLI::App& command) {
         if (command.count(spelled(option, OptionSpelling::flags)) > 0) given.push_back(option);
     // Pictures by value are clipped by every renderer that has them.
     const CLI::Option* show = command.get_option_no_throw("--show");
-    const bool by_value = show && show->count() > 0 && show->as<std::string>() == "volume";
+    const std::string shown = show && show->count() > 0 ? show->as<std::string>() : "";
+    const bool by_value = shown == "volume" || shown == "maximum";
     if (!by_value && command.count("--clip") + command.count("--clip-plane") > 0)
         given.push_back(clip);
     return given;

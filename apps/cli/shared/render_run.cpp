@@ -25,7 +25,7 @@ void check_arguments(const RenderArguments& arguments, const CLI::App& command, 
         throw CLI::ValidationError(
             "nothing to make: expected -o, --depth-out, --values-out or --repeat");
     check_quantity_options(quantity, command, !arguments.output.empty());
-    check_value_options(arguments.value, command, quantity.volume());
+    check_value_options(arguments.value, command, quantity.show);
     if (writes && !quantity.values_output.empty())
         check_output(quantity.values_output, arguments.drawing.inputs, {".npy", ".exr"});
     if (writes && !arguments.output.empty())
@@ -160,7 +160,6 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
                                    {"gaussians", picture.gaussians},
                                    {"active_voxels", picture.active_voxels},
                                    {"threads", picture.threads},
-                                   {"extinction", picture.extinction},
                                    {"covered", picture.covered},
                                    {"quantity", picture.quantity},
                                    {"mean_t", picture.mean_t},
@@ -170,6 +169,7 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
                                      {"median", picture.median_ms()},
                                      {"max", picture.render_ms.back()},
                                      {"repeats", picture.render_ms.size()}}}};
+    if (picture.has_extinction()) json["extinction"] = picture.extinction;
     if (!picture.values_output.empty()) json["values_output"] = picture.values_output;
     if (picture.scale) {
         json["units"] = picture.units;
@@ -199,10 +199,11 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
 
 void print(const RenderedPicture& picture, bool repeated) {
     if (!picture.output.empty())
-        print_line(fmt::format("{}: {}x{}, {}, {:.1f} ms, extinction {:.6g}, {:.1f} % covered",
-                               picture.output, picture.width, picture.height,
-                               picture.primitives_text, picture.median_ms(), picture.extinction,
-                               100 * picture.covered));
+        print_line(fmt::format(
+            "{}: {}x{}, {}, {:.1f} ms, {}{:.1f} % covered", picture.output, picture.width,
+            picture.height, picture.primitives_text, picture.median_ms(),
+            picture.has_extinction() ? fmt::format("extinction {:.6g}, ", picture.extinction) : "",
+            100 * picture.covered));
     if (picture.unit_distance && !picture.output.empty())
         print_line(fmt::format(
             "{}{}: values from {:.6g} to {:.6g}, unit distance {:.6g}, mean opacity {:.3f} where "
@@ -285,6 +286,7 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
     check_arguments(arguments, command, ranks.is_root);
     if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
     if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);
+    if (arguments.quantity.maximum()) return render_maximum(arguments, command, ranks);
     const Size size = parse_size(arguments.size);
     const std::optional<double> extinction = fixed_extinction(arguments.color);
     const TransferFunction tf = load_transfer_function(arguments.color.tf);

@@ -64,6 +64,8 @@ struct RenderedPicture {
     std::vector<std::string> notes;                        ///< printed about the inputs
 
     double median_ms() const;
+    /// Whether the shown quantity is T, which an extinction multiplies.
+    bool has_extinction() const { return !scale; }
 };
 /// Share of the values above a limit.
 double share_above(std::span<const float> values, double limit);
@@ -111,6 +113,11 @@ std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
 /// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
 std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
                                              const CLI::App& command, const RenderRanks& ranks);
+
+/// Renders and writes the picture of --show maximum, for render() (maximum_run.cpp).
+/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
+std::optional<RenderedPicture> render_maximum(const RenderArguments& arguments,
+                                              const CLI::App& command, const RenderRanks& ranks);
 
 /// Adds the subcommand.
 void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,

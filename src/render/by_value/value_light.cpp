@@ -220,4 +220,25 @@ std::vector<LightQuadratic> fit_light(const Gaussians& gaussians, const ScalarFi
     return all;
 }
 
+double most_share_per_density(const ScalarField& field) {
+    // Smoke of 2,990 Gaussians lies 34.4 dB from its voxels with 3 and with 5, 33.8 with 1.2, 33.0 without limit.
+    constexpr double kMost = 3;
+    const double range = field.upper - field.lower;
+    return field.is_measure && range > 0 ? kMost / range : HUGE_VAL;
+}
+
+std::vector<LightQuadratic> value_planes(const Gaussians& gaussians, const ScalarField& field) {
+    const double range = field.upper - field.lower, per_range = range > 0 ? 1 / range : 0;
+    std::vector<LightQuadratic> all(gaussians.size());
+    vog::parallel_for(std::size_t{0}, gaussians.size(), [&](std::size_t i) {
+        const double spread = std::sqrt(plane_variance(gaussians, field, i));
+        LightQuadratic& out = all[i];
+        out.c[0][0] = static_cast<float>((double{field.value[i]} - field.lower) * per_range);
+        out.c[0][1] = static_cast<float>(spread * per_range);
+        out.c[3][0] = 1;
+        out.spread = static_cast<float>(spread);
+    });
+    return all;
+}
+
 }  // namespace vog::by_value

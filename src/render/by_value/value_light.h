@@ -92,4 +92,16 @@ class ExpectedLight {
 std::vector<LightQuadratic> fit_light(const Gaussians& gaussians, const ScalarField& field,
                                       const ValueTransfer& transfer);
 
+/// Planes of a field in place of light: channel 0 the value's share of the field's range, channel 3 is 1. Sums over
+/// Gaussians are then of densities, and of densities times values.
+std::vector<LightQuadratic> value_planes(const Gaussians& gaussians, const ScalarField& field);
+/// Largest share of the field's range per density where the field is the density itself; else infinite. The mean of
+/// density weighted by itself exceeds the density at a point, but not by far: tails of Gaussians beyond the data do
+/// not show the values within.
+double most_share_per_density(const ScalarField& field);
+/// Value of a share of the field's range.
+inline float value_of_share(const ScalarField& field, double share) {
+    return static_cast<float>(field.lower + share * (field.upper - field.lower));
+}
+
 }  // namespace vog::by_value

@@ -2,6 +2,7 @@
 // integrated in the order of depth by steps finer than the thinnest of them.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "render/by_value/value_light.h"
@@ -11,7 +12,7 @@
 #include "render/trace/small_gaussians.h"
 #include "render/trace/trace_bvh.h"
 #include "render/trace/trace_options.h"
-#include "vog/volume_picture.h"
+#include "vog/maximum_picture.h"
 
 namespace vog {
 
@@ -39,6 +40,12 @@ struct Splatted {
     double depth;  ///< tau, units of depth
 };
 
+/// Light of equal steps along a ray; empty: nothing is on it.
+struct LitSteps {
+    std::vector<Sum> sums;
+    double length = 0;  ///< of a step, world units
+};
+
 /// What all rays of a picture share.
 struct VolumeRays {
     const Gaussians& gaussians;
@@ -51,11 +58,10 @@ struct VolumeRays {
     const Clipping& clip;  ///< relative to the model's origin
 
     void collect(const device::Ray& ray, const RayInterval& seen, std::vector<OnRay>& hits) const;
-    /// Adds the light of all Gaussians on a ray step by step.
     LightQuadratic lit(std::uint32_t i, const device::Ray& ray) const;
     double depth_of(const Splatted& point, const device::Ray& ray) const;
     RayInterval seen(const device::Ray& ray) const;
-    Rgba composite(const device::Ray& ray, std::span<const OnRay> hits,
+    LitSteps steps(const device::Ray& ray, std::span<const OnRay> hits,
                    std::span<const Splatted> points) const;
 };
 
@@ -123,7 +129,7 @@ void VolumeRays::collect(const device::Ray& ray, const RayInterval& seen,
     }
 }
 
-Rgba VolumeRays::composite(const device::Ray& ray, std::span<const OnRay> hits,
+LitSteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
                            std::span<const Splatted> points) const {
     double start = std::numeric_limits<double>::infinity(), end = 0, thinnest = start;
     for (const OnRay& hit : hits) {
@@ -135,7 +141,7 @@ Rgba VolumeRays::composite(const device::Ray& ray, std::span<const OnRay> hits,
         start = std::min(start, depth_of(point, ray));
         end = std::max(end, depth_of(point, ray));
     }
-    if (!(start <= end)) return {0, 0, 0, 0};
+    if (!(start <= end)) return {};
     // An eighth of the thinnest Gaussian; few colours change within that.
     constexpr double kLeastSteps = 64, kMostSteps = 8192;
     const double range = std::max(end - start, 1e-300);
@@ -171,6 +177,11 @@ Rgba VolumeRays::composite(const device::Ray& ray, std::span<const OnRay> hits,
         for (auto& c : mean.c) c[0] += static_cast<float>(model.kernel.variance) * c[2];
         add(step_of(depth_of(point, ray)), point.depth, mean.at(0));
     }
+    return {std::move(sums), length * model.unit};
+}
+
+/// Emission and absorption, front to back.
+Rgba composite(std::span<const Sum> sums) {
     double transmittance = 1;
     std::array<double, 3> color{};
     for (const Sum& sum : sums) {
@@ -184,22 +195,39 @@ Rgba VolumeRays::composite(const device::Ray& ray, std::span<const OnRay> hits,
             static_cast<float>(color[2]), static_cast<float>(1 - transmittance)};
 }
 
-}  // namespace
+/// Largest mean of the steps' values where there is density enough, as a share of the field's range; negative: none.
+/// most  largest share per density
+double largest_share(const LitSteps& steps, double most) {
+    double densest = 0, largest = -1;
+    for (const Sum& sum : steps.sums) densest = std::max(densest, sum[3]);
+    for (const Sum& sum : steps.sums)
+        if (sum[3] > 0 && sum[3] >= kLeastDensityShare * densest)
+            largest = std::max(largest, std::clamp(sum[0] / sum[3], 0.0,
+                                                   std::min(most * sum[3] / steps.length, 1.0)));
+    return largest;
+}
 
-VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& field,
-                                const ValueTransfer& transfer, const Camera& camera, int width,
-                                int height, const TraceOptions& options,
-                                const TraceSceneOptions& scene, const VolumeLook& look) {
+/// Size of a picture and how it is traced.
+struct TracedPicture {
+    const Camera& camera;
+    int width, height;
+    const TraceOptions& options;
+    const TraceSceneOptions& scene;
+    const VolumeLook& look;
+};
+
+/// Calls draw(pixel, steps) for each pixel with something on its ray.
+/// light_of  light of all Gaussians of a model, by its field
+template <class LightOf, class Draw>
+void trace_sums(const Gaussians& gaussians, const ScalarField& values, const TracedPicture& picture,
+                const LightOf& light_of, const Draw& draw) {
+    const auto& [camera, width, height, options, scene, look] = picture;
     check_trace_options(options);
     validate(look);
     const TraceModel model = trace_model(gaussians, scene.aabb_sigma, scene.kappa);
     const CameraFrame frame = relative_to(frame_of(camera, width, height), model.origin);
-    const ScalarField& values = volume_field(gaussians, field);
-    const std::vector<LightQuadratic> light = fit_light(gaussians, values, transfer);
-    VolumeImage picture{width, height, {}};
-    picture.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                         Rgba{0, 0, 0, 0});
-    if (model.gaussians.empty()) return picture;
+    const std::vector<LightQuadratic> light = light_of();
+    if (model.gaussians.empty()) return;
     const TraceBvh bvh(model);
     const device::Camera rays = scene_camera(frame, model.unit);
     const SmallGaussians small = small_gaussians(model, rays);
@@ -217,6 +245,7 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
             rows[static_cast<std::size_t>(y)].push_back({x, small.index[n], depth * far});
         });
     for (std::vector<Splatted>& row : rows) std::ranges::stable_sort(row, {}, &Splatted::column);
+    const int columns = width;
     for_each_pixel(width, height, options.progress, [&](int column, int row) {
         const auto points = std::ranges::equal_range(rows[static_cast<std::size_t>(row)], column,
                                                      {}, &Splatted::column);
@@ -238,10 +267,52 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
             if (const double depth = all.depth_of(point, ray);
                 depth >= seen.first && depth <= seen.last)
                 shown.push_back(point);
-        picture.pixel[static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                      static_cast<std::size_t>(column)] = all.composite(ray, hits, shown);
+        draw(static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) +
+                 static_cast<std::size_t>(column),
+             all.steps(ray, hits, shown));
     });
-    return picture;
+}
+
+}  // namespace
+
+VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& field,
+                                const ValueTransfer& transfer, const Camera& camera, int width,
+                                int height, const TraceOptions& options,
+                                const TraceSceneOptions& scene, const VolumeLook& look) {
+    const ScalarField& values = volume_field(gaussians, field);
+    (void)frame_of(camera, width, height);  // checks the size
+    VolumeImage image{width, height, {}};
+    image.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                       Rgba{0, 0, 0, 0});
+    trace_sums(
+        gaussians, values, {camera, width, height, options, scene, look},
+        [&] { return fit_light(gaussians, values, transfer); },
+        [&](std::size_t pixel, const LitSteps& steps) {
+            image.pixel[pixel] = composite(steps.sums);
+        });
+    return image;
+}
+
+ValueMap render_maximum_trace(const Gaussians& gaussians, const std::string& field,
+                              const Camera& camera, int width, int height,
+                              const TraceOptions& options, const TraceSceneOptions& scene,
+                              const Clipping& clip) {
+    const ScalarField& values = volume_field(gaussians, field);
+    VolumeLook look;
+    look.clip = clip;
+    (void)frame_of(camera, width, height);  // checks the size
+    ValueMap map{width, height, {}};
+    map.value.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                     std::numeric_limits<float>::quiet_NaN());
+    trace_sums(
+        gaussians, values, {camera, width, height, options, scene, look},
+        [&] { return value_planes(gaussians, values); },
+        [&](std::size_t pixel, const LitSteps& steps) {
+            if (const double share = largest_share(steps, most_share_per_density(values));
+                share >= 0)
+                map.value[pixel] = value_of_share(values, share);
+        });
+    return map;
 }
 
 }  // namespace vog

@@ -54,6 +54,7 @@ struct SlabBand {
     std::int32_t column = 0, row = 0;  ///< image position of the first pixel
     int slabs = 0;
     float first = 0, thickness = 1;  ///< depth of the first slab's front, and from slab to slab
+    float most_share = 0;  ///< of maximum_band: most_share_per_density
     /// Whether rays are clipped, and between which depths: [rows][kStride].
     bool clipped = false;
     std::vector<float> clip_near, clip_far;
@@ -79,6 +80,17 @@ struct SlabBand {
                   std::min(pixels.y0, range.y0), std::max(pixels.y1, range.y1)};
         for (int slab = slab_at(near), last = slab_at(far); slab <= last; ++slab)
             touched[static_cast<std::size_t>(slab)] = true;
+    }
+    /// Sets all sums to 0; vectors may have added beyond the pixels, in rows and columns.
+    void clear() {
+        const std::size_t begin = static_cast<std::size_t>(pixels.y0) * kStride;
+        const std::size_t end =
+            std::min(static_cast<std::size_t>(pixels.y1 + TilePixels::kMaxRows) * kStride, kPlane);
+        for (int slab = 0; slab < slabs; ++slab)
+            for (int channel = 0; touched[static_cast<std::size_t>(slab)] && channel < 4; ++channel)
+                std::fill(plane(slab, channel) + begin, plane(slab, channel) + end, 0.0f);
+        pixels = kNone;
+        touched.assign(touched.size(), false);
     }
     float* plane(int slab, int channel) {
         return sums.data() + (std::size_t{4} * static_cast<std::size_t>(slab) +

@@ -331,17 +331,5 @@ void composite_band(SlabBand& band, const CameraFrame& frame, Rgba* image) {
                 row[x + n] = {part[0][n], part[1][n], part[2][n], part[3][n]};
         }
     }
-    // Vectors may have added beyond the pixels, in rows and columns.
-    const std::size_t first = static_cast<std::size_t>(pixels.y0) * SlabBand::kStride;
-    const std::size_t last =
-        static_cast<std::size_t>(pixels.y1 + TilePixels::kMaxRows) * SlabBand::kStride;
-    for (int slab = 0; slab < band.slabs; ++slab) {
-        if (!band.touched[static_cast<std::size_t>(slab)]) continue;
-        for (int channel = 0; channel < 4; ++channel) {
-            float* plane = band.plane(slab, channel);
-            std::fill(plane + first, plane + std::min(last, SlabBand::kPlane), 0.0f);
-        }
-    }
-    band.pixels = SlabBand::kNone;
-    band.touched.assign(band.touched.size(), false);
+    band.clear();
 }

@@ -11,8 +11,10 @@
 #include "render/by_value/volume_field.h"
 #include "render/pixel_limits.h"
 #include "render/splat/projected_splats.h"
+#include "render/splat/volume/slab_maximum.h"
 #include "render/splat/volume/slab_splats.h"
 #include "vog/error.h"
+#include "vog/maximum_picture.h"
 #include "vog/volume_picture.h"
 
 namespace vog {
@@ -34,6 +36,7 @@ struct SlabPicture {
     const SplatKernels& kernels;
     const SlabPolynomials& polynomials;
     const std::deque<SlabBatch>& batches;
+    void (*composite)(SlabBand& band, const CameraFrame& frame, Rgba* image);
 
     void project(const SplatModel& model, SlabBatch& batch, std::size_t first,
                  std::size_t last) const;
@@ -98,51 +101,104 @@ void SlabPicture::draw_tile(int t, SlabBand& band, Rgba* image) const {
             });
             for (const NearSplat& splat : batch.splats.near) add_near_light(view, splat, band);
         }
-        if (band.pixels.y0 <= band.pixels.y1) loops.composite(band, view.frame, image);
+        if (band.pixels.y0 <= band.pixels.y1) composite(band, view.frame, image);
     }
 }
 
-}  // namespace
-
-/// Model, light and buffers, kept from picture to picture.
-struct SlabRenderer::State {
+/// Model and buffers, kept from picture to picture.
+struct SlabModel {
     const Gaussians* gaussians;
     const ScalarField* field;
     SplatModel model;
     KernelPolynomial kernel;
     const SplatKernels* kernels;
     SlabPolynomials polynomials;
-    std::optional<ValueTransfer> transfer;  ///< of the light
-    std::vector<LightQuadratic> light;
     VolumeLook look;
     std::deque<SlabBatch> batches;
     tbb::enumerable_thread_specific<SlabBand> bands;
+
+    SlabModel(const Gaussians& of, const std::string& name, const SlabOptions& options);
+    SlabModel(const SlabModel&) = delete;
+    SlabModel& operator=(const SlabModel&) = delete;
+
+    enum class Sums { light, maximum };
+    /// light  [gaussians], in place of which value_planes makes a maximum
+    VolumeImage draw(const std::vector<LightQuadratic>& light, Sums sums, const Camera& camera,
+                     int width, int height);
+};
+
+SlabModel::SlabModel(const Gaussians& of, const std::string& name, const SlabOptions& options)
+    : gaussians(&of), look(options.look) {
+    if (options.slabs < 1 || options.slabs > kMostSlabs)
+        throw Error(
+            fmt::format("splat: {} depth slabs, expected 1 to {}", options.slabs, kMostSlabs));
+    vog::validate(of);
+    vog::validate(options.look);
+    field = &volume_field(of, name);
+    const double cutoff = cutoff_of_kappa(options.kappa, of.cutoff);
+    model = {&of, unit_of(of), static_cast<float>(cutoff), pixel_limits(cutoff), &kernel};
+    kernel = fit_kernel(double{model.cutoff});
+    polynomials = fit_slab_polynomials(double{model.cutoff});
+    kernels =
+        options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
+    bands = tbb::enumerable_thread_specific<SlabBand>([slabs = options.slabs, scalar = field] {
+        SlabBand band;
+        band.most_share = static_cast<float>(most_share_per_density(*scalar));
+        band.resize(slabs);
+        return band;
+    });
+}
+
+VolumeImage SlabModel::draw(const std::vector<LightQuadratic>& light, Sums sums,
+                            const Camera& camera, int width, int height) {
+    const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians->origin);
+    if (width > kMaxSide || height > kMaxSide)
+        throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
+                                height, kMaxSide));
+    VolumeImage picture{width, height, {}};
+    picture.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
+                         Rgba{0, 0, 0, 0});
+    const std::size_t size = gaussians->size();
+    if (size == 0) return picture;
+    const double depth =
+        dot(vec_cast<double>(gaussians->mean[size / 2]) - frame.eye, frame.forward);
+    const Lighting lighting(look);
+    const Clipping clip = relative_to(look.clip, gaussians->origin);
+    const SlabView view{*gaussians,
+                        *field,
+                        light,
+                        lighting,
+                        frame,
+                        clip,
+                        double{model.cutoff},
+                        model.unit,
+                        model.limits.variance,
+                        depth};
+    const std::size_t most = TileBins::most_splats(width, height);
+    batches.resize((size + most - 1) / most);
+    const auto composite = sums == Sums::maximum ? maximum_band : slab_kernels(*kernels).composite;
+    SlabPicture drawn{view, *kernels, polynomials, batches, composite};
+    for (std::size_t n = 0; n < batches.size(); ++n)
+        drawn.project(model, batches[n], n * most, std::min((n + 1) * most, size));
+    struct Nothing {};
+    draw_tiles<Nothing>(batches.front().splats.bins, [&](int t, Nothing) {
+        drawn.draw_tile(t, bands.local(), picture.pixel.data());
+    });
+    return picture;
+}
+
+}  // namespace
+
+/// A model and its light.
+struct SlabRenderer::State {
+    SlabModel slabs;
+    std::optional<ValueTransfer> transfer{};  ///< of the light
+    std::vector<LightQuadratic> light{};
 };
 
 SlabRenderer::SlabRenderer(const Gaussians& gaussians, const std::string& field,
                            const ValueTransfer& transfer, const SlabOptions& options)
-    : state_(std::make_unique<State>()) {
-    if (options.slabs < 1 || options.slabs > kMostSlabs)
-        throw Error(
-            fmt::format("splat: {} depth slabs, expected 1 to {}", options.slabs, kMostSlabs));
-    vog::validate(gaussians);
-    vog::validate(options.look);
-    State& s = *state_;
-    s.look = options.look;
-    s.gaussians = &gaussians;
-    s.field = &volume_field(gaussians, field);
-    const double cutoff = cutoff_of_kappa(options.kappa, gaussians.cutoff);
-    s.model = {&gaussians, unit_of(gaussians), static_cast<float>(cutoff), pixel_limits(cutoff),
-               &s.kernel};
-    s.kernel = fit_kernel(double{s.model.cutoff});
-    s.polynomials = fit_slab_polynomials(double{s.model.cutoff});
-    s.kernels =
-        options.simd_target.empty() ? &best_splat_kernels() : &splat_kernels(options.simd_target);
-    s.bands = tbb::enumerable_thread_specific<SlabBand>([slabs = options.slabs] {
-        SlabBand band;
-        band.resize(slabs);
-        return band;
-    });
+    : state_(new State{SlabModel(gaussians, field, options)}) {
     set_transfer(transfer);
 }
 SlabRenderer::~SlabRenderer() = default;
@@ -152,51 +208,34 @@ SlabRenderer& SlabRenderer::operator=(SlabRenderer&&) noexcept = default;
 void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
     State& s = *state_;
     if (s.transfer == transfer) return;
-    s.light = fit_light(*s.gaussians, *s.field, transfer);
+    s.light = fit_light(*s.slabs.gaussians, *s.slabs.field, transfer);
     s.transfer = transfer;
 }
 
 VolumeImage SlabRenderer::render(const Camera& camera, int width, int height) {
-    State& s = *state_;
-    const Gaussians& gaussians = *s.gaussians;
-    const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians.origin);
-    if (width > kMaxSide || height > kMaxSide)
-        throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
-                                height, kMaxSide));
-    VolumeImage picture{width, height, {}};
-    picture.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                         Rgba{0, 0, 0, 0});
-    const std::size_t size = gaussians.size();
-    if (size == 0) return picture;
-    const double depth = dot(vec_cast<double>(gaussians.mean[size / 2]) - frame.eye, frame.forward);
-    const Lighting lighting(s.look);
-    const Clipping clip = relative_to(s.look.clip, gaussians.origin);
-    const SlabView view{gaussians,
-                        *s.field,
-                        s.light,
-                        lighting,
-                        frame,
-                        clip,
-                        double{s.model.cutoff},
-                        s.model.unit,
-                        s.model.limits.variance,
-                        depth};
-    const std::size_t most = TileBins::most_splats(width, height);
-    s.batches.resize((size + most - 1) / most);
-    SlabPicture drawn{view, *s.kernels, s.polynomials, s.batches};
-    for (std::size_t n = 0; n < s.batches.size(); ++n)
-        drawn.project(s.model, s.batches[n], n * most, std::min((n + 1) * most, size));
-    struct Nothing {};
-    draw_tiles<Nothing>(s.batches.front().splats.bins, [&](int t, Nothing) {
-        drawn.draw_tile(t, s.bands.local(), picture.pixel.data());
-    });
-    return picture;
+    return state_->slabs.draw(state_->light, SlabModel::Sums::light, camera, width, height);
 }
 
 VolumeImage render_volume_splat(const Gaussians& gaussians, const std::string& field,
                                 const ValueTransfer& transfer, const Camera& camera, int width,
                                 int height, const SlabOptions& options) {
     return SlabRenderer(gaussians, field, transfer, options).render(camera, width, height);
+}
+
+ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& field,
+                              const Camera& camera, int width, int height,
+                              const SlabOptions& options) {
+    SlabOptions unlit = options;
+    unlit.look.light = false;
+    SlabModel slabs(gaussians, field, unlit);
+    const VolumeImage shares = slabs.draw(value_planes(gaussians, *slabs.field),
+                                          SlabModel::Sums::maximum, camera, width, height);
+    ValueMap map{width, height, std::vector<float>(shares.pixel.size())};
+    std::ranges::transform(shares.pixel, map.value.begin(), [&](const Rgba& pixel) {
+        return pixel.a > 0 ? value_of_share(*slabs.field, double{pixel.r})
+                           : std::numeric_limits<float>::quiet_NaN();
+    });
+    return map;
 }
 
 }  // namespace vog

@@ -1,0 +1,183 @@
+// value_inputs.cpp: the field of --field of models and volumes.
+#include "fields/value_inputs.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "fields/volume_fields.h"
+#include "vog/error.h"
+#include "vog/field_maps.h"
+
+namespace vog::cli {
+
+namespace {
+
+/// throws CLI::ValidationError and vog::Error for options and renderers that do not draw by value
+void check_by_value(const RenderArguments& arguments, const CLI::App& command,
+                    const Drawing& drawing, const RenderRanks& ranks) {
+    const std::string show = "--show " + arguments.quantity.show;
+    if (ranks.allreduce_max || !ranks.is_root)
+        throw CLI::ValidationError(show + ": is of one process, expected vog render");
+    if (command.count("--pixel-error"))
+        throw CLI::ValidationError("--pixel-error: is of T and column density");
+    const std::string& input = arguments.drawing.inputs.front();
+    if (drawing.kind == FileKind::points)
+        throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
+    if (drawing.kind == FileKind::volume && arguments.drawing.interpolation != "constant")
+        throw CLI::ValidationError(
+            fmt::format("--interpolation linear does not go with {}: voxels are constant", show));
+    if (drawing.kind == FileKind::volume && drawing.renderer != Renderer::reference)
+        throw Error(fmt::format("{}: {} draws no volumes by value, expected reference", show,
+                                info_of(drawing.renderer).name));
+    if (drawing.kind == FileKind::model && drawing.renderer != Renderer::splat &&
+        drawing.renderer != Renderer::trace)
+        throw Error(fmt::format("{}: {} draws no models by value, expected splat or trace", show,
+                                info_of(drawing.renderer).name));
+}
+
+/// The field of --field, else the model's density, else its only scalar field.
+/// throws  vog::Error naming the fields there are, and how to make one
+const ScalarField& field_of(const Fields& fields, const std::string& name, const std::string& input,
+                            const std::string& show) {
+    if (const ScalarField* found = fields.find_scalar(name)) return *found;
+    const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
+    if (name.empty() && measure != fields.scalar.end()) return *measure;
+    if (name.empty() && fields.scalar.size() == 1) return fields.scalar.front();
+    std::string names;
+    for (const ScalarField& field : fields.scalar)
+        names += (names.empty() ? "" : ", ") + printable(field.name);
+    const std::string has = names.empty()
+                                ? "the model has none; vog convert IN -o model.ply --field " +
+                                      (name.empty() ? std::string("GRID") : printable(name))
+                                : fmt::format("it has: {}; --field NAME", names);
+    throw Error(fmt::format("{}: --show {} needs a scalar field{} ({})", input, show,
+                            name.empty() ? "" : fmt::format(" '{}'", printable(name)), has));
+}
+
+ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing) {
+    const std::string& input = arguments.drawing.inputs.front();
+    const auto model = std::make_shared<Gaussians>(load_models(arguments.drawing.inputs));
+    const ScalarField& field =
+        field_of(model->fields, arguments.quantity.field, input, arguments.quantity.show);
+    drawing.box = view_box(*model);
+    drawing.gaussians = model->size();
+    set_primitives_text(drawing, 0);
+    return {std::move(drawing), field.name, field.unit, field.lower, field.upper, model, {}};
+}
+
+/// Sets a scalar field's range: its values at active voxels.
+void set_range(const Volume& volume, VoxelField& field) {
+    float lower = HUGE_VALF, upper = -HUGE_VALF;
+    const auto include = [&](float value) {
+        lower = std::min(lower, value), upper = std::max(upper, value);
+    };
+    const VoxelValues& values = field.component[0];
+    for (std::size_t l = 0; l < values.leaf.size(); ++l)
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (volume.leaves[l].active(n)) include(values.leaf[l][static_cast<std::size_t>(n)]);
+    std::ranges::for_each(values.tile, include);
+    field.lower = double{lower}, field.upper = double{upper};
+}
+
+/// Reads the field of --field: "temperature", or "velocity.x" of a vector field.
+std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
+                                      std::vector<Volume>& volumes,
+                                      std::vector<std::string>& notes) {
+    const std::string& text = arguments.quantity.field;
+    if (text.empty()) return own_values(volumes);
+    const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
+    const std::string grid = part ? text.substr(0, text.size() - 2) : text;
+    std::vector<VoxelField> fields = std::move(
+        read_volume_fields({{grid}, arguments.drawing.volume.grid, arguments.drawing.inputs},
+                           volumes, notes)
+            .front());
+    for (VoxelField& field : fields) {
+        if (field.is_vector() != part)
+            throw Error(fmt::format(
+                "{}: field '{}' is {}, --show {} needs a scalar{}",
+                arguments.drawing.inputs.front(), printable(field.name),
+                part ? "scalar and has no .x" : "a vector", arguments.quantity.show,
+                part ? "" : fmt::format(": {0}.x, {0}.y or {0}.z", printable(field.name))));
+        if (!part) continue;
+        VoxelValues component =
+            std::move(field.component[static_cast<std::size_t>(text.back() - 'x')]);
+        field.component.assign(1, std::move(component));
+        field.name = text;
+        set_range(volumes[static_cast<std::size_t>(&field - fields.data())], field);
+    }
+    return fields;
+}
+
+/// A volume with values below 0, which are no densities: every active voxel counts as 1, and the values are a field.
+/// returns  nothing for other volumes
+std::optional<std::pair<LoadedVolumes, VoxelField>> load_signed(const RenderArguments& arguments) {
+    const DrawingArguments& given = arguments.drawing;
+    if (given.volume.values.clip_negative || given.volume.level_set_to_fog) return std::nullopt;
+    VolumeInputOptions options = given.volume;
+    options.ones = true;
+    LoadedVolumes set = load_volumes(given.inputs, options);
+    Volume& volume = set.volumes.front();
+    const std::string& text = arguments.quantity.field;
+    if (set.volumes.size() > 1 || set.is_mesh() || !(text.empty() || text == volume.name))
+        return std::nullopt;
+    VoxelField field = read_field({.file = volume.source, .grid = volume.name}, volume);
+    if (!(field.lower < 0) || field.is_vector()) return std::nullopt;
+    set.notes.push_back(
+        fmt::format("{}: values from {:.6g} to {:.6g}: no density, every active voxel counts alike",
+                    given.inputs.front(), field.lower, field.upper));
+    return std::pair{std::move(set), std::move(field)};
+}
+
+ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing) {
+    const DrawingArguments& given = arguments.drawing;
+    std::optional<VoxelField> signed_field;
+    LoadedVolumes set = [&] {
+        try {
+            return load_volumes(given.inputs, given.volume);
+        } catch (const Error&) {
+            auto loaded = load_signed(arguments);
+            if (!loaded) throw;
+            signed_field = std::move(loaded->second);
+            return std::move(loaded->first);
+        }
+    }();
+    const auto data = std::make_shared<VolumesByValue>();
+    if (set.is_mesh()) {
+        Composite mesh = composite(set);
+        drawing.box = mesh.box;
+        data->volumes = std::move(mesh.parts);
+    } else {
+        data->volumes = std::move(set.volumes);
+        for (const Volume& volume : data->volumes) drawing.box.include(world_box(volume));
+    }
+    drawing.notes = set.notes;
+    if (signed_field)
+        data->field.push_back(std::move(*signed_field));
+    else
+        data->field = read_field_of(arguments, data->volumes, drawing.notes);
+    print_notes(drawing.notes);
+    ValueInputs made;
+    made.unit = data->field.front().unit;
+    made.label = data->field.front().name;
+    made.lower = std::ranges::min(data->field, {}, &VoxelField::lower).lower;
+    made.upper = std::ranges::max(data->field, {}, &VoxelField::upper).upper;
+    for (const Volume& volume : data->volumes) drawing.active_voxels += active_voxels(volume);
+    set_primitives_text(drawing, set.is_mesh() ? data->volumes.size() : 0);
+    made.volumes = data;
+    made.drawing = std::move(drawing);
+    return made;
+}
+
+}  // namespace
+
+ValueInputs load_values(const RenderArguments& arguments, const CLI::App& command,
+                        const RenderRanks& ranks) {
+    Drawing drawing = begin_drawing(arguments.drawing, command);
+    check_by_value(arguments, command, drawing, ranks);
+    return drawing.kind == FileKind::model ? load_model_values(arguments, std::move(drawing))
+                                           : load_volume_values(arguments, std::move(drawing));
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,33 @@
+// value_inputs.h: models and volumes with a scalar field, for pictures by value and maxima.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "shared/render_run.h"
+#include "vog/voxel_field.h"
+
+namespace vog::cli {
+
+/// Volumes with a scalar field at every voxel.
+struct VolumesByValue {
+    std::vector<Volume> volumes;
+    std::vector<VoxelField> field;  ///< [volumes]
+};
+
+/// Inputs with a scalar field.
+struct ValueInputs {
+    Drawing drawing;                           ///< for views and reports, not for drawing T
+    std::string label;                         ///< of the field
+    std::string unit;                          ///< of the field
+    double lower = 0, upper = 0;               ///< least and largest value of the data
+    std::shared_ptr<const Gaussians> model{};  ///< or
+    std::shared_ptr<const VolumesByValue> volumes{};
+};
+/// Reads the inputs with the field of --field, or their own values.
+/// throws  vog::Error for inputs without it; CLI::ValidationError for options without effect
+ValueInputs load_values(const RenderArguments& arguments, const CLI::App& command,
+                        const RenderRanks& ranks);
+
+}  // namespace vog::cli
