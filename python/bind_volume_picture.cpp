@@ -96,7 +96,14 @@ struct PictureArguments {
     int slabs;
     const std::string& renderer;
     const VolumeLook& look;
+    VoxelGridOptions voxels{};
 };
+VoxelGridOptions voxels_by(const std::string& interpolation, double step) {
+    if (interpolation != "constant" && interpolation != "linear")
+        throw Error("render_volume: interpolation '" + interpolation +
+                    "', expected 'constant' or 'linear'");
+    return {interpolation == "linear" ? Interpolation::linear : Interpolation::constant, step};
+}
 Camera camera_for(const PictureArguments& picture, const Box& box) {
     const double aspect = double(picture.width) / std::max(picture.height, 1);
     return picture.camera ? *picture.camera : orbit_view(box, {}, aspect);
@@ -179,7 +186,7 @@ VolumeImage of_volume(const Volume& given, const std::string& field, const py::o
     return unlocked([&] {
         return render_volume_reference(volumes, shown, transfer, camera_for(picture, box),
                                        picture.width, picture.height, {progress, 1, {}},
-                                       picture.look);
+                                       picture.look, picture.voxels);
     });
 }
 
@@ -260,10 +267,14 @@ void bind_volume_picture(py::module_& m) {
            const py::object& window, const py::object& bands, const py::object& unit_distance,
            const py::object& light, const py::object& clip, const py::object& clip_planes,
            const py::object& background, const std::string& renderer, int slabs,
-           const py::object& fields, const py::object& progress) {
+           const py::object& fields, const std::string& interpolation, double step,
+           const py::object& progress) {
             const auto [width, height] = size_of(size);
             const VolumeLook look = look_of(light, clip, clip_planes);
-            const PictureArguments picture{camera, width, height, slabs, renderer, look};
+            const PictureArguments picture{
+                camera, width, height, slabs, renderer, look, voxels_by(interpolation, step)};
+            if (py::isinstance<Gaussians>(data) && interpolation != "constant")
+                throw Error("render_volume: interpolation: of voxels, a model has none");
             const ValueArguments values{tf, value_range, window, bands, unit_distance};
             const Progress report = progress_of(progress);
             VolumeImage image;
@@ -286,6 +297,7 @@ void bind_volume_picture(py::module_& m) {
         py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(),
         py::arg("background") = "black", py::arg("renderer") = "",
         py::arg("slabs") = SlabOptions{}.slabs, py::arg("fields") = py::none(),
+        py::arg("interpolation") = "constant", py::arg("step") = VoxelGridOptions{}.step_voxels,
         py::arg("progress") = py::none(),
         R"(One picture by value, a vog.Image: emission and absorption under a transfer function of a field's values.
 
@@ -305,6 +317,8 @@ background     'black', 'white', 'transparent', or (r, g, b) in [0, 1]
 renderer       of models 'splat' (depth slabs) or 'trace' (exact order), of voxels 'reference'; '': the first of them
 slabs          splat: depth slabs a tile, 1 to 1024
 fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
+interpolation  of voxels: 'constant', or 'linear' between their centres
+step           linear: spacing of the samples, voxels, > 0
 progress       is called with the finished fraction)");
 }
 

@@ -100,7 +100,9 @@ class SlabRenderer {
 /// fields   [volumes] a scalar field at the voxels of each; a component with neither leaves nor tiles is the
 ///          volume's own values, whose extinction is not weighed by density
 /// Where several volumes overlap, their extinctions add up. options.clip and look.clip both cut.
-/// returns  within 1e-6 of the exact picture; the same bytes for any number of threads
+/// voxels   Interpolation::linear: of one volume; values are interpolated, then classified (post-classification), at
+///          the middles of steps of step_voxels > 0; light is by the gradient of the interpolated field
+/// returns  constant voxels: within 1e-6 of the exact picture; the same bytes for any number of threads
 /// throws   vog::Error as render_field_reference, validate(look) and validate(transfer) do
 /// cost     O(pixels * samples^2 * voxels on a ray), about 10 ns for each that absorbs
 [[nodiscard]] VolumeImage render_volume_reference(std::span<const Volume> volumes,
@@ -108,6 +110,7 @@ class SlabRenderer {
                                                   const ValueTransfer& transfer,
                                                   const Camera& camera, int width, int height,
                                                   const ReferenceOptions& options = {},
-                                                  const VolumeLook& look = {});
+                                                  const VolumeLook& look = {},
+                                                  const VoxelGridOptions& voxels = {});
 
 }  // namespace vog

@@ -512,6 +512,8 @@ def render_volume(
     renderer: str = ...,
     slabs: int = ...,
     fields: Union[dict[str, Any], None] = ...,
+    interpolation: str = ...,
+    step: float = ...,
     progress: Union[_Progress, None] = ...,
 ) -> Image: ...
 def render_maximum(

@@ -142,7 +142,7 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
             "ramp.vdb: the band from 9 to 10 is outside the data's values, 1 to 8");
     refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
     refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
-    refused(2, "--interpolation linear", "--interpolation linear does not go with --show volume");
+    refused(2, "--interpolation linear --step 0", "--step 0: a picture by value has samples");
     refused(2, "--log", "--log: does not go with --show volume");
     must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window: is of --show volume");
     must_fail(2, "render ramp.vdb -o p.png --show maximum --light head",

@@ -92,3 +92,16 @@ def test_maximum_of_models_is_near_that_of_voxels(volume, model):
         vog.render_maximum(model, camera, 16, field="none")
     with pytest.raises(TypeError, match="render_maximum"):
         vog.render_maximum(3)
+
+
+def test_interpolated_voxels_are_smooth(volume, model):
+    camera = vog.Camera.orbit(volume, 30, 20)
+    constant = vog.render_volume(volume, camera, 96, bands=BANDS)
+    linear = vog.render_volume(volume, camera, 96, bands=BANDS, interpolation="linear")
+    assert 20 < psnr(constant, linear) < 60
+    assert psnr(linear, vog.render_volume(volume, camera, 96, bands=BANDS, interpolation="linear", step=0.1)) > 30
+    for wrong in ({"interpolation": "cubic"}, {"interpolation": "linear", "step": 0}):
+        with pytest.raises(vog.Error, match="expected"):
+            vog.render_volume(volume, camera, 16, **wrong)
+    with pytest.raises(vog.Error, match="a model has none"):
+        vog.render_volume(model, camera, 16, interpolation="linear")

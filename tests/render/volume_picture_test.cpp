@@ -393,4 +393,56 @@ TEST(volume_picture, refuses_fields_of_other_volumes_and_lights_of_no_number) {
     EXPECT_THROW(one_pixel(volume, own(), two_materials(), camera, look), Error);
 }
 
+TEST(volume_picture, interpolated_voxels_are_classified_at_samples) {
+    // Values x + 1 between the centres, falling to 0 within a voxel beyond the first and the last; voxels of edge 0.5.
+    const Volume volume = leaf_volume([](int x) { return x + 1; });
+    const auto value_at = [](double x) {  // in voxels
+        return x < 0 ? std::max(1 + x, 0.0) : x > 7 ? std::max(8 * (8 - x), 0.0) : x + 1;
+    };
+    const ValueTransfer transfer{
+        "bands", {{0, 1, 0, 0}, {8, 0, 1, 0}}, {{1.3, 0}, {1.3, 0.4}, {5.6, 0.1}, {5.6, 0.7}}, 1.5};
+    const auto quadrature = [&](double weight) {
+        double red = 0, green = 0, passed = 1;
+        constexpr int kSteps = 90000;
+        for (int n = 0; n < kSteps; ++n) {
+            const double x = -1 + 9 * (n + 0.5) / kSteps;
+            const ValueLight light = light_of(transfer, weight > 0 ? value_at(x) : 5);
+            const double s = light.extinction * (weight > 0 ? weight : value_at(x));
+            const double clear = std::exp(-s * 4.5 / kSteps);
+            red += passed * (1 - clear) * light.r, green += passed * (1 - clear) * light.g;
+            passed *= clear;
+        }
+        return rgba(red, green, 0, 1 - passed);
+    };
+    const Camera camera = orthographic(kMiddle + Vec3d{-9, 0, 0}, kMiddle, 1);
+    const auto pixel = [&](const VoxelField& field, double step, const VolumeLook& look = {}) {
+        return render_volume_reference({&volume, 1}, {&field, 1}, transfer, camera, 1, 1, {}, look,
+                                       {Interpolation::linear, step})
+            .pixel[0];
+    };
+    const Rgba exact = quadrature(1);
+    expect_near(pixel(own(), 0.002), exact, 1e-3);
+    expect_near(pixel(own(), 0.25), exact, 0.05);
+    // Another field, 5 everywhere, does not fade; its density does.
+    VoxelField five = own();
+    five.lower = five.upper = 5;
+    five.component[0].leaf.resize(1);
+    five.component[0].leaf[0].fill(5);
+    expect_near(pixel(five, 0.002), quadrature(0), 1e-3);
+    // The gradient is along x, its length does not matter; the same with a light from the eye.
+    VolumeLook look;
+    look.light = true, look.ambient = 0.5, look.diffuse = 0.25, look.specular = 0;
+    const Rgba lit = pixel(own(), 0.002, look);
+    expect_near(lit, rgba(0.75 * exact.r, 0.75 * exact.g, 0, exact.a), 1e-3);
+    look = {};
+    look.clip.planes.push_back({{1, 0, 0}, 99});
+    EXPECT_EQ(pixel(own(), 0.25, look).a, 0);
+    EXPECT_THROW((void)pixel(own(), 0), Error);
+    const std::vector<Volume> two{volume, volume};
+    const std::vector<VoxelField> fields{own(), own()};
+    EXPECT_THROW((void)render_volume_reference(two, fields, transfer, camera, 1, 1, {}, {},
+                                               {Interpolation::linear, 0.25}),
+                 Error);
+}
+
 }  // namespace vog::test

@@ -25,9 +25,10 @@ void check_by_value(const RenderArguments& arguments, const CLI::App& command,
     const std::string& input = arguments.drawing.inputs.front();
     if (drawing.kind == FileKind::points)
         throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
-    if (drawing.kind == FileKind::volume && arguments.drawing.interpolation != "constant")
+    if (drawing.kind == FileKind::volume && arguments.drawing.interpolation != "constant" &&
+        arguments.quantity.maximum())
         throw CLI::ValidationError(
-            fmt::format("--interpolation linear does not go with {}: voxels are constant", show));
+            "--interpolation linear does not go with --show maximum: voxels are constant");
     if (drawing.kind == FileKind::volume && drawing.renderer != Renderer::reference)
         throw Error(fmt::format("{}: {} draws no volumes by value, expected reference", show,
                                 info_of(drawing.renderer).name));

@@ -5,6 +5,7 @@
 
 #include "fields/value_inputs.h"
 #include "fields/value_transfer_run.h"
+#include "vog/error.h"
 
 namespace vog::cli {
 
@@ -57,13 +58,26 @@ DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& i
 DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& inputs) {
     ReferenceOptions options;
     options.samples = arguments.drawing.samples;
+    VoxelGridOptions voxels;
+    if (arguments.drawing.interpolation == "linear") {
+        const std::string& input = arguments.drawing.inputs.front();
+        if (inputs.volumes->volumes.size() > 1)
+            throw Error(fmt::format(
+                "{}: {} volumes or parts of a mesh, --interpolation linear with --show volume is "
+                "of one",
+                input, inputs.volumes->volumes.size()));
+        if (arguments.drawing.step_voxels == 0)
+            throw CLI::ValidationError(
+                "--step 0: a picture by value has samples, expected a step > 0");
+        voxels = {Interpolation::linear, arguments.drawing.step_voxels};
+    }
     VolumeLook look = look_of(arguments.value);
     look.clip = clip_of(arguments.drawing);
     return [=, data = inputs.volumes](const ValueTransfer& transfer, const Camera& camera,
                                       int width, int height, const Progress& progress) mutable {
         options.progress = progress;
         return render_volume_reference(data->volumes, data->field, transfer, camera, width, height,
-                                       options, look);
+                                       options, look, voxels);
     };
 }
 

@@ -1,12 +1,16 @@
 // volume_reference.cpp: Emission and absorption by value through the voxels themselves, exact for voxels of constant
-// value: Max, "Optical models for direct volume rendering", 1995, piece by piece.
+// value, by steps between interpolated ones: Max, "Optical models for direct volume rendering", 1995, piece by piece.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
 #include "render/by_value/lighting.h"
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
+#include "render/reference/fields/linear_volume.h"
 #include "shade/values/value_pieces.h"
+#include "vog/error.h"
 #include "vog/volume_picture.h"
 
 namespace vog {
@@ -40,15 +44,26 @@ class VoxelLight {
         : pieces_(transfer), lighting_(look) {}
     /// towards_eye  unit length
     ValueLight operator()(const FieldGrid& grid, const FieldCell& cell, Vec3d towards_eye) const {
-        ValueLight light = pieces_(cell.value);
-        if (!grid.own()) light.extinction *= cell.density;
+        return lit(cell.value, grid.own() ? 1 : cell.density, towards_eye,
+                   [&] { return grid.gradient(cell); });
+    }
+    ValueLight operator()(const LinearVolume& grid, const LinearVolume::Sample& sample,
+                          Vec3d towards_eye) const {
+        return lit(sample.value, grid.own() ? 1 : sample.density, towards_eye,
+                   [&] { return grid.world_gradient(sample); });
+    }
+
+  private:
+    template <class Gradient>
+    ValueLight lit(double value, double weight, Vec3d towards_eye, const Gradient& gradient) const {
+        ValueLight light = pieces_(value);
+        light.extinction *= weight;
         if (!lighting_.on() || !(light.extinction > 0)) return light;
-        const auto [body, shine] = lighting_(grid.gradient(cell), towards_eye);
+        const auto [body, shine] = lighting_(gradient(), towards_eye);
         for (double* c : {&light.r, &light.g, &light.b}) *c = std::min(body * *c + shine, 1.0);
         return light;
     }
 
-  private:
     shading::ValuePieces pieces_;
     Lighting lighting_;
 };
@@ -89,8 +104,8 @@ void composite(std::vector<LitPiece>& pieces, double stretch, Compositor& to) {
 }
 
 /// The light along one ray.
-Compositor light_along(std::span<const FieldGrid> grids, const VoxelLight& lighting, Vec3d origin,
-                       Vec3d direction, Segment within) {
+Compositor light_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
+                       Vec3d origin, Vec3d direction, Segment within) {
     Compositor light;
     const double stretch = length(direction);
     const Vec3d towards_eye = (-1 / stretch) * direction;
@@ -117,22 +132,30 @@ Compositor light_along(std::span<const FieldGrid> grids, const VoxelLight& light
     return light;
 }
 
+/// The light along one ray through interpolated voxels, classified sample by sample.
+Compositor light_along(const LinearVolume& grid, const VoxelLight& lighting, Vec3d origin,
+                       Vec3d direction, Segment within) {
+    Compositor light;
+    const double stretch = length(direction);
+    const Vec3d towards_eye = (-1 / stretch) * direction;
+    grid.walk(origin, direction, within, [&](const LinearVolume::Sample& sample, double dt) {
+        const ValueLight here = lighting(grid, sample, towards_eye);
+        if (const double depth = here.extinction * dt * stretch; depth > 0)
+            light.add(depth, here.r, here.g, here.b);
+        return !light.opaque();
+    });
+    return light;
+}
+
 Segment both(Segment a, Segment b) {
     return {std::max(a.first, b.first), std::min(a.last, b.last)};
 }
 
-}  // namespace
-
-VolumeImage render_volume_reference(std::span<const Volume> volumes,
-                                    std::span<const VoxelField> fields,
-                                    const ValueTransfer& transfer, const Camera& camera, int width,
-                                    int height, const ReferenceOptions& options,
-                                    const VolumeLook& look) {
-    check_samples(options.samples);
-    validate(options.clip);
-    validate(look);
-    const VoxelLight lighting(transfer, look);
-    const std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
+/// Averages rays over pixels.
+/// light_of(origin, direction, within)  returns a Compositor
+template <class LightOf>
+VolumeImage picture_of(const Camera& camera, int width, int height, const ReferenceOptions& options,
+                       const Clipping& clip, const LightOf& light_of) {
     const CameraFrame frame = frame_of(camera, width, height);
     VolumeImage image{width, height, {}};
     image.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
@@ -145,12 +168,12 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
             const double y = row + sample_offset(n / samples, samples);
             const Vec3d origin = frame.origin(x, y), direction = frame.direction(x, y);
             const Segment within = both(visible_segment(options.clip, origin, direction),
-                                        visible_segment(look.clip, origin, direction));
+                                        visible_segment(clip, origin, direction));
             if (within.empty()) {
                 ++passed;
                 continue;
             }
-            const Compositor light = light_along(grids, lighting, origin, direction, within);
+            const Compositor light = light_of(origin, direction, within);
             r += light.r, g += light.g, b += light.b, passed += light.transmittance;
         }
         const double share = 1.0 / (samples * samples);
@@ -160,6 +183,33 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
             static_cast<float>(share * b), static_cast<float>(1 - share * passed)};
     });
     return image;
+}
+
+}  // namespace
+
+VolumeImage render_volume_reference(std::span<const Volume> volumes,
+                                    std::span<const VoxelField> fields,
+                                    const ValueTransfer& transfer, const Camera& camera, int width,
+                                    int height, const ReferenceOptions& options,
+                                    const VolumeLook& look, const VoxelGridOptions& voxels) {
+    check_samples(options.samples);
+    validate(options.clip);
+    validate(look);
+    const VoxelLight lighting(transfer, look);
+    check_fields(volumes, fields, FieldPart::value);
+    const auto drawn = [&](const auto& grid) {
+        return picture_of(camera, width, height, options, look.clip,
+                          [&](Vec3d origin, Vec3d direction, Segment within) {
+                              return light_along(grid, lighting, origin, direction, within);
+                          });
+    };
+    if (voxels.interpolation == Interpolation::constant)
+        return drawn(field_grids(volumes, fields, FieldPart::value));
+    if (volumes.size() != 1)
+        throw Error(
+            fmt::format("reference: {} volumes, interpolated, in a picture by value, expected one",
+                        volumes.size()));
+    return drawn(LinearVolume(volumes[0], fields[0], voxels));
 }
 
 }  // namespace vog

@@ -1,0 +1,146 @@
+// linear_block.h: The trilinear field between voxel centres, block by block along a ray.
+// A cell is the cube between eight voxel centres, and a block of 8^3 cells needs the values of its
+// own leaf and of the seven above it in x, y and z. A cell that touches an active voxel lies in a
+// leaf, a tile or a border tile, so the traversal of the tree finds every block where the field is not 0.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "render/reference/hierarchical_dda.h"
+
+namespace vog::reference {
+
+/// Values of one block of 8^3 voxels: a leaf's table, or one value for all.
+struct BlockValues {
+    const float* at = nullptr;
+    std::uint32_t mask = 0;  ///< applied to offsets: 511 for a leaf, 0 for one value
+
+    float operator[](std::uint32_t offset) const { return at[offset & mask]; }
+};
+
+inline constexpr float kEmpty = 0;
+
+/// The block that contains this index.
+inline BlockValues find_block(const NanoRoot& root, const nanovdb::Coord& index) {
+    const auto* cell = root.probeTile(index);
+    if (!cell) return {&kEmpty, 0};
+    if (!cell->isChild()) return {cell->isActive() ? &cell->value : &kEmpty, 0};
+    const NanoUpper& upper = *root.data()->getChild(cell);
+    const std::uint32_t in_upper = NanoUpper::CoordToOffset(index);
+    if (!upper.childMask().isOn(in_upper))
+        return {upper.valueMask().isOn(in_upper) ? &upper.data()->mTable[in_upper].value : &kEmpty,
+                0};
+    const NanoLower& lower = *upper.data()->getChild(in_upper);
+    const std::uint32_t in_lower = NanoLower::CoordToOffset(index);
+    if (!lower.childMask().isOn(in_lower))
+        return {lower.valueMask().isOn(in_lower) ? &lower.data()->mTable[in_lower].value : &kEmpty,
+                0};
+    return {lower.data()->getChild(in_lower)->data()->mValues, kLeafVoxels - 1};
+}
+
+/// A block with the seven blocks above it, whose values its cells interpolate.
+class Block {
+  public:
+    Block(const NanoRoot& root, Vec3d index, Vec3d lower) : lower_(lower) {
+        for (int n = 0; n < 8; ++n)
+            values_[static_cast<std::size_t>(n)] =
+                find_block(root, {static_cast<int>(index.x) + (n & 4 ? kLeafEdge : 0),
+                                  static_cast<int>(index.y) + (n & 2 ? kLeafEdge : 0),
+                                  static_cast<int>(index.z) + (n & 1 ? kLeafEdge : 0)});
+    }
+
+    /// The field at a local point, which is clamped to the block against rounding.
+    double operator()(Vec3d point) const { return at(point).value(); }
+
+    /// Values of the eight voxels around a point, and its place between them.
+    struct Cell {
+        double corner[2][2][2];  ///< [x][y][z]
+        double w[3];             ///< weights of the upper planes, [0, 1]
+
+        double value() const {
+            return mix(mix(along_z(0, 0), along_z(0, 1), w[1]),
+                       mix(along_z(1, 0), along_z(1, 1), w[1]), w[0]);
+        }
+        /// Gradient of the trilinear field, per voxel.
+        Vec3d gradient() const {
+            const auto rise = [&](int x, int y) { return corner[x][y][1] - corner[x][y][0]; };
+            return {
+                mix(along_z(1, 0) - along_z(0, 0), along_z(1, 1) - along_z(0, 1), w[1]),
+                mix(along_z(0, 1) - along_z(0, 0), along_z(1, 1) - along_z(1, 0), w[0]),
+                mix(mix(rise(0, 0), rise(0, 1), w[1]), mix(rise(1, 0), rise(1, 1), w[1]), w[0])};
+        }
+
+      private:
+        double along_z(int x, int y) const { return mix(corner[x][y][0], corner[x][y][1], w[2]); }
+        static double mix(double a, double b, double t) { return a + t * (b - a); }
+    };
+    Cell at(Vec3d point) const {
+        // Along each axis: the blocks of the two planes of centres around the point, their parts of
+        // the offset in these blocks, and the weight of the second plane.
+        std::uint32_t block[3][2], offset[3][2];
+        Cell made;
+        for (int axis = 0; axis < 3; ++axis) {
+            const double from_lower = point[axis] - lower_[axis];
+            const int cell = std::clamp(static_cast<int>(from_lower), 0, kLeafEdge - 1);
+            made.w[axis] = from_lower - cell;
+            for (int side = 0; side < 2; ++side) {
+                const auto plane = static_cast<std::uint32_t>(cell + side);
+                block[axis][side] = plane >> 3 << (2 - axis);
+                offset[axis][side] = (plane & 7) << 3 * (2 - axis);
+            }
+        }
+        for (int x = 0; x < 2; ++x)
+            for (int y = 0; y < 2; ++y)
+                for (int z = 0; z < 2; ++z)
+                    made.corner[x][y][z] =
+                        double{values_[block[0][x] | block[1][y] | block[2][z]]
+                                      [offset[0][x] | offset[1][y] | offset[2][z]]};
+        return made;
+    }
+    Vec3d lower() const { return lower_; }
+
+  private:
+    Vec3d lower_;
+    std::array<BlockValues, 8> values_;
+};
+
+/// Midpoint rule with samples at start + (k + 1/2) spacing, so that their positions do not depend on
+/// the tree. first(t) is monotonic: each sample belongs to exactly one segment.
+struct Midpoints {
+    double start = 0, spacing = 1;
+
+    double first(double t) const { return std::ceil((t - start) / spacing - 0.5); }
+    double count(Segment s) const { return first(s.last) - first(s.first); }
+
+    template <class Field>
+    double integrate(const GridRay& ray, Segment segment, const Field& field) const {
+        double sum = 0;
+        for (double k = first(segment.first), end = first(segment.last); k < end; ++k)
+            sum += field(ray.origin + (start + (k + 0.5) * spacing) * ray.direction);
+        return sum * spacing;
+    }
+    double constant(float value, Segment segment) const { return value * count(segment) * spacing; }
+};
+
+/// Calls visit(lower, part) for every block of a tile along a segment.
+/// edge  of the tile, voxels
+template <class Visit>
+void for_each_block(const GridRay& ray, Vec3d lower, int edge, Segment segment, Visit&& visit) {
+    const auto walk = [&]<int Log2Cells>() {
+        for_each_cell<Log2Cells>(ray, lower, kLeafEdge, segment,
+                                 [&](std::uint32_t offset, Segment part) {
+                                     visit(cell_lower<Log2Cells>(lower, kLeafEdge, offset), part);
+                                 });
+    };
+    if (segment.empty()) return;
+    if (edge == kLeafEdge)
+        visit(lower, segment);
+    else if (edge == static_cast<int>(NanoLower::DIM))
+        walk.template operator()<4>();
+    else
+        walk.template operator()<9>();
+}
+
+}  // namespace vog::reference
