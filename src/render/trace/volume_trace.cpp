@@ -181,7 +181,7 @@ LitSteps VolumeRays::steps(const device::Ray& ray, std::span<const OnRay> hits,
 }
 
 /// Emission and absorption, front to back.
-Rgba composite(std::span<const Sum> sums) {
+Rgba composited(std::span<const Sum> sums) {
     double transmittance = 1;
     std::array<double, 3> color{};
     for (const Sum& sum : sums) {
@@ -288,7 +288,7 @@ VolumeImage render_volume_trace(const Gaussians& gaussians, const std::string& f
         gaussians, values, {camera, width, height, options, scene, look},
         [&] { return fit_light(gaussians, values, transfer); },
         [&](std::size_t pixel, const LitSteps& steps) {
-            image.pixel[pixel] = composite(steps.sums);
+            image.pixel[pixel] = composited(steps.sums);
         });
     return image;
 }

@@ -21,7 +21,8 @@ VoxelGridOptions checked(VoxelGridOptions voxels) {
 /// The volume with other values at its active voxels.
 /// leaf_value(leaf, offset), tile_value(tile)
 template <class LeafValue, class TileValue>
-Volume with_values(const Volume& volume, const LeafValue& leaf_value, const TileValue& tile_value) {
+Volume with_voxel_values(const Volume& volume, const LeafValue& leaf_value,
+                         const TileValue& tile_value) {
     Volume made = volume;
     vog::parallel_for(std::size_t{0}, made.leaves.size(), [&](std::size_t l) {
         for (int n = 0; n < kLeafVoxels; ++n)
@@ -44,7 +45,7 @@ LinearVolume::LinearVolume(const Volume& volume, const VoxelField& field,
         return static_cast<float>(std::max((double{value} - lower) / range, 0.0));
     };
     const auto grid = [&](const auto& leaf_value, const auto& tile_value) {
-        return voxel_grid(with_values(volume, leaf_value, tile_value), checked(voxels));
+        return voxel_grid(with_voxel_values(volume, leaf_value, tile_value), checked(voxels));
     };
     parts_ = Parts{
         lower, range,
