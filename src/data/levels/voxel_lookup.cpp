@@ -68,6 +68,11 @@ bool VoxelLookup::meets(Vec3i lower, Vec3i upper) const {
             if (first[axis] > upper[axis] || first[axis] + edge <= lower[axis]) return false;
         return true;
     };
+    const auto active = [&](const auto& node) {
+        if constexpr (requires { node.mask; })
+            return meets(node, lower - node.origin, upper - node.origin);
+        return true;
+    };
     const auto any = [&](const auto& nodes, int edge) {
         if (nodes.empty()) return false;
         const Vec3i first = origin(lower, edge);
@@ -75,13 +80,16 @@ bool VoxelLookup::meets(Vec3i lower, Vec3i upper) const {
         for (int axis = 0; axis < 3; ++axis)
             blocks *= 1 + (double(upper[axis]) - first[axis]) / edge;
         if (blocks > static_cast<double>(nodes.size()))
-            return std::any_of(nodes.begin(), nodes.end(),
-                               [&](const auto& node) { return in_box(node.first, edge); });
+            return std::any_of(nodes.begin(), nodes.end(), [&](const auto& node) {
+                return in_box(node.first, edge) && active(*node.second);
+            });
         for (std::int64_t x = first.x; x <= upper.x; x += edge)
             for (std::int64_t y = first.y; y <= upper.y; y += edge)
-                for (std::int64_t z = first.z; z <= upper.z; z += edge)
-                    if (nodes.contains(vec_cast<std::int32_t>(Vec3<std::int64_t>{x, y, z})))
-                        return true;
+                for (std::int64_t z = first.z; z <= upper.z; z += edge) {
+                    const auto found =
+                        nodes.find(vec_cast<std::int32_t>(Vec3<std::int64_t>{x, y, z}));
+                    if (found != nodes.end() && active(*found->second)) return true;
+                }
         return false;
     };
     return any(leaves_, kLeafEdge) || any(small_, 8) || any(middle_, 128) || any(large_, 4096);
@@ -105,17 +113,36 @@ bool VoxelLookup::covers(Vec3i lower, Vec3i upper) const {
     return true;
 }
 
-bool VoxelLookup::covers(const Leaf& leaf, Vec3i lower, Vec3i upper) {
+std::pair<Vec3i, Vec3i> VoxelLookup::inside_leaf(Vec3i lower, Vec3i upper) {
     for (int axis = 0; axis < 3; ++axis) {
         lower[axis] = std::max(lower[axis], 0);
         upper[axis] = std::min(upper[axis], kLeafEdge - 1);
     }
-    if (lower == Vec3i{0, 0, 0} && upper == Vec3i{7, 7, 7}) return leaf.dense();
-    for (int x = lower.x; x <= upper.x; ++x)
-        for (int y = lower.y; y <= upper.y; ++y)
-            for (int z = lower.z; z <= upper.z; ++z)
-                if (!leaf.active(leaf_offset(x, y, z))) return false;
+    return {lower, upper};
+}
+
+std::uint64_t VoxelLookup::slab_bits(Vec3i lower, Vec3i upper) {
+    const auto run = [](int first, int last) {
+        return (std::uint64_t{2} << last) - (std::uint64_t{1} << first);
+    };
+    // Rows of 8 bits along z, each from bit 8 y on.
+    return run(lower.z, upper.z) * (run(8 * lower.y, 8 * upper.y) & 0x0101010101010101u);
+}
+
+bool VoxelLookup::covers(const Leaf& leaf, Vec3i lower, Vec3i upper) {
+    const auto [first, last] = inside_leaf(lower, upper);
+    const std::uint64_t bits = slab_bits(first, last);
+    for (int x = first.x; x <= last.x; ++x)
+        if (bits & ~leaf.mask[static_cast<std::size_t>(x)]) return false;
     return true;
+}
+
+bool VoxelLookup::meets(const Leaf& leaf, Vec3i lower, Vec3i upper) {
+    const auto [first, last] = inside_leaf(lower, upper);
+    const std::uint64_t bits = slab_bits(first, last);
+    for (int x = first.x; x <= last.x; ++x)
+        if (bits & leaf.mask[static_cast<std::size_t>(x)]) return true;
+    return false;
 }
 
 }  // namespace vog

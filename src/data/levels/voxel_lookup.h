@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <unordered_map>
+#include <utility>
 
 #include "vog/volume.h"
 
@@ -24,7 +26,7 @@ class VoxelLookup {
         return block.leaf ? block.leaf->value[static_cast<std::size_t>(offset_of(index))] : 0;
     }
     bool in_tile(Vec3i index) const { return find(index).tile != nullptr; }
-    /// Whether any leaf or tile overlaps the voxels lower to upper, both included.
+    /// Whether any of the voxels lower to upper, both included, is active.
     bool meets(Vec3i lower, Vec3i upper) const;
     /// Whether all of these voxels are active.
     bool covers(Vec3i lower, Vec3i upper) const;
@@ -48,6 +50,10 @@ class VoxelLookup {
     Block find(Vec3i index) const;
     /// lower, upper  relative to the leaf's origin; clipped to the leaf
     static bool covers(const Leaf& leaf, Vec3i lower, Vec3i upper);
+    static bool meets(const Leaf& leaf, Vec3i lower, Vec3i upper);
+    static std::pair<Vec3i, Vec3i> inside_leaf(Vec3i lower, Vec3i upper);
+    /// Bits of a word of Leaf::mask for voxels lower to upper in y and z.
+    static std::uint64_t slab_bits(Vec3i lower, Vec3i upper);
 
     Map<Leaf> leaves_;
     Map<Tile> small_, middle_, large_;  ///< tiles of 8, 128, 4096 voxels
