@@ -21,8 +21,10 @@ struct VoxelGrid::Data {
     /// The ray in local coordinates in which voxel i covers [i, i + 1) (voxel_ray), or has its centre
     /// at i (center_ray). Both have the same t as the ray in world space.
     reference::GridRay voxel_ray(Vec3d origin, Vec3d direction) const {
-        return {local_from_world * (origin - world_corner) + Vec3d{0.5, 0.5, 0.5},
-                local_from_world * direction};
+        return {voxel_origin(origin), local_from_world * direction};
+    }
+    Vec3d voxel_origin(Vec3d origin) const {
+        return local_from_world * (origin - world_corner) + Vec3d{0.5, 0.5, 0.5};
     }
     reference::GridRay center_ray(Vec3d origin, Vec3d direction) const {
         return {local_from_world * (origin - world_corner), local_from_world * direction};

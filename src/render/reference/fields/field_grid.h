@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "render/reference/hierarchical_dda.h"
+#include "render/reference/node_search.h"
 #include "render/reference/reference_grid.h"
 #include "vog/field_maps.h"
 #include "vog/voxel_field.h"
@@ -35,6 +36,7 @@ class FieldGrid {
 
     /// Whether the field is the volume's own values.
     bool own() const { return own_; }
+    const VoxelGrid::Data& data() const { return grid_.data(); }
 
     /// Calls visit(FieldCell) for the active voxels on a ray within a segment of it, front to back, until visit
     /// returns false.
@@ -44,6 +46,41 @@ class FieldGrid {
         const GridRay ray = grid.voxel_ray(origin, direction);
         march_in_order(grid.root_cells, ray, Walk<Visit>{*this, ray, normalized(direction), visit},
                        within);
+    }
+
+    /// Voxels of a leaf, with the shown part of the field.
+    class LeafCells {
+      public:
+        /// Bit z: whether the voxel (x, y, z) is active.
+        unsigned active(int x, int y) const {
+            return leaf_.mask[static_cast<std::size_t>(x)] >> 8 * y & 0xff;
+        }
+        double density(int offset) const {
+            return double{leaf_.value[static_cast<std::size_t>(offset)]};
+        }
+        double value(int offset) const {
+            return of_.leaf_value(towards_, index_, static_cast<std::uint32_t>(offset),
+                                  density(offset));
+        }
+
+      private:
+        friend class FieldGrid;
+        LeafCells(const FieldGrid& of, Vec3d towards, std::size_t index)
+            : of_(of), towards_(towards), index_(index), leaf_(of.volume_.leaves[index]) {}
+        const FieldGrid& of_;
+        Vec3d towards_;  ///< unit length
+        std::size_t index_;
+        const Leaf& leaf_;
+    };
+    /// Visits the leaves and tiles whose boxes pass a test, in local coordinates, in an order of the grid alone:
+    ///   visitor.leaf(const LeafCells&, Vec3d lower)
+    ///   visitor.tile(Vec3d lower, double edge, double density, double value)
+    /// direction  of parallel rays, world
+    /// near       as search() calls it
+    template <class Near, class Visitor>
+    void search_boxes(Vec3d direction, const Near& near, Visitor& visitor) const {
+        search(grid_.data().root_cells, near,
+               BoxSearch<Visitor>{*this, normalized(direction), visitor});
     }
 
     /// Gradient of a scalar field in a voxel by central differences, per world unit. Inactive neighbours have the
@@ -78,6 +115,23 @@ class FieldGrid {
             const Vec3i origin = of.tile_origin(lower);
             goes_on = visit(FieldCell{double{value}, of.tile_value(towards, origin, double{value}),
                                       true, origin, segment});
+        }
+    };
+
+    /// Visitor of the nodes that pass a test.
+    template <class Visitor>
+    struct BoxSearch {
+        const FieldGrid& of;
+        Vec3d towards;  ///< unit length
+        Visitor& visitor;
+
+        void leaf(const NanoLeaf& leaf, Vec3d lower) {
+            const std::size_t index = of.leaf_index_[static_cast<std::size_t>(&leaf - of.leaves_)];
+            visitor.leaf(LeafCells(of, towards, index), lower);
+        }
+        void tile(Vec3d lower, double edge, float value) {
+            visitor.tile(lower, edge, double{value},
+                         of.tile_value(towards, of.tile_origin(lower), double{value}));
         }
     };
 

@@ -1,9 +1,11 @@
 // field_reference.cpp: Maps of a field through the voxels themselves: constant in each voxel, or by grids of its
 // moments, interpolated or of levels.
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 #include "render/pixel_tiles.h"
+#include "render/reference/fields/box_view.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/field_moments.h"
 #include "render/reference/fields/visible_parts.h"
@@ -86,6 +88,68 @@ FieldMaps maps_of(const Camera& camera, int width, int height, const ReferenceOp
     return maps;
 }
 
+/// Adds the voxels of a grid on a ray.
+void add_ray(const FieldGrid& grid, Vec3d origin, Vec3d direction, Segment seen,
+             FirstRelative& to) {
+    const double stretch = length(direction);
+    grid.walk(origin, direction, seen, [&](const FieldCell& cell) {
+        to.add(cell.density * (cell.segment.last - cell.segment.first) * stretch, cell.value);
+        return true;
+    });
+}
+
+/// Grids of a picture by the way that their voxels are added.
+struct DividedGrids {
+    std::vector<BoxView> boxes;
+    std::vector<const FieldGrid*> rays;
+};
+DividedGrids divided(const std::vector<FieldGrid>& grids, const CameraFrame& frame,
+                     const ReferenceOptions& options) {
+    DividedGrids all;
+    for (const FieldGrid& grid : grids) {
+        if (frame.orthographic && options.samples == 1 && options.clip.empty()) {
+            const BoxView view(grid, frame);
+            if (view.faster_than_rays()) {
+                all.boxes.push_back(view);
+                continue;
+            }
+        }
+        all.rays.push_back(&grid);
+    }
+    return all;
+}
+
+/// Sums over one ray a pixel, with boxes in some grids.
+FieldMaps maps_with_boxes(const DividedGrids& grids, const CameraFrame& frame,
+                          const Progress& progress) {
+    FieldMaps maps = empty_maps(frame.width, frame.height);
+    const auto draw = [&](int left, int top) {
+        const auto tile = std::make_unique<BoxTile>();
+        for (const BoxView& boxes : grids.boxes) boxes.add_to(*tile, left, top);
+        const int width = std::min(BoxTile::kWidth, frame.width - left);
+        const int height = std::min(BoxTile::kHeight, frame.height - top);
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {
+                check_interrupt();
+                const double column = tile->column[y][x];
+                FirstRelative pixel{{column, tile->first[y][x], tile->second[y][x]},
+                                    tile->reference[y][x],
+                                    column > 0};
+                for (const FieldGrid* grid : grids.rays)
+                    add_ray(*grid, frame.origin(left + x, top + y),
+                            frame.direction(left + x, top + y), {}, pixel);
+                const auto n =
+                    static_cast<std::size_t>(top + y) * static_cast<std::size_t>(frame.width) +
+                    static_cast<std::size_t>(left + x);
+                set_pixel(maps, n, pixel.sums, pixel.sums.column, pixel.reference, 1);
+            }
+        return true;
+    };
+    for_each_tile({frame.width, frame.height, BoxTile::kWidth, BoxTile::kHeight}, progress, draw,
+                  [](bool) {});
+    return maps;
+}
+
 /// Calls maps(part, progress) for the part, or for each component of a magnitude.
 template <class Maps>
 FieldMaps of_part(FieldPart part, const Progress& progress, const Maps& maps) {
@@ -102,18 +166,17 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
         return ReferenceOptions{progress, options.samples, options.clip};
     };
     const auto constant = [&](FieldPart shown, const Progress& progress) {
+        check_samples(options.samples);
+        validate(options.clip);
         const std::vector<FieldGrid> grids = field_grids(volumes, fields, shown);
+        const CameraFrame frame = frame_of(camera, width, height);
+        const DividedGrids parts = divided(grids, frame, options);
+        if (!parts.boxes.empty()) return maps_with_boxes(parts, frame, progress);
         return maps_of(camera, width, height, of(progress),
                        [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
                            const Segment seen = visible_segment(options.clip, origin, direction);
-                           const double stretch = length(direction);
                            for (const FieldGrid& grid : grids)
-                               grid.walk(origin, direction, seen, [&](const FieldCell& cell) {
-                                   const double part_of_ray =
-                                       cell.segment.last - cell.segment.first;
-                                   to.add(cell.density * part_of_ray * stretch, cell.value);
-                                   return true;
-                               });
+                               add_ray(grid, origin, direction, seen, to);
                        });
     };
     const auto linear = [&](FieldPart shown, const Progress& progress) {
