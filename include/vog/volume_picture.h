@@ -72,9 +72,10 @@ class SlabRenderer {
 
     /// Transfer function of the next pictures. The same one again costs nothing, another about 1 us a Gaussian.
     void set_transfer(const ValueTransfer& transfer);
-    /// returns  the same bytes for any number of threads
+    /// picture  receives the result, the same bytes for any number of threads; its memory is reused
     /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side
     /// cost     memory: 200 bytes a visible Gaussian, 25 kB a slab and thread
+    void render(const Camera& camera, int width, int height, VolumeImage& picture);
     [[nodiscard]] VolumeImage render(const Camera& camera, int width, int height);
 
   private:

@@ -11,9 +11,9 @@ namespace vog::cli {
 
 namespace {
 
-/// Picture of the inputs, with progress.
-using DrawVolume =
-    std::function<VolumeImage(const ValueTransfer&, const Camera&, int, int, const Progress&)>;
+/// Picture of the inputs, with progress, into an earlier one's memory.
+using DrawVolume = std::function<void(const ValueTransfer&, const Camera&, int, int,
+                                      const Progress&, VolumeImage& picture)>;
 
 /// The renderers of models by value: the one place that knows them.
 /// throws  CLI::ValidationError and vog::Error for options and renderers that draw no model by value
@@ -28,11 +28,11 @@ DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& i
             throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
         const TraceSceneOptions scene{given.aabb_sigma, given.kappa};
         return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,
-                   const Progress& progress) {
+                   const Progress& progress, VolumeImage& picture) {
             TraceOptions options;
             options.progress = progress;
-            return render_volume_trace(*model, field, transfer, camera, width, height, options,
-                                       scene, look);
+            picture = render_volume_trace(*model, field, transfer, camera, width, height, options,
+                                          scene, look);
         };
     }
     if (given.aabb_sigma != 0)
@@ -44,14 +44,13 @@ DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& i
     // Made with the first transfer function, then kept for pictures under others.
     const auto kept = std::make_shared<std::optional<SlabRenderer>>();
     return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,
-               const Progress& progress) {
+               const Progress& progress, VolumeImage& picture) {
         if (*kept)
             (*kept)->set_transfer(transfer);
         else
             kept->emplace(*model, field, transfer, options);
-        VolumeImage image = (*kept)->render(camera, width, height);
+        (*kept)->render(camera, width, height, picture);
         if (progress) progress(1);
-        return image;
     };
 }
 
@@ -74,10 +73,11 @@ DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& 
     VolumeLook look = look_of(arguments.value);
     look.clip = clip_of(arguments.drawing);
     return [=, data = inputs.volumes](const ValueTransfer& transfer, const Camera& camera,
-                                      int width, int height, const Progress& progress) mutable {
+                                      int width, int height, const Progress& progress,
+                                      VolumeImage& picture) mutable {
         options.progress = progress;
-        return render_volume_reference(data->volumes, data->field, transfer, camera, width, height,
-                                       options, look, voxels);
+        picture = render_volume_reference(data->volumes, data->field, transfer, camera, width,
+                                          height, options, look, voxels);
     };
 }
 
@@ -107,7 +107,11 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
                          2 * box.radius()};
     const ChosenTransfer chosen = stages.run("transfer function", [&] {
         const auto draw = [&](const ValueTransfer& transfer, const Camera& from, int width,
-                              int height) { return drawn(transfer, from, width, height, {}); };
+                              int height) {
+            VolumeImage small;
+            drawn(transfer, from, width, height, {}, small);
+            return small;
+        };
         return choose_transfer(arguments, command, data, draw, camera, size);
     });
     print_notes(chosen.notes);
@@ -117,7 +121,7 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
     VolumeImage image;
     std::vector<double> render_ms = stages.run("render", [&] {
         return timed(arguments, [&] {
-            image = drawn(chosen.transfer, camera, size.width, size.height, progress);
+            drawn(chosen.transfer, camera, size.width, size.height, progress, image);
         });
     });
     if (!arguments.output.empty())

@@ -190,6 +190,18 @@ TEST(volume_splat, every_target_and_any_number_of_threads_give_one_picture) {
     }
 }
 
+TEST(volume_splat, an_earlier_picture_leaves_no_trace) {
+    const Gaussians model = cloud_of_values();
+    const ScalarField& field = model.fields.scalar.front();
+    SlabRenderer renderer(model, field.name, rainbow(field));
+    VolumeImage picture;
+    renderer.render(towards({0.6, 0.6, 0.9}, {0.5, 0.5, 0.5}, false), 150, 90, picture);
+    const Camera camera = towards({6, 5, 9}, {0.5, 0.5, 0.5}, false);
+    renderer.render(camera, 200, 70, picture);
+    EXPECT_EQ(picture.pixel, renderer.render(camera, 200, 70).pixel);
+    EXPECT_EQ(picture.pixel.front(), (Rgba{0, 0, 0, 0}));
+}
+
 TEST(volume_splat, clips_cut_each_ray) {
     const Gaussians model = row_of_values(1, 0);
     const ValueTransfer transfer = two_colors();

@@ -82,16 +82,19 @@ DepthRange SlabPicture::depths(int t) const {
 /// Draws the bands of tile t.
 /// band  buffer, all sums 0 before and after
 void SlabPicture::draw_tile(int t, SlabBand& band, Rgba* image) const {
-    const DepthRange range = depths(t);
-    if (!(range.near <= range.far)) return;  // all pixels stay transparent
-    const SlabKernels& loops = slab_kernels(kernels);
     const ProjectedSplats& first = batches.front().splats;
+    const int bottom = std::min(first.row_of(t) + kTileHeight, view.frame.height);
     band.column = first.column_of(t);
+    for (int y = first.row_of(t); y < bottom; ++y)
+        std::fill_n(image + static_cast<std::ptrdiff_t>(y) * view.frame.width + band.column,
+                    std::min(kTileWidth, view.frame.width - band.column), Rgba{0, 0, 0, 0});
+    const DepthRange range = depths(t);
+    if (!(range.near <= range.far)) return;
+    const SlabKernels& loops = slab_kernels(kernels);
     // A margin keeps rounded depths inside.
     const float margin = 1e-5f * (range.far - range.near) + std::numeric_limits<float>::min();
     band.first = range.near - margin;
     band.thickness = (range.far - range.near + 2 * margin) / static_cast<float>(band.slabs);
-    const int bottom = std::min(first.row_of(t) + kTileHeight, view.frame.height);
     for (band.row = first.row_of(t); band.row < bottom; band.row += kBandRows) {
         set_clip(view, band);
         for (const SlabBatch& batch : batches) {
@@ -123,8 +126,8 @@ struct SlabModel {
 
     enum class Sums { light, maximum };
     /// light  [gaussians], in place of which value_planes makes a maximum
-    VolumeImage draw(const std::vector<LightQuadratic>& light, Sums sums, const Camera& camera,
-                     int width, int height);
+    void draw(const std::vector<LightQuadratic>& light, Sums sums, const Camera& camera, int width,
+              int height, VolumeImage& picture);
 };
 
 SlabModel::SlabModel(const Gaussians& of, const std::string& name, const SlabOptions& options)
@@ -149,17 +152,19 @@ SlabModel::SlabModel(const Gaussians& of, const std::string& name, const SlabOpt
     });
 }
 
-VolumeImage SlabModel::draw(const std::vector<LightQuadratic>& light, Sums sums,
-                            const Camera& camera, int width, int height) {
+void SlabModel::draw(const std::vector<LightQuadratic>& light, Sums sums, const Camera& camera,
+                     int width, int height, VolumeImage& picture) {
     const CameraFrame frame = relative_to(frame_of(camera, width, height), gaussians->origin);
     if (width > kMaxSide || height > kMaxSide)
         throw Error(fmt::format("image size {}x{}: expected at most {} pixels a side", width,
                                 height, kMaxSide));
-    VolumeImage picture{width, height, {}};
-    picture.pixel.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height),
-                         Rgba{0, 0, 0, 0});
+    picture.width = width, picture.height = height;
+    picture.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
     const std::size_t size = gaussians->size();
-    if (size == 0) return picture;
+    if (size == 0) {
+        std::ranges::fill(picture.pixel, Rgba{0, 0, 0, 0});
+        return;
+    }
     const double depth =
         dot(vec_cast<double>(gaussians->mean[size / 2]) - frame.eye, frame.forward);
     const Lighting lighting(look);
@@ -184,7 +189,6 @@ VolumeImage SlabModel::draw(const std::vector<LightQuadratic>& light, Sums sums,
     draw_tiles<Nothing>(batches.front().splats.bins, [&](int t, Nothing) {
         drawn.draw_tile(t, bands.local(), picture.pixel.data());
     });
-    return picture;
 }
 
 }  // namespace
@@ -212,8 +216,13 @@ void SlabRenderer::set_transfer(const ValueTransfer& transfer) {
     s.transfer = transfer;
 }
 
+void SlabRenderer::render(const Camera& camera, int width, int height, VolumeImage& picture) {
+    state_->slabs.draw(state_->light, SlabModel::Sums::light, camera, width, height, picture);
+}
 VolumeImage SlabRenderer::render(const Camera& camera, int width, int height) {
-    return state_->slabs.draw(state_->light, SlabModel::Sums::light, camera, width, height);
+    VolumeImage picture;
+    render(camera, width, height, picture);
+    return picture;
 }
 
 VolumeImage render_volume_splat(const Gaussians& gaussians, const std::string& field,
@@ -228,8 +237,9 @@ ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& fie
     SlabOptions unlit = options;
     unlit.look.light = false;
     SlabModel slabs(gaussians, field, unlit);
-    const VolumeImage shares = slabs.draw(value_planes(gaussians, *slabs.field),
-                                          SlabModel::Sums::maximum, camera, width, height);
+    VolumeImage shares;
+    slabs.draw(value_planes(gaussians, *slabs.field), SlabModel::Sums::maximum, camera, width,
+               height, shares);
     ValueMap map{width, height, std::vector<float>(shares.pixel.size())};
     std::ranges::transform(shares.pixel, map.value.begin(), [&](const Rgba& pixel) {
         return pixel.a > 0 ? value_of_share(*slabs.field, double{pixel.r})
