@@ -71,7 +71,7 @@ struct RenderOptions {
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
     int samples = 1;            ///< ReferenceOptions::samples
-    Clipping clip{};            ///< space that counts; for the reference
+    Clipping clip{};            ///< space that counts; for reference, splat and trace
 };
 
 /// One member of RenderOptions that some renderers have and others lack.

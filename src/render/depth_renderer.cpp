@@ -1,4 +1,5 @@
 // depth_renderer.cpp: DepthRenderer: one class for each renderer and the data it holds.
+#include "render/by_value/clipped_depth.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
 #include "vog/renderer.h"
@@ -68,6 +69,39 @@ class TraceState : public State {
   private:
     TraceScene scene_;
     TraceOptions options_;
+};
+
+/// Clipped chords: of all Gaussians, without a hierarchy, boxes or an end of rays.
+class ClippedState : public State {
+  public:
+    /// throws vog::Error for options that clipped pictures do not have
+    ClippedState(Renderer by, std::shared_ptr<const Gaussians> model, const RenderOptions& options)
+        : by_(by), model_(std::move(model)), options_(options) {
+        const auto refuse = [](const char* what) {
+            throw Error(std::string("a clip of Gaussians with ") + what + ", expected one of them");
+        };
+        validate(options.clip);
+        if (options.aabb_sigma != 0) refuse("bounding boxes");
+        if (options.pixel_error) refuse("a largest error of nodes");
+        if (options.trace.stop_transmittance > 0) refuse("an end of rays by transmittance");
+        if (options.trace.anyhit == AnyHit::collect) refuse("collected hits");
+    }
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress& progress) override {
+        TraceOptions trace;
+        trace.progress = progress;
+        depth = by_ == Renderer::trace
+                    ? by_value::clipped_depth_trace(*model_, options_.clip, options_.kappa, camera,
+                                                    width, height, trace)
+                    : by_value::clipped_depth_splat(*model_, options_.clip, options_.kappa, camera,
+                                                    width, height);
+    }
+
+  private:
+    Renderer by_;
+    std::shared_ptr<const Gaussians> model_;
+    RenderOptions options_;
 };
 
 class CudaState : public State {
@@ -160,6 +194,11 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::shared_ptr<const Gaussians>
                              const RenderOptions& options,
                              std::shared_ptr<const Hierarchy> hierarchy) {
     check(renderer, RenderInput::gaussians, options);
+    if (!options.clip.empty()) {
+        state_ = std::make_unique<ClippedState>(renderer, std::move(model), options);
+        state_->renderer = renderer;
+        return;
+    }
     switch (renderer) {
         case Renderer::trace:
             state_ = std::make_unique<TraceState>(*model, options);

@@ -42,7 +42,7 @@ const std::vector<OptionRow>& option_table() {
         {RenderOption::interpolation, "--interpolation", "interpolation", {reference}},
         {RenderOption::step, "--step", "step", {reference}},
         {RenderOption::samples, "--samples", "samples", {reference}},
-        {RenderOption::clip, "--clip", "clip", {reference}},
+        {RenderOption::clip, "--clip", "clip", {reference, splat, trace}},
     };
     return table;
 }

@@ -2,6 +2,8 @@
 // it stands for.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -166,6 +168,40 @@ TEST(depth_renderer, refuses_other_data_and_options) {
     EXPECT_THROW(DepthRenderer(Renderer::reference, set, {.kappa = 0.1}), Error);
     const std::string mesh = refusal([&] { DepthRenderer renderer(Renderer::optix, set); });
     EXPECT_TRUE(mesh.starts_with("optix: levels of a mesh hide each other")) << mesh;
+}
+
+TEST(depth_renderer, clips_cut_the_chords_of_gaussians) {
+    const auto model = some_gaussians();
+    const std::vector<float> whole = draw(DepthRenderer(Renderer::splat, model, {})).depth;
+    const double largest = double{*std::ranges::max_element(whole)};
+    ASSERT_GT(largest, 0);
+    // Two halves make the whole, at a plane askew through the middle.
+    const Vec3d normal{0.3, -0.7, 0.2}, middle = view_box(*model).center();
+    for (const Renderer renderer : {Renderer::splat, Renderer::trace}) {
+        std::vector<double> sum(whole.size(), 0);
+        double least = HUGE_VAL;
+        for (const double sign : {1.0, -1.0}) {
+            RenderOptions options;
+            options.clip.planes.push_back({sign * normal, sign * dot(normal, middle)});
+            const DepthImage half = draw(DepthRenderer(renderer, model, options));
+            double all = 0;
+            for (std::size_t n = 0; n < sum.size(); ++n)
+                sum[n] += double{half.depth[n]}, all += double{half.depth[n]};
+            least = std::min(least, all);
+        }
+        EXPECT_GT(least, 0);
+        for (std::size_t n = 0; n < sum.size(); ++n)
+            EXPECT_NEAR(sum[n], double{whole[n]}, 1e-4 * largest) << n;
+        RenderOptions all;
+        all.clip.box = view_box(*model);
+        all.clip.box->include(all.clip.box->upper + Vec3d{99, 99, 99});
+        all.clip.box->include(all.clip.box->lower - Vec3d{99, 99, 99});
+        const std::vector<float> same = draw(DepthRenderer(renderer, model, all)).depth;
+        for (std::size_t n = 0; n < same.size(); ++n)
+            EXPECT_NEAR(double{same[n]}, double{whole[n]}, 1e-4 * largest) << n;
+        all.aabb_sigma = 1;
+        EXPECT_THROW(DepthRenderer(renderer, model, all), Error);
+    }
 }
 
 }  // namespace vog::test

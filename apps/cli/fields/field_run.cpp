@@ -40,6 +40,11 @@ void check(const RenderArguments& arguments, const Drawing& drawing, const Rende
     if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
         throw Error(fmt::format("{}: {} draws no fields, expected splat or trace", show,
                                 info_of(drawing.renderer).name));
+    if (!clip_of(arguments.drawing).empty())
+        throw CLI::ValidationError(
+            fmt::format("--clip: {} of models has none, expected volumes, or --show T, column, "
+                        "volume or maximum",
+                        show));
 }
 
 FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {

@@ -140,9 +140,10 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         ->capture_default_str();
     const auto clipping = "Clipping";
     command
-        .add_option("--clip", arguments.clip_box,
-                    "Box of the world that counts, x0,y0,z0,x1,y1,z1 (reference: exact on every "
-                    "ray)")
+        .add_option(
+            "--clip", arguments.clip_box,
+            "Box of the world that counts, x0,y0,z0,x1,y1,z1 (reference, splat and trace: exact on "
+            "every ray)")
         ->group(clipping);
     command
         .add_option("--clip-plane", arguments.clip_planes,

@@ -1,4 +1,4 @@
-// slab_maximum.cpp: Largest mean over the slabs of a band.
+// slab_maximum.cpp: Largest mean over the slabs of a band, and their sum.
 #include "render/splat/volume/slab_maximum.h"
 
 #include <algorithm>
@@ -41,6 +41,23 @@ void maximum_band(SlabBand& band, const CameraFrame& frame, Rgba* image) {
             if (largest[static_cast<std::size_t>(x)] > kNothing)
                 row[x] = {std::clamp(largest[static_cast<std::size_t>(x)], 0.0F, 1.0F), 0, 0, 1};
     }
+    band.clear();
+}
+
+void depth_band(SlabBand& band, const CameraFrame& frame, Rgba* image) {
+    const TileRange& pixels = band.pixels;
+    for (int y = pixels.y0; y <= pixels.y1; ++y)
+        for (int x = pixels.x0; x <= pixels.x1; ++x) {
+            const int column = band.column + x, row = band.row + y;
+            double sum = 0;
+            for (int slab = 0; slab < band.slabs; ++slab)
+                if (band.touched[static_cast<std::size_t>(slab)])
+                    sum += double{band.plane(slab, 3)[SlabBand::offset(x, y)]};
+            const auto depth =
+                static_cast<float>(std::max(sum, 0.0) * length(frame.direction(column, row)));
+            image[static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) +
+                  static_cast<std::size_t>(column)] = {depth, 0, 0, 1};
+        }
     band.clear();
 }
 

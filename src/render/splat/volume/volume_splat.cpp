@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "render/by_value/clipped_depth.h"
 #include "render/by_value/volume_field.h"
 #include "render/pixel_limits.h"
 #include "render/splat/projected_splats.h"
@@ -120,24 +121,23 @@ struct SlabModel {
     std::deque<SlabBatch> batches;
     tbb::enumerable_thread_specific<SlabBand> bands;
 
-    SlabModel(const Gaussians& of, const std::string& name, const SlabOptions& options);
+    SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options);
     SlabModel(const SlabModel&) = delete;
     SlabModel& operator=(const SlabModel&) = delete;
 
-    enum class Sums { light, maximum };
+    enum class Sums { light, maximum, depth };
     /// light  [gaussians], in place of which value_planes makes a maximum
     void draw(const std::vector<LightQuadratic>& light, Sums sums, const Camera& camera, int width,
               int height, VolumeImage& picture);
 };
 
-SlabModel::SlabModel(const Gaussians& of, const std::string& name, const SlabOptions& options)
-    : gaussians(&of), look(options.look) {
+SlabModel::SlabModel(const Gaussians& of, const ScalarField& of_model, const SlabOptions& options)
+    : gaussians(&of), field(&of_model), look(options.look) {
     if (options.slabs < 1 || options.slabs > kMostSlabs)
         throw Error(
             fmt::format("splat: {} depth slabs, expected 1 to {}", options.slabs, kMostSlabs));
     vog::validate(of);
     vog::validate(options.look);
-    field = &volume_field(of, name);
     const double cutoff = cutoff_of_kappa(options.kappa, of.cutoff);
     model = {&of, unit_of(of), static_cast<float>(cutoff), pixel_limits(cutoff), &kernel};
     kernel = fit_kernel(double{model.cutoff});
@@ -181,7 +181,9 @@ void SlabModel::draw(const std::vector<LightQuadratic>& light, Sums sums, const 
                         depth};
     const std::size_t most = TileBins::most_splats(width, height);
     batches.resize((size + most - 1) / most);
-    const auto composite = sums == Sums::maximum ? maximum_band : slab_kernels(*kernels).composite;
+    const auto composite = sums == Sums::maximum ? maximum_band
+                           : sums == Sums::depth ? depth_band
+                                                 : slab_kernels(*kernels).composite;
     SlabPicture drawn{view, *kernels, polynomials, batches, composite};
     for (std::size_t n = 0; n < batches.size(); ++n)
         drawn.project(model, batches[n], n * most, std::min((n + 1) * most, size));
@@ -202,7 +204,7 @@ struct SlabRenderer::State {
 
 SlabRenderer::SlabRenderer(const Gaussians& gaussians, const std::string& field,
                            const ValueTransfer& transfer, const SlabOptions& options)
-    : state_(new State{SlabModel(gaussians, field, options)}) {
+    : state_(new State{SlabModel(gaussians, volume_field(gaussians, field), options)}) {
     set_transfer(transfer);
 }
 SlabRenderer::~SlabRenderer() = default;
@@ -236,7 +238,7 @@ ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& fie
                               const SlabOptions& options) {
     SlabOptions unlit = options;
     unlit.look.light = false;
-    SlabModel slabs(gaussians, field, unlit);
+    SlabModel slabs(gaussians, volume_field(gaussians, field), unlit);
     VolumeImage shares;
     slabs.draw(value_planes(gaussians, *slabs.field), SlabModel::Sums::maximum, camera, width,
                height, shares);
@@ -246,6 +248,23 @@ ValueMap render_maximum_splat(const Gaussians& gaussians, const std::string& fie
                            : std::numeric_limits<float>::quiet_NaN();
     });
     return map;
+}
+
+DepthImage by_value::clipped_depth_splat(const Gaussians& gaussians, const Clipping& clip,
+                                         double kappa, const Camera& camera, int width,
+                                         int height) {
+    SlabOptions options{.slabs = 1, .kappa = kappa};
+    options.look.clip = clip;
+    const ScalarField still = still_field(gaussians);
+    SlabModel slabs(gaussians, still, options);
+    LightQuadratic one;
+    one.c[3][0] = 1;
+    const std::vector<LightQuadratic> light(gaussians.size(), one);
+    VolumeImage sums;
+    slabs.draw(light, SlabModel::Sums::depth, camera, width, height, sums);
+    DepthImage depth(width, height);
+    std::ranges::transform(sums.pixel, depth.depth.begin(), &Rgba::r);
+    return depth;
 }
 
 }  // namespace vog
