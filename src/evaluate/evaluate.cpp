@@ -1,5 +1,4 @@
-// evaluate.cpp: evaluation of conversions: reference images, then convert, render and compare row
-// by row.
+// evaluate.cpp: evaluation of conversions: reference images, then convert, render and compare row by row.
 #include "vog/evaluate.h"
 
 #include <fmt/core.h>

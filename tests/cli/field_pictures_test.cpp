@@ -18,7 +18,8 @@ TEST_F(field_pictures_command, say_in_one_line_what_is_missing) {
     write_ply(dir_ / "model.ply", model);
     const std::string render = "render model.ply -o map.png --size 16 ";
     must_fail(2, render + "--show mean", "--show mean: expected --field NAME");
-    must_fail(2, render + "--field temperature", "--field: is of --show mean, deviation, volume or maximum");
+    must_fail(2, render + "--field temperature",
+              "--field: is of --show mean, deviation, volume or maximum");
     must_fail(2, render + "--show column --field temperature",
               "--field: is of --show mean, deviation, volume or maximum");
     must_fail(2, render + "--show column --scale symmetric", "symmetric is of --show mean");

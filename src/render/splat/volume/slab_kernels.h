@@ -54,7 +54,7 @@ struct SlabBand {
     std::int32_t column = 0, row = 0;  ///< image position of the first pixel
     int slabs = 0;
     float first = 0, thickness = 1;  ///< depth of the first slab's front, and from slab to slab
-    float most_share = 0;  ///< of maximum_band: most_share_per_density
+    float most_share = 0;            ///< of maximum_band: most_share_per_density
     /// Whether rays are clipped, and between which depths: [rows][kStride].
     bool clipped = false;
     std::vector<float> clip_near, clip_far;
