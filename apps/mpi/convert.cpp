@@ -13,7 +13,7 @@
 #include <tuple>
 
 #include "commands.h"
-#include "fields/own_values.h"
+#include "fields/part_fields.h"
 #include "inputs_part.h"
 #include "model_file.h"
 #include "rank_files.h"
@@ -352,7 +352,10 @@ nlohmann::ordered_json convert_volumes(const ConvertArguments& arguments,
         stages.run("fields", [&] {
             std::vector<std::vector<Volume>*> volumes;
             for (InputPart& part : parts) volumes.push_back(&part.volumes);
-            add_own_values(arguments, conversion.cells(), volumes, model, ranks);
+            const std::vector<std::string> notes =
+                add_part_fields(arguments, conversion.cells(), volumes, model, ranks);
+            if (ranks.first()) cli::print_notes(notes);
+            from.notes.insert(from.notes.end(), notes.begin(), notes.end());
             ranks.agree();
         });
     if (arguments.volume.ones)

@@ -50,6 +50,17 @@ FieldSource field_of_level(const FieldSource& field, const std::string& pattern,
 /// Most voxels of tiles that read_field divides into leaves.
 inline constexpr std::uint64_t kMaxDividedVoxels = std::uint64_t{1} << 28;
 
+/// Part of a volume at which a grid is active. Sums of several parts are those of the whole.
+struct FieldCoverage {
+    std::string grid, volume;           ///< for messages: "fire.vdb: grid 'temperature'"
+    double mass = 0, covered_mass = 0;  ///< sums of density, in all and where the grid is active
+    double voxels = 0, covered_voxels = 0;  ///< likewise
+    void add(const FieldCoverage& other);
+};
+/// Line that says where the background counts, from a thousandth of the mass on; else empty.
+/// throws  vog::Error where the grid is active at no voxel
+std::string coverage_note(const FieldCoverage& coverage);
+
 /// Reads a grid of numbers or vectors of any sign and samples it at the voxel centres of a volume:
 /// the same voxel where both lattices agree to a thousandth of a voxel, else trilinear between voxel
 /// centres. An inactive voxel has the grid's background; in a level set the value stored there,
@@ -59,14 +70,15 @@ inline constexpr std::uint64_t kMaxDividedVoxels = std::uint64_t{1} << 28;
 /// volume  the measure; its tiles inside which the field varies are divided, into smaller ones and
 ///         leaves
 /// others  fields already sampled at this volume, divided with it
-/// notes   receives a line where the grid is inactive at a thousandth of the mass or more: the share
-///         at which its background counts; null: not reported
+/// notes   receives coverage_note; null: not reported
+/// coverage
+///         receives the counts of a part of a volume, without note and error; null: a whole volume
 /// throws  vog::Error as read_volume does for files and grids; for values that are NaN or infinite at
 ///         voxels of the volume (their count and the first index), for a grid that is active at none
 ///         of them, for tiles of more than kMaxDividedVoxels to divide
 /// cost    the grid in memory; on two cores some 40 ns a voxel in the same lattice, 0.5 us in others
 VoxelField read_field(const FieldSource& source, Volume& volume, std::span<VoxelField> others = {},
-                      std::vector<std::string>* notes = nullptr);
+                      std::vector<std::string>* notes = nullptr, FieldCoverage* coverage = nullptr);
 
 /// Dense values of a field in the caller's memory: a box of voxels, all active.
 struct FieldBlock {

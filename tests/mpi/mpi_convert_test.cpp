@@ -175,8 +175,31 @@ TEST_F(mpi_convert, models_carry_their_own_values) {
     EXPECT_NEAR(sum(model), sum(whole), 0.01 * sum(whole));
     must_mpi(2, "convert c.vdb -o plain.ply --block 8 --no-fields");
     EXPECT_TRUE(read_ply(dir_ / "plain.ply").fields.empty());
-    must_fail_mpi(2, "-n 2 COMMAND convert c.vdb -o m.ply --field c.vdb:density",
-                  "--field: parts of a volume carry their own values alone");
+}
+
+/// Leaves alone: the fields of divided tiles follow the Gaussians of a rank.
+TEST_F(mpi_convert, models_carry_other_grids_as_one_process_does) {
+    must("sample cloud c.vdb --size 64");
+    Volume volume = read_volume(dir_ / "c.vdb");
+    volume.tiles.clear();
+    write_vdb(dir_ / "v.vdb", volume);
+    Volume heat = volume;
+    heat.name = "heat";
+    heat.leaves.resize(heat.leaves.size() / 2);
+    for (Leaf& leaf : heat.leaves)
+        for (std::size_t n = 0; n < kLeafVoxels; ++n)
+            if (leaf.value[n] > 0) leaf.value[n] = 300 + float(n % 7) - 0.1f * float(leaf.origin.x);
+    write_vdb(dir_ / "heat.vdb", heat);
+    expect_same_bytes(3, "v.vdb --soft-steps 0 --block 4 --field heat.vdb:heat");
+    const auto result = must_mpi(2, "convert v.vdb -o m.ply --block 4 --field heat.vdb:heat");
+    EXPECT_NE(result.error.find("grid 'heat': inactive at "), std::string::npos) << result.error;
+    const Gaussians model = read_ply(dir_ / "m.ply");
+    EXPECT_EQ(model.fields.names(), (std::vector<std::string>{"heat", "density"}));
+    heat.leaves.resize(1);
+    heat.leaves[0].origin = {4000, 0, 0};
+    write_vdb(dir_ / "away.vdb", heat);
+    must_fail_mpi(1, "-n 2 COMMAND convert v.vdb -o m.ply --field away.vdb:heat",
+                  "active at no voxel");
 }
 
 TEST_F(mpi_convert, volume_without_mass_is_refused) {

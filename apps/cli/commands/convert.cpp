@@ -153,10 +153,6 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
-    if (ranks.convert_volumes && !arguments.fields.empty())
-        throw CLI::ValidationError(
-            "--field: parts of a volume carry their own values alone; expected one process (vog "
-            "convert)");
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 

@@ -26,11 +26,11 @@ bool same_grid(const FieldSource& field, const LevelSource& volume) {
 
 /// Reads one field more. Fields without values need no division of tiles.
 VoxelField read_beside(const FieldSource& source, Volume& volume, std::vector<VoxelField>& fields,
-                       std::vector<std::string>& notes) {
+                       std::vector<std::string>& notes, FieldCoverage* coverage) {
     std::vector<VoxelField> sampled;
     for (VoxelField& field : fields)
         if (!without_values(field)) sampled.push_back(std::move(field));
-    VoxelField read = read_field(source, volume, sampled, &notes);
+    VoxelField read = read_field(source, volume, sampled, &notes, coverage);
     auto next = sampled.begin();
     for (VoxelField& field : fields)
         if (field.component.empty()) field = std::move(*next++);  // moved from
@@ -59,7 +59,8 @@ std::vector<VoxelField> own_values(const std::vector<Volume>& volumes) {
 
 std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
                                                         std::span<Volume> volumes,
-                                                        std::vector<std::string>& notes) {
+                                                        std::vector<std::string>& notes,
+                                                        std::vector<FieldCoverage>* coverage) {
     std::vector<FieldSource> sources = parse_fields(given.texts);
     const std::string& own = given.own;
     if (!own.empty()) {
@@ -71,6 +72,7 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
         if (std::ranges::none_of(sources, is_own)) sources.push_back({.name = own});
     }
     std::vector<std::vector<VoxelField>> all(sources.size());
+    if (coverage) coverage->resize(sources.size());
     for (Volume& volume : volumes) {
         // One volume at a time: its tiles are divided for all fields.
         const LevelSource from = source_of(volume, given.inputs);
@@ -80,10 +82,14 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
             const FieldSource source =
                 added ? FieldSource{.file = from.file, .grid = from.grid, .name = own}
                       : field_of_level(sources[f], given.pattern, from);
-            fields.push_back(
-                same_grid(source, from) && !given.ones
-                    ? measure_field(volume, source.name.empty() ? "density" : source.name)
-                    : read_beside(source, volume, fields, notes));
+            if (same_grid(source, from) && !given.ones) {
+                fields.push_back(
+                    measure_field(volume, source.name.empty() ? "density" : source.name));
+                continue;
+            }
+            FieldCoverage one;
+            fields.push_back(read_beside(source, volume, fields, notes, coverage ? &one : nullptr));
+            if (coverage) (*coverage)[f].add(one);
         }
         for (std::size_t f = 0; f < all.size(); ++f) {
             if (!all[f].empty()) fields[f].name = all[f].front().name;

@@ -26,11 +26,12 @@ struct FieldTexts {
 /// Reads fields of volumes; one that is the measure's own values has an empty component.
 /// volumes  tiles inside which a field varies are divided
 /// notes    receives a line for each field that covers only a part of a volume
+/// coverage [fields] receives sums over the volumes, in place of notes and errors about them; null: whole volumes
 /// returns  [fields][volumes], of one name for all volumes
 /// throws   CLI::ValidationError for a text, vog::Error for what cannot be read
-std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& fields,
-                                                        std::span<Volume> volumes,
-                                                        std::vector<std::string>& notes);
+std::vector<std::vector<VoxelField>> read_volume_fields(
+    const FieldTexts& fields, std::span<Volume> volumes, std::vector<std::string>& notes,
+    std::vector<FieldCoverage>* coverage = nullptr);
 
 /// The volumes' own values as fields without values.
 std::vector<VoxelField> own_values(const std::vector<Volume>& volumes);

@@ -49,6 +49,6 @@ std::unique_ptr<FieldSampler> make_sampler(const FieldGrid& field, const Volume&
 /// Samples a grid at the voxels of a volume, whose tiles are divided where it varies: read_field without the
 /// file.
 VoxelField sampled_field(const FieldGrid& grid, Volume& volume, std::span<VoxelField> others,
-                         std::vector<std::string>* notes);
+                         std::vector<std::string>* notes, FieldCoverage* coverage = nullptr);
 
 }  // namespace vog::field_files

@@ -140,7 +140,7 @@ std::string text_of(const Box& box) {
                        box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z);
 }
 
-/// throws vog::Error for values that are not finite and for a grid that covers nothing
+/// throws vog::Error for values that are not finite
 void check_samples(const SampleCensus& census, const FieldGrid& grid, const Volume& volume) {
     if (census.not_finite > 0)
         throw Error(fmt::format(
@@ -148,6 +148,10 @@ void check_samples(const SampleCensus& census, const FieldGrid& grid, const Volu
             "values there",
             grid.where, count_text(census.not_finite), measure_name(volume), census.first.x,
             census.first.y, census.first.z));
+}
+
+/// throws vog::Error for a grid that covers nothing
+void check_covered(const SampleCensus& census, const FieldGrid& grid, const Volume& volume) {
     if (census.covered == 0)
         throw Error(fmt::format(
             "{}: active at no voxel of {}: {} of the world, which lies in {}; expected grids that "
@@ -156,23 +160,11 @@ void check_samples(const SampleCensus& census, const FieldGrid& grid, const Volu
             text_of(world_box(volume))));
 }
 
-/// Note on the part of the volume where the background counts; empty: none that matters.
-std::string coverage_note(const SampleCensus& census, const FieldGrid& grid, const Volume& volume) {
-    // Grids of one simulation often lack a few faint voxels that the others have.
-    constexpr double kLeastShare = 1e-3;
-    const double share = census.mass > 0 ? 1 - census.covered_mass / census.mass
-                                         : 1 - census.covered / census.voxels;
-    if (share < kLeastShare) return {};
-    return fmt::format("{}: inactive at {:.2g} % of the {} of {}, where its background counts",
-                       grid.where, 100 * share, census.mass > 0 ? "mass" : "voxels",
-                       measure_name(volume));
-}
-
 }  // namespace
 
 VoxelField field_files::sampled_field(const FieldGrid& grid, Volume& volume,
-                                      std::span<VoxelField> others,
-                                      std::vector<std::string>* notes) {
+                                      std::span<VoxelField> others, std::vector<std::string>* notes,
+                                      FieldCoverage* coverage) {
     return vdb::with_vdb_errors(grid.where, [&] {
         const std::unique_ptr<FieldSampler> sampler = make_sampler(grid, volume);
         divide_where_varied(grid, *sampler, volume, others);
@@ -187,18 +179,45 @@ VoxelField field_files::sampled_field(const FieldGrid& grid, Volume& volume,
         check_samples(census, grid, volume);
         field.lower = census.lower;
         field.upper = census.upper;
-        if (const std::string note = coverage_note(census, grid, volume); notes && !note.empty())
+        const FieldCoverage counts{grid.where,          measure_name(volume), census.mass,
+                                   census.covered_mass, census.voxels,        census.covered};
+        if (coverage) {
+            *coverage = counts;
+            return field;
+        }
+        check_covered(census, grid, volume);
+        if (const std::string note = coverage_note(counts); notes && !note.empty())
             notes->push_back(note);
         return field;
     });
 }
 
+void FieldCoverage::add(const FieldCoverage& other) {
+    if (grid.empty()) grid = other.grid, volume = other.volume;
+    mass += other.mass, covered_mass += other.covered_mass;
+    voxels += other.voxels, covered_voxels += other.covered_voxels;
+}
+
+std::string coverage_note(const FieldCoverage& coverage) {
+    if (coverage.covered_voxels == 0)
+        throw Error(fmt::format("{}: active at no voxel of {}, expected grids that overlap",
+                                coverage.grid, coverage.volume));
+    // Grids of one simulation often lack a few faint voxels that the others have.
+    constexpr double kLeastShare = 1e-3;
+    const bool massive = coverage.mass > 0;
+    const double share = massive ? 1 - coverage.covered_mass / coverage.mass
+                                 : 1 - coverage.covered_voxels / coverage.voxels;
+    if (share < kLeastShare) return {};
+    return fmt::format("{}: inactive at {:.2g} % of the {} of {}, where its background counts",
+                       coverage.grid, 100 * share, massive ? "mass" : "voxels", coverage.volume);
+}
+
 VoxelField read_field(const FieldSource& source, Volume& volume, std::span<VoxelField> others,
-                      std::vector<std::string>* notes) {
+                      std::vector<std::string>* notes, FieldCoverage* coverage) {
     if (volume.empty())
         throw Error(
             fmt::format("{}: a field of a volume without active voxels", source.file.string()));
-    return sampled_field(load_field_grid(source), volume, others, notes);
+    return sampled_field(load_field_grid(source), volume, others, notes, coverage);
 }
 
 }  // namespace vog

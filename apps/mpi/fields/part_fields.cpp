@@ -1,0 +1,125 @@
+// part_fields.cpp: names, kinds and ranges of fields that all ranks share.
+#include "fields/part_fields.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "fields/field_conversion.h"
+#include "fields/volume_fields.h"
+#include "vog/convert_fields.h"
+
+namespace vog::mpi {
+
+namespace {
+
+/// cli::own_name of the volumes of all ranks.
+std::string own_name(std::span<std::vector<Volume>* const> volumes, const Ranks& ranks) {
+    std::string all;
+    const auto include = [&](const std::string& name) {
+        if (!name.empty()) all = all.empty() || all == name ? name : "density";
+    };
+    for (const std::vector<Volume>* one : volumes) include(cli::own_name(*one));
+    for (const std::string& name : ranks.gather(std::exchange(all, {}))) include(name);
+    return all;
+}
+
+/// Names, units and kinds of fields, which ranks without voxels learn from the others.
+void describe(std::span<const std::vector<VoxelField>> own, Fields& fields, const Ranks& ranks) {
+    nlohmann::json mine = nlohmann::json::array();
+    for (const std::vector<VoxelField>& field : own)
+        mine.push_back({{"name", field.front().name},
+                        {"unit", field.front().unit},
+                        {"vector", field.front().is_vector()},
+                        {"measure", std::ranges::all_of(field, cli::without_values)}});
+    for (const std::string& text : ranks.gather(cli::json_line(mine))) {
+        if (!fields.empty()) continue;
+        for (const nlohmann::json& one : nlohmann::json::parse(text)) {
+            const auto set = [&](auto& to) { to.name = one["name"], to.unit = one["unit"]; };
+            if (one["vector"])
+                set(fields.vector.emplace_back());
+            else
+                set(fields.scalar.emplace_back()), fields.scalar.back().is_measure = one["measure"];
+        }
+    }
+}
+
+/// Sums of all ranks; texts of the lowest that has any.
+FieldCoverage over_ranks(FieldCoverage part, const Ranks& ranks) {
+    double sums[4] = {part.mass, part.covered_mass, part.voxels, part.covered_voxels};
+    ranks.sum(sums);
+    for (std::string* text : {&part.grid, &part.volume}) {
+        std::vector<std::string> all = ranks.gather(*text);
+        std::erase(all, std::string());
+        *text = all.empty() ? std::string() : all.front();
+    }
+    return {part.grid, part.volume, sums[0], sums[1], sums[2], sums[3]};
+}
+
+/// Leaves and tiles, which division changes.
+double node_count(const std::vector<Volume>& volumes) {
+    std::size_t count = 0;
+    for (const Volume& volume : volumes) count += volume.leaves.size() + volume.tiles.size();
+    return static_cast<double>(count);
+}
+
+/// Range of a field over all ranks.
+struct Range {
+    double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+};
+
+}  // namespace
+
+std::vector<std::string> add_part_fields(const cli::ConvertArguments& arguments,
+                                         std::span<const std::optional<UniformCells>> cells,
+                                         std::span<std::vector<Volume>* const> volumes,
+                                         SharedModel& model, const Ranks& ranks) {
+    const cli::FieldTexts texts = cli::field_texts(arguments, own_name(volumes, ranks));
+    std::vector<std::string> notes;
+    std::map<std::string, Range> ranges;
+    Fields& described = model.description.fields;
+    for (std::size_t n = 0; n < volumes.size(); ++n) {
+        std::vector<Volume>& own = *volumes[n];
+        std::erase_if(own, [](const Volume& volume) { return volume.empty(); });
+        std::vector<std::string> none;  // the coverage is known on all ranks together
+        std::vector<FieldCoverage> coverage;
+        std::vector<std::vector<VoxelField>> fields;
+        const double nodes = node_count(own);
+        if (!own.empty()) fields = cli::read_volume_fields(texts, own, none, &coverage);
+        const bool divided = ranks.max(node_count(own) != nodes ? 1 : 0) > 0;
+        const auto count = static_cast<std::size_t>(ranks.max(double(fields.size())));
+        coverage.resize(count);
+        if (described.empty()) describe(fields, described, ranks);
+        for (std::size_t f = 0; f < count; ++f) {
+            Range range;
+            if (f < fields.size())
+                for (const VoxelField& field : fields[f])
+                    range = {std::min(range.lower, field.lower),
+                             std::max(range.upper, field.upper)};
+            range = {ranks.min(range.lower), ranks.max(range.upper)};
+            if (f < fields.size())
+                for (VoxelField& field : fields[f])
+                    field.lower = range.lower, field.upper = range.upper;
+            std::vector<std::string> names =
+                ranks.gather(f < fields.size() ? fields[f].front().name : std::string());
+            std::erase(names, std::string());
+            Range& all = ranges[names.front()];
+            all = {std::min(all.lower, range.lower), std::max(all.upper, range.upper)};
+            const FieldCoverage whole = over_ranks(coverage[f], ranks);
+            if (whole.voxels == 0) continue;  // the volumes' own values
+            if (const std::string note = coverage_note(whole); !note.empty()) notes.push_back(note);
+        }
+        if (!fields.empty())
+            add_fields(model.inputs[n], own, fields, {divided ? std::nullopt : cells[n]});
+    }
+    const auto set_range = [&](auto& field) {
+        field.lower = ranges[field.name].lower, field.upper = ranges[field.name].upper;
+    };
+    std::ranges::for_each(described.scalar, set_range);
+    std::ranges::for_each(described.vector, set_range);
+    return notes;
+}
+
+}  // namespace vog::mpi
