@@ -5,12 +5,12 @@
 
 #include "arrays.h"
 #include "data.h"
+#include "sampled_fields.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
-#include "voxel_fields.h"
 
 namespace vog::python {
 
@@ -150,54 +150,11 @@ Progress between(const Progress& progress, double first, double last) {
     if (!progress) return {};
     return [=](double fraction) { progress(first + fraction * (last - first)); };
 }
-/// fields=False: not even the data's own values.
-bool no_fields(const py::object& fields) { return fields.is(py::bool_(false)); }
 /// Fraction of the work after which fields are added.
 double converted(const py::object& fields) {
     return no_fields(fields) ? 1 : fields.is_none() ? 0.9 : 0.6;
 }
 
-/// Fields at the voxels of a Volume or Levels, sampled before the conversion: their errors come early.
-struct SampledFields {
-    std::vector<Volume> volumes;
-    std::vector<std::vector<VoxelField>> values;
-};
-SampledFields sampled_fields(const py::object& data, const py::object& fields) {
-    SampledFields sampled;
-    if (no_fields(fields)) return sampled;
-    std::vector<Lattice> lattices;
-    std::size_t count = 1;
-    if (py::isinstance<Volume>(data)) {
-        sampled.volumes.push_back(data.cast<const Volume&>());
-        lattices = lattices_of(sampled.volumes);
-    } else {
-        const auto levels = levels_of(data);
-        count = levels->volumes.size();
-        sampled.volumes = unlocked([&] {
-            // Parts keep the source of their level: its number, meanwhile.
-            Levels numbered = *levels;
-            for (std::size_t n = 0; n < count; ++n) numbered.volumes[n].source = std::to_string(n);
-            return composite(numbered).parts;
-        });
-        for (Volume& part : sampled.volumes) {
-            const Volume& level = levels->volumes[std::stoul(part.source)];
-            lattices.push_back({level.world_from_index, std::stoul(part.source)});
-            part.source = level.source;
-        }
-    }
-    if (!fields.is_none())
-        sampled.values = voxel_fields_of(fields, sampled.volumes, lattices, count, "convert");
-    const std::string& first = sampled.volumes.front().name;
-    const auto same = [&](const Volume& volume) { return volume.name == first; };
-    const std::string own =
-        !first.empty() && std::ranges::all_of(sampled.volumes, same) ? first : "density";
-    const auto named = [&](const auto& field) { return field.front().name == own; };
-    if (std::ranges::none_of(sampled.values, named)) {
-        std::vector<VoxelField>& values = sampled.values.emplace_back();
-        for (const Volume& volume : sampled.volumes) values.push_back(measure_field(volume, own));
-    }
-    return sampled;
-}
 void add(const SampledFields& sampled, const FieldOptions& options, Gaussians& model) {
     if (!sampled.values.empty())
         unlocked([&] { add_fields(model, sampled.volumes, sampled.values, options); });
@@ -207,7 +164,7 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
                  const py::object& report_dict, const py::object& fields) {
     MomentOptions moments = moment_options(options);
     const Progress whole = progress_of(progress);
-    const SampledFields sampled = sampled_fields(data, fields);
+    const SampledFields sampled = sampled_fields(data, fields, "convert");
     moments.progress = between(whole, 0, converted(fields));
     MomentReport report;
     Model model;
@@ -234,7 +191,7 @@ Model by_paper(const py::object& data, Options& options, const py::object& progr
                const py::object& fields) {
     PaperOptions paper = paper_options(options);
     const Progress whole = progress_of(progress);
-    const SampledFields sampled = sampled_fields(data, fields);
+    const SampledFields sampled = sampled_fields(data, fields, "convert");
     paper.progress = between(whole, 0, converted(fields));
     Model model;
     if (py::isinstance<Volume>(data)) {
@@ -251,8 +208,29 @@ Model by_paper(const py::object& data, Options& options, const py::object& progr
     return model;
 }
 
+/// fields of particles: names, or {name: column}.
+std::vector<PointField> point_fields(const py::object& fields) {
+    std::vector<PointField> all;
+    if (fields.is_none() || no_fields(fields)) return all;
+    const auto text = [](const py::handle& one) {
+        if (!py::isinstance<py::str>(one))
+            throw Error("convert: fields of Points: expected names of columns, or {name: column}");
+        return one.cast<std::string>();
+    };
+    if (py::isinstance<py::dict>(fields)) {
+        for (const auto& [name, column] : fields.cast<py::dict>())
+            all.push_back({text(column), text(name)});
+        return all;
+    }
+    if (py::isinstance<py::str>(fields) || !py::isinstance<py::iterable>(fields)) text(py::none());
+    for (const py::handle& column : fields) all.push_back({text(column)});
+    return all;
+}
+
 Model of_points(const Points& points, const std::string& method, Options& options,
-                const py::object& progress, const py::object& report_dict) {
+                const py::object& progress, const py::object& report_dict,
+                const py::object& fields) {
+    const std::vector<PointField> carried = point_fields(fields);
     if (method == "paper") {
         std::string value = "speed";
         double radius = 0;
@@ -262,11 +240,13 @@ Model of_points(const Points& points, const std::string& method, Options& option
         options.take("kappa", kappa);
         options.refuse_others("the paper's particles");
         return unlocked([&] {
-            return std::make_shared<Gaussians>(convert_points_paper(points, value, radius, kappa));
+            return std::make_shared<Gaussians>(
+                convert_points_paper(points, value, radius, kappa, carried));
         });
     }
     PointOptions point = point_options(options);
     point.progress = progress_of(progress);
+    point.fields = carried;
     MomentReport report;
     Model model = unlocked(
         [&] { return std::make_shared<Gaussians>(convert_points(points, point, &report)); });
@@ -281,11 +261,8 @@ Model convert(const py::object& data, const std::string& method, const py::objec
     if (!report.is_none() && !py::isinstance<py::dict>(report))
         throw py::type_error("convert: report: expected a dict to fill");
     Options options(std::move(given));
-    if (py::isinstance<Points>(data)) {
-        if (!fields.is_none() && !no_fields(fields))
-            throw Error("convert: fields: of voxels, expected a Volume or Levels as data");
-        return of_points(data.cast<const Points&>(), method, options, progress, report);
-    }
+    if (py::isinstance<Points>(data))
+        return of_points(data.cast<const Points&>(), method, options, progress, report, fields);
     if (!py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, "convert", "a Volume, Levels, a list of Volumes or Points");
     if (method == "paper") return by_paper(data, options, progress, fields);
@@ -371,7 +348,7 @@ fields    what the Gaussians know beside their density, of voxels: {"temperature
           ((i, j, k), array) or a list of such pairs begins elsewhere; a Volume is sampled at the voxels'
           centres; a text is the name of a grid in the data's file; of several levels a list with one of these
           for each. {"value": array, "unit": "K"} states the unit. The data's own values are a field in any case;
-          False: no fields at all
+          False: no fields at all. Of Points: ["velocity", "temperature"], or {name: column}; none by default
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), view_note (mass that the views

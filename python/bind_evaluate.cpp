@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "data.h"
+#include "sampled_fields.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
 
@@ -22,7 +23,7 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
                          const py::object& size, int repeats, const py::object& extinction,
                          const py::object& tf, const std::string& conversions,
                          const std::map<std::string, Gaussians>& models, const std::string& show,
-                         bool resume, const py::object& progress) {
+                         const py::object& fields, bool resume, const py::object& progress) {
     EvaluateOptions options;
     std::tie(options.width, options.height) = size_of(size);
     options.repeats = repeats;
@@ -44,6 +45,16 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
         options.tf = texts.front();
     options.resume = resume;
     options.progress = progress_of(progress);
+    SampledFields sampled;
+    if (!fields.is_none()) {
+        if (!py::isinstance<Volume>(data) && !levels_of(data))
+            refuse_data(data, "evaluate", "a Volume, Levels or a list of Volumes");
+        sampled = sampled_fields(data, fields, "evaluate");
+        options.read_fields = [&](std::vector<Volume>& volumes) {
+            volumes = sampled.volumes;
+            return sampled.values;
+        };
+    }
     if (py::isinstance<Volume>(data)) {
         const auto& volume = data.cast<const Volume&>();
         unlocked([&] { return evaluate(std::span(&volume, 1), folder, options); });
@@ -65,7 +76,8 @@ void bind_evaluate(py::module_& m) {
         "evaluate", &evaluate_data, py::arg("data"), py::arg("folder"), py::kw_only(),
         py::arg("size") = 512, py::arg("repeats") = 5, py::arg("extinction") = "auto",
         py::arg("tf") = py::none(), py::arg("conversions") = "all", py::arg("models") = py::dict(),
-        py::arg("show") = "T", py::arg("resume") = false, py::arg("progress") = py::none(),
+        py::arg("show") = "T", py::arg("fields") = py::none(), py::arg("resume") = false,
+        py::arg("progress") = py::none(),
         R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels.
 
 data         a Volume, Levels or a list of Volumes
@@ -78,6 +90,8 @@ tf           transfer function of the pictures and the RGB figures: a name or a 
 conversions  'all', 'paper' or 'moments'
 models       {name: Gaussians}, evaluated in place of conversions
 show         'T', or 'volume': pictures by value are compared too, from seven views
+fields       {name: array, Volume or grid}, as convert takes them: maps of their mean and deviation, and of the data's
+             own values, are compared too; None: no maps
 resume       True: continues an interrupted evaluation with its finished conversions
 progress     called with the finished fraction, [0, 1]
 

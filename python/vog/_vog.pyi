@@ -390,7 +390,7 @@ def convert(
     variance_threshold: Union[float, None] = ...,
     similarity: Union[float, None] = ...,
     tree_depth: Union[int, None] = ...,
-    fields: Union[dict[str, Any], None] = ...,
+    fields: Union[dict[str, Any], Sequence[str], bool, None] = ...,
     progress: Union[_Progress, None] = ...,
     report: Union[dict[str, Any], None] = ...,
 ) -> Gaussians: ...
@@ -581,6 +581,7 @@ def evaluate(
     conversions: str = ...,
     models: dict[str, Gaussians] = ...,
     show: str = ...,
+    fields: Union[dict[str, Any], None] = ...,
     resume: bool = ...,
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...

@@ -127,7 +127,7 @@ def test_a_grid_of_the_volumes_file_by_name(tmp_path, volume):
         (lambda v, m: vog.convert(v, fields={"t": ((99, 0, 0), X)}), "field 't': active at no voxel"),
         (lambda v, m: vog.convert(v, fields={"t": "temperature"}), "of a volume that no file has"),
         (lambda v, m: vog.convert(v, fields={"t": {"vale": X}}), "unknown 'vale', expected value and unit"),
-        (lambda v, m: vog.convert(vog.sample_particles(8), fields=FIELDS), "fields: of voxels"),
+        (lambda v, m: vog.convert(vog.sample_particles(8), fields=FIELDS), "fields of Points: expected names"),
     ],
 )
 def test_errors_are_one_line(volume, model, call, message):
@@ -145,3 +145,22 @@ def test_the_wrong_kind_of_thing_is_a_type_error(volume):
 def test_partial_cover_warns(volume):
     with pytest.warns(UserWarning, match="inactive at .* % of the mass"):
         vog.convert(volume, block=4, fields={"t": ((8, 0, 0), X)})
+
+
+def test_evaluate_compares_maps(tmp_path, volume, model):
+    result = vog.evaluate(volume, tmp_path / "out", size=24, repeats=1, models={"m": model}, fields=FIELDS)
+    assert result["rows"][0]["fields"].keys() == {"temperature", "velocity", "density"}
+    with pytest.raises(vog.Error, match=r"evaluate: fields: t: shape \(16, 16\)"):
+        vog.evaluate(volume, tmp_path / "no", fields={"t": X[0]})
+
+
+def test_particles_carry_columns():
+    points = vog.sample_particles(8)
+    model = vog.convert(points, fields=["velocity", "speed"])
+    assert set(model.fields) == {"velocity", "speed"}
+    assert np.array_equal(model.fields["velocity"].value[0], points.velocity[0])
+    assert set(vog.convert(points, fields={"v": "speed"}).fields) == {"v"}
+    assert not vog.convert(points).fields
+    for fields, message in [("speed", "expected names of columns"), (["none"], "none"), ({"a": 1}, "expected names")]:
+        with pytest.raises(vog.Error, match=message):
+            vog.convert(points, fields=fields)

@@ -1,0 +1,48 @@
+// sampled_fields.cpp: fields of Python calls at the voxels of their data.
+#include "sampled_fields.h"
+
+#include <algorithm>
+#include <string>
+
+#include "voxel_fields.h"
+
+namespace vog::python {
+
+SampledFields sampled_fields(const py::object& data, const py::object& fields, const char* call) {
+    SampledFields sampled;
+    if (no_fields(fields)) return sampled;
+    std::vector<Lattice> lattices;
+    std::size_t count = 1;
+    if (py::isinstance<Volume>(data)) {
+        sampled.volumes.push_back(data.cast<const Volume&>());
+        lattices = lattices_of(sampled.volumes);
+    } else {
+        const auto levels = levels_of(data);
+        count = levels->volumes.size();
+        sampled.volumes = unlocked([&] {
+            // Parts keep the source of their level: its number, meanwhile.
+            Levels numbered = *levels;
+            for (std::size_t n = 0; n < count; ++n) numbered.volumes[n].source = std::to_string(n);
+            return composite(numbered).parts;
+        });
+        for (Volume& part : sampled.volumes) {
+            const Volume& level = levels->volumes[std::stoul(part.source)];
+            lattices.push_back({level.world_from_index, std::stoul(part.source)});
+            part.source = level.source;
+        }
+    }
+    if (!fields.is_none())
+        sampled.values = voxel_fields_of(fields, sampled.volumes, lattices, count, call);
+    const std::string& first = sampled.volumes.front().name;
+    const auto same = [&](const Volume& volume) { return volume.name == first; };
+    const std::string own =
+        !first.empty() && std::ranges::all_of(sampled.volumes, same) ? first : "density";
+    const auto named = [&](const auto& field) { return field.front().name == own; };
+    if (std::ranges::none_of(sampled.values, named)) {
+        std::vector<VoxelField>& values = sampled.values.emplace_back();
+        for (const Volume& volume : sampled.volumes) values.push_back(measure_field(volume, own));
+    }
+    return sampled;
+}
+
+}  // namespace vog::python

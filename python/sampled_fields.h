@@ -1,0 +1,24 @@
+// sampled_fields.h: fields of Python calls at the voxels of their data.
+#pragma once
+
+#include <vector>
+
+#include "data.h"
+#include "vog/voxel_field.h"
+
+namespace vog::python {
+
+/// fields=False: not even the data's own values.
+inline bool no_fields(const py::object& fields) { return fields.is(py::bool_(false)); }
+
+/// Fields at the voxels of a Volume, or of the visible parts of Levels.
+struct SampledFields {
+    std::vector<Volume> volumes;                  ///< tiles inside which a field varies are divided
+    std::vector<std::vector<VoxelField>> values;  ///< [fields][volumes]
+};
+/// Samples `fields` of a call, and the data's own values unless one has their name, before any other work: errors
+/// come early.
+/// fields  None: the own values alone; False: nothing
+SampledFields sampled_fields(const py::object& data, const py::object& fields, const char* call);
+
+}  // namespace vog::python
