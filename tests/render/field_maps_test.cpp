@@ -1,5 +1,5 @@
-// field_maps_test.cpp: Maps of fields by every renderer against the closed form in double precision, the closed
-// form against quadrature, and the reference against all voxels one by one.
+// field_maps_test.cpp: Maps of fields by every renderer against the closed form in double precision, and the closed
+// form against quadrature.
 #include "vog/field_maps.h"
 
 #include <gtest/gtest.h>
@@ -10,8 +10,7 @@
 #include <ostream>
 #include <random>
 
-#include "support/random_volume.h"
-#include "support/ray_voxels.h"
+#include "support/expected_maps.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 
@@ -56,33 +55,6 @@ void add_fields(Gaussians& model, std::uint64_t seed, double level = 20, double 
     model.fields.vector.push_back(std::move(vector));
 }
 
-/// Column, mean and deviation of a pixel.
-struct Expected {
-    double column = 0, mean = 0, deviation = 0;
-};
-Expected expected(const std::vector<FieldSums>& parts) {
-    // The mean first: squares of a field that hardly varies lose digits even in double precision.
-    Expected all;
-    double first = 0, second = 0;
-    for (const FieldSums& sums : parts) all.column += sums.column, first += sums.first;
-    if (all.column == 0) return all;
-    all.mean = first / all.column;
-    for (const FieldSums& sums : parts)
-        second += sums.second - 2 * all.mean * sums.first + all.mean * all.mean * sums.column;
-    all.deviation = std::sqrt(std::max(second / all.column, 0.0));
-    return all;
-}
-/// Root mean square and three-dimensional dispersion, from the three components.
-Expected magnitude_of(const std::function<Expected(FieldPart)>& component) {
-    double square = 0, variance = 0, column = 0;
-    for (const FieldPart part : {FieldPart::x, FieldPart::y, FieldPart::z}) {
-        const Expected one = component(part);
-        column = one.column;
-        variance += one.deviation * one.deviation;
-        square += one.mean * one.mean + one.deviation * one.deviation;
-    }
-    return {column, std::sqrt(square), std::sqrt(variance)};
-}
 Expected closed_form(const Gaussians& model, const FieldChoice& choice, const CameraFrame& frame,
                      int x, int y) {
     if (choice.part == FieldPart::magnitude)
@@ -281,55 +253,6 @@ FieldSums by_quadrature(const Gaussians& model, const FieldChoice& choice, std::
         sums.second += weight * (value * value + variance);
     }
     return sums;
-}
-
-/// A value for every voxel of a volume.
-VoxelField random_field(const Volume& volume, std::size_t components, std::uint64_t seed) {
-    Random random(seed);
-    VoxelField field;
-    field.name = "field";
-    for (std::size_t c = 0; c < components; ++c) {
-        VoxelValues values;
-        values.leaf.resize(volume.leaves.size());
-        for (auto& leaf : values.leaf)
-            for (float& value : leaf) value = static_cast<float>(300 + random(-5, 5));
-        for (std::size_t n = 0; n < volume.tiles.size(); ++n)
-            values.tile.push_back(static_cast<float>(300 + random(-5, 5)));
-        field.component.push_back(std::move(values));
-    }
-    return field;
-}
-
-/// Sums along a ray by every voxel of the volume.
-void add_by_voxels(const Volume& volume, const VoxelField& field, FieldPart part, Vec3d origin,
-                   Vec3d direction, std::vector<FieldSums>& parts) {
-    const IndexRay ray(volume, origin, direction);
-    const Vec3d to = normalized(direction);
-    const auto add = [&](double weight, const std::function<double(std::size_t)>& component) {
-        double value = component(0);
-        if (part == FieldPart::view)
-            value = to.x * component(0) + to.y * component(1) + to.z * component(2);
-        if (part == FieldPart::y) value = component(1);
-        if (part == FieldPart::z) value = component(2);
-        if (weight > 0) parts.push_back({weight, weight * value, weight * value * value});
-    };
-    for (std::size_t n = 0; n < volume.tiles.size(); ++n) {
-        const Tile& tile = volume.tiles[n];
-        add(double{tile.value} * ray.length_in(vec_cast<double>(tile.origin), tile.edge) *
-                length(direction),
-            [&](std::size_t c) { return double{field.component[c].tile[n]}; });
-    }
-    for (std::size_t n = 0; n < volume.leaves.size(); ++n) {
-        const Vec3d corner = vec_cast<double>(volume.leaves[n].origin);
-        if (ray.length_in(corner, kLeafEdge) == 0) continue;
-        for (int v = 0; v < kLeafVoxels; ++v) {
-            const auto at = static_cast<std::size_t>(v);
-            if (!volume.leaves[n].active(v)) continue;
-            const Vec3d center = corner + Vec3d{double(v >> 6), double(v >> 3 & 7), double(v & 7)};
-            add(double{volume.leaves[n].value[at]} * ray.length_in(center, 1) * length(direction),
-                [&](std::size_t c) { return double{field.component[c].leaf[n][at]}; });
-        }
-    }
 }
 
 }  // namespace
@@ -555,65 +478,6 @@ TEST(field_maps, choose_a_field_by_its_name) {
     EXPECT_THROW((void)render_field_splat(model, kScalar, camera, 8, 8, {.aabb_sigma = 1}), Error);
     EXPECT_THROW(
         (void)render_field_trace(model, kScalar, camera, 8, 8, {.anyhit = AnyHit::collect}), Error);
-}
-
-TEST(field_reference, is_the_sum_over_voxels) {
-    for (const auto& [name, map] : grid_maps()) {
-        std::vector<Volume> volumes{random_volume(91), random_volume(92)};
-        for (Volume& volume : volumes) volume.world_from_index = map;
-        volumes[1].tiles.clear();
-        const Box box = world_box(volumes[1]);
-        Camera camera = pinhole(box.center() + box.radius() * Vec3d{2, 1.5, 1}, box.center(), 30);
-        for (const FieldPart part :
-             {FieldPart::value, FieldPart::view, FieldPart::z, FieldPart::magnitude}) {
-            const std::size_t components = part == FieldPart::value ? 1 : 3;
-            const std::vector<VoxelField> fields{random_field(volumes[0], components, 93),
-                                                 random_field(volumes[1], components, 94)};
-            const FieldMaps maps =
-                render_field_reference(volumes, fields, part, camera, 12, 10, {.samples = 2});
-            const CameraFrame frame = frame_of(camera, 12, 10);
-            for (int y = 0; y < 10; ++y)
-                for (int x = 0; x < 12; ++x) {
-                    const auto of_part = [&](FieldPart shown) {
-                        std::vector<FieldSums> parts;
-                        for (const double dx : {-0.25, 0.25})
-                            for (const double dy : {-0.25, 0.25})
-                                for (std::size_t n = 0; n < 2; ++n)
-                                    add_by_voxels(volumes[n], fields[n], shown,
-                                                  frame.origin(x + dx, y + dy),
-                                                  frame.direction(x + dx, y + dy), parts);
-                        return expected(parts);
-                    };
-                    const Expected exact =
-                        part == FieldPart::magnitude ? magnitude_of(of_part) : of_part(part);
-                    const auto at = static_cast<std::size_t>(12 * y + x);
-                    ASSERT_NEAR(maps.column[at], exact.column / 4, 1e-6 * exact.column) << name;
-                    if (exact.column == 0) {
-                        ASSERT_TRUE(std::isnan(maps.mean[at])) << name;
-                        continue;
-                    }
-                    ASSERT_NEAR(maps.mean[at], exact.mean, 1e-7 * std::abs(exact.mean)) << name;
-                    ASSERT_NEAR(maps.deviation[at], exact.deviation, 1e-5) << name;
-                }
-        }
-    }
-}
-
-TEST(field_reference, refuses_fields_of_other_volumes) {
-    const std::vector<Volume> volumes{random_volume(91)};
-    Volume other = volumes[0];
-    other.leaves.pop_back();
-    const Camera camera = pinhole({2, 1, 3}, {0, 0, 0}, 40);
-    const std::vector<VoxelField> right{random_field(volumes[0], 1, 1)};
-    const std::vector<VoxelField> wrong{random_field(other, 1, 1)};
-    const auto render = [&](std::span<const VoxelField> fields, FieldPart part, int samples = 1) {
-        (void)render_field_reference(volumes, fields, part, camera, 4, 4, {.samples = samples});
-    };
-    EXPECT_NO_THROW(render(right, FieldPart::value));
-    EXPECT_THROW(render(wrong, FieldPart::value), Error);
-    EXPECT_THROW(render(right, FieldPart::view), Error);
-    EXPECT_THROW(render({}, FieldPart::value), Error);
-    EXPECT_THROW(render(right, FieldPart::value, 0), Error);
 }
 
 }  // namespace vog::test
