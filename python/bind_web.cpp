@@ -26,10 +26,85 @@ Named named_models(const py::object& models, const std::string& title) {
     return all;
 }
 
+/// Quantity of the page's first picture.
+struct QuantityArguments {
+    const std::string &show, &field;
+    const py::object &range, &clip, &light, &unit_distance;
+    bool log;
+};
+
+std::vector<double> numbers(const py::object& values, std::size_t count, const std::string& name) {
+    const auto list = cast_to<std::vector<double>>(values.attr("ravel")(), name,
+                                                   std::to_string(count) + " numbers");
+    if (list.size() != count)
+        throw Error("export_html: " + name + ": got " + std::to_string(list.size()) +
+                    " numbers, expected " + std::to_string(count));
+    return list;
+}
+std::vector<double> numbers_of(const py::object& values, std::size_t count,
+                               const std::string& name) {
+    return numbers(py::module_::import("numpy").attr("asarray")(values, "float64"), count, name);
+}
+
+/// Transfer function of values where more than its colours is stated; none: the page's own.
+std::optional<ValueTransfer> transfer_of(const QuantityArguments& given, const py::object& tf,
+                                         const Gaussians& model) {
+    if (given.show != "volume" || model.fields.scalar.empty()) return std::nullopt;
+    const ScalarField* field =
+        given.field.empty() ? &model.fields.scalar.front() : model.fields.find_scalar(given.field);
+    if (!field) return std::nullopt;  // write_html says so
+    const bool file = py::isinstance<py::str>(tf) || py::hasattr(tf, "__fspath__");
+    const bool unit = !given.unit_distance.is_none();
+    TransferPoints points;
+    if (file) points = transfer_points(py::str(tf).cast<std::string>());
+    if (!unit && !points.at_values && !points.has_unit_distance) return std::nullopt;
+    double lower = field->lower, upper = field->upper;
+    if (!given.range.is_none()) {
+        const std::vector<double> range = numbers_of(given.range, 2, "range");
+        lower = range[0], upper = range[1];
+    }
+    const double length =
+        unit ? given.unit_distance.cast<double>() : 0.02 * view_box(model).radius();
+    ValueTransfer transfer = file ? over_range(points, lower, upper, length)
+                                  : over_range(transfer_function_of(tf), lower, upper, length);
+    if (unit) transfer.unit_distance = length;
+    return transfer;
+}
+
+HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
+                         const Gaussians& model) {
+    HtmlQuantity quantity;
+    quantity.show = given.show;
+    quantity.field = given.field;
+    if (!given.range.is_none() && given.show != "volume") {
+        const std::vector<double> range = numbers_of(given.range, 2, "range");
+        quantity.scale = ColorScale{given.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
+                                    range[0], range[1]};
+        (void)scale_position(*quantity.scale, range[0]);  // checks the range
+    }
+    quantity.transfer = transfer_of(given, tf, model);
+    quantity.look.light = !given.light.is_none();
+    if (quantity.look.light && !py::isinstance<py::str>(given.light)) {
+        const std::vector<double> towards = numbers_of(given.light, 3, "light");
+        quantity.look.towards_light = {towards[0], towards[1], towards[2]};
+    } else if (quantity.look.light && given.light.cast<std::string>() != "head") {
+        throw Error("export_html: light '" + given.light.cast<std::string>() +
+                    "', expected 'head' or a direction");
+    }
+    if (!given.clip.is_none()) {
+        const std::vector<double> c = numbers_of(given.clip, 6, "clip");
+        quantity.look.clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
+    }
+    return quantity;
+}
+
 py::dict export_html(const std::filesystem::path& file, const py::object& models,
                      const std::string& title, const std::string& description, int levels,
                      const std::optional<Camera>& camera, const py::object& extinction,
-                     const py::object& tf, const py::object& background, bool blend) {
+                     const py::object& tf, const py::object& background, bool blend,
+                     const std::string& show, const std::string& field, const py::object& range,
+                     bool log, const py::object& unit_distance, const py::object& light,
+                     const py::object& clip, bool steps) {
     const Named named = named_models(models, title);
     if (named.empty()) throw Error("export_html: no model, expected at least one");
     if (levels < 1)
@@ -39,7 +114,11 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
     options.description = description;
     options.camera = camera;
     options.extinction = extinction_of(extinction);
-    options.tf = transfer_function_of(tf);
+    options.quantity = quantity_of({show, field, range, clip, light, unit_distance, log}, tf,
+                                   *named.front().second);
+    // A file of values is of volume; the other quantities then have the default colours.
+    if (!options.quantity.transfer) options.tf = transfer_function_of(tf);
+    options.steps = steps;
     options.system_background =
         py::isinstance<py::str>(background) && background.cast<std::string>() == "system";
     if (!options.system_background) options.shading.background = background_of(background);
@@ -64,7 +143,10 @@ void bind_web(py::module_& m) {
         "export_html", &export_html, py::arg("file"), py::arg("models"), py::kw_only(),
         py::arg("title") = "", py::arg("description") = "", py::arg("levels") = 8,
         py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = "inferno",
-        py::arg("background") = "black", py::arg("blend") = false,
+        py::arg("background") = "black", py::arg("blend") = false, py::arg("show") = "T",
+        py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = false,
+        py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
+        py::arg("clip") = py::none(), py::arg("steps") = false,
         R"(Writes models to one self-contained HTML page, which needs no server, network or other file.
 
 file         page to write
@@ -77,6 +159,14 @@ extinction   factor on density, or 'auto': by the initial view of each model
 tf           initial transfer function
 background   as in DepthImage.shade; 'system': black or white by the reader's colour scheme
 blend        True: colours fade into the background as V goes to 0
+show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation' or 'volume'
+field        name of that field; '': the first one
+range        (low, high), values of the first and the last colour; None: of the initial view, volume: of the data
+log          True: logarithmic colours of column, mean or deviation with a range
+unit_distance  of volume: length that opacities refer to, world units; None: found by the page
+light        of volume: 'head', or the direction towards the light; None: none
+clip         box of the world that is shown first, [2, 3]; None: all
+steps        True: the models are steps in time, with a play bar and one extinction
 
 Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.)");
 }

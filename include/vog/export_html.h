@@ -11,7 +11,10 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/quantity.h"
 #include "vog/shade.h"
+#include "vog/value_transfer.h"
+#include "vog/volume_picture.h"
 
 namespace vog {
 
@@ -19,6 +22,19 @@ namespace vog {
 struct HtmlModel {
     std::string name;               ///< label in the switch
     std::vector<Gaussians> levels;  ///< levels of detail for the slider, at least 1, finest first
+};
+
+/// Quantity that a page shows first; its reader can select every other that the models have.
+struct HtmlQuantity {
+    std::string show = "T";  ///< T, column, mean, deviation or volume
+    /// Field of mean, deviation and volume, as field_choice reads it; empty: the first one.
+    std::string field{};
+    /// Scale of column, mean or deviation, linear or logarithmic; none: linear, of the first view.
+    std::optional<ColorScale> scale{};
+    /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
+    std::optional<ValueTransfer> transfer{};
+    VolumeLook look{};  ///< light of volume, and the clip of all quantities: a box, no planes
+    int slabs = 32;     ///< depth slabs of volume, 1 to 1024; rounded up to a multiple of 4
 };
 
 /// Options of write_html.
@@ -30,6 +46,9 @@ struct HtmlOptions {
     std::optional<double> extinction{};
     TransferFunction tf = named_transfer_function("inferno");  ///< first colours
     ShadeOptions shading{};                                    ///< background and blend
+    HtmlQuantity quantity{};
+    /// Whether the models are steps in time: the page plays them, with one extinction and scale for all.
+    bool steps = false;
     /// Use black or white, by the dark or light mode of the reader's system, as the background.
     bool system_background = false;
 };
@@ -48,9 +67,11 @@ struct HtmlReport {
 ///   scale     1/2048 of itself, as a half float
 ///   rotation  0.0005 rad
 ///   density   so that mass is within 1/2048 of itself
+/// A scalar field takes 8 bytes more, a vector field 24 (docs/web.md, "Fields").
 /// Gaussians of density 0 are left out.
 /// throws  vog::Error for no model, a model without levels, an invalid model or one too large for a
-///         browser, an unusable camera, transfer function or extinction, an unwritable file
+///         browser, a quantity that the first model has not, an unusable camera, transfer function or extinction,
+///         an unwritable file
 HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
                       const HtmlOptions& options = {});
 

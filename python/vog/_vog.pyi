@@ -597,4 +597,12 @@ def export_html(
     tf: _Map = ...,
     background: Union[str, _Vector] = ...,
     blend: bool = ...,
+    show: str = ...,
+    field: str = ...,
+    range: Union[_Vector, None] = ...,
+    log: bool = ...,
+    unit_distance: Union[float, None] = ...,
+    light: Union[str, _Vector, None] = ...,
+    clip: Union[Sequence[Sequence[float]], NDArray[Any], None] = ...,
+    steps: bool = ...,
 ) -> dict[str, int]: ...

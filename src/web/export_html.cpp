@@ -17,7 +17,9 @@
 #include "shade/named_extinction.h"
 #include "shade/transfer_function.h"
 #include "vog/error.h"
+#include "vog/field_maps.h"
 #include "vog/splat.h"
+#include "web/page_fields.h"
 #include "web/web_codec.h"
 #include "web/web_files.h"
 
@@ -31,10 +33,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Modules in the order of their dependencies.
-constexpr const char* kModules[] = {"vectors.js", "camera.js",   "gaussians.js",
-                                    "colors.js",  "renderer.js", "link.js",
-                                    "input.js",   "controls.js", "main.js"};
-constexpr const char* kShaders[] = {"splat.vert", "splat.frag", "screen.vert", "shade.frag"};
+constexpr const char* kModules[] = {"vectors.js",  "camera.js",   "gaussians.js", "fields.js",
+                                    "colors.js",   "transfer.js", "renderer.js",  "slabs.js",
+                                    "quantity.js", "link.js",     "input.js",     "editor.js",
+                                    "controls.js", "player.js",   "main.js"};
+constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "chord.glsl",  "field.frag",
+                                    "slab.frag",   "ranges.frag", "light.vert",  "light.frag",
+                                    "layers.frag", "copy.frag",   "screen.vert", "shade.frag"};
 
 /// Name declared by a line such as "const x = 1;" or "async function x() {".
 std::string declared_name(std::string_view line) {
@@ -43,12 +48,29 @@ std::string declared_name(std::string_view line) {
     return std::string(line.substr(0, line.find_first_of(" (={;")));
 }
 
+/// A file of the page without lines that are comments and nothing else.
+std::string without_comments(const std::string& text) {
+    std::string kept;
+    bool inside = false;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
+        const std::string_view line = std::string_view(text).substr(at, end - at);
+        const std::size_t first = line.find_first_not_of(" \n");
+        const std::string_view words = first == line.npos ? std::string_view() : line.substr(first);
+        at = end;
+        inside = inside || words.starts_with("/*");
+        if (!inside && !words.empty() && !words.starts_with("//")) kept += line;
+        if (words.find("*/") != words.npos) inside = false;
+    }
+    return kept;
+}
+
 /// All modules as one script: each becomes a function that returns its exports to the later ones.
 /// Imports and exported declarations must start a line.
 std::string bundle() {
     std::string script;
     for (const char* name : kModules) {
-        const std::string text = web_file(name);
+        const std::string text = without_comments(web_file(name));
         std::string body, exported;
         for (std::size_t at = 0; at < text.size();) {
             const std::size_t end = std::min(text.find('\n', at), text.size() - 1) + 1;
@@ -136,12 +158,19 @@ Box framed_box(const Gaussians& model) {
     return box.empty() ? Box{{-1, -1, -1}, {1, 1, 1}} : box;
 }
 
-/// Extinction of the options, or the automatic one of the first view.
-double first_extinction(const Gaussians& model, const HtmlOptions& options) {
-    if (options.extinction) return *options.extinction;
-    constexpr int kSize = 256;
-    const Camera camera = options.camera ? *options.camera : orbit_view(framed_box(model));
-    return shading::auto_extinction_of(render_splat(model, camera, kSize, kSize), model.source);
+Camera first_view(const Gaussians& model, const HtmlOptions& options) {
+    return options.camera ? *options.camera : orbit_view(framed_box(model));
+}
+
+/// Text of a script element of a model's data.
+std::string data_element(const std::string& id, const std::string& name, const std::string& bytes) {
+    // Longest string of V8, the shortest limit of all engines: 2^29 - 24 characters.
+    constexpr std::size_t kMaxText = (std::size_t{1} << 29) - 24;
+    const std::string text = base64(bytes);
+    if (text.size() > kMaxText)
+        throw Error(fmt::format("{}: {} bytes of {} in a page, expected at most {}", name,
+                                text.size(), id, kMaxText));
+    return fmt::format("<script type=\"text/plain\" id=\"{}\">", id) + text + "</script>\n";
 }
 
 /// A model's entry in the page's JSON; its levels are appended to `data` as elements.
@@ -151,23 +180,32 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
     const WebFrame frame = web_frame(finest);
     const Box box = framed_box(finest);
     Json levels = Json::array();
+    std::vector<WebShapes> shapes;
     for (std::size_t n = 0; n < model.levels.size(); ++n) {
-        const WebLevel level = web_level(model.levels[n], frame);
-        // Longest string of V8, the shortest limit of all engines: 2^29 - 24 characters.
-        constexpr std::size_t kMaxText = (std::size_t{1} << 29) - 24;
-        const std::string text = base64(level.compressed());
-        if (text.size() > kMaxText)
-            throw Error(fmt::format("{}: {} Gaussians are {} bytes in a page, expected at most {}",
-                                    model.name, level.count, text.size(), kMaxText));
+        shapes.push_back(web_shapes(model.levels[n], frame));
+        const WebLevel level = web_level(shapes.back());
         levels.push_back({{"count", level.count},
                           {"rotated", level.rotated},
                           {"chunks", level.chunks.size()},
                           {"scale", {level.scale.low, level.scale.step}},
                           {"density", {level.density.low, level.density.step}}});
-        data += fmt::format("<script type=\"text/plain\" id=\"model-{}-{}\">", index, n);
-        data += text;
-        data += "</script>\n";
+        data += data_element(fmt::format("model-{}-{}", index, n), model.name, level.compressed());
     }
+    // One picture tells the automatic extinction and the largest column.
+    constexpr int kSize = 256;
+    const Camera view = first_view(finest, options);
+    const DepthImage depth = render_splat(finest, view, kSize, kSize);
+    const double most_column =
+        depth.depth.empty() ? 0 : double{*std::ranges::max_element(depth.depth)};
+    const double extinction = options.extinction
+                                  ? *options.extinction
+                                  : shading::auto_extinction_of(depth, finest.source);
+    const Json fields =
+        fields_json(model.levels, shapes, frame, view,
+                    [&](std::size_t field, std::size_t level, const std::string& bytes) {
+                        data += data_element(fmt::format("field-{}-{}-{}", index, field, level),
+                                             model.name, bytes);
+                    });
     return {{"name", model.name},
             {"center", json_of(frame.center)},
             {"unit", frame.unit},
@@ -178,8 +216,73 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
              {{"center", json_of(box.center())},
               {"half", json_of(0.5 * (box.upper - box.lower))},
               {"radius", box.radius() > 0 ? box.radius() : 1}}},
-            {"extinction", first_extinction(finest, options)},
+            {"extinction", extinction},
+            {"mostColumn", most_column},
+            {"fields", fields},
             {"levels", levels}};
+}
+
+/// throws  vog::Error for a quantity that the model has not
+void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
+    const std::string& show = quantity.show;
+    if (show != "T" && show != "column" && show != "mean" && show != "deviation" &&
+        show != "volume")
+        throw Error(fmt::format(
+            "page: quantity '{}', expected T, column, mean, deviation or volume", show));
+    if (quantity.slabs < 1 || quantity.slabs > 1024)
+        throw Error(fmt::format("page: {} depth slabs, expected 1 to 1024", quantity.slabs));
+    vog::validate(quantity.look);
+    if (!quantity.look.clip.planes.empty()) throw Error("page: a clip plane, expected a box");
+    if (quantity.transfer) vog::validate(*quantity.transfer);
+    if (show == "T" || show == "column") return;
+    if (model.fields.empty() || (show == "volume" && model.fields.scalar.empty()))
+        throw Error(
+            fmt::format("page: the model has no field for {}, expected one "
+                        "(vog convert --field)",
+                        show));
+    if (quantity.field.empty()) return;
+    const FieldChoice choice = field_choice(quantity.field, model.fields);
+    if (show == "volume" && choice.part != FieldPart::value)
+        throw Error(fmt::format("page: volume of '{}', expected a scalar field", quantity.field));
+    if (choice.part == FieldPart::magnitude)
+        throw Error(fmt::format("page: '{}', expected a component: {}, .x, .y or .z",
+                                quantity.field, choice.field));
+}
+
+Json json_of(const ValueTransfer& transfer) {
+    Json colors = Json::array(), opacity = Json::array();
+    for (const ValueColor& c : transfer.color)
+        colors.push_back({c.value, double{c.r}, double{c.g}, double{c.b}});
+    for (const ValueOpacity& o : transfer.opacity) opacity.push_back({o.value, o.opacity});
+    return {{"name", transfer.name},
+            {"colors", colors},
+            {"opacity", opacity},
+            {"unit", transfer.unit_distance}};
+}
+
+/// First quantity of the page: names of the field and the part, null where the page selects.
+Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
+    Json json = {{"show", quantity.show}, {"slabs", (quantity.slabs + 3) / 4 * 4}};
+    json["field"] = json["scale"] = json["transfer"] = json["clip"] = nullptr;
+    if (!quantity.field.empty()) {
+        const FieldChoice choice = field_choice(quantity.field, model.fields);
+        constexpr const char* kParts[] = {"", "view", "x", "y", "z", "magnitude"};
+        json["field"] = choice.field;
+        json["part"] = kParts[static_cast<std::size_t>(choice.part)];
+    }
+    if (quantity.scale)
+        json["scale"] = {{"low", quantity.scale->low},
+                         {"high", quantity.scale->high},
+                         {"log", quantity.scale->kind == ColorScale::Kind::log}};
+    if (quantity.transfer) json["transfer"] = json_of(*quantity.transfer);
+    const VolumeLook& look = quantity.look;
+    json["light"] = {{"on", look.light},
+                     {"towards", json_of(look.towards_light)},
+                     {"weights", {look.ambient, look.diffuse, look.specular, look.power}}};
+    if (look.clip.box)
+        json["clip"] = {{"lower", json_of(look.clip.box->lower)},
+                        {"upper", json_of(look.clip.box->upper)}};
+    return json;
 }
 
 void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
@@ -194,6 +297,7 @@ void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
         throw Error(fmt::format("page: extinction {}, expected a finite number above 0",
                                 *options.extinction));
     require_valid("page", options.tf);
+    check_quantity(models.front().levels.front(), options.quantity);
     if (options.camera) frame_of(*options.camera, 1, 1);
 }
 
@@ -212,8 +316,10 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
     HtmlReport report;
     std::string data, map_name, shaders;
     Json entries = Json::array();
+    HtmlOptions shared = options;
     for (const HtmlModel& model : models) {
-        entries.push_back(model_json(model, entries.size(), options, data));
+        entries.push_back(model_json(model, entries.size(), shared, data));
+        if (options.steps) shared.extinction = entries.front().at("extinction").get<double>();
         report.gaussians += model.levels.front().size();
     }
     report.extinction = entries.front().at("extinction");
@@ -234,16 +340,18 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
                  {"fade", options.shading.blend}};
     page["maps"] = maps_json(options.tf, map_name);
     page["map"] = map_name;
+    page["quantity"] = quantity_json(models.front().levels.front(), options.quantity);
+    page["steps"] = options.steps;
     page["models"] = std::move(entries);
     for (const char* name : kShaders)
         shaders += fmt::format("<script type=\"text/plain\" data-shader=\"{}\">\n{}</script>\n",
-                               name, web_file(name));
+                               name, without_comments(web_file(name)));
     report.viewer_bytes = data.size();
     const std::string text =
         filled(web_file("page.html"), {{"title", escaped(options.title)},
                                        {"description", escaped(options.description)},
                                        {"ground", ground_of(ground)},
-                                       {"style", web_file("page.css")},
+                                       {"style", without_comments(web_file("page.css"))},
                                        {"page", script_json(page)},
                                        {"shaders", shaders},
                                        {"models", std::move(data)},

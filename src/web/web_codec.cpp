@@ -123,42 +123,9 @@ struct LogRange {
     }
 };
 
-/// Gaussians in Morton order, in a page's frame; logarithms of base 2.
-struct Sorted {
-    std::vector<Vec3d> mean;
-    std::vector<Vec3d> log_scale;
-    std::vector<Quat> rotation;
-    std::vector<double> log_mass;  ///< log2(density * s0 * s1 * s2)
-};
-
-Sorted sorted_shapes(const Gaussians& model, const WebFrame& frame) {
-    const std::vector<std::uint32_t> order = morton_order(model);
-    Sorted sorted;
-    const Vec3d center = frame.center - model.origin;
-    sorted.mean.resize(order.size());
-    sorted.log_scale.resize(order.size());
-    sorted.rotation.resize(order.size());
-    sorted.log_mass.resize(order.size());
-    vog::parallel_for(std::size_t{0}, order.size(), [&](std::size_t n) {
-        const std::size_t i = order[n];
-        sorted.mean[n] = (1 / frame.unit) * (vec_cast<double>(model.mean[i]) - center);
-        Shape shape{vec_cast<double>(model.scale[i]), {}};
-        if (!model.axis_aligned()) shape = smallest_rotation(shape.scale, model.rotation[i]);
-        sorted.rotation[n] = shape.rotation;
-        const double log_unit = std::log2(frame.unit);
-        double log_volume = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            sorted.log_scale[n][axis] = std::log2(shape.scale[axis]) - log_unit;
-            log_volume += sorted.log_scale[n][axis];
-        }
-        sorted.log_mass[n] = std::log2(double{model.density[i]}) + log_unit + log_volume;
-    });
-    return sorted;
-}
-
 /// Divides the means into chunks, each with a step fine enough for its narrowest Gaussian and a box
 /// that 16 bits of that step span.
-void write_means(const Sorted& sorted, WebLevel& level) {
+void write_means(const WebShapes& sorted, WebLevel& level) {
     const auto step_for = [&](std::size_t n) {
         const Vec3d s = sorted.log_scale[n];
         return std::exp2(std::min({s.x, s.y, s.z})) / kStepsPerDeviation;
@@ -204,11 +171,37 @@ WebFrame web_frame(const Gaussians& model) {
     return frame;
 }
 
-WebLevel web_level(const Gaussians& model, const WebFrame& frame) {
-    const Sorted sorted = sorted_shapes(model, frame);
+WebShapes web_shapes(const Gaussians& model, const WebFrame& frame) {
+    const std::vector<std::uint32_t> order = morton_order(model);
+    WebShapes sorted;
+    sorted.rotated = !model.axis_aligned();
+    sorted.index = order;
+    const Vec3d center = frame.center - model.origin;
+    sorted.mean.resize(order.size());
+    sorted.log_scale.resize(order.size());
+    sorted.rotation.resize(order.size());
+    sorted.log_mass.resize(order.size());
+    vog::parallel_for(std::size_t{0}, order.size(), [&](std::size_t n) {
+        const std::size_t i = order[n];
+        sorted.mean[n] = (1 / frame.unit) * (vec_cast<double>(model.mean[i]) - center);
+        Shape shape{vec_cast<double>(model.scale[i]), {}};
+        if (sorted.rotated) shape = smallest_rotation(shape.scale, model.rotation[i]);
+        sorted.rotation[n] = shape.rotation;
+        const double log_unit = std::log2(frame.unit);
+        double log_volume = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+            sorted.log_scale[n][axis] = std::log2(shape.scale[axis]) - log_unit;
+            log_volume += sorted.log_scale[n][axis];
+        }
+        sorted.log_mass[n] = std::log2(double{model.density[i]}) + log_unit + log_volume;
+    });
+    return sorted;
+}
+
+WebLevel web_level(const WebShapes& sorted) {
     WebLevel level;
     level.count = sorted.mean.size();
-    level.rotated = !model.axis_aligned();
+    level.rotated = sorted.rotated;
     level.words.resize(level.columns() * level.count);
     write_means(sorted, level);
 
@@ -255,6 +248,10 @@ std::string WebLevel::compressed() const {
         for (const int shift : {0, 8})
             for (std::size_t n = 0; n < count; ++n)
                 bytes += static_cast<char>(words[column * count + n] >> shift & 0xff);
+    return deflated(bytes);
+}
+
+std::string deflated(const std::string& bytes) {
     uLongf size = compressBound(bytes.size());
     std::string out(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(out.data()), &size,

@@ -1,4 +1,4 @@
-// web_codec.h: quantised, compressed encoding of models for the page; page/gaussians.js decodes it.
+// web_codec.h: quantised, compressed encoding of models for the page; page/picture/gaussians.js decodes it.
 #pragma once
 
 #include <cstdint>
@@ -16,6 +16,17 @@ struct WebFrame {
 };
 /// Centre of the means, and the radius of their box or the largest scale if larger.
 WebFrame web_frame(const Gaussians& model);
+
+/// Gaussians with density > 0 in Morton order of their means, in a page's frame; logarithms of base 2.
+struct WebShapes {
+    bool rotated = false;
+    std::vector<std::uint32_t> index;  ///< in the model
+    std::vector<Vec3d> mean;
+    std::vector<Vec3d> log_scale;
+    std::vector<Quat> rotation;    ///< the smallest of the ellipsoid, its scales permuted
+    std::vector<double> log_mass;  ///< log2(density * s0 * s1 * s2)
+};
+WebShapes web_shapes(const Gaussians& model, const WebFrame& frame);
 
 /// Quantisation of positive values: log2(value) = low + step * word.
 struct WebLogarithm {
@@ -50,7 +61,13 @@ struct WebLevel {
 inline constexpr double kWebRotationLimit = 0.383;
 inline constexpr int kWebRotationWords = 3000;
 
-/// Encodes the Gaussians with density > 0, in Morton order of their means.
-WebLevel web_level(const Gaussians& model, const WebFrame& frame);
+WebLevel web_level(const WebShapes& shapes);
+/// Of all Gaussians with density > 0.
+inline WebLevel web_level(const Gaussians& model, const WebFrame& frame) {
+    return web_level(web_shapes(model, frame));
+}
+
+/// zlib stream of bytes.
+std::string deflated(const std::string& bytes);
 
 }  // namespace vog::web

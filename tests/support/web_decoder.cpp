@@ -1,4 +1,4 @@
-// web_decoder.cpp: Decoder of the page's encoding, as page/gaussians.js decodes it.
+// web_decoder.cpp: Decoder of the page's encoding, as page/picture/gaussians.js decodes it.
 #include "support/web_decoder.h"
 
 #include <zlib.h>

@@ -1,4 +1,4 @@
-// web_decoder.h: Decoder of the page's encoding, as page/gaussians.js decodes it.
+// web_decoder.h: Decoder of the page's encoding, as page/picture/gaussians.js decodes it.
 #pragma once
 
 #include "vog/gaussians.h"

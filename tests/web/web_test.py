@@ -8,107 +8,20 @@ skipped, where there is no Chromium.
 import array
 import json
 import math
-import os
-import pathlib
 import random
-import shutil
-import subprocess
 import sys
-import tempfile
-import unittest
 
-from browser import Browser, find_chromium
-
-VOG = os.environ.get("VOG_COMMAND", "vog")
-HOUSE = pathlib.Path(__file__).resolve().parents[2]
-DATA = pathlib.Path(os.environ.get("VOG_DATA", HOUSE / "../shared/data"))
-WIDTH, HEIGHT = 320, 240
-# Both renderers are exact; the page's numbers are quantised (docs/web.md). Measured: 79 dB.
-LEAST_PSNR_DB = 60
+from page_test_case import PageTest, run, HEIGHT, LEAST_PSNR_DB, WIDTH, smoke, vog, write_model
 
 
-def vog(*arguments):
-    done = subprocess.run([VOG, *map(str, arguments)], capture_output=True, text=True, cwd=Pages.folder)
-    if done.returncode:
-        raise RuntimeError(f"vog {' '.join(map(str, arguments))}: {done.stderr}")
-    return done.stdout
-
-
-def write_model(path, gaussians):
-    """Writes a PLY with rows (x, y, z, s, s, s, density)."""
-    names = ["x", "y", "z", "scale_0", "scale_1", "scale_2", "density"]
-    header = "ply\nformat binary_little_endian 1.0\ncomment vog 1\ncomment cutoff 2.25\n"
-    header += f"element vertex {len(gaussians) // len(names)}\n"
-    header += "".join(f"property float {name}\n" for name in names) + "end_header\n"
-    with open(path, "wb") as out:
-        out.write(header.encode())
-        array.array("f", gaussians).tofile(out)
-
-
-class Pages(unittest.TestCase):
-    """One browser and one set of models for all tests."""
-
+class Pages(PageTest):
     @classmethod
-    def setUpClass(cls):
-        Pages.folder = pathlib.Path(tempfile.mkdtemp(prefix="vog-web-"))
-        cls.addClassCleanup(shutil.rmtree, Pages.folder, ignore_errors=True)
-        volume = DATA / "smoke.vdb"
-        if not volume.exists():
-            print(f"{volume} is absent: a sampled cloud takes its place", file=sys.stderr)
-            volume = Pages.folder / "cloud.vdb"
-            vog("sample", "cloud", volume, "--size", 96)
+    def make(cls):
+        volume = smoke()
         vog("convert", volume, "-o", "fine.ply", "--block", 4)
         vog("convert", volume, "-o", "coarse.ply", "--block", 16)
         vog("export", "fine.ply", "coarse.ply", "-o", "page.html", "--tf", "gray",
             "--title", "Smoke & mirrors", "--description", "A test.")
-        Pages.browser = cls.enterClassContext(Browser())
-
-    def setUp(self):
-        self.browser.viewport(WIDTH, HEIGHT)
-        self.browser.prefer()
-
-    def tearDown(self):
-        self.assertEqual(self.browser.complaints, [], "the page's console is not silent")
-
-    def open(self, page="page.html", fragment="#subframes=1"):
-        self.browser.open(self.folder / page, fragment)
-        self.browser.settle()
-
-    def value(self, expression):
-        return self.browser.evaluate(expression)
-
-    def picture(self, name="web.png"):
-        self.browser.picture(self.folder / name)
-        return name
-
-    def bytes(self):
-        return (self.folder / self.picture()).read_bytes()
-
-    def render(self, model="fine.ply", *more, tf="gray"):
-        """Picture of vog render with the page's camera and extinction."""
-        state = self.value("({camera: vog.state.camera, exposure: vog.state.exposure,"
-                           " extinction: vog.page.models[vog.state.model].extinction,"
-                           " width: picture.width, height: picture.height})")
-        camera, width, height = state["camera"], state["width"], state["height"]
-        # The page's field of view is that of the shorter side, vog render's that of the height.
-        tall = max(1, height / width)
-        fov = 2 * math.degrees(math.atan(tall * math.tan(math.radians(camera["fov"]) / 2)))
-        lens = ({"orthographic_width": camera["span"] * width / min(width, height)} if camera.get("span")
-                else {"fov_degrees": fov})
-        (self.folder / "camera.json").write_text(json.dumps(
-            {"eye": camera["eye"], "look_at": camera["at"], "up": camera["up"], **lens}))
-        vog("render", model, "-o", "cpu.png", "--camera", "camera.json", "--tf", tf, "--size",
-            f"{width}x{height}", "--extinction", repr(state["extinction"] * state["exposure"]), *more)
-        return "cpu.png"
-
-    def psnr(self, a, b):
-        found = json.loads(vog("compare", a, b, "--json"))["psnr_rgb_db"]
-        return math.inf if found is None else found
-
-    def expect_same(self, *arguments, least=LEAST_PSNR_DB, **more):
-        """Expects the page's picture to equal that of vog render."""
-        self.picture()  # first, so that the state is the one that was drawn
-        self.assertGreater(self.psnr(self.render(*arguments, **more), "web.png"), least)
 
     # --- Pictures. ---
 
@@ -465,7 +378,4 @@ class Pages(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if not find_chromium():
-        print("skipped: no Chromium here (scripts/install-deps.sh installs it)", file=sys.stderr)
-        sys.exit(77)
-    unittest.main()
+    run()

@@ -2,11 +2,14 @@
 // volumes and particles are converted first.
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "commands.h"
+#include "fields/field_conversion.h"
+#include "fields/page_quantity.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
@@ -32,12 +35,14 @@ struct ExportArguments {
     std::vector<std::string> inputs, names;
     std::string output, title, description;
     ColorArguments color;
+    PageQuantityArguments quantity;
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
     std::size_t budget = 0, levels = 8;
     int threads = 0;
-    bool json = false, verbose = false;
+    bool json = false, verbose = false, no_fields = false;
+    bool steps = false;      ///< whether models are steps in time
     std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
 
@@ -51,27 +56,37 @@ std::string stem_of(const std::string& file) {
 /// most  number of levels of detail at most
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
                                        const Progress& progress, std::vector<std::string>& notes) {
-    const LoadedVolumes set = load_volumes(arguments.inputs, arguments.volume);
+    LoadedVolumes set = load_volumes(arguments.inputs, arguments.volume);
     notes = set.notes;
     print_notes(notes);
     if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
+    const std::string own = own_name(set.volumes);
+    const auto add_own = [&](Gaussians& model, std::span<Volume> volumes) {
+        const FieldTexts texts{{}, arguments.volume.grid, arguments.inputs, false, own};
+        if (!arguments.no_fields) add_fields_of(texts, {}, volumes, model, notes);
+    };
     if (set.is_mesh() && mesh.parts.empty())
         throw Error("--mask: no active voxel lies inside the masks");
     const auto convert = [&](std::size_t budget) {
         MomentOptions options;
         options.budget = budget;
         options.progress = progress;
-        if (!set.is_mesh()) return convert_moments(set.volumes.front(), options);
-        Gaussians model = convert_moments(mesh, options);
-        model.box = mesh.box;
+        Gaussians model = set.is_mesh() ? convert_moments(mesh, options)
+                                        : convert_moments(set.volumes.front(), options);
+        if (set.is_mesh()) model.box = mesh.box;
+        add_own(model, set.volumes);
         return model;
     };
     if (!set.is_mesh() && set.volumes.size() > 1) {
         Gaussians sum;
-        for (const Volume& volume : set.volumes) append(sum, convert_moments(volume));
+        for (Volume& volume : set.volumes) {
+            Gaussians part = convert_moments(volume);
+            add_own(part, {&volume, 1});
+            append(sum, part);
+        }
         return detail_levels(std::move(sum), most);
     }
     std::vector<Gaussians> models{convert(arguments.budget)};
@@ -101,6 +116,7 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
     if (kind == FileKind::model) {
         for (const std::string& input : arguments.inputs) {
             Gaussians model = stages.run("load", [&] { return read_ply(input); });
+            if (arguments.no_fields) model.fields = {};
             stages.run("levels", [&] {
                 if (arguments.budget) model = coarsen(model, arguments.budget);
                 entries.push_back({stem_of(input), detail_levels(std::move(model), most)});
@@ -159,11 +175,15 @@ Json report_page(const ExportArguments& arguments, const std::vector<HtmlModel>&
 }
 
 HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& command,
-                         const HtmlModel& first) {
+                         const HtmlModel& first, std::vector<std::string>& notes) {
     HtmlOptions options;
     options.title = command.count("--title") ? arguments.title : first.name;
     options.description = arguments.description;
-    options.tf = load_transfer_function(arguments.color.tf);
+    // A file of values is of volume; the other quantities then have the default colours.
+    const bool by_value = arguments.quantity.quantity.volume() &&
+                          !std::ranges::count(transfer_function_names(), arguments.color.tf);
+    options.tf =
+        by_value ? named_transfer_function("inferno") : load_transfer_function(arguments.color.tf);
     options.extinction = fixed_extinction(arguments.color);
     ColorArguments color = arguments.color;
     options.system_background = color.background == "system";
@@ -177,6 +197,13 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
                                      arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
     if (viewed && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, *options.camera);
+    options.steps = arguments.steps;
+    std::vector<std::string> chosen;
+    options.quantity =
+        page_quantity(arguments.quantity, arguments.color, command, first.levels.front(),
+                      options.camera, arguments.inputs.front(), chosen);
+    print_notes(chosen);
+    notes.insert(notes.end(), chosen.begin(), chosen.end());
     return options;
 }
 
@@ -187,12 +214,13 @@ struct Exported {
 };
 
 Exported write_page(const ExportArguments& arguments, const CLI::App& command,
-                    std::vector<HtmlModel> entries, Stages& stages) {
+                    std::vector<HtmlModel> entries, Stages& stages,
+                    std::vector<std::string>& notes) {
     if (!arguments.names.empty() && arguments.names.size() != entries.size())
         throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
                                                arguments.names.size(), entries.size()));
     for (std::size_t n = 0; n < arguments.names.size(); ++n) entries[n].name = arguments.names[n];
-    const HtmlOptions options = page_options(arguments, command, entries.front());
+    const HtmlOptions options = page_options(arguments, command, entries.front(), notes);
     const HtmlReport report =
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
     return {report_page(arguments, entries, report, stages), report.extinction};
@@ -213,7 +241,7 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     std::vector<std::string> notes;
     std::vector<HtmlModel> entries =
         load_entries(arguments, kind, page ? arguments.levels : 1, stages, notes);
-    Exported made = page ? write_page(arguments, command, std::move(entries), stages)
+    Exported made = page ? write_page(arguments, command, std::move(entries), stages, notes)
                          : Exported{write_joined(arguments, entries, stages)};
     if (!notes.empty()) made.json["notes"] = notes;
     return made;
@@ -245,6 +273,14 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
 void export_files(const ExportArguments& given, const CLI::App& command) {
     ExportArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
+    // Models that one pattern matches are steps in time, named ones are to be compared.
+    if (command.count("--steps") == 0 && given.inputs.size() == 1 && arguments.inputs.size() > 1 &&
+        !is_sequence(arguments.output) && arguments.output.ends_with(".html") &&
+        common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model) {
+        arguments.steps = true;
+        note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
+                         given.inputs.front(), arguments.inputs.size()));
+    }
     std::vector<std::string> read = arguments.inputs;
     read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf});
     check_distinct(
@@ -270,6 +306,12 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
         "Gaussians each time; 1: the model alone")
         ->check(CLI::Range(1, 32))
         ->capture_default_str();
+    add_page_quantity_options(command, arguments.quantity, kPageGroup);
+    command
+        .add_flag("--steps,!--no-steps", arguments.steps,
+                  "Whether the models are steps in time, with a play bar, one extinction and one "
+                  "range for all; default: where a single pattern names them")
+        ->group(kPageGroup);
     add_color_options(command, arguments.color, kPageGroup,
                       ", or system: black or white by the reader's colour scheme");
 }
@@ -292,6 +334,8 @@ void add_export(CLI::App& app) {
                      "Page (.html) or model (.ply) to write. A folder (or a name that ends in /): "
                      "one page per input, all under one camera and one extinction")
         ->required();
+    command->add_flag("--no-fields", arguments->no_fields,
+                      "Leave fields out: a smaller file, without values");
     command
         ->add_option(
             "--budget", arguments->budget,

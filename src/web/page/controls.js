@@ -1,6 +1,9 @@
 // controls.js: panel, colour bar and notices. Stateless: show() receives the state.
-import { drawColorBar, reversed } from './colors.js';
+import { drawColorBar, reversed } from './picture/colors.js';
 import { keyHelp } from './input.js';
+import { Editor, presets, remapped } from './editor.js';
+import { choices, label, numberText, shows, ticks } from './quantity.js';
+import { transferJson } from './picture/transfer.js';
 
 const find = (id) => document.getElementById(id);
 const countText = (n) => n.toLocaleString('en');
@@ -18,10 +21,11 @@ const factorText = (x) => `× ${Number(x.toPrecision(2))}`;
 export class Controls {
   /**
    * change    called with the part of the state that the reader changed
-   * commands  {home, save, link, help, panel}
+   * commands  {home, save, link, help, panel, transfer: called with an edited transfer function, null: the first one}
    */
   constructor(page, change, commands) {
     this.page = page;
+    this.change = change;
     page.models.forEach((model, n) => {
       const label = element('label', '');
       const radio = element('input', '', { type: 'radio', name: 'model', value: n });
@@ -29,7 +33,7 @@ export class Controls {
       find('models').append(label);
       radio.addEventListener('change', () => change({ model: n }));
     });
-    find('model-row').hidden = page.models.length < 2;
+    find('model-row').hidden = page.models.length < 2 || page.steps;
     for (const map of page.maps) find('map').append(element('option', map.name));
     for (const [keys, effect] of keyHelp)
       find('keys').append(element('dt', keys), element('dd', effect));
@@ -41,6 +45,16 @@ export class Controls {
     on('exposure', 'dblclick', () => change({ exposure: 1 }));
     on('reverse', 'change', () => change({ reverse: find('reverse').checked }));
     on('fade', 'change', () => change({ fade: find('fade').checked }));
+    on('show', 'change', () => change({ show: find('show').value }));
+    on('field', 'change', () => {
+      const [field, part] = find('field').value.split('.');
+      change({ field: Number(field), part });
+    });
+    for (const id of ['low', 'high']) on(id, 'change', () => this.setScale());
+    on('log', 'change', () => this.setScale());
+    on('fit-scale', 'click', () => change({ scale: null }));
+    this.attachTransfer(on, commands);
+    this.attachClip(on);
     for (const name of ['home', 'save', 'link', 'help']) on(name, 'click', commands[name]);
     on('toggle', 'click', commands.panel);
     on('notice', 'click', () => say(''));
@@ -48,9 +62,110 @@ export class Controls {
     on('close-help', 'click', () => find('help-box').close());
   }
 
+  attachTransfer(on, commands) {
+    this.editor = new Editor(find('editor'), commands.transfer);
+    for (const name of Object.keys(presets)) find('preset').append(element('option', name, { value: name }));
+    on('density', 'input', () => {
+      const { transfer } = this.editor;
+      this.editor.edit({ ...transfer, unit: this.middleUnit / 10 ** (find('density').valueAsNumber / 3) }, true);
+    });
+    on('density', 'dblclick', () => this.editor.edit({ ...this.editor.transfer, unit: 0 }));
+    on('preset', 'change', () => {
+      const { transfer, source } = this.editor, make = presets[find('preset').value];
+      if (make) this.editor.edit({ ...transfer, opacity: make(source.lower, source.upper) });
+    });
+    on('light', 'change', () => this.change({ light: { ...this.state.light, on: find('light').checked } }));
+    on('undo', 'click', () => this.editor.undo());
+    on('redo', 'click', () => this.editor.redo());
+    on('fit-transfer', 'click', () => { this.editor.remember(); commands.transfer(null); });
+    on('save-transfer', 'click', () => {
+      const text = transferJson(this.editor.transfer);
+      const link = element('a', '', {
+        href: `data:application/json,${encodeURIComponent(text)}`, download: 'transfer.json',
+      });
+      link.click();
+    });
+  }
+
+  /** Six sliders: the lower and the upper end along each axis. */
+  attachClip(on) {
+    this.ends = ['x', 'y', 'z'].map((axis) => {
+      find('clip-ends').append(element('span', axis));
+      return ['from', 'to'].map((word, end) => {
+        const slider = element('input', '', { type: 'range', min: 0, max: 1, step: 0.005, value: end, 'aria-label': `Clip ${axis} ${word}` });
+        slider.addEventListener('input', () => this.setClip());
+        find('clip-ends').append(slider);
+        return slider;
+      });
+    });
+    on('clip-none', 'click', () => this.change({ clip: null }));
+  }
+  setClip() {
+    const { center, half } = this.page.models[this.model].box;
+    const at = (end) => [0, 1, 2].map((axis) => center[axis] + half[axis] * (2 * this.ends[axis][end].valueAsNumber - 1));
+    const [lower, upper] = [at(0), at(1)];
+    if (lower.every((v, axis) => v < upper[axis])) this.change({ clip: { lower, upper } });
+  }
+  setScale() {
+    const low = Number(find('low').value), high = Number(find('high').value), log = find('log').checked;
+    const wrong = !(low < high) || (log && !(low > 0));
+    for (const id of ['low', 'high']) find(id).setAttribute('aria-invalid', wrong);
+    if (wrong) say(log ? 'Range: two numbers above 0, the first below the second' : 'Range: two numbers, the first below the second');
+    else this.change({ scale: { low, high, log } });
+  }
+
+  /** Quantity, its field, range, transfer function and clip. */
+  showQuantity(state, model, { scale, transfer }) {
+    this.state = state;
+    const filled = (select, options) => {
+      const key = JSON.stringify(options);
+      if (select.dataset.options !== key)
+        select.replaceChildren(...options.map(([value, text]) => element('option', text, { value })));
+      select.dataset.options = key;
+    };
+    filled(find('show'), shows(model));
+    find('show').value = state.show;
+    const fields = choices(model, state.show);
+    filled(find('field'), fields.map(({ field, part, name }) => [`${field}.${part}`, name]));
+    find('field').value = `${state.field}.${state.part}`;
+    find('field-row').hidden = fields.length === 0;
+    const visibility = state.show === 'T', volume = state.show === 'volume';
+    find('exposure-row').hidden = find('fade-label').hidden = !visibility;
+    find('scale-row').hidden = visibility || volume;
+    find('transfer-row').hidden = !volume;
+    if (!visibility && !volume && document.activeElement !== find('low') && document.activeElement !== find('high')) {
+      find('low').value = numberText(scale.low);
+      find('high').value = numberText(scale.high);
+      for (const id of ['low', 'high']) find(id).setAttribute('aria-invalid', false);
+    }
+    find('log').checked = scale.log;
+    find('light').checked = state.light.on;
+    if (volume) {
+      const source = model.fields[state.field];
+      this.editor.show(transfer, source);
+      this.middleUnit ||= transfer.unit;
+      find('density').value = 3 * Math.log10(this.middleUnit / transfer.unit);
+      find('unit').textContent = `unit ${numberText(transfer.unit)}`;
+      find('preset').value = '';
+      drawTicks(find('editor-ticks'), ticks({ low: source.lower, high: source.upper, log: false }));
+      find('undo').disabled = this.editor.past.length === 0;
+      find('redo').disabled = this.editor.future.length === 0;
+    } else {
+      this.middleUnit = 0;
+    }
+    const { center, half } = model.box;
+    this.ends.forEach((pair, axis) => pair.forEach((slider, end) => {
+      const value = state.clip ? (end ? state.clip.upper : state.clip.lower)[axis] : center[axis] + (end ? 1 : -1) * half[axis];
+      slider.value = half[axis] > 0 ? 0.5 + (0.5 * (value - center[axis])) / half[axis] : end;
+    }));
+    find('of-visibility').hidden = !visibility;
+    find('of-quantity').textContent = label(model, state);
+  }
+
   levels() { return this.page.models[this.model].levels.length; }
 
-  show(state) {
+  /** shown  {scale, transfer} of the state's quantity */
+  show(state, shown) {
     const { page } = this, model = page.models[state.model];
     this.model = state.model;
     find('models').querySelectorAll('input')[state.model].checked = true;
@@ -69,8 +184,19 @@ export class Controls {
     find('reverse').checked = state.reverse;
     find('fade').checked = state.fade;
     const map = page.maps.find(({ name }) => name === state.map);
-    drawColorBar(find('bar'), state.reverse ? reversed(map) : map,
-                 { fade: state.fade, background: page.background });
+    this.showQuantity(state, model, shown);
+    const visibility = state.show === 'T';
+    if (state.show === 'volume') {
+      const { transfer } = shown, [from, to] = [transfer.colors[0][0], transfer.colors.at(-1)[0]];
+      const range = to > from ? { low: from, high: to, log: false } : { low: from, high: from + 1, log: false };
+      drawColorBar(find('bar'), remapped({ ...transfer, opacity: [] }, (v) => (v - range.low) / (range.high - range.low)),
+                   { fade: false, background: page.background });
+      drawTicks(find('ticks'), ticks(range));
+    } else {
+      drawColorBar(find('bar'), state.reverse ? reversed(map) : map,
+                   { fade: visibility && state.fade, background: page.background });
+      drawTicks(find('ticks'), ticks(visibility ? { low: 0, high: 1, log: false } : shown.scale));
+    }
     document.body.classList.toggle('embed', state.embed);
     document.body.classList.toggle('bare', !state.panel);
     find('scale').hidden = !state.bar;
@@ -82,6 +208,15 @@ export class Controls {
     const box = find('help-box');
     if (box.open) box.close(); else box.showModal();
   }
+}
+
+/** Ticks below a bar; those at its ends stay within. */
+function drawTicks(place, marks) {
+  place.replaceChildren(...marks.map(([at, text]) => {
+    const mark = element('span', text, at < 0.06 ? { class: 'first' } : at > 0.94 ? { class: 'last' } : {});
+    mark.style.left = `${100 * at}%`;
+    return mark;
+  }));
 }
 
 let hiding = 0;

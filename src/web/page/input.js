@@ -30,7 +30,8 @@ function pinched(camera, before, after, leastDistance) {
 
 /**
  * Attaches pointer and wheel events.
- * view  {camera(), move(camera), leastDistance(), still(), embedded()}
+ * view  {camera(), move(camera), leastDistance(), still(), embedded(), windowed(rightwards, upwards): whether a right
+ *       drag is of the values}
  */
 export function attachPointers(canvas, view) {
   const pointers = new Map();
@@ -48,6 +49,7 @@ export function attachPointers(canvas, view) {
     const before = [...pointers.values()], to = place(event);
     pointers.set(event.pointerId, to);
     const least = view.leastDistance();
+    if (before.length === 1 && event.buttons & 2 && view.windowed(0.5 * (to[0] - from[0]), 0.5 * (to[1] - from[1]))) return;
     if (before.length === 1) view.move(dragged(event, view.camera(), from, to, least));
     if (before.length === 2) view.move(pinched(view.camera(), before, [...pointers.values()], least));
   });
@@ -71,7 +73,8 @@ export function attachPointers(canvas, view) {
 export const keyHelp = [
   ['drag', 'turn'],
   ['Shift + drag, two fingers', 'move'],
-  ['wheel, pinch, right drag', 'zoom to the pointer, through the volume if need be'],
+  ['wheel, pinch', 'zoom to the pointer, through the volume if need be'],
+  ['right drag', 'of T: zoom; else the shown values: right wider, up higher'],
   ['Alt + drag, twist', 'roll'],
   ['Ctrl + drag', 'look around from where you are'],
   ['W S A D, Page Up/Down', 'fly'],
@@ -83,7 +86,10 @@ export const keyHelp = [
   ['− = 0', 'less, more, first exposure'],
   ['M, Shift + M', 'next, previous colours'],
   ['I, B', 'reverse the colours, fade them into the background'],
+  ['V', 'next quantity'],
+  ['Z, Shift + Z', 'undo, redo an edit of the opacity'],
   ['N', 'next model'],
+  ['Space , .', 'play, step back, next step'],
   ['P, C', 'save a PNG, copy a link to this view'],
   ['L, H', 'hide colour bar, controls'],
   ['?', 'this list'],

@@ -3,9 +3,15 @@
 import { isUsable } from './camera.js';
 import { length, sub } from './vectors.js';
 
-const vector = (text) => {
+const vectors = (text, count) => {
   const v = (text ?? '').split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
-  return v.length === 3 && v.every(Number.isFinite) ? v : null;
+  return v.length === count && v.every(Number.isFinite) ? v : null;
+};
+const vector = (text) => vectors(text, 3);
+/** Points [[value, ...]] of 2 or 4 numbers, in order of their values. */
+const points = (text, count) => {
+  const all = (text ?? '').split(';').map((point) => vectors(point, count));
+  return all.length > 0 && all.every((p, n) => p && (n === 0 || p[0] >= all[n - 1][0])) ? all : null;
 };
 const number = (text, low, high) => {
   const v = text === null || text.trim() === '' ? NaN : Number(text);
@@ -26,6 +32,10 @@ export function readLink(hash, camera) {
   const any = Object.values(given).some((part) => part !== null);
   const merged = { ...camera };
   for (const key of Object.keys(given)) if (given[key] !== null) merged[key] = given[key];
+  const colors = points(words.get('colors'), 4), opacity = points(words.get('opacity'), 2);
+  const unit = number(words.get('unit'), Number.MIN_VALUE, Number.MAX_VALUE);
+  const clip = vectors(words.get('clip'), 6), range = vectors(words.get('range'), 2);
+  const logarithmic = words.has('log') && words.get('log') !== '0';
   const flag = (name) => (words.has(name) ? words.get(name) !== '0' : null);
   return {
     embed: flag('embed') === true,
@@ -34,6 +44,15 @@ export function readLink(hash, camera) {
     subframes: number(words.get('subframes'), 1, 64),
     model: number(words.get('model'), 1, 1e6),
     level: number(words.get('level'), 1, 1e6),
+    show: words.get('show'),
+    field: words.get('field'),
+    part: words.get('part'),
+    scale: range && range[0] < range[1] && (!logarithmic || range[0] > 0)
+      ? { low: range[0], high: range[1], log: logarithmic } : null,
+    transfer: colors && opacity && unit ? { name: 'own', colors, opacity, unit } : null,
+    light: flag('light'),
+    clip: clip && [0, 1, 2].every((axis) => clip[axis] < clip[3 + axis])
+      ? { lower: clip.slice(0, 3), upper: clip.slice(3) } : null,
     map: words.get('map'),
     exposure: number(words.get('exposure'), 1 / 64, 64),
     reverse: flag('reverse'),
@@ -42,8 +61,11 @@ export function readLink(hash, camera) {
   };
 }
 
-/** Address suffix of a view, for readLink. */
-export function writeLink(state) {
+/**
+ * Address suffix of a view, for readLink.
+ * shown  {field: name, scale, transfer} of the quantity, each null where the first one holds
+ */
+export function writeLink(state, shown) {
   const { eye, at, up, fov, span } = state.camera;
   // Eight digits of the distance, whatever the distance to the world's origin.
   const farthest = Math.max(...[...eye, ...at].map(Math.abs));
@@ -56,6 +78,17 @@ export function writeLink(state) {
   words.push(`reverse=${state.reverse ? 1 : 0}`, `fade=${state.fade ? 1 : 0}`);
   words.push(`eye=${digits(eye, 8 + more)}`, `at=${digits(at, 8 + more)}`);
   words.push(`up=${digits(up)}`, `fov=${digits([fov])}`);
+  const brief = (list) => list.map((point) => point.map((v) => Number(v.toPrecision(6))).join(',')).join(';');
+  if (state.show !== 'T') words.push(`show=${state.show}`);
+  if (shown.field) words.push(`field=${encodeURIComponent(shown.field)}`);
+  if (shown.field && state.part) words.push(`part=${state.part}`);
+  if (shown.scale) words.push(`range=${digits([shown.scale.low, shown.scale.high])}`);
+  if (shown.scale?.log) words.push('log');
+  if (shown.transfer)
+    words.push(`colors=${brief(shown.transfer.colors)}`, `opacity=${brief(shown.transfer.opacity)}`,
+               `unit=${digits([shown.transfer.unit])}`);
+  if (state.light.on) words.push('light');
+  if (state.clip) words.push(`clip=${digits([...state.clip.lower, ...state.clip.upper])}`);
   if (span) words.push(`span=${digits([span])}`);
   return `#${words.join('&')}`;
 }

@@ -1,13 +1,19 @@
 // main.js: state of the page, scheduling of frames, loading of levels, commands.
-import { mul } from './vectors.js';
+import { length, mul } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
-import { decodeLevel } from './gaussians.js';
-import { reversed } from './colors.js';
-import { Renderer } from './renderer.js';
+import { decodeLevel } from './picture/gaussians.js';
+import { decodeField } from './picture/fields.js';
+import { reversed } from './picture/colors.js';
+import { overRange } from './picture/transfer.js';
+import { Renderer } from './picture/renderer.js';
+import { Slabs } from './picture/slabs.js';
+import { automaticScale, automaticTransfer, fieldKey, fittedUnit, label, numberText, quantityNumbers, shownOf } from './quantity.js';
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
+import { Player } from './player.js';
+import { remapped } from './editor.js';
 
 const find = (id) => document.getElementById(id);
 const page = JSON.parse(find('page').textContent);
@@ -19,21 +25,49 @@ const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)'
 const state = {
   model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: page.fade,
   camera: page.camera, embed: false, still: false, subframes: 8, panel: !narrow(), bar: true,
+  ...shownOf(page.models[0], { show: page.quantity.show, field: 0, part: page.quantity.part ?? '' }, page.quantity.field),
+  scale: page.quantity.scale,  // null: the first view's
+  transfers: {},               // edited ones, by field
+  light: page.quantity.light, clip: page.quantity.clip,
 };
+if (page.quantity.transfer) state.transfers[state.field] = page.quantity.transfer;
 
-// --- Drawing. Changes of camera, model, level or size render T again; all others only shade. ---
+// --- What is shown. ---
+
+const comparable = () => (page.steps ? page.models : [page.models[state.model]]);
+const mapNow = () => {
+  const map = page.maps.find(({ name }) => name === state.map);
+  return state.reverse ? reversed(map) : map;
+};
+const scaleNow = () => state.scale ?? automaticScale(comparable(), state);
+let automatic = null;  // [key, transfer function] without edits
+/** The transfer function of the shown field; its unit is 0 until it has been found. */
+function transferNow() {
+  if (state.show !== 'volume') return null;
+  if (state.transfers[state.field]) return state.transfers[state.field];
+  const key = [page.steps ? 0 : state.model, state.field, state.map, state.reverse].join(' ');
+  if (automatic?.[0] !== key) automatic = [key, automaticTransfer(comparable(), state.field, mapNow())];
+  return automatic[1];
+}
+const transferShown = () => {
+  const transfer = transferNow();
+  return transfer && (transfer.unit > 0 ? transfer : { ...transfer, unit: roughUnit() });
+};
+const roughUnit = () => 0.02 * length(box().half) || 1;
+
+// --- Drawing. Changes of camera, model, level, size, field or clip render sums anew; all others only shade. ---
 
 const restMs = 200;       // time without motion after which the camera counts as at rest
 const slowMs = 50;        // slower frames: coarser levels while the camera moves
 const fastMs = 12;        // faster frames: finer levels again
 const patienceMs = 100;   // no further sub-frames after one that took longer
+const mostKept = 1 << 26; // floats of decoded steps in memory
 
-let renderer = null, half = false, lost = false;
-let decoded = [];              // instances of the model's levels, once decoded
-let uploaded = [];             // levels in the GPU's memory
+let renderer = null, slabs = null, half = false, lost = false;
+let scene = [];                // of each model its decoded levels: {instances, fields: Map, gpu}
 let loading = 0;               // number of the current load; levels of earlier ones are dropped
 let complete = false;          // all levels are decoded
-let drawn = null;              // camera, model, level and size of the current T
+let drawn = null;              // what the current sums are of
 let moving = 0, coarser = 0;   // timer of the motion; levels coarser than the chosen one meanwhile
 let frame = 0, inFlight = false, frameMs = 0;
 let stale = false;             // something changed while a frame was in flight
@@ -43,33 +77,111 @@ function request() {
   if (!frame && !inFlight && renderer && !lost) frame = requestAnimationFrame(draw);
 }
 
+const levelsOf = (model) => (scene[model] ??= page.models[model].levels.map(() => null));
+/** Whether a level has what the shown quantity needs. */
+const isReady = (model, level) => {
+  const entry = levelsOf(model)[level];
+  return entry !== null && (fieldKey(state) === null || entry.fields.has(state.field));
+};
+
 /** Level to draw: the chosen one, a coarser one while moving, or the next coarser one decoded. */
 function levelNow() {
   const last = page.models[state.model].levels.length - 1;
   let level = Math.min(state.level + (moving ? coarser : 0), last);
-  while (level < last && !decoded[level]) ++level;
-  return decoded[level] ? level : -1;
+  while (level < last && !isReady(state.model, level)) ++level;
+  return isReady(state.model, level) ? level : -1;
+}
+
+/** A level in the GPU's memory, with the shown field. */
+function uploaded(level) {
+  const entry = levelsOf(state.model)[level], key = fieldKey(state);
+  entry.gpu ??= renderer.upload(entry.instances);
+  if (key !== null && !entry.gpu.fields.has(key)) {
+    const source = page.models[state.model].fields[state.field];
+    renderer.uploadField(entry.gpu, key, entry.fields.get(state.field), source.vector, state.part);
+  }
+  return entry.gpu;
+}
+
+/** Adds one sub-frame of the shown quantity. */
+function addSums(level) {
+  const model = page.models[state.model], there = level >= 0 ? uploaded(level) : undefined;
+  const key = fieldKey(state), { camera, clip } = state;
+  if (state.show === 'volume') {
+    const source = model.fields[state.field];
+    slabs ??= new Slabs(renderer);
+    slabs.add(there, model, camera, {
+      field: key, transfer: transferShown(), light: state.light, clip, slabs: page.quantity.slabs,
+      source: { reference: source.reference, unit: source.scale, isMeasure: source.isMeasure },
+    });
+  } else {
+    renderer.addSums(there, model, camera, { field: key, view: state.part === 'view', clip });
+  }
+}
+
+/** Finds the unit distance of a transfer function that has none, from a small picture. */
+function fitUnit(level) {
+  const { width, height } = renderer, scale = 64 / Math.max(width, height);
+  const small = [width, height].map((side) => Math.max(1, Math.round(scale * side)));
+  const transfer = transferNow(), pixels = new Float32Array(4 * small[0] * small[1]), { gl } = renderer;
+  const fitted = { ...transfer, unit: roughUnit() }, edited = state.transfers[state.field];
+  renderer.resize(...small);
+  for (let n = 0; n < 4; ++n) {
+    if (edited) state.transfers = { ...state.transfers, [state.field]: { ...fitted } };
+    else automatic[1] = { ...fitted };
+    renderer.restart();
+    addSums(level);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.framebuffer);
+    gl.readPixels(0, 0, ...small, gl.RGBA, gl.FLOAT, pixels);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    fitted.unit = Number(fittedUnit(pixels, fitted.unit).toPrecision(4));
+  }
+  if (edited) state.transfers = { ...state.transfers, [state.field]: fitted };
+  else automatic[1] = fitted;
+  renderer.resize(width, height);
+  controls.middleUnit = 0;
+  showControls();
 }
 
 function draw() {
   frame = 0;
   if (lost) return;
+  try {
+    drawNow();
+  } catch (error) {
+    if (lost || renderer.gl.isContextLost()) return;
+    if (state.show === 'T') return giveUp(`No picture here: ${error.message}.`);
+    say(`This quantity cannot be drawn here: ${error.message}.`, 12);
+    change({ show: 'T' });
+  }
+}
+
+function drawNow() {
   const { width, height } = canvas;
   const level = levelNow();
-  const now = [state.camera, state.model, level, width, height];
+  renderer.resize(width, height);
+  if (state.show === 'volume' && complete && level >= 0 && !(transferNow().unit > 0)) fitUnit(level);
+  const now = [state.camera, state.model, level, width, height, fieldKey(state), state.show === 'volume', state.clip,
+    state.show === 'volume' && transferNow(), state.show === 'volume' && state.light];
   if (!drawn || now.some((part, n) => part !== drawn[n])) renderer.restart();
   drawn = now;
-  renderer.resize(width, height);
-  if (level >= 0 && !uploaded[level]) uploaded[level] = renderer.upload(decoded[level]);
-  if (renderer.subframes === 0 || wantsMore())
-    renderer.addDepth(uploaded[level], page.models[state.model], state.camera);
-  renderer.shade({ exposure: state.exposure, fade: state.fade, background: page.background });
+  if (renderer.subframes === 0 || wantsMore()) addSums(level);
+  shade();
   if (inFlight) stale = true;
   else time();
 }
 
+function shade() {
+  const model = page.models[state.model], source = model.fields[state.field];
+  renderer.shade({
+    quantity: quantityNumbers[state.show], scale: scaleNow(), fade: state.fade, background: page.background,
+    factor: state.show === 'T' ? state.exposure : state.show === 'volume' ? 1 : 1 / model.extinction,
+    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: 1e-4 * model.mostColumn,
+  });
+}
+
 /** Whether to add a sub-frame. The first frame's time is ignored: it may include shader compilation. */
-const wantsMore = () => !moving && renderer.subframes < state.subframes &&
+const wantsMore = () => !moving && !player?.playing && renderer.subframes < state.subframes &&
     (renderer.subframes < 2 || frameMs < patienceMs);
 
 /** Waits until the GPU has finished the frame, measures its time, then allows the next. */
@@ -116,7 +228,8 @@ function startRenderer() {
         'phone of the last years can show it.');
     return;
   }
-  uploaded = [];
+  slabs = null;
+  for (const levels of scene) for (const entry of levels ?? []) if (entry) entry.gpu = undefined;
   drawn = null;
   setMap();
   if (renderer.format.bits === 16)
@@ -125,27 +238,61 @@ function startRenderer() {
 }
 
 function setMap() {
-  const map = page.maps.find(({ name }) => name === state.map);
-  renderer?.setMap(state.reverse ? reversed(map) : map);
+  renderer?.setMap(mapNow());
 }
 
-/** Decodes the model's levels, coarsest first, and draws each when decoded. */
+/** Decodes one level and the shown field, unless it has been. */
+async function decode(model, level) {
+  const levels = levelsOf(model), { count } = page.models[model].levels[level], { field } = state;
+  if (!levels[level]) {
+    const instances = await decodeLevel(
+      find(`model-${model}-${level}`).textContent, page.models[model].levels[level], page.models[model].extinction);
+    levels[level] ??= { instances, fields: new Map(), gpu: undefined };
+  }
+  const source = page.models[model].fields[field];
+  if (fieldKey(state) === null || !source || levels[level].fields.has(field)) return;
+  const data = await decodeField(
+    find(`field-${model}-${field}-${level}`).textContent, source.vector, source.levels[level], count);
+  levels[level].fields.set(field, data);
+}
+
+/** Frees the GPU's memory of models that are not shown, and of steps in memory the farthest ahead. */
+function tidy() {
+  let kept = 0;
+  for (let ahead = 0; ahead < page.models.length; ++ahead) {
+    const model = (state.model + ahead) % page.models.length;
+    for (const entry of scene[model] ?? []) {
+      if (!entry) continue;
+      if (entry.gpu && ahead > 1) {
+        renderer?.release(entry.gpu);
+        entry.gpu = undefined;
+      }
+      kept += entry.instances.length;
+      for (const data of entry.fields.values()) kept += data.length;
+    }
+    if (kept > mostKept && ahead > 1) scene[model] = undefined;
+  }
+}
+
+/** Decodes the model's levels, coarsest first, and draws each when decoded; then the steps that follow. */
 async function load() {
   const turn = ++loading, index = state.model, model = page.models[index];
-  if (turn > 1) say('');
-  for (const level of uploaded) if (level) renderer?.release(level);
-  [decoded, uploaded, complete] = [[], [], false];
-  for (let level = model.levels.length - 1; level >= 0; --level) {
-    const instances = await decodeLevel(
-      find(`model-${index}-${level}`).textContent, model.levels[level], model.extinction);
+  if (turn > 1 && !page.steps) say('');
+  tidy();
+  complete = model.levels.every((_, level) => isReady(index, level));
+  for (let level = model.levels.length - 1; level >= 0 && !complete; --level) {
+    await decode(index, level);
     if (turn !== loading) return;
-    decoded[level] = instances;
     drawn = null;
     redraw();
   }
   complete = true;
   if (model.levels[0].count === 0) say('This model is empty.', 0);
   redraw();
+  for (let ahead = 1; page.steps && ahead < Math.min(4, page.models.length); ++ahead) {
+    await decode((index + ahead) % page.models.length, Math.min(state.level, page.models[(index + ahead) % page.models.length].levels.length - 1));
+    if (turn !== loading) return;
+  }
 }
 
 // --- Changes. ---
@@ -162,12 +309,84 @@ function change(part) {
   }
   state.level = Math.max(0, Math.min(state.level, page.models[state.model].levels.length - 1));
   if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
-  if (state.map !== before.map || state.reverse !== before.reverse) setMap();
-  if (renderer && state.model !== before.model)
+  Object.assign(state, shownOf(page.models[state.model], state, page.models[before.model].fields[state.field]?.name));
+  if (fieldKey(state) !== fieldKey(before) || state.show !== before.show)
+    if (part.scale === undefined) state.scale = null;
+  if (state.map !== before.map || state.reverse !== before.reverse) {
+    setMap();
+    recolor();
+  }
+  if (renderer && (state.model !== before.model || state.field !== before.field || state.show !== before.show)) {
+    complete = false;
     load().catch((error) => giveUp(`The page cannot be read: ${error.message}.`));
-  controls.show(state);
+  }
+  showControls();
   redraw();
 }
+
+function showControls() {
+  controls.show(state, { scale: scaleNow(), transfer: transferShown() });
+  player?.show(state.model, page.models[state.model].name);
+  showProbe();
+}
+
+/** Another map in an edited transfer function: its colours over the same values. */
+function recolor() {
+  const edited = state.transfers[state.field];
+  if (state.show !== 'volume' || !edited) return;
+  const [from, to] = [edited.colors[0][0], edited.colors.at(-1)[0]], source = page.models[state.model].fields[state.field];
+  const [low, high] = to > from ? [from, to] : [source.lower, source.upper];
+  const { colors } = overRange(mapNow(), low, high, 1);
+  state.transfers = { ...state.transfers, [state.field]: { ...edited, name: state.map, colors } };
+}
+
+/** An edited transfer function of the shown field; null: the first one again. */
+function setTransfer(transfer) {
+  const { [state.field]: _, ...others } = state.transfers;
+  change({ transfers: transfer ? { ...others, [state.field]: transfer } : others });
+}
+
+/** Level and width of the shown values by a drag, as radiologists have it; shares of the picture's height. */
+function windowed(rightwards, upwards) {
+  if (state.show === 'T') return false;
+  const narrowed = (low, high) => {
+    const middle = 0.5 * (low + high) - upwards * (high - low), width = (high - low) * Math.exp(2 * rightwards);
+    return (v) => middle + ((v - 0.5 * (low + high)) / (high - low)) * width;
+  };
+  if (state.show === 'volume') {
+    const transfer = transferShown(), values = [...transfer.colors, ...transfer.opacity].map(([v]) => v);
+    const [low, high] = [Math.min(...values), Math.max(...values)];
+    if (high > low) setTransfer(remapped(transfer, narrowed(low, high)));
+  } else {
+    const scale = scaleNow(), to = narrowed(scale.low, scale.high), [low, high] = [to(scale.low), to(scale.high)];
+    if (low < high && !(scale.log && low <= 0)) change({ scale: { ...scale, low, high } });
+  }
+  return true;
+}
+
+// --- Probe: the numbers under the pointer. ---
+
+let probed = null;  // pixel of the canvas
+function showProbe() {
+  const out = find('probe');
+  const sums = probed && renderer && !lost && drawn && state.show !== 'volume' && renderer.sumsAt(...probed);
+  out.hidden = !sums || !(sums[0] > 0) || state.embed;
+  if (out.hidden) return;
+  const model = page.models[state.model], source = model.fields[state.field];
+  const lines = [state.show === 'T' ? `T ${numberText(sums[0] * state.exposure)}` : `column ${numberText(sums[0] / model.extinction)}`];
+  if (state.show === 'mean' || state.show === 'deviation') {
+    const mean = sums[1] / sums[0], deviation = Math.sqrt(Math.max(sums[2] / sums[0] - mean * mean, 0));
+    lines.push(`${label(model, { ...state, show: 'mean' })} ${numberText(source.reference + source.scale * mean)}`,
+      `deviation ${numberText(source.scale * deviation)}`);
+  }
+  out.textContent = lines.join('\n');
+}
+canvas.addEventListener('pointermove', (event) => {
+  const box = canvas.getBoundingClientRect(), scale = canvas.width / box.width;
+  probed = [Math.floor((event.clientX - box.left) * scale), Math.floor((event.clientY - box.top) * scale)];
+  if (!moving && !inFlight) showProbe();
+});
+canvas.addEventListener('pointerleave', () => { probed = null; showProbe(); });
 
 function move(camera) {
   clearTimeout(moving);
@@ -189,10 +408,15 @@ const firstView = () => (page.chosenView
 function follow() {
   const link = readLink(location.hash, firstView());
   const part = { embed: link.embed, still: link.still };
-  for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera'])
+  for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip'])
     if (link[key] !== null) part[key] = link[key];
+  if (link.light !== null) part.light = { ...state.light, on: link.light };
   if (link.model !== null) part.model = Math.min(link.model, page.models.length) - 1;
   if (link.level !== null) part.level = link.level - 1;
+  const model = page.models[part.model ?? state.model] ?? page.models.at(-1);
+  const named = model.fields.findIndex(({ name }) => name === link.field);
+  if (named >= 0) part.field = named;
+  if (link.transfer) part.transfers = { ...state.transfers, [part.field ?? state.field]: link.transfer };
   if (link.embed) part.panel = false;
   half = link.half;
   change(part);
@@ -201,7 +425,7 @@ function follow() {
 // --- Commands. ---
 
 function picture() {
-  renderer.shade({ exposure: state.exposure, fade: state.fade, background: page.background });
+  shade();
   return canvas.toDataURL('image/png');
 }
 
@@ -212,7 +436,10 @@ function save() {
 }
 
 async function copyLink() {
-  const text = location.href.replace(/#.*$/, '') + writeLink(state);
+  const source = fieldKey(state) === null ? null : page.models[state.model].fields[state.field];
+  const text = location.href.replace(/#.*$/, '') + writeLink(state, {
+    field: source?.name, scale: state.scale, transfer: state.show === 'volume' ? state.transfers[state.field] : null,
+  });
   try {
     await navigator.clipboard.writeText(text);
     say('Link to this view copied');
@@ -241,8 +468,10 @@ function nextMap(event) {
   change({ map: names[(names.indexOf(state.map) + step) % names.length] });
 }
 
+const player = page.steps ? new Player(page.models.length, change,
+                                       (model) => isReady(model, Math.min(state.level, page.models[model].levels.length - 1))) : null;
 const controls = new Controls(page, change, {
-  home, save, link: copyLink, help: () => controls.help(),
+  home, save, link: copyLink, help: () => controls.help(), transfer: setTransfer,
   panel: () => change({ panel: !state.panel }),
 });
 
@@ -256,13 +485,19 @@ attachKeys({
   home, f: () => { if (!still()) move(fitted(state.camera, box())); },
   '[': () => change({ level: state.level + 1 }), ']': () => change({ level: state.level - 1 }),
   '-': expose(1 / Math.SQRT2), '=': expose(Math.SQRT2), '+': expose(Math.SQRT2), Digit0: expose(0),
+  ' ': () => player?.toggle(), ',': () => player?.go(state.model - 1), '.': () => player?.go(state.model + 1),
+  z: (event) => (event.shiftKey ? controls.editor.redo() : controls.editor.undo()),
+  v: () => {
+    const all = [...find('show').options].map(({ value }) => value);
+    change({ show: all[(all.indexOf(state.show) + 1) % all.length] });
+  },
   m: nextMap, i: () => change({ reverse: !state.reverse }), b: () => change({ fade: !state.fade }),
   n: () => change({ model: (state.model + 1) % page.models.length }),
   p: save, c: copyLink, l: () => change({ bar: !state.bar }),
   h: () => change({ panel: !state.panel }), '?': () => controls.help(),
 });
 attachPointers(canvas, {
-  camera: () => state.camera, move, still, embedded: () => state.embed,
+  camera: () => state.camera, move, still, windowed, embedded: () => state.embed,
   leastDistance: () => 0.02 * box().radius,
 });
 

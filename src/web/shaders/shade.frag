@@ -1,8 +1,15 @@
 // shade.frag: colour of T as in vog::shade: V = 1 - exp(-T), transfer function for T > 0, background
-// elsewhere. Image A left of the split line and B right of it, or their difference.
+// elsewhere; of a column, a field's mean or deviation over a scale; or colours themselves, premultiplied. Image A
+// left of the split line and B right of it, or their difference.
 in vec2 position;
 
-uniform highp sampler2D depth_a, depth_b;  // T, one channel
+// T, one channel; or column, column times mean, column times mean square of a field; or colours.
+uniform highp sampler2D depth_a, depth_b;
+uniform int quantity;       // 0: T, 1: column, 2: mean, 3: deviation, 4: colours
+uniform vec2 scale_ends;    // values of the first and the last colour
+uniform bool log_scale;
+uniform vec2 field_unit;    // value 0 of the sums, and their unit
+uniform float least_column; // below which a field has no colour
 uniform vec2 size_a, size_b;               // pixels
 uniform float factor_a, factor_b;          // extinction / number of sub-frames
 uniform highp sampler2D transfer;          // one row: colour and opacity at sqrt(V) = 0 ... 1
@@ -17,21 +24,22 @@ uniform vec2 viewport_px, viewport_origin_px;
 
 layout(location = 0) out vec4 color;
 
-// T at this fragment: the pixel itself if image and viewport have the same size, else bilinear.
-float depth_at(highp sampler2D image, vec2 size) {
+// Sums at this fragment: the pixel itself if image and viewport have the same size, else bilinear.
+vec4 sums_at(highp sampler2D image, vec2 size) {
     ivec2 last = ivec2(size) - 1;
     vec2 at = position * size - 0.5;
     if (size == viewport_px) {
         vec2 pixel = gl_FragCoord.xy - viewport_origin_px;
         pixel.y = viewport_px.y - pixel.y;  // rows of T run from the top
-        return texelFetch(image, clamp(ivec2(floor(pixel)), ivec2(0), last), 0).r;
+        return texelFetch(image, clamp(ivec2(floor(pixel)), ivec2(0), last), 0);
     }
     ivec2 base = ivec2(floor(at));
     vec2 f = at - vec2(base);
     ivec2 low = clamp(base, ivec2(0), last), high = clamp(base + 1, ivec2(0), last);
-    return mix(mix(texelFetch(image, low, 0).r, texelFetch(image, ivec2(high.x, low.y), 0).r, f.x),
-               mix(texelFetch(image, ivec2(low.x, high.y), 0).r, texelFetch(image, high, 0).r, f.x), f.y);
+    return mix(mix(texelFetch(image, low, 0), texelFetch(image, ivec2(high.x, low.y), 0), f.x),
+               mix(texelFetch(image, ivec2(low.x, high.y), 0), texelFetch(image, high, 0), f.x), f.y);
 }
+float depth_at(highp sampler2D image, vec2 size) { return sums_at(image, size).r; }
 
 vec4 transfer_at(float v) {
     float at = sqrt(v) * (transfer_size - 1.0), base = floor(at);
@@ -54,7 +62,33 @@ vec4 difference_color(float signed_share) {
     return vec4(mix(grey, end, abs(s)), 1.0);
 }
 
+// Position of a value among the colours, [0, 1].
+float scaled(float value) {
+    float at = log_scale ? log(max(value, 1e-37) / scale_ends.x) / log(scale_ends.y / scale_ends.x)
+                         : (value - scale_ends.x) / (scale_ends.y - scale_ends.x);
+    return clamp(at, 0.0, 1.0);
+}
+
+// Colour of the sums of a field, or of colours that add up to a picture.
+vec4 shown(vec4 sums, float factor) {
+    if (quantity == 4) {
+        vec4 front = sums * factor;
+        if (front.a > 0.0) front.rgb /= front.a;
+        return over(clamp(front, 0.0, 1.0), background);
+    }
+    float column = sums.r * factor;
+    if (!(column > (quantity == 1 ? 0.0 : least_column))) return background;
+    float value = column, mean = sums.g / sums.r;
+    if (quantity == 2) value = field_unit.x + field_unit.y * mean;
+    if (quantity == 3) value = field_unit.y * sqrt(max(sums.b / sums.r - mean * mean, 0.0));
+    return over(transfer_at(scaled(value)), background);
+}
+
 void main() {
+    if (quantity > 0) {
+        color = position.x < split ? shown(sums_at(depth_a, size_a), factor_a) : shown(sums_at(depth_b, size_b), factor_b);
+        return;
+    }
     float ta = depth_at(depth_a, size_a) * factor_a;
     if (difference) {
         float tb = depth_at(depth_b, size_b) * factor_b;

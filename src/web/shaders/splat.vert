@@ -1,12 +1,31 @@
 // splat.vert: screen quad of a Gaussian's projected support, and the inputs of splat.frag. All lengths
 // are relative to the eye in units of the model's radius, so that floats suffice.
-// Shared by WebGL2 and OpenGL 3.3; the #version line is prepended at run time.
+// Shared by WebGL2 and OpenGL 3.3; the #version line is prepended at run time, and a word for what is drawn:
+//   (none)         T: splat.frag
+//   SCALAR, VECTOR sums of a field, and all that is clipped: field.frag
+//   SLABS          light in depth slabs: slab.frag
+//   RANGES         the tiles' ranges of depth: ranges.frag
 layout(location = 0) in vec4 mean_density;  // mean relative to the model's centre; peak density
 layout(location = 1) in vec3 scale;         // standard deviations
 layout(location = 2) in vec4 rotation;      // unit quaternion w x y z
 
 uniform vec3 eye;                    // relative to the model's centre, along right, up and forward
 uniform vec3 right, up, forward;     // camera axes
+#if defined(SCALAR) || defined(SLABS)
+// Value at the mean, its change over a standard deviation along each own axis; deviation and skewness of the
+// residual. In units of the picture.
+layout(location = 3) in vec4 field_plane;
+layout(location = 4) in vec2 field_rest;
+#endif
+#ifdef VECTOR
+// The same of the components along x, y and z; covariance of the residual: xx xy xz yy, yz zz.
+layout(location = 3) in vec4 plane_x;
+layout(location = 4) in vec4 plane_y;
+layout(location = 5) in vec4 plane_z;
+layout(location = 6) in vec4 covariance;
+layout(location = 7) in vec2 covariance_rest;
+#endif
+
 uniform vec2 size_px;                // image size
 uniform vec2 jitter_px;              // offset of each ray from its pixel's centre
 uniform float pixels_per_unit;       // pixels per unit of slope, right / forward, or of length if parallel
@@ -15,10 +34,42 @@ uniform float cutoff;                // standard deviations
 uniform vec4 limits;                 // of small Gaussians (render/pixel_limits.h): smallest variance drawn, variance
                                      // from which pixel centres are exact, variance and mass of the kernel
 
+#if defined(SLABS) || defined(RANGES)
+uniform vec2 tile_px;                // size of a tile
+#endif
+#ifdef SLABS
+uniform highp sampler2D ranges;      // of each tile: minus the least depth, the largest
+uniform float slabs, first_slab, layers;  // of the picture; those of this pass
+uniform highp sampler2D light_0, light_1, light_2;  // light.vert: powers of z, rows of kLightWidth Gaussians
+uniform float per_extinction;        // density over that of T
+uniform vec4 lighting;               // ambient, diffuse, specular, power; no light: power 0
+uniform vec3 towards_light;          // along right, up and forward; 0: the eye
+const int kLightWidth = 1024;
+#endif
+
+#ifdef RANGES
+flat out vec2 range;         // minus the least depth, the largest
+#else
 flat out vec4 center_ax_ay;  // projected mean, pixels from the image's centre; ax, ay of splat.frag
 flat out vec4 toward_by;     // unit whitened direction through the mean; by
 flat out vec4 step_x_weight;
 flat out vec4 step_y_near;   // near = 1: the exact segment form
+#endif
+#if defined(SCALAR) || defined(VECTOR) || defined(SLABS)
+flat out vec4 place;         // mean along right, up and forward; far: deviation along the ray through it, as a depth
+#endif
+#ifdef SCALAR
+flat out vec4 plane;         // gradient along right, up and forward; value
+flat out float rest;         // variance
+#endif
+#ifdef VECTOR
+flat out vec4 plane_r, plane_u, plane_f;  // of the components along right, up and forward
+flat out vec3 rest_r, rest_uf;            // covariance: rr ru rf, uu uf ff
+#endif
+#ifdef SLABS
+flat out vec3 slope;         // gradient of z along right, up and forward
+flat out vec4 light_at_0, light_at_1, light_at_2;
+#endif
 
 // Tapers of small Gaussians: render/device/pixel_limits.h.
 const vec2 kTaperPx = vec2(1.75, 2.0), kTaperHalfPx = vec2(5.0, 6.0), kTaperHalfDepth = vec2(0.1, 0.2);
@@ -152,6 +203,91 @@ float share_of_sum(Shape g, vec3 mean, vec2 center, vec2 a, float b, vec3 toward
     return excess > -0.9 && excess < 1e4 ? 1.0 / (1.0 + share * excess) : 1.0;
 }
 
+#if defined(SCALAR) || defined(VECTOR) || defined(SLABS)
+// Gradient along the camera's axes of a plane that changes by h over a deviation along each own axis.
+vec3 gradient_of(Shape g, vec3 h) { return vec3(dot(h, g.white_r), dot(h, g.white_u), dot(h, g.white_f)); }
+#endif
+
+#ifdef SLABS
+// Body and shine of Blinn and Phong's shading (render/by_value/lighting.h); along the camera's axes.
+vec2 shading(vec3 gradient, vec3 towards_eye) {
+    float steepness = length(gradient);
+    if (lighting.w == 0.0 || !(steepness > 0.0)) return vec2(1.0, 0.0);
+    vec3 normal = gradient / steepness;
+    if (dot(normal, towards_eye) < 0.0) normal = -normal;
+    vec3 light = dot(towards_light, towards_light) > 0.0 ? towards_light : towards_eye;
+    float facing = max(dot(normal, light), 0.0);
+    vec3 between = light + towards_eye;
+    float mirrored = facing > 0.0 ? clamp(dot(normal, between) / length(between), 0.0, 1.0) : 0.0;
+    return vec2(lighting.x + lighting.y * facing, mirrored > 0.0 ? lighting.z * pow(mirrored, lighting.w) : 0.0);
+}
+
+// Light of the Gaussian, shaded as the middle of the picture sees it, as far as its plane explains its values.
+void set_light(Shape g, vec3 mean, bool wide) {
+    ivec2 texel = ivec2(gl_InstanceID % kLightWidth, gl_InstanceID / kLightWidth);
+    light_at_0 = texelFetch(light_0, texel, 0);
+    light_at_1 = texelFetch(light_1, texel, 0);
+    light_at_2 = texelFetch(light_2, texel, 0);
+    vec3 h = field_plane.yzw;
+    float spread2 = dot(h, h), within = limits.z * spread2;
+    vec3 gradient = gradient_of(g, h);
+    if (within > 0.0) {
+        vec2 by = within / (within + field_rest.x * field_rest.x) *
+                  (shading(gradient, parallel == 1.0 ? vec3(0.0, 0.0, -1.0) : -normalize(mean)) - vec2(1.0, 0.0));
+        light_at_0.rgb = (1.0 + by.x) * light_at_0.rgb + by.y * light_at_0.a;
+        light_at_1.rgb = (1.0 + by.x) * light_at_1.rgb + by.y * light_at_1.a;
+        light_at_2.rgb = (1.0 + by.x) * light_at_2.rgb + by.y * light_at_2.a;
+    }
+    if (wide) light_at_0 += limits.z * light_at_2;  // the mean of z^2 over the kernel
+    slope = wide || spread2 == 0.0 ? vec3(0.0) : gradient / sqrt(spread2);
+}
+
+// Whether the Gaussian meets none of this pass's slabs in any of its tiles; not asked of many tiles.
+bool beside(vec2 first_tile, vec2 last_tile, vec2 depths) {
+    if (any(greaterThan(last_tile - first_tile, vec2(3.0)))) return false;
+    for (float y = first_tile.y; y <= last_tile.y; ++y)
+        for (float x = first_tile.x; x <= last_tile.x; ++x) {
+            vec2 range = texelFetch(ranges, ivec2(x, y), 0).xy;
+            float per_slab = slabs / (range.x + range.y);
+            vec2 met = (depths + range.x) * per_slab - first_slab;
+            if (met.y > -0.001 && met.x < layers + 0.001) return false;
+        }
+    return true;
+}
+#endif
+
+#if defined(SCALAR) || defined(VECTOR) || defined(SLABS)
+// What fields need. A Gaussian drawn wider than it is counts as a point: constant, with its whole variance.
+// drawn  g, or wider
+void set_field(Shape g, Shape drawn, vec3 mean, bool wide) {
+    vec3 e = mean.x * drawn.white_r + mean.y * drawn.white_u + mean.z * drawn.white_f;
+    place = vec4(mean, parallel == 1.0 ? 1.0 / length(drawn.white_f) : mean.z / length(e));
+#ifdef SCALAR
+    vec3 h = field_plane.yzw;
+    plane = vec4(wide ? vec3(0.0) : gradient_of(g, h), field_plane.x);
+    rest = field_rest.x * field_rest.x + (wide ? limits.z * dot(h, h) : 0.0);
+#endif
+#ifdef VECTOR
+    mat3 turn = transpose(mat3(right, up, forward));  // camera's components from the world's
+    vec3 value = turn * vec3(plane_x.x, plane_y.x, plane_z.x);
+    // Columns: the components' changes over a deviation.
+    mat3 h = mat3(plane_x.yzw, plane_y.yzw, plane_z.yzw) * transpose(turn);
+    mat3 r = mat3(covariance.xyz, vec3(covariance.y, covariance.w, covariance_rest.x),
+                  vec3(covariance.z, covariance_rest));
+    r = turn * r * transpose(turn);
+    if (wide) r += limits.z * transpose(h) * h;
+    plane_r = vec4(wide ? vec3(0.0) : gradient_of(g, h[0]), value.x);
+    plane_u = vec4(wide ? vec3(0.0) : gradient_of(g, h[1]), value.y);
+    plane_f = vec4(wide ? vec3(0.0) : gradient_of(g, h[2]), value.z);
+    rest_r = r[0];
+    rest_uf = vec3(r[1].yz, r[2].z);
+#endif
+#ifdef SLABS
+    set_light(g, mean, wide);
+#endif
+}
+#endif
+
 void main() {
     mat3 own_from_world = transpose(rotation_matrix(rotation));
     vec3 mean = vec3(dot(mean_density.xyz, right), dot(mean_density.xyz, up), dot(mean_density.xyz, forward)) - eye;
@@ -160,13 +296,16 @@ void main() {
     bool far = z >= kInFront * cutoff * length(g.spread_f);
     vec3 at = mix(mean, vec3(0.0, 0.0, 1.0), parallel);  // parallel rays: no slope, and no size by distance
     float least = far ? screen_covariance(g, at).small : 0.0;
-    if (far && least < limits.x) g = widened(own_from_world, at);
+    bool wide = far && least < limits.x;
+    if (wide) g = widened(own_from_world, at);
     vec3 s_r = cutoff * g.spread_r, s_u = cutoff * g.spread_u, s_f = cutoff * g.spread_f;
     float extent = length(s_f);
     vec2 side = 0.5 * (size_px + 1.0) / pixels_per_unit;  // half a pixel wider, for jittered rays
 
     gl_Position = kNowhere;
+#ifndef RANGES
     center_ax_ay = toward_by = step_x_weight = step_y_near = vec4(0.0);
+#endif
     if (z + extent <= 0.0 || beyond(side.x, x, z, s_r, s_f) || beyond(side.x, -x, z, -s_r, s_f) ||
         beyond(side.y, y, z, s_u, s_f) || beyond(side.y, -y, z, -s_u, s_f))
         return;
@@ -188,7 +327,23 @@ void main() {
     } else {
         low = -half_px, high = half_px;
     }
+#if defined(RANGES) || defined(SLABS)
+    vec2 tiles = ceil(size_px / tile_px), last = tiles - 1.0;
+    vec2 first_tile = clamp(floor((low + jitter_px + half_px) / tile_px), vec2(0.0), last);
+    vec2 last_tile = clamp(floor((high + jitter_px + half_px) / tile_px), vec2(0.0), last);
+    vec2 depths = max(vec2(z - extent, z + extent), 0.0);
+#endif
+#ifdef RANGES
+    range = vec2(-depths.x, depths.y);
+    gl_Position = vec4(mix(first_tile, last_tile + 1.0, 0.5 * corner + 0.5) / tiles * 2.0 - 1.0, 0.0, 1.0);
+#else
+#ifdef SLABS
+    if (beside(first_tile, last_tile, depths)) return;
+#endif
     gl_Position = vec4(mix(low, high, 0.5 * corner + 0.5) / half_px, 0.0, 1.0);  // row 0 of the target is the top of the image
+#if defined(SCALAR) || defined(VECTOR) || defined(SLABS)
+    set_field(shape_of(own_from_world, scale, mean_density.w), g, mean, wide);
+#endif
 
     if (!far) {
         center_ax_ay = vec4(e, 0.0);
@@ -209,7 +364,8 @@ void main() {
             weight *= share_of_sum(g, at, center, vec2(ax, ay), by, along, vec3(0.0), vec3(0.0), weight);
         center_ax_ay = vec4(center, ax, ay);
         toward_by = vec4(along, by);
-        step_x_weight = vec4(vec3(0.0), weight);
+        step_x_weight = vec4(dx, weight);
+        step_y_near = vec4(dy, 0.0);
         return;
     }
     // Directions scaled so that the direction through the mean has length 1.
@@ -225,4 +381,5 @@ void main() {
     toward_by = vec4(toward, by);
     step_x_weight = vec4(dx, weight);
     step_y_near = vec4(dy, 0.0);
+#endif
 }

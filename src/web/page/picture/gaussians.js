@@ -6,7 +6,7 @@ const rotationStep = (2 * rotationLimit) / 3000;
 /** Floats per instance: mean x y z, density, three scales, rotation w x y z (splat.vert). */
 export const instanceFloats = 11;
 
-async function inflated(base64) {
+export async function inflated(base64) {
   if (!('DecompressionStream' in window)) throw new Error('this browser is too old to unpack it');
   const text = atob(base64.trim());
   const packed = new Uint8Array(text.length);

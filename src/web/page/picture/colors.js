@@ -2,7 +2,7 @@
 // linear and constant beyond the ends, as vog::color_at evaluates them.
 
 /** Evaluator of a piecewise linear function; v must not decrease from call to call. */
-function walker(points) {
+export function walker(points) {
   let n = 0;
   return (v) => {
     while (n < points.length && v >= points[n][0]) ++n;

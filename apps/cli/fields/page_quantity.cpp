@@ -1,0 +1,114 @@
+// page_quantity.cpp: help and evaluation of the options of a page's first quantity.
+#include "fields/page_quantity.h"
+
+#include <fmt/core.h>
+
+#include "fields/value_transfer_run.h"
+#include "shared/drawing.h"
+#include "vog/error.h"
+#include "vog/field_maps.h"
+
+namespace vog::cli {
+
+namespace {
+
+/// Transfer function of a model's field, found as `vog render` finds it.
+ValueTransfer transfer_of(const PageQuantityArguments& arguments, const ColorArguments& color,
+                          const CLI::App& command, const Gaussians& model, const Camera& camera,
+                          const std::string& input, HtmlQuantity& quantity,
+                          std::vector<std::string>& notes) {
+    const ScalarField* field = quantity.field.empty() ? &model.fields.scalar.front()
+                                                      : model.fields.find_scalar(quantity.field);
+    if (!field)
+        throw Error(
+            fmt::format("{}: volume of '{}', expected a scalar field", input, quantity.field));
+    RenderArguments run;
+    run.color = color;
+    run.quantity = arguments.quantity;
+    run.value = arguments.value;
+    SlabOptions options{.slabs = quantity.slabs};
+    options.look = quantity.look;
+    const auto draw = [&](const ValueTransfer& transfer, const Camera& from, int width,
+                          int height) {
+        return render_volume_splat(model, field->name, transfer, from, width, height, options);
+    };
+    const ValueData data{input, field->lower, field->upper, 2 * view_box(model).radius()};
+    const ChosenTransfer chosen = choose_transfer(run, command, data, draw, camera, {512, 512});
+    notes.insert(notes.end(), chosen.notes.begin(), chosen.notes.end());
+    return chosen.transfer;
+}
+
+}  // namespace
+
+void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
+                               const std::string& group) {
+    QuantityArguments& quantity = arguments.quantity;
+    command
+        .add_option("--show", quantity.show,
+                    "Quantity that the page shows first: T, column (column density), mean or "
+                    "deviation of --field along the ray, or volume: emission and absorption by the "
+                    "value of --field under --tf, --window, --band or --iso")
+        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume"}))
+        ->capture_default_str()
+        ->group(group);
+    command
+        .add_option("--field", quantity.field,
+                    "Field that mean, deviation and volume show first: temperature, velocity (the "
+                    "component along the view), velocity.x, .y or .z; default: the first one")
+        ->group(group);
+    command
+        .add_option("--range", quantity.range,
+                    "Values LO,HI at the two ends of --tf; default: of the first view; volume: of "
+                    "the data")
+        ->group(group);
+    command.add_flag("--log", quantity.log, "Logarithmic colours of column, mean or deviation")
+        ->group(group);
+    command
+        .add_option("--clip", arguments.clip,
+                    "Box of the world that the page shows first, x0,y0,z0,x1,y1,z1")
+        ->group(group);
+    add_value_options(command, arguments.value);
+}
+
+HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
+                           const CLI::App& command, const Gaussians& model,
+                           const std::optional<Camera>& camera, const std::string& input,
+                           std::vector<std::string>& notes) {
+    const QuantityArguments& given = arguments.quantity;
+    const auto refuse = [&](const char* option, const char* reason) {
+        if (command.count(option))
+            throw CLI::ValidationError(fmt::format("{}: {}", option, reason));
+    };
+    check_value_options(arguments.value, command, given.show);
+    if (!given.scaled())
+        for (const char* option : {"--range", "--log"})
+            refuse(option,
+                   "is of column density and fields, expected --show column, mean, "
+                   "deviation or volume");
+    if (!given.of_field() && !given.volume())
+        refuse("--field", "is of --show mean, deviation or volume");
+    if (given.volume()) refuse("--log", "does not go with --show volume");
+    HtmlQuantity quantity;
+    quantity.show = given.show;
+    quantity.field = given.field;
+    quantity.look = look_of(arguments.value);
+    if (arguments.value.slabs) quantity.slabs = *arguments.value.slabs;
+    DrawingArguments clip;
+    clip.clip_box = arguments.clip;
+    quantity.look.clip = clip_of(clip);
+    if (!given.volume()) {
+        quantity.scale = fixed_scale(given);
+        return quantity;
+    }
+    if (model.fields.scalar.empty())
+        throw Error(
+            fmt::format("{}: no field for --show volume, expected a model with one (vog "
+                        "convert --field)",
+                        input));
+    quantity.transfer =
+        transfer_of(arguments, color, command, model,
+                    camera ? *camera : orbit_view(view_box(model)), input, quantity, notes);
+    return quantity;
+}
+
+}  // namespace vog::cli

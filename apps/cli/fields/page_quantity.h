@@ -1,0 +1,34 @@
+// page_quantity.h: options of what a page shows first.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "options/color_options.h"
+#include "options/quantity_options.h"
+#include "options/value_options.h"
+#include "vog/export_html.h"
+
+namespace vog::cli {
+
+struct PageQuantityArguments {
+    QuantityArguments quantity;
+    ValueArguments value;
+    std::string clip;
+};
+
+/// Adds --show, --field, --range, --log, --clip, and the options of volume rendering.
+void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
+                               const std::string& group);
+
+/// Quantity of a page's first model.
+/// input    file of the model, for messages
+/// notes    receives what was chosen
+/// throws   CLI::ValidationError and vog::Error as `vog render` does for such options
+HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
+                           const CLI::App& command, const Gaussians& model,
+                           const std::optional<Camera>& camera, const std::string& input,
+                           std::vector<std::string>& notes);
+
+}  // namespace vog::cli

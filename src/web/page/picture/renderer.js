@@ -1,0 +1,355 @@
+// renderer.js: WebGL2 renderer with the desktop window's shaders: quads of the Gaussians, whose fragments add their
+// line integrals to sums (T, or the sums of a field), or to depth slabs (slabs.js); then the colour of the sums.
+import { sub, mul, dot } from '../vectors.js';
+import { axesOf, halfTangent } from '../camera.js';
+import { instanceFloats } from './gaussians.js';
+import { scalarFloats, vectorFloats } from './fields.js';
+import { sampled } from './colors.js';
+
+// Replaces OpenGL 3.3's header, "#version 330 core".
+const header = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
+const transferSize = 4096;
+const mostPlanes = 8;  // of clips: chord.glsl
+
+function compiled(gl, kind, name, source) {
+  const shader = gl.createShader(kind);
+  gl.shaderSource(shader, header + source);
+  gl.compileShader(shader);
+  if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost())
+    throw new Error(`the driver refuses ${name}: ${gl.getShaderInfoLog(shader)}`);
+  return shader;
+}
+
+/**
+ * Linked shaders, with use() and setters of uniforms by name.
+ * word  defined in both, as splat.vert asks; '': none
+ */
+function program(gl, sources, vertex, fragments, word = '') {
+  const object = gl.createProgram(), define = word && `#define ${word}\n`;
+  const text = fragments.map((name) => sources[name]).join('\n');
+  gl.attachShader(object, compiled(gl, gl.VERTEX_SHADER, vertex, define + sources[vertex]));
+  gl.attachShader(object, compiled(gl, gl.FRAGMENT_SHADER, fragments.at(-1), define + text));
+  gl.linkProgram(object);
+  if (!gl.getProgramParameter(object, gl.LINK_STATUS) && !gl.isContextLost())
+    throw new Error(`the driver refuses ${vertex}: ${gl.getProgramInfoLog(object)}`);
+  const places = new Map();
+  const place = (name) => {
+    if (!places.has(name)) places.set(name, gl.getUniformLocation(object, name));
+    return places.get(name);
+  };
+  return {
+    use: () => gl.useProgram(object),
+    set: (name, ...v) => gl[`uniform${v.length}f`](place(name), ...v),
+    setList: (name, v) => gl.uniform4fv(place(name), v),
+    setInteger: (name, v) => gl.uniform1i(place(name), v),
+  };
+}
+
+/** Formats of sums: 32-bit floats, or 16-bit ones on devices without blending of the former. */
+function sumFormat(gl, wantHalf) {
+  const floats = gl.getExtension('EXT_color_buffer_float');
+  const halves = floats || gl.getExtension('EXT_color_buffer_half_float');
+  if (floats && gl.getExtension('EXT_float_blend') && !wantHalf)
+    return { bits: 32, one: gl.R32F, two: gl.RG32F, four: gl.RGBA32F, type: gl.FLOAT };
+  if (halves) return { bits: 16, one: gl.R16F, two: gl.RG16F, four: gl.RGBA16F, type: gl.HALF_FLOAT };
+  throw new Error('this graphics driver cannot draw into floating-point images, which the ' +
+      'picture is summed up in');
+}
+
+/** Offset of the rays of sub-frame n from pixel centres: jitter_of in apps/viewer/gl/splat_gl.cpp. */
+function jitterOf(n) {
+  const centred = (v) => v - Math.floor(v + 0.5);
+  return [centred(n * 0.7548776662466927), centred(n * 0.5698402909980532)];
+}
+
+/** Planes [normal, offset] of a clip {lower, upper}, world units: what stays has normal . x >= offset. */
+function planesOf(clip) {
+  const planes = [];
+  for (let axis = 0; clip && axis < 3; ++axis) {
+    const along = [0, 1, 2].map((k) => (k === axis ? 1 : 0));
+    planes.push([along, clip.lower[axis]], [mul(-1, along), -clip.upper[axis]]);
+  }
+  return planes;
+}
+
+export class Renderer {
+  /**
+   * sources   shaders by file name
+   * wantHalf  use 16-bit floats on every device
+   * throws    Error with a message for the reader if the device is not supported
+   */
+  constructor(canvas, sources, wantHalf) {
+    const gl = canvas.getContext('webgl2', {
+      antialias: false, depth: false, premultipliedAlpha: false, powerPreference: 'high-performance',
+    });
+    if (!gl) throw new Error('this browser offers no WebGL 2, or it is switched off');
+    this.gl = gl;
+    this.sources = sources;
+    this.format = sumFormat(gl, wantHalf);
+    this.programs = new Map();
+    this.program('splat.vert', ['splat.frag']);  // refused here rather than later
+    this.screen = this.program('screen.vert', ['shade.frag']);
+    this.nothing = gl.createVertexArray();
+    this.transfer = this.texture();
+    this.sums = this.texture();
+    this.framebuffer = gl.createFramebuffer();
+    this.width = this.height = 0;
+    this.channels = 1;
+    this.subframes = 0;
+    this.resize(1, 1);
+  }
+
+  /** Linked shaders, compiled when first asked for. */
+  program(vertex, fragments, word = '') {
+    const key = [vertex, ...fragments, word].join(' ');
+    if (!this.programs.has(key)) this.programs.set(key, program(this.gl, this.sources, vertex, fragments, word));
+    return this.programs.get(key);
+  }
+
+  texture() {
+    const gl = this.gl, texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER])
+      gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
+    for (const name of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T])
+      gl.texParameteri(gl.TEXTURE_2D, name, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  /** Memory of a texture of sums; channels 1, 2 or 4. */
+  allocate(texture, channels, width, height) {
+    const gl = this.gl, { type, one, two, four } = this.format;
+    const [internal, format] = { 1: [one, gl.RED], 2: [two, gl.RG], 4: [four, gl.RGBA] }[channels];
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, width, height, 0, format, type, null);
+  }
+
+  /** Attaches textures to a framebuffer, and binds it. */
+  target(framebuffer, textures) {
+    const gl = this.gl, places = textures.map((_, n) => gl.COLOR_ATTACHMENT0 + n);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    textures.forEach((texture, n) =>
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, places[n], gl.TEXTURE_2D, texture, 0));
+    gl.drawBuffers(places);
+    if (gl.checkFramebufferStatus(gl.FRAMEBUFFER) === gl.FRAMEBUFFER_COMPLETE || gl.isContextLost()) return;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    throw new Error(`this graphics driver cannot draw into ${this.format.bits}-bit floats`);
+  }
+
+  /** Binds textures to samplers of a program in use. */
+  sample(used, textures) {
+    const gl = this.gl;
+    Object.entries(textures).forEach(([name, texture], unit) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      used.setInteger(name, unit);
+    });
+    gl.activeTexture(gl.TEXTURE0);
+  }
+
+  screenPass() {
+    const gl = this.gl;
+    gl.bindVertexArray(this.nothing);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.bindVertexArray(null);
+  }
+
+  /** Attributes [place, count, offset] of a buffer, one set an instance, in the bound array. */
+  attributes(buffer, floats, places, divisor = 1) {
+    const gl = this.gl;
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    for (const [place, count, offset] of places) {
+      gl.enableVertexAttribArray(place);
+      gl.vertexAttribPointer(place, count, gl.FLOAT, false, 4 * floats, 4 * offset);
+      gl.vertexAttribDivisor(place, divisor);
+    }
+  }
+
+  filled(data) {
+    const gl = this.gl, buffer = gl.createBuffer();
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
+    return buffer;
+  }
+
+  /** Copies the instances of one level to the GPU. */
+  upload(instances) {
+    const gl = this.gl, array = gl.createVertexArray(), buffer = this.filled(instances);
+    gl.bindVertexArray(array);
+    this.attributes(buffer, instanceFloats, [[0, 4, 0], [1, 3, 4], [2, 4, 7]]);
+    gl.bindVertexArray(null);
+    return { array, buffer, count: instances.length / instanceFloats, fields: new Map() };
+  }
+
+  /**
+   * Copies a field of a level to the GPU.
+   * part  of a vector field 'view', 'x', 'y' or 'z'; else ''
+   */
+  uploadField(level, key, data, vector, part) {
+    const gl = this.gl, array = gl.createVertexArray(), buffer = this.filled(data);
+    gl.bindVertexArray(array);
+    this.attributes(level.buffer, instanceFloats, [[0, 4, 0], [1, 3, 4], [2, 4, 7]]);
+    if (!vector) this.attributes(buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]]);
+    else if (part === 'view')
+      this.attributes(buffer, vectorFloats, [[3, 4, 0], [4, 4, 4], [5, 4, 8], [6, 4, 12], [7, 2, 16]]);
+    else {
+      const axis = 'xyz'.indexOf(part);
+      this.attributes(buffer, vectorFloats, [[3, 4, 4 * axis], [4, 1, 18 + axis]]);
+    }
+    // The same without instances, one point a Gaussian: light.vert.
+    const points = gl.createVertexArray();
+    gl.bindVertexArray(points);
+    if (!vector) this.attributes(buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]], 0);
+    gl.bindVertexArray(null);
+    level.fields.set(key, { array, points, buffer });
+  }
+
+  release(level) {
+    const gl = this.gl;
+    for (const { array, points, buffer } of level.fields.values()) {
+      gl.deleteVertexArray(array);
+      gl.deleteVertexArray(points);
+      gl.deleteBuffer(buffer);
+    }
+    gl.deleteVertexArray(level.array);
+    gl.deleteBuffer(level.buffer);
+  }
+
+  resize(width, height) {
+    if (width === this.width && height === this.height) return;
+    [this.width, this.height] = [width, height];
+    this.channels = 0;
+    this.wantChannels(1);
+  }
+
+  /** Sums of 1 channel (T) or 4. */
+  wantChannels(channels) {
+    if (this.channels === channels) return;
+    this.channels = channels;
+    this.allocate(this.sums, channels, this.width, this.height);
+    this.target(this.framebuffer, [this.sums]);
+    this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, null);
+    this.subframes = 0;
+  }
+
+  /** Discards the sum of sub-frames. */
+  restart() { this.subframes = 0; }
+
+  /** Sets a camera's uniforms of splat.vert and the fragments that follow it. */
+  setView(used, model, camera, clip) {
+    const { width, height } = this, { right, up, forward } = axesOf(camera);
+    // In double precision, along the camera's axes, so that distance does not reduce accuracy.
+    const along = (v) => [dot(v, right), dot(v, up), dot(v, forward)];
+    used.use();
+    used.set('eye', ...along(mul(1 / model.unit, sub(camera.eye, model.center))));
+    used.set('right', ...right);
+    used.set('up', ...up);
+    used.set('forward', ...forward);
+    used.set('jitter_px', ...jitterOf(this.subframes));
+    this.setScreen(used, model, camera);
+    used.set('cutoff', model.cutoff);
+    used.set('limits', ...(this.subframes === 0 ? model.limits : model.subframeLimits));
+    used.set('first_row', 0);
+    const planes = planesOf(clip).slice(0, mostPlanes);
+    used.setInteger('clip_planes', planes.length);
+    if (planes.length > 0)
+      used.setList('clip_plane[0]', planes.flatMap(([normal, offset]) =>
+        [...along(normal), (offset - dot(normal, camera.eye)) / model.unit]));
+  }
+
+  setScreen(used, model, camera) {
+    const { width, height } = this, side = Math.min(width, height);
+    used.set('size_px', width, height);
+    used.set('pixels_per_unit', camera.span ? (side * model.unit) / camera.span : (0.5 * side) / halfTangent(camera));
+    used.set('parallel', camera.span ? 1 : 0);
+    used.set('jitter_px', ...jitterOf(this.subframes));
+  }
+
+  /** Adds Gaussians to the bound framebuffer. */
+  draw(array, count, equation = this.gl.FUNC_ADD) {
+    const gl = this.gl;
+    gl.enable(gl.BLEND);
+    gl.blendEquation(equation);
+    gl.blendFunc(gl.ONE, gl.ONE);
+    gl.bindVertexArray(array);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, count);
+    gl.bindVertexArray(null);
+    gl.disable(gl.BLEND);
+  }
+
+  /**
+   * Adds one sub-frame of sums; the instances include the extinction.
+   * level  undefined: nothing is there yet
+   * what   {field: key of uploadField or null, view: of a vector field along the rays, clip}
+   */
+  addSums(level, model, camera, what) {
+    const gl = this.gl;
+    this.wantChannels(what.field || what.clip ? 4 : 1);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    gl.viewport(0, 0, this.width, this.height);
+    if (this.subframes === 0) {
+      gl.clearColor(0, 0, 0, 0);
+      gl.clear(gl.COLOR_BUFFER_BIT);
+    }
+    if (level && level.count > 0) {
+      const used = what.field || what.clip
+        ? this.program('splat.vert', ['chord.glsl', 'field.frag'], what.view ? 'VECTOR' : 'SCALAR')
+        : this.program('splat.vert', ['splat.frag']);
+      this.setView(used, model, camera, what.clip);
+      // Without a field: the value 0.
+      gl.vertexAttrib4f(3, 0, 0, 0, 0);
+      gl.vertexAttrib4f(4, 0, 0, 0, 0);
+      this.draw(what.field ? level.fields.get(what.field).array : level.array, level.count);
+    }
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    ++this.subframes;
+  }
+
+  setMap(map) {
+    const gl = this.gl;
+    gl.bindTexture(gl.TEXTURE_2D, this.transfer);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, transferSize, 1, 0, gl.RGBA, gl.FLOAT,
+                  sampled(map, transferSize, 2));
+  }
+
+  /**
+   * Colours the sums on the canvas.
+   * look  {quantity, factor, scale: {low, high, log}, unit: [reference, unit], leastColumn, fade, background}
+   */
+  shade(look) {
+    const gl = this.gl, { width, height, screen } = this;
+    gl.viewport(0, 0, width, height);
+    screen.use();
+    this.sample(screen, { depth_a: this.sums, depth_b: this.sums, transfer: this.transfer });
+    const factor = look.factor / Math.max(this.subframes, 1);
+    for (const side of ['a', 'b']) {
+      screen.set(`size_${side}`, width, height);
+      screen.set(`factor_${side}`, factor);
+    }
+    screen.setInteger('quantity', look.quantity);
+    screen.set('scale_ends', look.scale.low, look.scale.high);
+    screen.setInteger('log_scale', look.scale.log ? 1 : 0);
+    screen.set('field_unit', ...look.unit);
+    screen.set('least_column', look.leastColumn);
+    screen.set('transfer_size', transferSize);
+    screen.set('background', ...look.background);
+    screen.setInteger('blend', look.fade ? 1 : 0);
+    screen.setInteger('checker', 0);
+    screen.setInteger('difference', 0);
+    screen.set('difference_limit', 1);
+    screen.set('split', 2);  // the whole width shows image A
+    screen.set('viewport_px', width, height);
+    screen.set('viewport_origin_px', 0, 0);
+    this.screenPass();
+  }
+
+  /** Sums of one pixel, from the top left; null: none. */
+  sumsAt(x, y) {
+    const gl = this.gl, sums = new Float32Array(4);
+    if (this.subframes === 0 || x < 0 || y < 0 || x >= this.width || y >= this.height) return null;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, sums);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return [...sums].map((v) => v / this.subframes);
+  }
+}

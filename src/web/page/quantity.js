@@ -1,0 +1,108 @@
+// quantity.js: what the picture shows, its scale, its words: T, column, mean and deviation of a field, volume.
+import { overRange } from './picture/transfer.js';
+
+/** Numbers of shade.frag. */
+export const quantityNumbers = { T: 0, column: 1, mean: 2, deviation: 3, volume: 4 };
+const names = {
+  T: 'Visibility', column: 'Column density', mean: 'Mean along the ray', deviation: 'Deviation along the ray',
+  volume: 'Volume, by value',
+};
+
+const ofField = (show) => show === 'mean' || show === 'deviation' || show === 'volume';
+
+/** Quantities of a model: [[show, name], ...]. */
+export function shows(model) {
+  const can = (show) => !ofField(show) || model.fields.some(({ vector }) => show !== 'volume' || !vector);
+  return Object.entries(names).filter(([show]) => can(show));
+}
+
+/** Fields and parts for a quantity: [{field, part, name}, ...]. */
+export function choices(model, show) {
+  if (!ofField(show)) return [];
+  return model.fields.flatMap((source, field) => {
+    if (!source.vector) return [{ field, part: '', name: source.name }];
+    if (show === 'volume') return [];
+    return ['view', 'x', 'y', 'z'].map((part) => (
+      { field, part, name: part === 'view' ? `${source.name} along the view` : `${source.name}.${part}` }));
+  });
+}
+
+/** The nearest of what a model has to a state's {show, field, part}. */
+export function shownOf(model, { show, field, part }, wantedName = null) {
+  if (!shows(model).some(([name]) => name === show)) return { show: 'T', field: 0, part: '' };
+  const all = choices(model, show);
+  if (all.length === 0) return { show, field, part };
+  const same = all.find((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field) && c.part === part);
+  const near = all.find((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field));
+  const { field: index, part: which } = same ?? near ?? all[0];
+  return { show, field: index, part: which };
+}
+
+/** Key of a shown field's data; null: none. */
+export const fieldKey = ({ show, field, part }) => (ofField(show) ? `${field}.${part}` : null);
+
+/** The scale that a quantity starts with, {low, high, log}; over all models where they are steps. */
+export function automaticScale(models, { show, field, part }) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const model of models) {
+    const ends = show === 'column' ? [0, model.mostColumn]
+      : ofField(show) && show !== 'volume' ? model.fields[field]?.ranges[part]?.[show] : null;
+    if (ends) [low, high] = [Math.min(low, ends[0]), Math.max(high, ends[1])];
+  }
+  return low < high ? { low, high, log: false } : { low: 0, high: 1, log: false };
+}
+
+/** The transfer function that a field starts with: a map over its range; unit 0: to be found. */
+export function automaticTransfer(models, field, map) {
+  const sources = models.map((model) => model.fields[field]).filter(Boolean);
+  const lower = Math.min(...sources.map((s) => s.lower)), upper = Math.max(...sources.map((s) => s.upper));
+  return overRange(map, lower, upper > lower ? upper : lower + 1, 0);
+}
+
+/** The unit distance at which covered pixels' mean opacity is 0.6, as `vog render --tf NAME` chooses it. */
+export function fittedUnit(pixels, unit) {
+  const depths = [];
+  for (let n = 3; n < pixels.length; n += 4)
+    if (pixels[n] > 0) depths.push(-Math.log1p(-Math.min(pixels[n], 1 - 1e-6)) * unit);
+  if (depths.length === 0) return unit;
+  const mean = (at) => depths.reduce((sum, depth) => sum - Math.expm1(-depth / at), 0) / depths.length;
+  let low = Math.log(unit) - 40, high = low + 80;
+  for (let step = 0; step < 60; ++step) {
+    const middle = 0.5 * (low + high);
+    if (mean(Math.exp(middle)) > 0.6) low = middle; else high = middle;
+  }
+  return Math.exp(0.5 * (low + high));
+}
+
+/** A number for people: four digits. */
+export function numberText(value) {
+  if (!Number.isFinite(value)) return '–';
+  const size = Math.abs(value);
+  return size !== 0 && (size < 1e-3 || size >= 1e6) ? value.toExponential(3).replace(/\.?0+e/, 'e') : `${Number(value.toPrecision(4))}`;
+}
+
+/** Ticks of a scale: [[position, text], ...], 1, 2, 2.5 or 5 times a power of ten apart, or decades. */
+export function ticks({ low, high, log }) {
+  const out = [];
+  if (log) {
+    const decades = Math.log10(high / low), every = Math.max(1, Math.ceil(decades / 5));
+    for (let p = Math.ceil(Math.log10(low) - 1e-9); p <= Math.log10(high) + 1e-9; p += every)
+      out.push([(p - Math.log10(low)) / decades, numberText(10 ** p)]);
+    if (out.length > 1) return out;
+    return [[0, numberText(low)], [1, numberText(high)]];
+  }
+  const rough = (high - low) / 4, power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * ([1, 2, 2.5, 5, 10].find((m) => m * power >= rough) ?? 10);
+  for (let n = Math.ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; ++n)
+    out.push([(n * step - low) / (high - low), numberText(Number((n * step).toPrecision(12)))]);
+  return out;
+}
+
+/** Words beside the colour bar. */
+export function label(model, { show, field, part }) {
+  if (show === 'column') return 'column density';
+  const source = model.fields[field], unit = source?.unit ? ` [${source.unit}]` : '';
+  if (show === 'T' || !source) return '';
+  const name = part === 'view' ? `${source.name} along the view` : part ? `${source.name}.${part}` : source.name;
+  return `${show === 'deviation' ? 'deviation of ' : show === 'mean' ? 'mean ' : ''}${name}${unit}`;
+}

@@ -1,0 +1,115 @@
+// page_fields.cpp: ranges, histograms and bytes of fields.
+#include "web/page_fields.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "vog/field_maps.h"
+#include "vog/quantity.h"
+#include "web/web_fields.h"
+
+namespace vog::web {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kBins = 96, kViewSize = 256;
+
+/// Range of a map in the first view, as `vog render` chooses it; a number that is no range: null.
+Json range_of(const FieldMaps& maps, const std::vector<float>& shown) {
+    const std::vector<float> values = values_for_scale(maps, shown);
+    if (values.empty()) return nullptr;
+    const ColorScale scale = fitted_scale(values, ScaleFit::linear);
+    return {scale.low, scale.high};
+}
+
+Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& view) {
+    const FieldMaps maps = render_field_splat(model, choice, view, kViewSize, kViewSize);
+    return {{"mean", range_of(maps, maps.mean)}, {"deviation", range_of(maps, maps.deviation)}};
+}
+
+/// Measure by value over the data's range, the largest bin 1000: each Gaussian as a normal distribution.
+Json histogram(const Gaussians& model, const ScalarField& field) {
+    std::vector<double> bin(kBins);
+    const WebUnit unit = web_unit(field);
+    const double lower = unit.reference - unit.unit, per_bin = kBins / (2 * unit.unit);
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const Vec3d g = vec_cast<double>(field.gradient[i]), s = vec_cast<double>(model.scale[i]);
+        const Vec3d own =
+            model.axis_aligned() ? g : transpose(matrix_from_quat(model.rotation[i])) * g;
+        const double along = length(Vec3d{own.x * s.x, own.y * s.y, own.z * s.z});
+        const double deviation = std::hypot(along, double{field.deviation[i]}) * per_bin;
+        const double mean = (double{field.value[i]} - lower) * per_bin;
+        const double mass = double{model.density[i]} * s.x * s.y * s.z;
+        const auto below = [&](double edge) {
+            return deviation > 1e-3 ? 0.5 * std::erfc((mean - edge) / (deviation * std::sqrt(2.0)))
+                                    : double(edge > mean);
+        };
+        const int first = std::clamp(static_cast<int>(mean - 3 * deviation), 0, kBins - 1);
+        const int last = std::clamp(static_cast<int>(mean + 3 * deviation), 0, kBins - 1);
+        for (int n = first; n <= last; ++n)
+            bin[static_cast<std::size_t>(n)] += mass * (below(n + 1) - below(n));
+    }
+    const double most = std::ranges::max(bin);
+    Json out = Json::array();
+    for (const double sum : bin) out.push_back(most > 0 ? std::lround(1000 * sum / most) : 0);
+    return out;
+}
+
+Json value_json(const WebField& field) {
+    Json values = Json::array();
+    for (const WebField::Value& value : field.value) values.push_back({value.low, value.step});
+    return {{"value", values}, {"change", field.change}, {"deviation", field.deviation}};
+}
+
+template <class Field>
+Json named(const Field& field, bool is_vector) {
+    const WebUnit unit = web_unit(field);
+    return {{"name", field.name},   {"unit", field.unit},     {"vector", is_vector},
+            {"lower", field.lower}, {"upper", field.upper},   {"reference", unit.reference},
+            {"scale", unit.unit},   {"levels", Json::array()}};
+}
+
+}  // namespace
+
+Json fields_json(
+    std::span<const Gaussians> levels, std::span<const WebShapes> shapes, const WebFrame& frame,
+    const Camera& view,
+    const std::function<void(std::size_t, std::size_t, const std::string&)>& add_data) {
+    const Gaussians& finest = levels.front();
+    Json all = Json::array();
+    const auto add_levels = [&](Json& entry, const auto& field_of) {
+        for (std::size_t n = 0; n < levels.size(); ++n) {
+            const WebField field = web_field(shapes[n], frame, field_of(levels[n].fields));
+            entry["levels"].push_back(value_json(field));
+            add_data(all.size(), n, deflated(field.bytes));
+        }
+        all.push_back(std::move(entry));
+    };
+    for (const ScalarField& field : finest.fields.scalar) {
+        Json entry = named(field, false);
+        entry["isMeasure"] = field.is_measure;
+        entry["histogram"] = histogram(finest, field);
+        entry["ranges"] = {{"", maps_json(finest, {field.name, FieldPart::value}, view)}};
+        add_levels(entry, [&](const Fields& fields) -> const ScalarField& {
+            return *fields.find_scalar(field.name);
+        });
+    }
+    for (const VectorField& field : finest.fields.vector) {
+        Json entry = named(field, true);
+        for (const auto& [name, part] : {std::pair{"view", FieldPart::view},
+                                         {"x", FieldPart::x},
+                                         {"y", FieldPart::y},
+                                         {"z", FieldPart::z}})
+            entry["ranges"][name] = maps_json(finest, {field.name, part}, view);
+        add_levels(entry, [&](const Fields& fields) -> const VectorField& {
+            return *fields.find_vector(field.name);
+        });
+    }
+    return all;
+}
+
+}  // namespace vog::web
