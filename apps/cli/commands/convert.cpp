@@ -171,6 +171,10 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         box.include(world_box(volume));
     }
     moments.origin = paper.origin = model_origin(set.is_mesh() ? mesh.box : box);
+    // Alone, the volumes' own values are summed with the cells.
+    const bool own_alone = by_moments && !arguments.no_fields && arguments.fields.empty() &&
+                           !arguments.volume.ones;
+    if (own_alone) moments.own_field = own_name(volumes);
     MomentTotals totals;
     std::vector<std::string> view_notes;
     const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
@@ -193,7 +197,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
             add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
                 one, mass(volume));
     });
-    if (!arguments.no_fields) {
+    if (!arguments.no_fields && !own_alone) {
         std::vector<std::string> field_notes;
         stages.run("fields", [&] {
             const FieldTexts texts = field_texts(arguments, own_name(volumes));

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "convert/moments/cells/leaf_cells.h"
 #include "convert/moments/cells/overlapping_cells.h"
@@ -158,18 +160,89 @@ struct MassScale {
     float operator()(float mass) const { return first * mass * second; }
 };
 
-/// Cells of a volume with their fields.
-class CutCells {
+/// Sums of the fields of single cells.
+class CellSums {
   public:
-    CutCells(const Volume& volume, std::span<const Component> components, const Layout& layout,
-             const UniformCells& cut)
+    struct Scratch {
+        moments::OverlapScratch windows;
+        std::vector<std::vector<float>> around;  ///< [components] as windows.values
+        std::vector<float> mass;
+        std::vector<std::vector<float>> value;  ///< [components][samples]
+    };
+
+    CellSums(const Volume& volume, std::span<const Component> components, const Layout& layout,
+             int block_voxels, bool overlapping)
         : volume_(volume),
           components_(components),
           layout_(layout),
-          cut_(cut),
-          nodes_(moments::morton_nodes(volume)),
+          block_(block_voxels),
+          overlapping_(overlapping),
           to_world_(transpose(inverse(volume.world_from_index).linear)),
-          cube_(weights()) {
+          cube_(weights()) {}
+    Scratch scratch() const {
+        Scratch scratch;
+        scratch.value.assign(components_.size(), std::vector<float>(cube_.count));
+        scratch.mass.resize(cube_.count);
+        scratch.around.resize(components_.size());
+        return scratch;
+    }
+    /// Appends the fields of a cell of at most a leaf's edge.
+    /// cell  of overlapping ones with the windows of its node; scratch.around has the other components
+    void take_cell(const moments::CutCell& cell, Scratch& scratch, CellFields& to) const;
+
+  protected:
+    /// Weights of samples along an axis of a cell.
+    std::vector<float> weights() const {
+        if (!overlapping_)
+            return std::vector<float>(static_cast<std::size_t>(std::min(block_, kLeafEdge)), 1);
+        constexpr auto kOuter = static_cast<float>(moments::kOuterWeight);
+        // Half cells of one voxel's cell are samples of their own.
+        const auto half = static_cast<std::size_t>(std::max(1, block_ / 2));
+        std::vector<float> all(4 * half, 1 - kOuter);
+        std::fill_n(all.begin(), half, kOuter);
+        std::fill_n(all.end() - static_cast<std::ptrdiff_t>(half), half, kOuter);
+        return all;
+    }
+    double sample_edge() const { return overlapping_ && block_ == 1 ? 0.5 : 1; }
+    /// Sets the samples of a cell of a leaf, or of a window about one.
+    /// place  of the cell among the node's
+    void fill_hard(const MortonNode& node, Vec3i place, const MassScale& scale,
+                   Scratch& scratch) const;
+    void fill_window(const moments::OverlapScratch& windows, Vec3i place, const MassScale& scale,
+                     Scratch& scratch) const;
+    template <int edge>
+    void fill_window_of(const moments::OverlapScratch& windows, Vec3i place, const MassScale& scale,
+                        Scratch& scratch) const;
+    /// Appends a cell without variation.
+    void add_constant(std::size_t tile, CellFields& to) const {
+        for (const Component& component : components_)
+            to.planes.push_back({double{tile_value(component, tile)}, {}});
+        to.residuals.insert(to.residuals.end(), layout_.residual_sums, 0);
+        ++to.count;
+    }
+    /// Appends the planes of all components and their residuals.
+    /// sums         of the cell about its centre
+    /// for_samples  calls its argument with each of the cell's Samples
+    template <class ForSamples>
+    void add_cell(const MomentSums& sums, const ForSamples& for_samples, CellFields& to) const;
+
+    const Volume& volume_;
+    std::span<const Component> components_;
+    const Layout& layout_;
+    int block_;
+    bool overlapping_;
+    Mat3 to_world_;  ///< of gradients
+    SampleCube cube_;
+};
+
+/// Cells of a volume with their fields.
+class CutCells : CellSums {
+  public:
+    CutCells(const Volume& volume, std::span<const Component> components, const Layout& layout,
+             const UniformCells& cut)
+        : CellSums(volume, components, layout, cut.block_voxels, cut.overlapping),
+          cut_(cut),
+          nodes_(moments::morton_nodes(volume)) {
         if (cut.overlapping) windows_.emplace(volume, nodes_, cut.block_voxels);
         // Nodes of one cell stay together.
         for (std::size_t n = 0; n < nodes_.size(); ++n)
@@ -180,44 +253,19 @@ class CutCells {
     std::size_t task_count() const { return tasks_.size() - 1; }
     /// The kept cells of one task.
     void take(std::size_t task, CellFields& to) const {
-        Scratch scratch;
-        scratch.value.assign(components_.size(), std::vector<float>(cube_.count));
-        scratch.mass.resize(cube_.count);
-        scratch.around.resize(components_.size());
+        Scratch buffers = scratch();
         for (std::size_t n = tasks_[task]; n < tasks_[task + 1];)
             if (cut_.block_voxels > kLeafEdge) {
                 std::size_t end = n + 1;
                 while (end < tasks_[task + 1] && !begins_cell(end)) ++end;
-                take_large_cell(n, end, scratch, to);
+                take_large_cell(n, end, buffers, to);
                 n = end;
             } else {
-                take_node(nodes_[n++], scratch, to);
+                take_node(nodes_[n++], buffers, to);
             }
     }
 
   private:
-    struct Scratch {
-        moments::OverlapScratch windows;
-        std::vector<std::vector<float>> around;  ///< [components] as windows.values
-        std::vector<float> mass;
-        std::vector<std::vector<float>> value;  ///< [components][samples]
-    };
-
-    /// Weights of samples along an axis of a cell.
-    std::vector<float> weights() const {
-        const int edge = cut_.block_voxels;
-        if (!cut_.overlapping)
-            return std::vector<float>(static_cast<std::size_t>(std::min(edge, kLeafEdge)), 1);
-        constexpr auto kOuter = static_cast<float>(moments::kOuterWeight);
-        // Half cells of one voxel's cell are samples of their own.
-        const auto half = static_cast<std::size_t>(std::max(1, edge / 2));
-        std::vector<float> all(4 * half, 1 - kOuter);
-        std::fill_n(all.begin(), half, kOuter);
-        std::fill_n(all.end() - static_cast<std::ptrdiff_t>(half), half, kOuter);
-        return all;
-    }
-    double sample_edge() const { return cut_.overlapping && cut_.block_voxels == 1 ? 0.5 : 1; }
-
     /// Whether a node begins a cell above a leaf's edge.
     bool begins_cell(std::size_t n) const {
         return n == 0 || !(cell_of(nodes_[n]) == cell_of(nodes_[n - 1]));
@@ -238,40 +286,17 @@ class CutCells {
     void take_node(const MortonNode& node, Scratch& scratch, CellFields& to) const;
     void take_large_cell(std::size_t first, std::size_t last, Scratch& scratch,
                          CellFields& to) const;
-    /// Sets the samples of a cell of a leaf, or of a window about one.
-    /// place  of the cell among the node's
-    void fill(const MortonNode& node, Vec3i place, const MassScale& scale, Scratch& scratch) const;
-    void fill_hard(const MortonNode& node, Vec3i place, const MassScale& scale,
-                   Scratch& scratch) const;
-    void fill_window(Vec3i place, const MassScale& scale, Scratch& scratch) const;
     void fill_brick(const Brick& brick, const MortonNode& node, const MassScale& scale,
                     Scratch& scratch) const;
-    /// Appends a cell without variation.
-    void add_constant(std::size_t tile, CellFields& to) const {
-        for (const Component& component : components_)
-            to.planes.push_back({double{tile_value(component, tile)}, {}});
-        to.residuals.insert(to.residuals.end(), layout_.residual_sums, 0);
-        ++to.count;
-    }
-    /// Appends the planes of all components and their residuals.
-    /// sums         of the cell about its centre
-    /// for_samples  calls its argument with each of the cell's Samples
-    template <class ForSamples>
-    void add_cell(const MomentSums& sums, const ForSamples& for_samples, CellFields& to) const;
 
-    const Volume& volume_;
-    std::span<const Component> components_;
-    const Layout& layout_;
     const UniformCells& cut_;
     std::vector<MortonNode> nodes_;
-    Mat3 to_world_;  ///< of gradients
-    SampleCube cube_;
     std::optional<moments::OverlappingCells> windows_;
     std::vector<std::size_t> tasks_;  ///< first nodes
 };
 
 template <class ForSamples>
-void CutCells::add_cell(const MomentSums& sums, const ForSamples& for_samples,
+void CellSums::add_cell(const MomentSums& sums, const ForSamples& for_samples,
                         CellFields& to) const {
     const moments::Moments cell = moments::moments_of(sums);
     std::array<double, 3> value{};
@@ -306,23 +331,31 @@ void CutCells::add_cell(const MomentSums& sums, const ForSamples& for_samples,
     ++to.count;
 }
 
+void CellSums::take_cell(const moments::CutCell& cell, Scratch& scratch, CellFields& to) const {
+    const MortonNode& node = cell.node;
+    // Hard cells of a tile, and windows of one too large for neighbours, have one value.
+    if (node.tile && (!cell.windows || node.edge > kLeafEdge)) return add_constant(node.index, to);
+    const double half = 0.5 * (block_ - 1);
+    Vec3i place;
+    for (int axis = 0; axis < 3; ++axis)
+        place[axis] = static_cast<int>(std::lround(cell.center[axis] - half)) - node.origin[axis];
+    const MassScale scale(cell.sums.mass);
+    if (cell.windows)
+        fill_window(*cell.windows, place, scale, scratch);
+    else
+        fill_hard(node, place, scale, scratch);
+    add_cell(
+        cell.sums,
+        [&](const auto& use) {
+            use(Samples{&cube_, scratch.mass.data(), &scratch.value, {}, sample_edge()});
+        },
+        to);
+}
+
 void CutCells::take_node(const MortonNode& node, Scratch& scratch, CellFields& to) const {
+    const moments::OverlapScratch* windows = windows_ ? &scratch.windows : nullptr;
     const auto take = [&](const MomentSums& sums, Vec3d center) {
-        if (!is_kept(sums.mass)) return;
-        // Hard cells of a tile, and windows of one too large for neighbours, have one value.
-        if (node.tile && (!windows_ || node.edge > kLeafEdge)) return add_constant(node.index, to);
-        const double half = 0.5 * (cut_.block_voxels - 1);
-        Vec3i place;
-        for (int axis = 0; axis < 3; ++axis)
-            place[axis] = static_cast<int>(std::lround(center[axis] - half)) - node.origin[axis];
-        const MassScale scale(sums.mass);
-        fill(node, place, scale, scratch);
-        add_cell(
-            sums,
-            [&](const auto& use) {
-                use(Samples{&cube_, scratch.mass.data(), &scratch.value, {}, sample_edge()});
-            },
-            to);
+        if (is_kept(sums.mass)) take_cell({node, windows, sums, center}, scratch, to);
     };
     if (!windows_) return moments::for_each_cell(volume_, node, cut_.block_voxels, take);
     bool gathered = false;
@@ -337,17 +370,9 @@ void CutCells::take_node(const MortonNode& node, Scratch& scratch, CellFields& t
         });
 }
 
-void CutCells::fill(const MortonNode& node, Vec3i place, const MassScale& scale,
-                    Scratch& scratch) const {
-    if (windows_)
-        fill_window(place, scale, scratch);
-    else
-        fill_hard(node, place, scale, scratch);
-}
-
-void CutCells::fill_hard(const MortonNode& node, Vec3i place, const MassScale& scale,
+void CellSums::fill_hard(const MortonNode& node, Vec3i place, const MassScale& scale,
                          Scratch& scratch) const {
-    const int edge = cut_.block_voxels;
+    const int edge = block_;
     const float* density = volume_.leaves[node.index].value.data();
     const auto copy = [&](const float* from, auto&& change, std::vector<float>& to) {
         std::size_t n = 0;
@@ -366,52 +391,53 @@ void CutCells::fill_hard(const MortonNode& node, Vec3i place, const MassScale& s
     }
 }
 
-void CutCells::fill_window(Vec3i place, const MassScale& scale, Scratch& scratch) const {
-    const int edge = cut_.block_voxels, reach = kLeafEdge + 2 * edge, halves = 2 * reach / edge;
-    const int across = edge == 1 ? 4 : 2 * edge;
-    // Voxel and half cell of each sample along an axis, in the gathered cube.
-    std::array<std::array<int, 2 * kLeafEdge>, 3> voxel, half;
-    for (int axis = 0; axis < 3; ++axis)
-        for (int s = 0; s < across; ++s) {
-            const auto at = static_cast<std::size_t>(s);
-            const auto along = static_cast<std::size_t>(axis);
-            half[along][at] = 2 * (place[axis] / edge) + 1 + (edge == 1 ? s : s / (edge / 2));
-            voxel[along][at] = edge == 1 ? half[along][at] / 2 : place[axis] + edge - edge / 2 + s;
-        }
-    const auto copy = [&](const float* from, auto&& change, std::vector<float>& to) {
-        std::size_t n = 0;
+template <int edge>
+void CellSums::fill_window_of(const moments::OverlapScratch& windows, Vec3i place,
+                              const MassScale& scale, Scratch& scratch) const {
+    constexpr int reach = kLeafEdge + 2 * edge, halves = 2 * reach / edge;
+    constexpr int across = edge == 1 ? 4 : 2 * edge;
+    // Voxel and half cell of sample s along an axis, in the gathered cube: constants, so that rows are vectors.
+    const auto voxel = [](int s) { return edge == 1 ? (1 + s) / 2 : edge - edge / 2 + s; };
+    const auto half = [](int s) { return 1 + (edge == 1 ? s : s / std::max(1, edge / 2)); };
+    const auto copy = [&](const float* from, auto&& change, float* to) {
         for (int x = 0; x < across; ++x)
-            for (int y = 0; y < across; ++y) {
-                const float* row = from + (voxel[0][static_cast<std::size_t>(x)] * reach +
-                                           voxel[1][static_cast<std::size_t>(y)]) *
-                                              reach;
-                for (int z = 0; z < across; ++z)
-                    to[n++] = change(row[voxel[2][static_cast<std::size_t>(z)]]);
+            for (int y = 0; y < across; ++y, to += across) {
+                const float* row =
+                    from + ((place.x + voxel(x)) * reach + place.y + voxel(y)) * reach + place.z;
+                for (int z = 0; z < across; ++z) to[z] = change(row[voxel(z)]);
             }
     };
-    const float* density = scratch.windows.values.data();
-    copy(density, scale, scratch.mass);
-    for (std::size_t n = 0; n < cube_.count; ++n) scratch.mass[n] *= cube_.weight[n];
-    if (scratch.windows.shared) {
-        std::size_t n = 0;
+    const float* density = windows.values.data();
+    float* mass = scratch.mass.data();
+    copy(density, scale, mass);
+    for (std::size_t n = 0; n < cube_.count; ++n) mass[n] *= cube_.weight[n];
+    if (windows.shared) {
+        const Vec3i cell{2 * (place.x / edge), 2 * (place.y / edge), 2 * (place.z / edge)};
+        float* to = mass;
         for (int x = 0; x < across; ++x)
-            for (int y = 0; y < across; ++y) {
-                const double* row = scratch.windows.window_sums.data() +
-                                    (half[0][static_cast<std::size_t>(x)] * halves +
-                                     half[1][static_cast<std::size_t>(y)]) *
-                                        halves;
-                for (int z = 0; z < across; ++z, ++n)
-                    if (scratch.mass[n] > 0)
-                        scratch.mass[n] /=
-                            static_cast<float>(row[half[2][static_cast<std::size_t>(z)]]);
+            for (int y = 0; y < across; ++y, to += across) {
+                const double* row = windows.window_sums.data() +
+                                    ((cell.x + half(x)) * halves + cell.y + half(y)) * halves +
+                                    cell.z;
+                for (int z = 0; z < across; ++z)
+                    if (to[z] > 0) to[z] /= static_cast<float>(row[half(z)]);
             }
     }
     for (std::size_t c = 0; c < components_.size(); ++c) {
         const Component& component = components_[c];
+        const float per_unit = 1 / component.unit, reference = component.reference;
         copy(
             is_own(component) ? density : scratch.around[c].data(),
-            [&](float value) { return in_units(component, value); }, scratch.value[c]);
+            [=](float value) { return per_unit * (value - reference); }, scratch.value[c].data());
     }
+}
+
+void CellSums::fill_window(const moments::OverlapScratch& windows, Vec3i place,
+                           const MassScale& scale, Scratch& scratch) const {
+    if (block_ == 1) return fill_window_of<1>(windows, place, scale, scratch);
+    if (block_ == 2) return fill_window_of<2>(windows, place, scale, scratch);
+    if (block_ == 4) return fill_window_of<4>(windows, place, scale, scratch);
+    fill_window_of<8>(windows, place, scale, scratch);
 }
 
 void CutCells::fill_brick(const Brick& brick, const MortonNode& node, const MassScale& scale,
@@ -471,6 +497,49 @@ void CutCells::take_large_cell(std::size_t first, std::size_t last, Scratch& scr
 }
 
 }  // namespace
+
+struct OwnCellFields::State {
+    std::vector<std::vector<VoxelField>> fields;
+    Layout layout;
+    std::vector<Component> components;
+    CellSums sums;
+    std::optional<FieldEntries> entries{};
+
+    State(const Volume& volume, std::vector<std::vector<VoxelField>> own, int block_voxels,
+          bool overlapping)
+        : fields(std::move(own)),
+          layout(fields),
+          components(layout.components(volume, fields, 0)),
+          sums(volume, components, layout, block_voxels, overlapping) {}
+};
+
+OwnCellFields::OwnCellFields(const Volume& volume, const std::string& name, int block_voxels,
+                             bool overlapping)
+    : state_(std::make_unique<State>(
+          volume, std::vector<std::vector<VoxelField>>{{measure_field(volume, name)}}, block_voxels,
+          overlapping)) {}
+OwnCellFields::~OwnCellFields() = default;
+
+moments::CellReceiver OwnCellFields::receiver() {
+    State& state = *state_;
+    const auto begin = [&state](std::size_t gaussians) {
+        state.entries.emplace(state.fields, state.layout, gaussians);
+    };
+    const auto sink = [&state]() -> moments::CellSink {
+        const auto scratch = std::make_shared<CellSums::Scratch>(state.sums.scratch());
+        const auto made = std::make_shared<CellFields>();
+        return [&state, scratch, made](const moments::CutCell& cell, std::size_t gaussian) {
+            made->planes.clear(), made->residuals.clear();
+            state.sums.take_cell(cell, *scratch, *made);
+            state.entries->set(gaussian, made->planes.data(), made->residuals.data(), 1);
+        };
+    };
+    return {begin, sink};
+}
+
+void OwnCellFields::move_to(Gaussians& model) && {
+    if (state_->entries) std::move(*state_->entries).move_to(model);
+}
 
 bool add_by_cells(const Volume& volume, std::span<const Component> components, const Layout& layout,
                   const CutModel& model, const Progress& progress, FieldEntries& entries) {

@@ -176,8 +176,10 @@ Hierarchy build_hierarchy(Gaussians& model, const HierarchyOptions& options) {
     const MomentFrame frame = moment_frame(Affine{}, model.axis_aligned(), 1, model.cutoff);
     Growth growth{model, tree, frame, {1 / frame.density_factor, 1 / frame.widening2}};
     growth.moments.resize(tree.size());
-    growth.scalar.resize(model.fields.scalar.size(), BigVector<ScalarMoments>(tree.size()));
-    growth.vector.resize(model.fields.vector.size(), BigVector<VectorMoments>(tree.size()));
+    growth.scalar.resize(model.fields.scalar.size());
+    growth.vector.resize(model.fields.vector.size());
+    for (auto& field : growth.scalar) field.resize(tree.size());
+    for (auto& field : growth.vector) field.resize(tree.size());
     // Level by level, from the leaves up.
     constexpr std::size_t kGrain = 256;
     for (std::size_t level = levels.size() - 1; level-- > 0;)

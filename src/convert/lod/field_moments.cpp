@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "convert/moments/covariance_adjugate.h"
+
 namespace vog::lod {
 
 namespace {
@@ -86,6 +88,14 @@ Merger::Merger(const Moments& sum_of_parts, std::span<const Moments> of)
     if (!(unit > 0) || !std::isfinite(1 / unit)) return;
     std::array<double, 6> scaled = c;
     for (double& element : scaled) element /= unit;
+    // No eigenvalue exceeds 3, so that none is flat where the determinant is above this: the inverse, in a tenth of
+    // the time of eigenvectors.
+    constexpr double kWellConditioned = 1e-6;
+    if (const auto [adjugate, det] = adjugate_of(scaled); det > kWellConditioned) {
+        precision = matrix_of(adjugate);
+        for (Vec3d& row : precision.row) row = (1 / (det * unit)) * row;
+        return;
+    }
     const Eigen3 eigen = symmetric_eigen(matrix_of(scaled));
     constexpr double kFlat = 1e-10;  // variances below are rounding
     for (int k = 0; k < 3; ++k) {

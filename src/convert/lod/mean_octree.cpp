@@ -5,10 +5,12 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <span>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "core/morton.h"
@@ -63,6 +65,33 @@ void for_all(std::size_t count, const Body& body) {
                       });
 }
 
+/// Models of uniform conversions are in order already, but for Gaussians of windows whose mean lies outside their cell:
+/// these alone are sorted, and merged with the others.
+void sort_places(std::vector<Place>& places) {
+    const std::size_t most = places.size() / 4;  // others; with more, sorting all is as fast
+    std::vector<Place> others;
+    std::size_t ordered = 0, i = 0;  // places before `ordered` ascend
+    for (; i < places.size() && others.size() <= most; ++i) {
+        if (ordered == 0 || !(places[i] < places[ordered - 1])) {
+            places[ordered++] = places[i];
+            continue;
+        }
+        // One of the two is out of place; both are taken out.
+        others.push_back(places[i]);
+        others.push_back(places[--ordered]);
+    }
+    if (i < places.size()) {
+        std::ranges::copy(others, places.begin() + static_cast<std::ptrdiff_t>(ordered));
+        tbb::parallel_sort(places.begin(), places.end());
+        return;
+    }
+    tbb::parallel_sort(others.begin(), others.end());
+    for (std::size_t to = places.size(), next = others.size(); next > 0;) {
+        const bool from_others = ordered == 0 || places[ordered - 1] < others[next - 1];
+        places[--to] = from_others ? others[--next] : places[--ordered];
+    }
+}
+
 std::vector<Place> sorted_places(const Gaussians& model, const Affine& code_from) {
     std::vector<Place> places(model.size());
     for_all(places.size(), [&](std::size_t i) {
@@ -74,18 +103,25 @@ std::vector<Place> sorted_places(const Gaussians& model, const Affine& code_from
         places[i] = {morton_code(cell(at.x), cell(at.y), cell(at.z)),
                      static_cast<std::uint32_t>(i)};
     });
-    // Models of uniform conversions are in this order already.
-    if (!std::is_sorted(places.begin(), places.end()))
-        tbb::parallel_sort(places.begin(), places.end());
+    sort_places(places);
     return places;
 }
 
+/// Brings the arrays of a model whose elements are T into an order. They take turns in one further array, whose pages
+/// are new to the process once, not for each of them.
 template <class T>
-void reorder(BigVector<T>& values, const std::vector<std::uint32_t>& order) {
-    if (values.empty()) return;
-    BigVector<T> ordered(values.size());
-    for_all(order.size(), [&](std::size_t i) { ordered[i] = values[order[i]]; });
-    values = std::move(ordered);
+void reorder(Gaussians& model, const std::vector<std::uint32_t>& order) {
+    BigVector<T> ordered;
+    const auto apply = [&](auto& values) {
+        if constexpr (std::is_same_v<typename std::decay_t<decltype(values)>::value_type, T>) {
+            if (values.empty()) return;
+            ordered.resize(values.size());
+            for_all(order.size(), [&](std::size_t i) { ordered[i] = values[order[i]]; });
+            std::swap(values, ordered);
+        }
+    };
+    apply(model.mean), apply(model.scale), apply(model.rotation), apply(model.density);
+    each_array(apply, model.fields);
 }
 
 /// Sorted Gaussians [first, last).
@@ -198,11 +234,10 @@ MeanOctree mean_octree(Gaussians& model, const HierarchyOptions& options) {
         tree.levels.push_back(tree.hierarchy.error.size());
     }
     for_all(leaves.size(), [&](std::size_t i) { leaves[i] = places[leaves[i]].index; });
-    reorder(model.mean, leaves);
-    reorder(model.scale, leaves);
-    reorder(model.rotation, leaves);
-    reorder(model.density, leaves);
-    each_array([&](auto& array) { reorder(array, leaves); }, model.fields);
+    reorder<float>(model, leaves);
+    reorder<Vec3f>(model, leaves);
+    reorder<Quat>(model, leaves);
+    reorder<std::array<float, 6>>(model, leaves);
     return tree;
 }
 

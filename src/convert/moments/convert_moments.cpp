@@ -10,11 +10,16 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "convert/fields/cell_fields.h"
 #include "convert/moments/moment_job.h"
 #include "core/parallel.h"
+#include "vog/convert_fields.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -201,8 +206,16 @@ Gaussians run(MomentJob& job) {
     }
     job.clock.end_stage("check", 0.1);
 
+    std::optional<joint::OwnCellFields> own;
+    CellReceiver receiver;
+    if (!job.options.own_field.empty() && job.has_fine_cells() && copies.empty()) {
+        own.emplace(job.volume(), job.options.own_field, job.options.block_voxels, job.overlaps());
+        receiver = own->receiver();
+        job.receiver = &receiver;
+    }
     Gaussians model = job.options.block_voxels ? uniform_model(job) : adaptive_model(job);
     model.cutoff = kMomentCutoff;
+    if (own) std::move(*own).move_to(model);
     if (job.has_uniform_cells())
         job.report.cells =
             UniformCells{job.options.block_voxels, job.overlaps(),
@@ -219,6 +232,18 @@ Gaussians run(MomentJob& job) {
     model.method = "moments";
     model.options = option_text(job);
     return model;
+}
+
+/// Adds MomentOptions::own_field to a model that has not got it with its cells.
+void add_own_field(Gaussians& model, MomentJob& job, std::span<const Volume> parts) {
+    const std::string& name = job.options.own_field;
+    if (name.empty() || !model.fields.empty()) return;
+    std::vector<std::vector<VoxelField>> fields(1);
+    for (const Volume& part : parts) fields.front().push_back(measure_field(part, name));
+    FieldOptions options;
+    options.cells = job.report.cells;
+    add_fields(model, parts, fields, options);
+    job.clock.end_stage("fields", 1);
 }
 
 /// Sets Gaussians::summary from the counts of all processes, each of which may hold a part.
@@ -248,6 +273,7 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     MomentReport unwanted;
     MomentJob job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
     Gaussians model = run(job);
+    add_own_field(model, job, {&volume, 1});
     model.source_voxels = active_voxels(volume);
     set_summary(model, job);
     return model;
@@ -262,6 +288,7 @@ Gaussians convert_moments(const Composite& data, const MomentOptions& options,
     MomentReport unwanted;
     MomentJob job{data.parts, data.box, true, options, report ? *report : unwanted};
     Gaussians model = run(job);
+    add_own_field(model, job, data.parts);
     model.source_voxels = data.voxels;
     set_summary(model, job);
     return model;

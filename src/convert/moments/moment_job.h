@@ -7,6 +7,7 @@
 
 #include "compare/error_views.h"
 #include "convert/moments/cells/lattice_field.h"
+#include "convert/moments/cells/overlapping_cells.h"
 #include "convert/moments/cells/packed_cells.h"
 #include "convert/moments/em/em_step.h"
 #include "convert/moments/stage_clock.h"
@@ -23,6 +24,22 @@ inline constexpr double kVoxelSteps = 1e8;
 /// The fewest of them where cells do not overlap: meshes, cells above 8 voxels.
 inline constexpr int kLeastSoftSteps = 4;
 
+/// A kept cell of a uniform cut, while its voxels are at hand.
+struct CutCell {
+    const MortonNode& node;
+    const OverlapScratch* windows;  ///< of the node; null: hard cells
+    const MomentSums& sums;         ///< about the centre
+    Vec3d center;                   ///< index space
+};
+/// Called with each cell and the index of its Gaussian.
+using CellSink = std::function<void(const CutCell& cell, std::size_t gaussian)>;
+/// Takes the cells of a uniform cut of at most a leaf's edge, for sums of other quantities in the pass that makes
+/// their Gaussians.
+struct CellReceiver {
+    std::function<void(std::size_t gaussians)> begin;
+    std::function<CellSink()> sink_of_chunk;  ///< called by several threads, each sink by one
+};
+
 /// Input, options and report of one conversion.
 struct MomentJob {
     std::span<const Volume> parts;  ///< disjoint
@@ -36,6 +53,7 @@ struct MomentJob {
     double data_mass = 0;   ///< all parts and processes; density times unit_volume
     double least_mass = 0;  ///< of the cells kept by the mass threshold, likewise
     StageClock clock{report, options.progress};
+    CellReceiver* receiver = nullptr;  ///< takes the cells where has_fine_cells(); null: none
 
     const Collective& collective() const { return collective_or_single(options.collective); }
     /// Whether a uniform cut begins with overlapping cells.
@@ -48,6 +66,8 @@ struct MomentJob {
     bool has_uniform_cells() const {
         return options.block_voxels && !levels && soft_steps() == 0 && options.refine_seconds == 0;
     }
+    /// Whether these are cells of at most a leaf's edge, made in two passes.
+    bool has_fine_cells() const { return has_uniform_cells() && options.block_voxels <= kLeafEdge; }
     /// Largest measured error of an adaptive cut without a budget.
     double error() const { return options.error > 0 ? options.error : kDefaultError; }
     /// Samples of all parts: active voxels of leaves, and 8^3 of each tile, whatever its size.

@@ -23,17 +23,22 @@ class CellSource {
         if (job.overlaps()) windows_.emplace(volume_, nodes_, edge_);
     }
     std::size_t chunk_count() const { return (nodes_.size() + kNodeChunk - 1) / kNodeChunk; }
-    /// Calls take(sums, center) for each cell of one chunk of nodes.
+    /// Calls take(node, windows, sums, center) for each cell of one chunk of nodes; windows is the node's scratch, null
+    /// for hard cells.
     /// masses_only  take needs no other moments
     template <class Take>
     void for_each_cell_of_chunk(std::size_t chunk, bool masses_only, const Take& take) const {
         const std::size_t last = std::min((chunk + 1) * kNodeChunk, nodes_.size());
         OverlapScratch scratch;
-        for (std::size_t n = chunk * kNodeChunk; n < last; ++n)
+        for (std::size_t n = chunk * kNodeChunk; n < last; ++n) {
+            const auto of_node = [&](const MomentSums& sums, Vec3d center) {
+                take(nodes_[n], windows_ ? &scratch : nullptr, sums, center);
+            };
             if (windows_)
-                for_each_overlapping_cell(*windows_, nodes_[n], scratch, masses_only, take);
+                for_each_overlapping_cell(*windows_, nodes_[n], scratch, masses_only, of_node);
             else
-                for_each_cell(volume_, nodes_[n], edge_, take);
+                for_each_cell(volume_, nodes_[n], edge_, of_node);
+        }
     }
 
   private:
@@ -52,9 +57,11 @@ Gaussians two_pass_model(MomentJob& job) {
     const CellSource source(job, nodes);
     std::vector<std::vector<float>> masses(source.chunk_count());
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
-        source.for_each_cell_of_chunk(chunk, true, [&](const MomentSums& sums, Vec3d) {
-            masses[chunk].push_back(static_cast<float>(sums.mass));
-        });
+        source.for_each_cell_of_chunk(
+            chunk, true,
+            [&](const MortonNode&, const OverlapScratch*, const MomentSums& sums, Vec3d) {
+                masses[chunk].push_back(static_cast<float>(sums.mass));
+            });
     });
     MassThreshold threshold;
     for (const auto& part : masses)
@@ -75,14 +82,19 @@ Gaussians two_pass_model(MomentJob& job) {
     model.origin = job.origin();
     resize(model, first.back(), job.options.axis_aligned);
     const MomentFrame frame = job.frame(job.volume().world_from_index);
+    if (job.receiver) job.receiver->begin(model.size());
     vog::parallel_for(std::size_t{0}, masses.size(), [&](std::size_t chunk) {
         std::size_t i = first[chunk];
-        source.for_each_cell_of_chunk(chunk, false, [&](const MomentSums& sums, Vec3d center) {
-            if (static_cast<float>(sums.mass) < least) return;
-            Moments moments = moments_of(sums);
-            moments.mean = moments.mean + center;
-            set_gaussian(model, i++, moments, frame);
-        });
+        const CellSink sink = job.receiver ? job.receiver->sink_of_chunk() : CellSink{};
+        source.for_each_cell_of_chunk(chunk, false,
+                                      [&](const MortonNode& node, const OverlapScratch* windows,
+                                          const MomentSums& sums, Vec3d center) {
+                                          if (static_cast<float>(sums.mass) < least) return;
+                                          if (sink) sink({node, windows, sums, center}, i);
+                                          Moments moments = moments_of(sums);
+                                          moments.mean = moments.mean + center;
+                                          set_gaussian(model, i++, moments, frame);
+                                      });
     });
     job.clock.end_stage("cells", 1);
     return model;
@@ -105,7 +117,7 @@ void widen(PackedCells& cells) {
 
 Gaussians uniform_model(MomentJob& job) {
     const int block = job.options.block_voxels;
-    if (job.has_uniform_cells() && block <= kLeafEdge) return two_pass_model(job);
+    if (job.has_fine_cells()) return two_pass_model(job);
     const std::vector<LatticeField> fields = job.fields();
     FieldCells cells;
     for (const LatticeField& field : fields)

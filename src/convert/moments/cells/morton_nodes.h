@@ -2,7 +2,9 @@
 // cube are contiguous.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "convert/moments/gaussian_moments.h"
@@ -21,6 +23,33 @@ struct MortonNode {
 
 /// All leaves and tiles, sorted.
 std::vector<MortonNode> morton_nodes(const Volume& volume);
+
+/// Neighbours of leaves. In Morton order the leaves of an aligned block of 4^3 are consecutive: a bit for each place of
+/// the block, and a count of bits, find them. A binary search for each neighbour took a tenth of the time of a conversion
+/// by windows with fields.
+class LeafNeighbours {
+  public:
+    /// nodes  of a volume, sorted; must outlive the object
+    explicit LeafNeighbours(std::span<const MortonNode> nodes);
+    /// Nodes of kLeafEdge voxels that begin at origin + kLeafEdge * side, sides {-1, 0, 1}^3 with z the
+    /// fastest; null where there is none.
+    using Around = std::array<const MortonNode*, 27>;
+    Around around(Vec3i origin) const;
+
+  private:
+    static constexpr int kBlockLog2 = 5;  ///< 4 leaves of 8 voxels
+    struct Block {
+        Vec3i origin;
+        std::uint32_t first = 0;   ///< of its nodes
+        std::uint64_t leaves = 0;  ///< bit n: a node at morton_place(n)
+    };
+    const Block* block_at(Vec3i origin) const;
+    std::size_t slot_of(Vec3i origin) const;
+
+    std::span<const MortonNode> nodes_;
+    std::vector<Block> blocks_;
+    std::vector<std::uint32_t> slots_;  ///< hash table: index in blocks_ plus 1; 0: none
+};
 
 /// Centre in index space of the cube of `edge` voxels whose first voxel is `origin`.
 inline Vec3d cube_center(Vec3i origin, double edge) {

@@ -63,20 +63,18 @@ MomentSums sums_of_cube(const float* first, int edge, int reach) {
 
 OverlappingCells::OverlappingCells(const Volume& volume, std::span<const MortonNode> nodes,
                                    int edge)
-    : volume_(volume), nodes_(nodes), edge_(edge) {}
+    : volume_(volume), neighbours_(nodes), edge_(edge) {}
 
 template <int edge, class LeafOf, class TileOf>
 void OverlappingCells::gather_around(const MortonNode& node, const LeafOf& leaf_of,
                                      const TileOf& tile_of, std::vector<float>& values) const {
     constexpr int reach = Around<edge>::reach;
     values.assign(Around<edge>::kVoxels, 0);
+    const LeafNeighbours::Around around = neighbours_.around(node.origin);
     for (int n = 0; n < 27; ++n) {
         const Vec3i side{n / 9 - 1, n / 3 % 3 - 1, n % 3 - 1};
-        const Vec3i origin = node.origin + kLeafEdge * side;
-        const auto found =
-            std::ranges::lower_bound(nodes_, origin, morton_less, &MortonNode::origin);
-        if (found == nodes_.end() || !(found->origin == origin) || found->edge != kLeafEdge)
-            continue;
+        const MortonNode* found = around[static_cast<std::size_t>(n)];
+        if (!found) continue;
         const float value = found->tile ? tile_of(found->index) : 0;
         const float* leaf = found->tile ? nullptr : leaf_of(found->index);
         // Voxels [first, end) of the neighbour lie in the gathered cube.

@@ -69,7 +69,7 @@ class OverlappingCells {
     void take_tile(const Tile& tile, OverlapScratch& scratch) const;
 
     const Volume& volume_;
-    std::span<const MortonNode> nodes_;
+    LeafNeighbours neighbours_;
     int edge_;
 };
 
