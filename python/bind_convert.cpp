@@ -162,7 +162,15 @@ void add(const SampledFields& sampled, const FieldOptions& options, Gaussians& m
 
 Model by_moments(const py::object& data, Options& options, const py::object& progress,
                  const py::object& report_dict, const py::object& fields) {
-    MomentOptions moments = moment_options(options);
+    FieldOptions field_options;
+    options.take("joint_field", field_options.joint_field);
+    options.take_positive("joint_steps", field_options.joint_steps);
+    const MomentOptions given = moment_options(options);
+    if (!field_options.joint_field.empty() && no_fields(fields))
+        throw Error("convert: joint_field and fields=False exclude each other");
+    if (!field_options.joint_field.empty() && given.spread != 1)
+        throw Error("convert: joint_field does not go with spread");
+    MomentOptions moments = given;
     const Progress whole = progress_of(progress);
     const SampledFields sampled = sampled_fields(data, fields, "convert");
     moments.progress = between(whole, 0, converted(fields));
@@ -180,10 +188,15 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
         });
     }
     fill(report_dict, report, moments.block_voxels || moments.budget ? 0 : moments.error);
-    FieldOptions field_options;
     field_options.cells = report.cells;
     field_options.progress = between(whole, converted(fields), 1);
+    JointReport joint;
+    if (!report_dict.is_none()) field_options.joint_report = &joint;
     add(sampled, field_options, *model);
+    if (!report_dict.is_none() && !field_options.joint_field.empty())
+        report_dict["joint"] = py::dict(py::arg("error_before") = joint.error_before,
+                                        py::arg("error_after") = joint.error_after,
+                                        py::arg("removed") = joint.removed);
     return model;
 }
 
@@ -283,7 +296,8 @@ void bind_convert(py::module_& m) {
            py::object strategy, py::object dense_block, py::object amplitude, py::object kappa,
            py::object opacity_threshold, py::object minimum_radius, py::object variance_threshold,
            py::object similarity, py::object tree_depth, const py::object& fields,
-           const py::object& progress, const py::object& report) {
+           py::object joint_field, py::object joint_steps, const py::object& progress,
+           const py::object& report) {
             using namespace py::literals;
             py::dict given(
                 "block"_a = block, "budget"_a = budget, "error"_a = error, "lod"_a = lod,
@@ -294,7 +308,8 @@ void bind_convert(py::module_& m) {
                 "dense_block"_a = dense_block, "amplitude"_a = amplitude, "kappa"_a = kappa,
                 "opacity_threshold"_a = opacity_threshold, "minimum_radius"_a = minimum_radius,
                 "variance_threshold"_a = variance_threshold, "similarity"_a = similarity,
-                "tree_depth"_a = tree_depth);
+                "tree_depth"_a = tree_depth, "joint_field"_a = joint_field,
+                "joint_steps"_a = joint_steps);
             return convert(data, method, fields, progress, report, std::move(given));
         },
         py::arg("data"), py::kw_only(), py::arg("method") = "moments", py::arg("block") = none,
@@ -306,7 +321,8 @@ void bind_convert(py::module_& m) {
         py::arg("kappa") = none, py::arg("opacity_threshold") = none,
         py::arg("minimum_radius") = none, py::arg("variance_threshold") = none,
         py::arg("similarity") = none, py::arg("tree_depth") = none, py::arg("fields") = none,
-        py::arg("progress") = none, py::arg("report") = none,
+        py::arg("joint_field") = none, py::arg("joint_steps") = none, py::arg("progress") = none,
+        py::arg("report") = none,
         R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
 
 data      a Volume; Levels or a list of Volumes: levels of one mesh, where finer ones hide coarser; Points
@@ -349,6 +365,10 @@ fields    what the Gaussians know beside their density, of voxels: {"temperature
           centres; a text is the name of a grid in the data's file; of several levels a list with one of these
           for each. {"value": array, "unit": "K"} states the unit. The data's own values are a field in any case;
           False: no fields at all. Of Points: ["velocity", "temperature"], or {name: column}; none by default
+joint_field  of Volume and Levels by moments: one of the fields, or "volume", the data's own values; the Gaussians
+          are then fitted to pictures of it, by joint_steps (2) steps of expectation-maximisation in the joint
+          space of position and value. T is less exact: report["joint"] has error_before and error_after,
+          measured errors of T, and removed, Gaussians without voxels
 progress  called with the finished fraction, [0, 1]
 report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_error (relative L2 of T in
           the worst view), mean_error (over all views), view_note (mass that the views

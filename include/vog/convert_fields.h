@@ -2,8 +2,10 @@
 // (docs/fields.md).
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "vog/convert_moments.h"
@@ -14,13 +16,31 @@
 
 namespace vog {
 
+/// Default of FieldOptions::joint_steps. More serve narrow bands of values and cost T
+/// (docs/volume_rendering.md).
+inline constexpr int kJointSteps = 2;
+
+/// Errors of a model before and after the steps of FieldOptions::joint_field.
+struct JointReport {
+    /// Relative L2 of the optical depth T in the worst of the error views (MomentReport::measured_error), before and after
+    /// the steps.
+    double error_before = -1, error_after = -1;
+    std::size_t removed = 0;  ///< Gaussians left without any voxel
+};
+
 /// Options of add_fields.
 struct FieldOptions {
     /// Cells of the model (MomentReport::cells): a voxel counts for the Gaussian of its cell, or for those
     /// of the windows it lies in. None, or of a volume whose tiles were divided since: a voxel's mass is
     /// divided among the Gaussians by their densities there.
     std::optional<UniformCells> cells{};
-    Progress progress{};  ///< called with the finished fraction; empty: not
+    /// Name of one of the fields, or `volume`, the volumes' own values: steps of expectation-maximisation in
+    /// the joint space of position and its values move the Gaussians, for pictures of that field. A voxel then counts for the
+    /// Gaussians that are near it and expect its value. Empty: the Gaussians stay where they are.
+    std::string joint_field{};
+    int joint_steps = kJointSteps;        ///< 1 to 1000; used with joint_field
+    JointReport* joint_report = nullptr;  ///< receives the errors; null: they are not measured
+    Progress progress{};                  ///< called with the finished fraction; empty: not
 };
 
 /// Adds fields to a model, by the moments of position and value over each Gaussian's part of the voxels.
@@ -29,8 +49,10 @@ struct FieldOptions {
 /// levels  the measures, as the conversion had them: one volume, or the parts of a mesh
 /// fields  [fields][levels] each field at the voxels of each volume; a component with neither leaves nor
 ///         tiles is the volume's own values
-/// throws  vog::Error for a name that the model has already or that is reserved
-/// cost    about two steps of expectation-maximisation; of cells a part of their conversion's
+/// throws  vog::Error for a name that the model has already or that is reserved, and for a joint_field that is
+///         not among the fields
+/// cost    about two steps of expectation-maximisation, for each of joint_steps as much again; of cells a part
+///         of their conversion's
 void add_fields(Gaussians& model, std::span<const Volume> levels,
                 std::span<const std::vector<VoxelField>> fields, const FieldOptions& options = {});
 

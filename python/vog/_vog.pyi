@@ -391,6 +391,8 @@ def convert(
     similarity: Union[float, None] = ...,
     tree_depth: Union[int, None] = ...,
     fields: Union[dict[str, Any], Sequence[str], bool, None] = ...,
+    joint_field: Union[str, None] = ...,
+    joint_steps: Union[int, None] = ...,
     progress: Union[_Progress, None] = ...,
     report: Union[dict[str, Any], None] = ...,
 ) -> Gaussians: ...

@@ -1,4 +1,5 @@
-// field_conversion_test.cpp: fields of vog convert: a volume's own values by default, --field, --no-fields.
+// field_conversion_test.cpp: fields of vog convert: a volume's own values by default, --field, --for,
+// --no-fields.
 #include <gtest/gtest.h>
 
 #include <fmt/core.h>
@@ -85,6 +86,44 @@ TEST_F(field_conversion_command, fields_come_beside_the_own_values) {
     EXPECT_EQ(both.fields.scalar[0].value, both.fields.scalar[1].value);
     must_fail(2, "convert cloud.vdb -o m.ply --field heat.vdb:heat --no-fields",
               "--field and --no-fields exclude each other");
+}
+
+/// --for moves the Gaussians; what T loses is reported, in the file too.
+TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
+    Volume heat = small_volume();
+    heat.name = "heat";
+    write_vdb(dir_ / "heat.vdb", heat);
+    must("convert cloud.vdb -o plain.ply --block 8 --no-hierarchy");
+    for (const std::string chosen : {"volume", "density", "heat"}) {
+        SCOPED_TRACE(chosen);
+        const auto json = nlohmann::json::parse(
+            must("convert cloud.vdb -o fitted.ply --block 8 --no-hierarchy --json --field "
+                 "heat.vdb:heat --joint-steps 1 --for " +
+                 chosen)
+                .out);
+        EXPECT_EQ(json["joint"]["field"], chosen);
+        EXPECT_GT(json["joint"]["error_before"], 0.0);
+        EXPECT_GT(json["joint"]["error_after"], 0.0);
+        const Gaussians plain = read_ply(dir_ / "plain.ply"),
+                        fitted = read_ply(dir_ / "fitted.ply");
+        EXPECT_NE(plain.mean, fitted.mean);
+        EXPECT_NE(fitted.options.find("--for " + chosen), std::string::npos);
+        EXPECT_NE(fitted.summary.find("fitted to " + chosen + ": measured error"),
+                  std::string::npos);
+        EXPECT_NEAR(mass(fitted), mass(read_vdb(dir_ / "cloud.vdb")), 1e-4 * mass(fitted));
+    }
+    must("convert cloud.vdb -o signed.ply --block 8 --measure volume --for volume");
+    EXPECT_EQ(read_ply(dir_ / "signed.ply").fields.names(), std::vector<std::string>{"density"});
+    const std::string start = "convert cloud.vdb -o m.ply --block 8 ";
+    must_fail(1, start + "--for heat",
+              "no field 'heat' to fit the Gaussians to (there are: density)");
+    must_fail(2, start + "--for volume --no-fields", "--for and --no-fields exclude each other");
+    must_fail(2, "convert cloud.vdb -o m.ply --for volume --method paper",
+              "--for does not go with --method paper");
+    must_fail(2, start + "--for volume --spread 1.2", "--for does not go with --spread");
+    must_fail(2, start + "--joint-steps 3", "--joint-steps: is of --for");
+    must("sample particles p.csv --size 8");
+    must_fail(2, "convert p.csv -o m.ply --for volume", "--for does not go with particles");
 }
 
 /// Levels have one field: the values of each, under a name that all share.

@@ -37,7 +37,7 @@ VALUES = {
     "--eye": "30,20,10", "--look-at": "1,2,3", "--up": "z", "--roll": "10", "--camera": "{made}/camera.json",
     "--save-camera": "{out}/camera.json", "--extinction": "0.5", "--tf": "viridis", "--background": "white",
     "--show": "column", "--range": "0.1,2", "--units": "g/cm^2", "--title": "A title",
-    "--field": "density", "--measure": "volume", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy",
+    "--field": "density", "--for": "volume", "--joint-steps": "1", "--measure": "volume", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy",
     "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
     "--unit-distance": "2", "--light": "1,2,3", "--slabs": "8", "--light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
     "--clip-plane": "1,0,0,3", "--description": "Some text", "--name": "a model", "--levels": "2",

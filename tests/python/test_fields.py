@@ -164,3 +164,27 @@ def test_particles_carry_columns():
     for fields, message in [("speed", "expected names of columns"), (["none"], "none"), ({"a": 1}, "expected names")]:
         with pytest.raises(vog.Error, match=message):
             vog.convert(points, fields=fields)
+
+
+def test_gaussians_are_fitted_to_a_field(volume):
+    hot = {"temperature": np.where(X < 7, 300, 900).astype("f4")}
+    plain = vog.convert(volume, block=4, fields=hot)
+    report = {}
+    fitted = vog.convert(volume, block=4, fields=hot, joint_field="temperature", joint_steps=4, report=report)
+    assert fitted.mass == pytest.approx(volume.mass, rel=1e-4)
+
+    def residual(model):
+        return np.average(model.fields["temperature"].deviation ** 2)
+
+    assert residual(fitted) < 0.7 * residual(plain)
+    assert report["joint"]["error_before"] > 0 and report["joint"]["error_after"] > 0
+    assert not np.array_equal(vog.convert(volume, block=4, joint_field="volume").mean, vog.convert(volume, block=4).mean)
+    for options, message in (
+        ({"joint_field": "heat"}, "no field 'heat' to fit the Gaussians to"),
+        ({"joint_field": "volume", "fields": False}, "joint_field and fields=False exclude each other"),
+        ({"joint_field": "volume", "spread": 1.1}, "joint_field does not go with spread"),
+    ):
+        with pytest.raises(vog.Error, match=message):
+            vog.convert(volume, block=4, **options)
+    with pytest.raises(vog.Error, match="joint_field does not go with"):
+        vog.convert(volume, method="paper", joint_field="volume")

@@ -146,7 +146,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format("{}: is a model already, expected volumes or particles",
                                 arguments.inputs.front()));
     check_options(arguments, command, kind);
-    check_fields(arguments, kind);
+    check_fields(arguments, command, kind, bool(ranks.convert_volumes));
     if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
     const bool by_moments = arguments.method == "moments";
     MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
@@ -173,7 +173,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     moments.origin = paper.origin = model_origin(set.is_mesh() ? mesh.box : box);
     // Alone, the volumes' own values are summed with the cells.
     const bool own_alone = by_moments && !arguments.no_fields && arguments.fields.empty() &&
-                           !arguments.volume.ones;
+                           arguments.joint_field.empty() && !arguments.volume.ones;
     if (own_alone) moments.own_field = own_name(volumes);
     MomentTotals totals;
     std::vector<std::string> view_notes;
@@ -197,14 +197,20 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
             add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
                 one, mass(volume));
     });
+    JointReport joint;
     if (!arguments.no_fields && !own_alone) {
         std::vector<std::string> field_notes;
         stages.run("fields", [&] {
             const FieldTexts texts = field_texts(arguments, own_name(volumes));
-            for (std::size_t n = 0; n < parts.size(); ++n)
-                add_fields_of(texts, cells[n],
+            for (std::size_t n = 0; n < parts.size(); ++n) {
+                JointReport one;
+                FieldOptions options{cells[n], arguments.joint_field, arguments.joint_steps};
+                if (!arguments.joint_field.empty()) options.joint_report = &one;
+                add_fields_of(texts, options,
                               set.is_mesh() ? std::span(volumes) : std::span(volumes).subspan(n, 1),
                               parts[n], field_notes);
+                add_joint(joint, one);
+            }
         });
         print_notes(field_notes);
         set.notes.insert(set.notes.end(), field_notes.begin(), field_notes.end());
@@ -218,11 +224,16 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (by_moments)
         model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
     if (arguments.volume.ones) model.options = "--measure volume " + model.options;
+    if (!arguments.joint_field.empty()) {
+        model.options += " --for " + arguments.joint_field;
+        model.summary += ", " + joint_text(arguments.joint_field, joint);
+    }
     if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
     stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
     Converted made = converted(model, hierarchy);
+    made.joint = joint;
     print_notes(view_notes);
     made.notes = set.notes;
     made.notes.insert(made.notes.end(), view_notes.begin(), view_notes.end());
@@ -358,6 +369,8 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         // The file's summary repeats the counts; here what the first line lacks.
         const std::string details = by_moments ? detail_text(moments.report(volume_mass)) : "";
         if (!details.empty()) print_line(details);
+        if (!arguments.joint_field.empty())
+            print_line(joint_text(arguments.joint_field, made.joint));
         if (by_moments) print_line(times_text(moments.stage_ms));
         return {};
     }
@@ -383,6 +396,11 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         }
         for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
     }
+    if (!arguments.joint_field.empty())
+        json["joint"] = {{"field", arguments.joint_field},
+                         {"error_before", made.joint.error_before},
+                         {"error_after", made.joint.error_after},
+                         {"removed", made.joint.removed}};
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     json["peak_memory"] = peak_memory();
     if (!made.notes.empty()) json["notes"] = made.notes;
@@ -429,6 +447,16 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
         "of the same file, FILE:GRID, or NAME=FILE:GRID; vector grids become vector fields. Of "
         "particles velocity, a column or NAME=COLUMN. Repeatable. The volume's own values are one "
         "by default");
+    command->add_option(
+        "--for", arguments->joint_field,
+        "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
+        "joint space of position and value: volume (the volume's own values, as for vog render "
+        "--show volume) or the name of a --field. T is less exact; by how much is reported");
+    command
+        ->add_option("--joint-steps", arguments->joint_steps,
+                     "Steps of --for; more serve narrow bands of values, and cost T")
+        ->check(CLI::Range(1, 1000))
+        ->capture_default_str();
     command
         ->add_option("--measure", arguments->measure,
                      "Weight of a voxel. density: its value, which must not be negative; volume: 1 "

@@ -1,9 +1,34 @@
-// field_conversion.cpp: --field of vog convert.
+// field_conversion.cpp: --field and --for of vog convert.
 #include "fields/field_conversion.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
 
 namespace vog::cli {
 
-void check_fields(const ConvertArguments& arguments, FileKind kind) {
+namespace {
+
+void check_joint_field(const ConvertArguments& arguments, const CLI::App& command, FileKind kind,
+                       bool ranks) {
+    const auto refuse = [](const std::string& why) { throw CLI::ValidationError("--for " + why); };
+    if (kind == FileKind::points)
+        refuse("does not go with particles, whose values do not vary inside");
+    if (arguments.no_fields) refuse("and --no-fields exclude each other");
+    if (arguments.method != "moments") refuse("does not go with --method " + arguments.method);
+    if (ranks)
+        refuse("does not go with vog-mpi, which divides voxels by rank: expected vog convert");
+    if (command.count("--spread"))
+        refuse("does not go with --spread: fitted Gaussians have the spread of their voxels");
+}
+
+}  // namespace
+
+void check_fields(const ConvertArguments& arguments, const CLI::App& command, FileKind kind,
+                  bool ranks) {
+    if (arguments.joint_field.empty() && command.count("--joint-steps"))
+        throw CLI::ValidationError("--joint-steps: is of --for, expected --for volume or a field");
+    if (!arguments.joint_field.empty()) check_joint_field(arguments, command, kind, ranks);
     if (arguments.fields.empty()) return;
     if (arguments.no_fields)
         throw CLI::ValidationError("--field and --no-fields exclude each other");
@@ -13,15 +38,34 @@ void check_fields(const ConvertArguments& arguments, FileKind kind) {
             "model.ply");
 }
 
+void add_joint(JointReport& all, const JointReport& one) {
+    all.error_before = std::max(all.error_before, one.error_before);
+    all.error_after = std::max(all.error_after, one.error_after);
+    all.removed += one.removed;
+}
+
+std::string joint_text(const std::string& field, const JointReport& report) {
+    std::string text = fmt::format("fitted to {}: measured error {:.4g} before, {:.4g} after",
+                                   field, report.error_before, report.error_after);
+    if (report.removed)
+        text += fmt::format(", {} Gaussians without voxels removed", report.removed);
+    return text;
+}
+
 FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own) {
     return {arguments.fields, arguments.volume.grid, arguments.inputs, arguments.volume.ones, own};
 }
 
-void add_fields_of(const FieldTexts& texts, const std::optional<UniformCells>& cells,
-                   std::span<Volume> volumes, Gaussians& model, std::vector<std::string>& notes) {
+void add_fields_of(const FieldTexts& texts, const FieldOptions& options, std::span<Volume> volumes,
+                   Gaussians& model, std::vector<std::string>& notes) {
     if (model.size() == 0) return;
     const auto fields = read_volume_fields(texts, volumes, notes);
-    add_fields(model, volumes, fields, {cells});
+    FieldOptions with = options;
+    // Under --measure volume the values are a field beside the measure.
+    if (with.joint_field == "volume" && !texts.own.empty() &&
+        std::ranges::none_of(fields, [](const auto& f) { return f.front().name == "volume"; }))
+        with.joint_field = texts.own;
+    add_fields(model, volumes, fields, with);
 }
 
 }  // namespace vog::cli

@@ -14,19 +14,28 @@
 
 namespace vog::cli {
 
-/// throws  CLI::ValidationError for --field with inputs that have no fields, and with --no-fields
-void check_fields(const ConvertArguments& arguments, FileKind kind);
+/// throws  CLI::ValidationError for --field and --for with inputs that have no fields, and with --no-fields; for --for
+///         with options that it does not go with
+/// ranks   whether several processes convert parts of one model
+void check_fields(const ConvertArguments& arguments, const CLI::App& command, FileKind kind,
+                  bool ranks);
+
+/// Adds the report of another part of a model.
+void add_joint(JointReport& all, const JointReport& one);
+/// "fitted to density: measured error 0.031 before, 0.042 after, 3 Gaussians without voxels removed"
+std::string joint_text(const std::string& field, const JointReport& report);
 
 /// Fields of a command's conversion.
 /// own  own_name of all volumes
 FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own);
 
-/// Reads the fields of --field and adds them, and the volumes' own values, to a model.
+/// Reads the fields of --field and adds them, and the volumes' own values, to a model; with --for fits the model to
+/// one of them.
 /// volumes  one, or parts of a mesh: what the model was made of; tiles inside which a field varies are
 ///          divided
-/// cells    of the model, MomentReport::cells
+/// options  cells of the model (MomentReport::cells), field of --for
 /// notes    receives a line for each field that covers only a part of the volumes
-void add_fields_of(const FieldTexts& texts, const std::optional<UniformCells>& cells,
-                   std::span<Volume> volumes, Gaussians& model, std::vector<std::string>& notes);
+void add_fields_of(const FieldTexts& texts, const FieldOptions& options, std::span<Volume> volumes,
+                   Gaussians& model, std::vector<std::string>& notes);
 
 }  // namespace vog::cli

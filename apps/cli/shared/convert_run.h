@@ -13,6 +13,7 @@
 #include "options/memory_options.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
+#include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
 #include "vog/lod.h"
@@ -29,6 +30,8 @@ struct ConvertArguments {
     PaperOptions paper;
     MomentOptions moments;
     std::vector<std::string> fields;  ///< texts of --field (options/field_options.h)
+    std::string joint_field;          ///< --for: a field, or "volume"; empty: none
+    int joint_steps = kJointSteps;
     bool no_fields = false;
     int threads = 0;
     bool stamp = false, no_hierarchy = false, json = false, verbose = false, again = false;
@@ -90,6 +93,7 @@ struct Converted {
     double mass = 0;                    ///< density times world volume
     std::vector<std::string> fields{};  ///< names
     std::vector<std::string> notes{};   ///< printed about the inputs
+    JointReport joint{};                ///< of --for
 };
 Converted converted(const Gaussians& model, const Hierarchy& hierarchy);
 

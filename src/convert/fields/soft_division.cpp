@@ -2,6 +2,7 @@
 #include "convert/fields/soft_division.h"
 
 #include <cmath>
+#include <utility>
 
 #include "core/paging.h"
 
@@ -38,8 +39,9 @@ PackedCells cells_of(const Gaussians& model, const Volume& volume,
 
 }  // namespace
 
-SoftDivision::SoftDivision(const Gaussians& model, const Volume& volume)
-    : field_bricks_(field_bricks(volume)) {
+SoftDivision::SoftDivision(const Gaussians& model, const Volume& volume,
+                           std::optional<ValueLikelihood> likelihood)
+    : field_bricks_(field_bricks(volume)), likelihood_(std::move(likelihood)) {
     for (const FieldBrick& brick : field_bricks_) bricks_.push_back(brick.brick);
     cells_ = cells_of(model, volume, bricks_);
     solver_.emplace(bricks_);
@@ -52,7 +54,12 @@ void SoftDivision::add(std::size_t width, const PartsOfBrick& parts_of,
         [&](std::size_t b, std::span<const std::uint32_t> gaussian, moments::BrickScratch& scratch,
             std::span<double> parts) {
             std::vector<moments::UncoveredSample> uncovered;
-            moments::divide_samples(bricks_[b], scratch, uncovered);
+            std::function<void(moments::BrickScratch&)> weigh;
+            if (likelihood_)
+                weigh = [&](moments::BrickScratch& values) {
+                    likelihood_->weigh(field_bricks_[b], gaussian, values);
+                };
+            moments::divide_samples(bricks_[b], scratch, weigh, uncovered);
             parts_of({&field_bricks_[b], &scratch, uncovered}, gaussian, parts);
         },
         sums);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "convert/fields/joint_sums.h"
+#include "convert/fields/value_likelihood.h"
 #include "convert/moments/em/em_step.h"
 #include "vog/gaussians.h"
 
@@ -18,11 +19,13 @@ using PartsOfBrick = std::function<void(
     const DividedBrick& divided, std::span<const std::uint32_t> gaussian, std::span<double> parts)>;
 
 /// Voxels of one volume, divided by the densities of the Gaussians at each voxel, as in a step of
-/// expectation-maximisation.
+/// expectation-maximisation; in the joint space of position and value also by the likelihood of its value.
 class SoftDivision {
   public:
+    /// likelihood  of a field's values; none: positions alone count
     /// The volume must outlive the object.
-    SoftDivision(const Gaussians& model, const Volume& volume);
+    SoftDivision(const Gaussians& model, const Volume& volume,
+                 std::optional<ValueLikelihood> likelihood = {});
     SoftDivision(const SoftDivision&) = delete;  // the solver refers to the bricks
     SoftDivision& operator=(const SoftDivision&) = delete;
     /// Adds the parts of every brick to sums, [Gaussians][width]; the same bytes for any number of threads.
@@ -32,6 +35,7 @@ class SoftDivision {
     std::vector<FieldBrick> field_bricks_;
     std::vector<moments::Brick> bricks_;
     moments::PackedCells cells_;
+    std::optional<ValueLikelihood> likelihood_;
     std::optional<moments::EmSolver> solver_;
 };
 

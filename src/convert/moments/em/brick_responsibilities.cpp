@@ -112,9 +112,8 @@ void for_each_uncovered(const Brick& brick, const Points& points,
     }
 }
 
-/// Values of the kernels at the points and, in place of their sums, the weights that divide the mass.
-/// returns  whether a point with mass is outside all supports
-bool divide_points(const Brick& brick, const Points& points, BrickScratch& scratch) {
+/// Values of the kernels at the points, and their sums.
+void evaluate_points(const Brick& brick, const Points& points, BrickScratch& scratch) {
     scratch.runs.clear();
     const ActiveRuns active = active_runs(brick);
     std::size_t count = 0;
@@ -130,7 +129,11 @@ bool divide_points(const Brick& brick, const Points& points, BrickScratch& scrat
     }
     scratch.sum.fill(0);
     add_values(scratch.runs, scratch.values.get(), scratch.sum);
+}
 
+/// Replaces the sums by the weights that divide the mass.
+/// returns  whether a point with mass is outside all supports
+bool divide_points(const Brick& brick, const Points& points, BrickScratch& scratch) {
     const float* value = brick.leaf ? brick.leaf->value.data() : scratch.tile.data();
     return responsibility_weights(value, static_cast<float>(points.volume), scratch.sum);
 }
@@ -138,6 +141,7 @@ bool divide_points(const Brick& brick, const Points& points, BrickScratch& scrat
 /// Responsibilities for one lattice of points: adds kernel i's part to parts[i], about its mean.
 void add_point_responsibilities(const Brick& brick, const Points& points, BrickScratch& scratch,
                                 std::span<MomentSums> parts) {
+    evaluate_points(brick, points, scratch);
     const bool any_uncovered = divide_points(brick, points, scratch);
     add_responsibilities(scratch.runs, scratch.values.get(), scratch.sum, parts);
     if (!any_uncovered) return;
@@ -181,10 +185,13 @@ void add_brick_responsibilities(const Brick& brick, BrickScratch& scratch,
 }
 
 void divide_samples(const Brick& brick, BrickScratch& scratch,
+                    const std::function<void(BrickScratch&)>& weigh,
                     std::vector<UncoveredSample>& uncovered) {
     uncovered.clear();
     if (!brick.leaf) scratch.tile.fill(brick.value);
     const Points centers{brick_cell_center(brick, 0, 1), brick.sample_volume()};
+    evaluate_points(brick, centers, scratch);
+    if (weigh) weigh(scratch);
     if (!divide_points(brick, centers, scratch)) return;
     for_each_uncovered(brick, centers, scratch.kernels, scratch.sum,
                        [&](int sample, std::size_t kernel, Vec3d) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -50,8 +51,11 @@ struct UncoveredSample {
 /// a sample is its value in scratch.values, run by run from scratch.runs[i].first_run on, times the weight in
 /// scratch.sum.
 /// scratch    kernels with peaks of at most 1
+/// weigh      changes the values of the kernels at the samples, and scratch.sum to their new sums, before they divide the
+///            mass; empty: not
 /// uncovered  out
 void divide_samples(const Brick& brick, BrickScratch& scratch,
+                    const std::function<void(BrickScratch&)>& weigh,
                     std::vector<UncoveredSample>& uncovered);
 
 }  // namespace vog::moments
