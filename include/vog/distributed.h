@@ -32,6 +32,9 @@ struct Collective {
     std::function<void(std::span<double>)> allreduce_sum{};
     /// Replaces each element by its maximum over all processes, likewise.
     std::function<void(std::span<double>)> allreduce_max{};
+    /// Sends to[p] to process p. Returns a vector from each process, in their order.
+    std::function<std::vector<std::vector<float>>(const std::vector<std::vector<float>>& to)>
+        exchange{};
 
     /// Whether there may be other processes.
     bool shared() const { return static_cast<bool>(allreduce_sum); }

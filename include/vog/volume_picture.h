@@ -22,6 +22,8 @@
 
 namespace vog {
 
+struct Collective;
+
 /// Light and clipping of a volume picture.
 struct VolumeLook {
     /// Shading of Blinn and Phong by the field's gradient (in a Gaussian as far as its plane explains the values); colour = (ambient + diffuse n.l) colour + specular
@@ -52,6 +54,9 @@ struct SlabOptions {
     std::string simd_target{};  ///< one of splat_targets(); empty: the best
     double kappa = 0;           ///< as SplatOptions::kappa
     VolumeLook look{};
+    /// Processes that each hold a part of the model and make the same calls (vog-mpi); pictures are complete on the
+    /// root. Null: this process has all of it.
+    const Collective* collective = nullptr;
 };
 
 /// Renderer of one model by value, from any number of cameras and under any transfer function, without sorting: per
@@ -74,7 +79,7 @@ class SlabRenderer {
     void set_transfer(const ValueTransfer& transfer);
     /// picture  receives the result, the same bytes for any number of threads; its memory is reused
     /// throws   vog::Error for an unusable camera or size, or more than 65536 pixels a side
-    /// cost     memory: 200 bytes a visible Gaussian, 25 kB a slab and thread
+    /// cost     memory: 200 bytes a visible Gaussian, 4 kB a slab and thread
     void render(const Camera& camera, int width, int height, VolumeImage& picture);
     [[nodiscard]] VolumeImage render(const Camera& camera, int width, int height);
 

@@ -26,7 +26,7 @@ struct SplatChunk {
 class ProjectedSplats {
   public:
     /// Projects and bins Gaussians first ... last - 1.
-    /// each  called in parallel with every chunk, once projected
+    /// each  called in parallel with every chunk, once projected; may remove splats, the rest first
     template <class Each>
     void project(const SplatKernels& kernels, const SplatModel& model, const CameraFrame& frame,
                  std::size_t first, std::size_t last, const Each& each);
@@ -85,8 +85,8 @@ void ProjectedSplats::project(const SplatKernels& kernels, const SplatModel& mod
                      keep_origin ? origin.data() + chunk.slot : nullptr};
         kernels.project(model, frame, chunk.first, chunk.last, run);
         chunk.count = run.count;
-        bins.count(n, bounds_of(chunk));
         each(chunk);
+        bins.count(n, bounds_of(chunk));
     });
     bin();
 }

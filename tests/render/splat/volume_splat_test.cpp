@@ -254,6 +254,54 @@ TEST(volume_splat, light_follows_the_gradient) {
     }
 }
 
+/// A row whose first value is opaque red, the others blue.
+ValueTransfer red_wall(double others) {
+    return {"wall",
+            {{1, 1, 0.25f, 0}, {1.5, 1, 0.25f, 0}, {1.5, 0, 0.5f, 1}, {40, 0, 0.5f, 1}},
+            {{1, 0.9999}, {1.5, 0.9999}, {1.5, others}, {40, others}},
+            0.01};
+}
+
+TEST(volume_splat, opaque_pixels_hide_all_behind) {
+    const Gaussians model = row_of_values(40, 20);
+    SlabOptions options;
+    options.slabs = 64;  // one Gaussian each
+    for (const bool orthographic : {false, true}) {
+        // Gaussians on the axis are wider than the picture.
+        Camera camera = towards({0, 0, -30}, {0, 0, 0}, orthographic);
+        camera.fov_degrees = 1;
+        if (orthographic) camera.orthographic_width = 0.5;
+        const VolumeImage image =
+            render_volume_splat(model, "heat", red_wall(0.5), camera, 70, 40, options);
+        for (const Rgba& pixel : image.pixel) {
+            EXPECT_NEAR(pixel.r, 1, 1e-5);
+            EXPECT_NEAR(pixel.g, 0.25, 1e-5);
+            EXPECT_NEAR(pixel.b, 0, 1e-5);
+            EXPECT_NEAR(pixel.a, 1, 1e-5);
+        }
+    }
+}
+
+TEST(volume_splat, gaussians_without_light_are_as_if_they_were_not_there) {
+    const Gaussians model = row_of_values(40, 2);
+    Gaussians first = row_of_values(1, 2);
+    first.fields.scalar.front().upper = 40;
+    // From the far end, and from inside one of the dark ones.
+    for (const double z : {90.0, 20.0}) {
+        const Camera camera = towards({0.3, 0.2, z}, {0, 0, 0}, false);
+        const VolumeImage all = splatted(model, red_wall(0), camera, 150, 70, {});
+        const VolumeImage one = splatted(first, red_wall(0), camera, 150, 70, {});
+        float most = 0;
+        for (std::size_t n = 0; n < all.pixel.size(); ++n) {
+            most = std::max(most, all.pixel[n].r);
+            EXPECT_NEAR(all.pixel[n].r, one.pixel[n].r, 1e-4) << n;
+            EXPECT_NEAR(all.pixel[n].a, one.pixel[n].a, 1e-4) << n;
+            EXPECT_LE(all.pixel[n].b, 1e-4);
+        }
+        EXPECT_GT(most, 0.9);
+    }
+}
+
 TEST(volume_splat, what_is_wrong_is_refused_in_one_line) {
     const Gaussians model = row_of_values(1, 0);
     const Camera camera = towards({0, 0, 6}, {0, 0, 0}, true);

@@ -30,8 +30,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <class Tags>
 const SlabKernels& kernels_of() {
-    static const SlabKernels kernels{add_lights<true, Tags>, add_lights<false, Tags>,
-                                     composite_band<Tags>};
+    static const SlabKernels kernels{sum_cell<Tags>, draw_cell<Tags>, composite_cell<Tags>};
     return kernels;
 }
 /// The kernels of this target if it is `target`, else null.

@@ -1,4 +1,4 @@
-// slab_rows-inl.h: Light of splats to depth slabs, one SIMD vector of pixels at a time, in single precision.
+// slab_rows-inl.h: Light of splats to the depth slabs of a cell, one SIMD vector of pixels at a time, single precision.
 // Included once per SIMD target by slab_kernels.cpp, after splat_rows-inl.h.
 
 /// ChebyshevFit in every lane. kDegree < 0: any degree, read term by term.
@@ -17,9 +17,9 @@ HWY_INLINE SlabLanes<kDegree, V> slab_lanes(D d, const ChebyshevFit& fitted) {
         lanes.c[power] = hn::Set(d, fitted.coefficient[static_cast<std::size_t>(power)]);
     return lanes;
 }
+/// v  slope x - 1
 template <int kDegree, class D, class V = hn::Vec<D>>
-HWY_INLINE V polynomial_at(D d, const SlabLanes<kDegree, V>& lanes, V x) {
-    const V v = hn::MulSub(x, lanes.slope, hn::Set(d, 1.0f));
+HWY_INLINE V polynomial_at(D d, const SlabLanes<kDegree, V>& lanes, V v) {
     if constexpr (kDegree < 0) {
         const std::vector<float>& coefficient = lanes.fitted->coefficient;
         V sum = hn::Set(d, coefficient.back());
@@ -37,299 +37,367 @@ HWY_INLINE V polynomial_at(D d, const SlabLanes<kDegree, V>& lanes, V x) {
     }
 }
 
+/// 1 / sqrt(v), v > 0, to a relative 4e-7 or better: the estimate of 11 bits and a Newton step.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V reciprocal_root(D d, V v) {
+    if constexpr (kEstimates && hn::MaxLanes(D()) > 1) {
+        const V r = hn::ApproximateReciprocalSqrt(v);
+        const V half = hn::Mul(hn::Mul(hn::Set(d, -0.5f), v), r);
+        return hn::Mul(r, hn::MulAdd(half, r, hn::Set(d, 1.5f)));
+    } else {
+        return hn::Div(hn::Set(d, 1.0f), hn::Sqrt(v));
+    }
+}
+
 /// Polynomials in every lane.
 template <int kPart, int kPeak, class V>
 struct SlabPolynomialLanes {
     SlabLanes<kPart, V> part;
     SlabLanes<kPeak, V> peak;
+    /// Square root of part's slope, and its reciprocal: deviations times it have v = u² - 1.
+    V scale, unscale;
 };
 
-/// What is the same at all pixels of a splat and a band.
+/// Coefficients of a splat, the same at all pixels; deviations in the scale of the polynomial.
 template <class V>
 struct LightLanes {
     V light[4][3];
-    V depth, forward, per_forward, per_root, root_by, x, y, along, depth_x, depth_y;
+    V depth, forward, per_forward, half_per_root, root_by, x, y, along, depth_x, depth_y;
 };
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE LightLanes<V> light_lanes(D d, const SlabSplat& s) {
+HWY_INLINE LightLanes<V> light_lanes(D d, const SlabSplat& s, float scale) {
     const auto set = [&](float v) { return hn::Set(d, v); };
     LightLanes<V> lanes;
     for (std::size_t c = 0; c < 4; ++c)
         for (std::size_t n = 0; n < 3; ++n) lanes.light[c][n] = set(s.light[c][n]);
     lanes.depth = set(s.depth), lanes.per_forward = set(1 / s.forward);
     lanes.forward = set(s.forward);
-    lanes.per_root = set(s.per_root), lanes.root_by = set(1 / s.per_root);
+    lanes.half_per_root = set(0.5f * s.per_root / scale), lanes.root_by = set(scale / s.per_root);
     lanes.x = set(s.x), lanes.y = set(s.y), lanes.along = set(s.along);
     lanes.depth_x = set(s.depth_x), lanes.depth_y = set(s.depth_y);
     return lanes;
 }
 
-/// The forms of FarSplat at pixels, and their offsets from the projected mean.
+/// Offsets of the pixels of a cell. Columns repeat, for vectors of any length up to 16.
+alignas(64) constexpr auto kCellX = [] {
+    std::array<float, kCellWidth + TilePixels::kMaxLanes> x{};
+    for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kCellWidth);
+    return x;
+}();
+alignas(64) constexpr auto kCellY = [] {
+    CellPixels y{};
+    for (std::size_t n = 0; n < y.size(); ++n) y[n] = static_cast<float>(n / kCellWidth);
+    return y;
+}();
+
+/// Columns of a vector of pixels, from the origin of a splat, and forms that are the same in all rows.
 template <class V>
-struct SlabForms {
-    V a, f, c, across;  ///< F = f - a², C = c² + across² + e02
-    V dx, dy;
+struct CellLanes {
+    V x, a_row, c_row, dx;
 };
 
-/// Slabs that a splat meets, the same for all its pixels.
-struct SlabRun {
-    int first, last;
-    float back;  ///< depth of the back of the first
+/// Chords of a vector of pixels, and coefficients of the light along them. u: deviations from the nearest point, in the polynomial's scale.
+template <class V>
+struct ChordLanes {
+    V lowest, highest, before, end;  ///< ends in u, and the integrals up to them
+    V peak, z, half_slope;           ///< z at the nearest point, half its change with u
+    V nearest, per_depth;            ///< depth of u = 0, change of u with depth
 };
-inline SlabRun slabs_of(const SlabSplat& light, const SlabBand& band) {
-    const int first = band.slab_at(light.near), last = band.slab_at(light.far);
-    return {first, last, band.first + static_cast<float>(first + 1) * band.thickness};
+/// Range of the depths of chords.
+template <class V>
+struct ChordDepths {
+    V near, far;
+};
+
+/// F = (k² - m²) C of FarSplat, 0 outside of the support.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V form_at(D d, const SplatLanes<V>& s, const CellLanes<V>& columns, V y) {
+    const V b = hn::MulAdd(s.by, y, s.b0), a = hn::MulAdd(s.ay, y, columns.a_row);
+    return hn::Max(hn::NegMulAdd(a, a, hn::NegMulAdd(b, b, s.f0)), hn::Zero(d));
 }
 
-/// Adds the parts of one vector of pixels to the slabs they lie in.
-/// offset  of the pixels in a plane of the band
-template <bool kParallel, bool kClipped, class Block, class Polynomials, class D,
-          class V = hn::Vec<D>>
-HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const SplatLanes<V>& s,
-                          const LightLanes<V>& light, const SlabRun& slabs, const SlabForms<V>& at,
-                          SlabBand& band, std::size_t offset) {
-    const V zero = hn::Zero(d);
-    const V big_f = hn::Max(hn::NegMulAdd(at.a, at.a, at.f), zero);
-    const auto inside = hn::Gt(big_f, zero);
-    if (hn::AllFalse(d, inside)) return;
-    const V c = kParallel ? s.e02 : hn::MulAdd(at.c, at.c, hn::MulAdd(at.across, at.across, s.e02));
-    const V root = hn::Sqrt(c), per_root = reciprocal(d, root);
+/// The chords of one vector of pixels.
+/// n      first pixel
+/// y, dy  rows from the splat's origin, and from its mean
+template <bool kParallel, bool kClipped, class Polynomials, class D, class V = hn::Vec<D>>
+HWY_INLINE void find_chords(D d, const Polynomials& polynomials, const SplatLanes<V>& s,
+                            const LightLanes<V>& light, const CellLanes<V>& columns, V big_f, V y,
+                            V dy, const SlabCell& cell, std::size_t n, ChordLanes<V>& out,
+                            ChordDepths<V>& depths) {
+    const V dx = columns.dx;
+    const V c_form = hn::MulAdd(s.cy, y, columns.c_row), d_form = hn::MulAdd(s.dy, y, s.d0);
+    const V c = kParallel ? s.e02 : hn::MulAdd(c_form, c_form, hn::MulAdd(d_form, d_form, s.e02));
+    const V one = hn::Set(d, 1.0f);
+    const V per_root = reciprocal_root(d, c);
     const V per_c = hn::Mul(per_root, per_root);
     const V ratio = hn::Mul(big_f, per_c);
-    const V reach = hn::Sqrt(ratio);
-    const V peak = hn::Mul(per_root, polynomial_at(d, polynomials.peak, ratio));
-    const V deviation = hn::Mul(light.per_root, per_root);
-    V nearest, z, slope;  // t*, z there, change of z with u
+    const V reach = hn::Mul(hn::Sqrt(ratio), polynomials.scale);
+    const V peak_at = hn::MulSub(ratio, polynomials.peak.slope, one);
+    const V peak = hn::Mul(hn::Mul(per_root, polynomials.unscale),
+                           polynomial_at(d, polynomials.peak, peak_at));
+    const V half_deviation = hn::Mul(light.half_per_root, per_root);
+    V nearest, z, half_slope;  // t*, z there, half the change of z with u
     if constexpr (kParallel) {
-        nearest = hn::MulAdd(light.depth_x, at.dx, hn::MulAdd(light.depth_y, at.dy, light.depth));
-        z = hn::MulAdd(light.x, at.dx, hn::Mul(light.y, at.dy));
-        slope = hn::Mul(light.along, deviation);
+        nearest = hn::MulAdd(light.depth_x, dx, hn::MulAdd(light.depth_y, dy, light.depth));
+        z = hn::MulAdd(light.x, dx, hn::Mul(light.y, dy));
+        half_slope = hn::Mul(light.along, half_deviation);
     } else {
-        const V across = hn::MulAdd(light.x, at.dx, hn::Mul(light.y, at.dy));
+        const V across = hn::MulAdd(light.x, dx, hn::Mul(light.y, dy));
         const V along = hn::Add(light.along, across);
-        const V delta_x = hn::MulAdd(s.cx, at.dx, hn::Mul(s.cy, at.dy));
-        const V delta_y = hn::Mul(s.dy, at.dy);
-        const V q = hn::Mul(hn::MulAdd(delta_x, at.c, hn::Mul(delta_y, at.across)), per_c);
+        const V delta_x = hn::MulAdd(s.cx, dx, hn::Mul(s.cy, dy));
+        const V delta_y = hn::Mul(s.dy, dy);
+        const V q = hn::Mul(hn::MulAdd(delta_x, c_form, hn::Mul(delta_y, d_form)), per_c);
         nearest = hn::NegMulAdd(light.forward, q, light.depth);
         z = hn::NegMulAdd(q, along, across);
-        slope = hn::Mul(along, hn::Mul(deviation, light.per_forward));
+        half_slope = hn::Mul(along, hn::Mul(half_deviation, light.per_forward));
     }
-    const V per_deviation = hn::Mul(root, light.root_by);
-    const V half_one = hn::Set(d, 0.5f);
+    // Depths from the nearest point become scaled deviations.
+    const V per_deviation = hn::Mul(hn::Mul(c, per_root), light.root_by);
     V lowest = hn::Neg(reach), highest = reach;
     if constexpr (kClipped) {
-        const auto end_of = [&](const std::vector<float>& depths) {
-            const V depth = Block::load(d, depths.data() + offset);
+        const auto end_of = [&](const CellPixels& clip) {
+            const V depth = hn::Load(d, clip.data() + n);
             return hn::Min(hn::Max(hn::Mul(hn::Sub(depth, nearest), per_deviation), lowest), reach);
         };
-        highest = end_of(band.clip_far);
-        lowest = end_of(band.clip_near);
+        highest = end_of(cell.clip_far);
+        lowest = end_of(cell.clip_near);
     }
     const auto part_at = [&](V u) {
-        return hn::Mul(u, polynomial_at(d, polynomials.part, hn::Mul(u, u)));
+        return hn::Mul(u, polynomial_at(d, polynomials.part, hn::MulSub(u, u, one)));
     };
-    V from = lowest, before = part_at(lowest);
-    // Backs of the slabs in deviations from the nearest point.
-    const V thickness = hn::Mul(hn::Set(d, band.thickness), per_deviation);
-    V back = hn::Mul(hn::Sub(hn::Set(d, slabs.back), nearest), per_deviation);
-    float* sums = band.plane(slabs.first, 0) + offset;
-    for (int slab = slabs.first; slab <= slabs.last; ++slab) {
-        V to = highest;
-        if (slab != slabs.last) to = hn::Min(hn::Max(back, lowest), highest);
-        back = hn::Add(back, thickness);
-        const V after = part_at(to);
-        const V tau = hn::Mul(peak, hn::Sub(after, before));
-        const V at_z = hn::MulAdd(slope, hn::Mul(half_one, hn::Add(from, to)), z);
-        for (int n = 0; n < 4; ++n) {
-            const V* q = light.light[n];
+    const V before = part_at(lowest);
+    const V end = kClipped ? part_at(highest) : hn::Neg(before);  // an odd function
+    out = {lowest, highest, before, end, peak, z, half_slope, nearest, per_deviation};
+    const V deviation = hn::Add(half_deviation, half_deviation);
+    depths.near = hn::Min(depths.near, hn::MulAdd(lowest, deviation, nearest));
+    depths.far = hn::Max(depths.far, hn::MulAdd(highest, deviation, nearest));
+}
+
+/// Adds the parts of a vector of pixels to the slabs they lie in.
+/// first_back  depth of the back of the first of the slabs
+/// sums        of the first pixel in it
+template <class Polynomials, class D, class V = hn::Vec<D>>
+HWY_INLINE void add_parts(D d, const Polynomials& polynomials, const LightLanes<V>& light,
+                          const ChordLanes<V>& chord, float first_back, float slab_depth, int slabs,
+                          float* sums) {
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
+    V from = chord.lowest, before = chord.before;
+    V back = hn::Mul(hn::Sub(hn::Set(d, first_back), chord.nearest), chord.per_depth);
+    const V thickness = hn::Mul(hn::Set(d, slab_depth), chord.per_depth);
+    const auto add_part = [&](V to, V after) {
+        const V tau = hn::Mul(chord.peak, hn::Sub(after, before));
+        // In the middle of the part.
+        const V at_z = hn::MulAdd(chord.half_slope, hn::Add(from, to), chord.z);
+        for (std::size_t channel = 0; channel < 4; ++channel) {
+            const V* q = light.light[channel];
             V expected = hn::MulAdd(hn::MulAdd(q[2], at_z, q[1]), at_z, q[0]);
             // Colour is limited by what is absorbed in the end, for all splats at once.
-            if (n == 3) expected = hn::Max(expected, zero);
-            Block::store(d, hn::MulAdd(tau, expected, Block::load(d, sums)), sums);
-            sums += SlabBand::kPlane;
+            if (channel == 3) expected = hn::Max(expected, zero);
+            float* sum = sums + channel * kCellPixels;
+            hn::Store(hn::MulAdd(tau, expected, hn::Load(d, sum)), d, sum);
         }
         from = to, before = after;
+        sums += sizeof(SlabSums) / sizeof(float);
+    };
+    for (int slab = 1; slab < slabs; ++slab) {
+        const V to = hn::Min(hn::Max(back, chord.lowest), chord.highest);
+        const V v = hn::MulSub(to, to, one);
+        add_part(to, hn::Mul(to, polynomial_at(d, polynomials.part, v)));
+        back = hn::Add(back, thickness);
     }
+    add_part(chord.highest, chord.end);
 }
 
-/// Pixels of a band that a splat touches, inclusive; empty: y0 > y1.
-inline TileRange range_in(const SlabBand& band, const PixelBounds& bounds) {
-    return {std::max(bounds.x0 - band.column, 0), std::min(bounds.x1 - band.column, kTileWidth - 1),
-            std::max(bounds.y0 - band.row, 0), std::min(bounds.y1 - band.row, kBandRows - 1)};
-}
-
-/// add_narrow of splat_rows-inl.h for light.
-template <bool kParallel, bool kClipped, int kRows, class Polynomials, class D>
-HWY_INLINE void add_narrow_light(D d, const FarSplat& s, const SlabSplat& light,
-                                 const TileRange& range, const Polynomials& polynomials,
-                                 SlabBand& band) {
-    using V = hn::Vec<D>;
-    constexpr int kColumns = static_cast<int>(hn::MaxLanes(D())) / kRows;
-    const SplatLanes<V> lanes = splat_lanes(d, s);
-    const LightLanes<V> lights = light_lanes(d, light);
-    const SlabRun slabs = slabs_of(light, band);
-    alignas(64) static constexpr auto kX = [] {
-        std::array<float, hn::MaxLanes(D())> x{};
-        for (std::size_t n = 0; n < x.size(); ++n) x[n] = static_cast<float>(n % kColumns);
-        return x;
-    }();
-    alignas(64) static constexpr auto kY = [] {
-        std::array<float, hn::MaxLanes(D())> y{};
-        for (std::size_t n = 0; n < y.size(); ++n) y[n] = static_cast<float>(n / kColumns);
-        return y;
-    }();
-    const V x = hn::Add(hn::Load(d, kX.data()),
-                        hn::Set(d, static_cast<float>(band.column + range.x0 - s.column)));
-    const V a_row = hn::MulAdd(lanes.ax, x, lanes.a0), c_row = hn::MulAdd(lanes.cx, x, lanes.c0);
-    SlabForms<V> at;
-    at.dx = hn::Sub(x, hn::Set(d, light.mean_x));
-    for (int row = range.y0; row <= range.y1; row += kRows) {
-        const V y =
-            hn::Add(hn::Load(d, kY.data()), hn::Set(d, static_cast<float>(band.row + row - s.row)));
-        const V b = hn::MulAdd(lanes.by, y, lanes.b0);
-        at.a = hn::MulAdd(lanes.ay, y, a_row);
-        at.f = hn::NegMulAdd(b, b, lanes.f0);
-        at.c = hn::MulAdd(lanes.cy, y, c_row);
-        at.across = hn::MulAdd(lanes.dy, y, lanes.d0);
-        at.dy = hn::Sub(y, hn::Set(d, light.mean_y));
-        const auto offset =
-            static_cast<std::size_t>(row) * SlabBand::kStride + static_cast<std::size_t>(range.x0);
-        add_parts<kParallel, kClipped, Rows<kRows, D>>(d, polynomials, lanes, lights, slabs, at,
-                                                       band, offset);
-    }
-}
-
-/// add_wide of splat_rows-inl.h for light.
 template <bool kParallel, bool kClipped, class Polynomials, class D>
-HWY_INLINE void add_wide_light(D d, const FarSplat& s, const SlabSplat& light,
-                               const TileRange& range, const Polynomials& polynomials,
-                               SlabBand& band) {
+HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& light, const CellSplat& slabs,
+                          const Polynomials& polynomials, SlabCell& cell) {
     using V = hn::Vec<D>;
-    RowForms rows;
-    row_forms(d, s, range, band.column, band.row, rows);
     const SplatLanes<V> lanes = splat_lanes(d, s);
-    const LightLanes<V> lights = light_lanes(d, light);
-    const SlabRun slabs = slabs_of(light, band);
-    const auto step = static_cast<int>(hn::Lanes(d));
-    const V origin = hn::Iota(d, static_cast<float>(band.column - s.column));
-    for (int n = 0; n <= range.y1 - range.y0; ++n) {
-        const int first = rows.first[n], last = rows.last[n];
-        const float y = static_cast<float>(band.row + range.y0 + n - s.row);
-        SlabForms<V> at;
-        at.f = hn::Set(d, rows.f[n]);
-        at.across = hn::Set(d, s.dy * y + s.d0);
-        at.dy = hn::Set(d, y - light.mean_y);
-        const V a_row = hn::Set(d, rows.a[n]), c_row = hn::Set(d, rows.c[n]);
-        for (int column = first; column <= last; column += step) {
-            const V x = hn::Add(origin, hn::Set(d, static_cast<float>(column)));
-            at.a = hn::MulAdd(lanes.ax, x, a_row);
-            at.c = hn::MulAdd(lanes.cx, x, c_row);
-            at.dx = hn::Sub(x, hn::Set(d, light.mean_x));
-            const auto offset = static_cast<std::size_t>(range.y0 + n) * SlabBand::kStride +
-                                static_cast<std::size_t>(column);
-            add_parts<kParallel, kClipped, Rows<1, D>>(d, polynomials, lanes, lights, slabs, at,
-                                                       band, offset);
+    const LightLanes<V> lights = light_lanes(d, light, hn::GetLane(polynomials.scale));
+    const V left = hn::Set(d, static_cast<float>(cell.column - s.column));
+    const V top = hn::Set(d, static_cast<float>(cell.row - s.row));
+    const V mean_x = hn::Set(d, light.mean_x), mean_y = hn::Set(d, light.mean_y);
+    const auto inside = [](int at, int first, int most) {
+        return static_cast<std::size_t>(std::clamp(at - first, 0, most));
+    };
+    const std::size_t step = hn::Lanes(d);
+    const std::size_t x0 = inside(s.bounds.x0, cell.column, kCellWidth - 1) / step * step;
+    const std::size_t x1 = inside(s.bounds.x1, cell.column, kCellWidth - 1);
+    const std::size_t y0 = inside(s.bounds.y0, cell.row, kCellHeight - 1);
+    const std::size_t y1 = inside(s.bounds.y1, cell.row, kCellHeight - 1);
+    for (std::size_t column = x0; column <= x1; column += step) {
+        CellLanes<V> columns;
+        columns.x = hn::Add(hn::LoadU(d, kCellX.data() + column), left);
+        columns.a_row = hn::MulAdd(lanes.ax, columns.x, lanes.a0);
+        columns.c_row = hn::MulAdd(lanes.cx, columns.x, lanes.c0);
+        columns.dx = hn::Sub(columns.x, mean_x);
+        // In loops one by one: a chord is a long chain of operations, and several of them overlap.
+        V forms[kCellHeight], ys[kCellHeight];
+        std::size_t rows[kCellHeight], count = 0;
+        for (std::size_t row = y0; row <= y1; ++row) {
+            rows[count] = row * kCellWidth + column;
+            ys[count] = hn::Add(hn::Set(d, static_cast<float>(row)), top);
+            forms[count] = form_at(d, lanes, columns, ys[count]);
+            count += !hn::AllFalse(d, hn::Gt(forms[count], hn::Zero(d)));
         }
+        if (count == 0) continue;
+        ChordLanes<V> chords[kCellHeight];
+        ChordDepths<V> depths{hn::Set(d, std::numeric_limits<float>::max()),
+                              hn::Set(d, std::numeric_limits<float>::lowest())};
+        for (std::size_t n = 0; n < count; ++n)
+            find_chords<kParallel, kClipped>(d, polynomials, lanes, lights, columns, forms[n],
+                                             ys[n], hn::Sub(ys[n], mean_y), cell, rows[n],
+                                             chords[n], depths);
+        // Fewer slabs than the whole splat meets: never one that is composited already.
+        const int first = std::clamp<int>(cell.slab_at(hn::GetLane(hn::MinOfLanes(d, depths.near))),
+                                          slabs.first, slabs.last);
+        const int last = std::clamp<int>(cell.slab_at(hn::GetLane(hn::MaxOfLanes(d, depths.far))),
+                                         first, slabs.last);
+        cell.touch(first, last);
+        const float first_back = cell.first + static_cast<float>(first + 1) * cell.thickness;
+        float* sums = cell.sums[static_cast<std::size_t>(first)].channel[0].data();
+        for (std::size_t n = 0; n < count; ++n)
+            add_parts(d, polynomials, lights, chords[n], first_back, cell.thickness,
+                      last - first + 1, sums + rows[n]);
     }
 }
 
-template <bool kParallel, int kPart, int kPeak, class Tags>
-void add_lights_degree(const FarSplat* splats, const SlabSplat* lights, const std::uint32_t* index,
-                       std::size_t count, const SlabPolynomials& polynomials, SlabBand& band) {
-    const typename Tags::Floats d;
-    using V = hn::Vec<typename Tags::Floats>;
-    const SlabPolynomialLanes<kPart, kPeak, V> lanes{slab_lanes<kPart>(d, polynomials.part),
-                                                     slab_lanes<kPeak>(d, polynomials.peak)};
-    constexpr auto kLanes = static_cast<int>(hn::MaxLanes(typename Tags::Floats()));
-    constexpr bool kClipped = kPart < 0;  // slower anyway
-    for (std::size_t n = 0; n < count; ++n) {
-        const FarSplat& s = splats[index[n]];
-        const SlabSplat& light = lights[index[n]];
-        const TileRange range = range_in(band, s.bounds);
-        if (range.y0 > range.y1) continue;  // other bands of the tile
-        band.touch(range, light.near, light.far);
-        const int width = range.x1 - range.x0 + 1;
-        if (kLanes >= 16 && width <= kLanes / 4)
-            add_narrow_light<kParallel, kClipped, kLanes >= 16 ? 4 : 1>(d, s, light, range, lanes,
-                                                                        band);
-        else if (kLanes >= 8 && width <= kLanes / 2)
-            add_narrow_light<kParallel, kClipped, kLanes >= 8 ? 2 : 1>(d, s, light, range, lanes,
-                                                                       band);
-        else if (kLanes > 1 && width <= kLanes)
-            add_narrow_light<kParallel, kClipped, 1>(d, s, light, range, lanes, band);
-        else
-            add_wide_light<kParallel, kClipped>(d, s, light, range, lanes, band);
+/// Composites a slab behind those before.
+/// length   |D| of the pixels
+/// returns  whether all pixels are dark
+template <class D>
+HWY_INLINE bool composite_slab(D d, const SlabSums& sums, const CellPixels& length,
+                               SlabCell& cell) {
+    using V = hn::Vec<D>;
+    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), dark = hn::Set(d, kDarkTransmittance);
+    bool hidden = true;
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        const V s = hn::Load(d, sums.channel[3].data() + n);
+        const V before = hn::Load(d, cell.seen[3].data() + n);
+        const V along = hn::Load(d, length.data() + n);
+        const V depth = hn::Mul(s, along);
+        // (1 - e^{-depth}) / depth, and e^{-depth}; the series where the difference cancels
+        V share =
+            hn::MulAdd(hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
+                                  depth, hn::Set(d, -0.5f)),
+                       depth, one);
+        V passed = hn::NegMulAdd(depth, share, one);
+        const auto thin = hn::Lt(depth, hn::Set(d, 0.06f));
+        if (!hn::AllTrue(d, thin)) {
+            passed = hn::IfThenElse(thin, passed, hn::Exp(d, hn::Neg(depth)));
+            share = hn::IfThenElse(
+                thin, share, hn::Div(hn::Sub(one, passed), hn::Max(depth, hn::Set(d, 1e-3f))));
+        }
+        const V weight = hn::Mul(hn::Mul(before, share), along);
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            // Quadratics are fitted one by one: light is at most all that is absorbed.
+            const V light =
+                hn::Max(hn::Min(hn::Load(d, sums.channel[channel].data() + n), s), zero);
+            float* color = cell.seen[channel].data() + n;
+            hn::Store(hn::MulAdd(weight, light, hn::Load(d, color)), d, color);
+        }
+        const V after = hn::Mul(before, passed);
+        hn::Store(after, d, cell.seen[3].data() + n);
+        hidden = hidden && hn::AllTrue(d, hn::Lt(after, dark));
+    }
+    return hidden;
+}
+
+/// |D| of the pixels of a cell: |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
+template <class D>
+void set_lengths(D d, const CameraFrame& frame, const SlabCell& cell, CellPixels& length) {
+    const double pixel = frame.orthographic ? 0 : 1 / frame.pixels_per_unit;
+    const auto slope_at = [&](double at, int size) {
+        return hn::Set(d, static_cast<float>((at - 0.5 * (size - 1)) * pixel));
+    };
+    const auto left = slope_at(cell.column, frame.width), top = slope_at(cell.row, frame.height);
+    const auto step = hn::Set(d, static_cast<float>(pixel));
+    for (std::size_t n = 0; n < kCellPixels; n += hn::Lanes(d)) {
+        const auto x = hn::MulAdd(hn::LoadU(d, kCellX.data() + n % kCellWidth), step, left);
+        const auto y = hn::MulAdd(hn::Load(d, kCellY.data() + n), step, top);
+        hn::Store(hn::Sqrt(hn::MulAdd(x, x, hn::MulAdd(y, y, hn::Set(d, 1.0f)))), d,
+                  length.data() + n);
     }
 }
 
-template <bool kParallel, class Tags>
-void add_lights(const FarSplat* splats, const SlabSplat* lights, const std::uint32_t* index,
-                std::size_t count, const SlabPolynomials& polynomials, SlabBand& band) {
-    // The degrees of the default cutoff are unrolled, without a clip.
-    constexpr int kPart = 5, kPeak = 6;
-    const bool usual = !band.clipped && polynomials.part.coefficient.size() == kPart + 1 &&
-                       polynomials.peak.coefficient.size() == kPeak + 1;
-    return usual ? add_lights_degree<kParallel, kPart, kPeak, Tags>(splats, lights, index, count,
-                                                                    polynomials, band)
-                 : add_lights_degree<kParallel, -1, -1, Tags>(splats, lights, index, count,
-                                                              polynomials, band);
+inline void begin_colors(SlabCell& cell) {
+    for (std::size_t channel = 0; channel < 4; ++channel)
+        cell.seen[channel].fill(channel == 3 ? 1.0f : 0.0f);
 }
 
 template <class Tags>
-void composite_band(SlabBand& band, const CameraFrame& frame, Rgba* image) {
+void composite_cell(const CameraFrame& frame, SlabCell& cell) {
+    const typename Tags::Floats d;
+    alignas(64) CellPixels length;
+    set_lengths(d, frame, cell, length);
+    begin_colors(cell);
+    for (int slab = cell.lowest; slab <= cell.highest; ++slab)
+        if (composite_slab(d, cell.sums[static_cast<std::size_t>(slab)], length, cell)) return;
+}
+
+/// Calls body(add) with a loop over splats for the frame and the polynomials.
+template <bool kParallel, int kPart, int kPeak, class Tags, class Body>
+void with_degrees(const CellSplats& splats, SlabCell& cell, const Body& body) {
     const typename Tags::Floats d;
     using V = hn::Vec<typename Tags::Floats>;
-    const auto step = static_cast<int>(hn::Lanes(d));
-    const TileRange& pixels = band.pixels;
-    const int width = pixels.x1 + 1;
-    // |D|² = 1 + slope_x² + slope_y²; parallel rays have no slope.
-    const double pixel = frame.orthographic ? 0 : 1 / frame.pixels_per_unit;
-    const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
-    const V dark = hn::Set(d, 1e-6f);  // transmittance that hides all behind
-    for (int y = pixels.y0; y <= pixels.y1; ++y) {
-        const double slope_y = (band.row + y - 0.5 * (frame.height - 1)) * pixel;
-        const V rest = hn::Set(d, static_cast<float>(1 + slope_y * slope_y));
-        Rgba* row = image +
-                    static_cast<std::size_t>(band.row + y) * static_cast<std::size_t>(frame.width) +
-                    band.column;
-        for (int x = pixels.x0; x < width; x += step) {
-            const double left = (band.column + x - 0.5 * (frame.width - 1)) * pixel;
-            const V slope_x = hn::MulAdd(hn::Iota(d, 0.0f), hn::Set(d, static_cast<float>(pixel)),
-                                         hn::Set(d, static_cast<float>(left)));
-            const V length = hn::Sqrt(hn::MulAdd(slope_x, slope_x, rest));
-            const std::size_t offset =
-                static_cast<std::size_t>(y) * SlabBand::kStride + static_cast<std::size_t>(x);
-            V color[3] = {zero, zero, zero}, transmittance = one;
-            for (int slab = 0; slab < band.slabs; ++slab) {
-                if (!band.touched[static_cast<std::size_t>(slab)]) continue;
-                const V s = hn::LoadU(d, band.plane(slab, 3) + offset);
-                if (hn::AllFalse(d, hn::Gt(s, zero))) continue;
-                const V depth = hn::Mul(s, length);
-                const V passed = hn::Exp(d, hn::Neg(depth));
-                // (1 - e^{-depth}) / depth; its series where the difference cancels
-                const V series = hn::MulAdd(
-                    hn::MulAdd(hn::MulAdd(depth, hn::Set(d, -1 / 24.0f), hn::Set(d, 1 / 6.0f)),
-                               depth, hn::Set(d, -0.5f)),
-                    depth, one);
-                const auto thin = hn::Lt(depth, hn::Set(d, 0.06f));
-                const V share = hn::IfThenElse(
-                    thin, series, hn::Div(hn::Sub(one, passed), hn::Max(depth, hn::Set(d, 1e-3f))));
-                const V weight = hn::Mul(hn::Mul(transmittance, share), length);
-                for (int n = 0; n < 3; ++n) {
-                    // Quadratics are fitted one by one: light is at most all that is absorbed.
-                    const V light =
-                        hn::Max(hn::Min(hn::LoadU(d, band.plane(slab, n) + offset), s), zero);
-                    color[n] = hn::MulAdd(weight, light, color[n]);
-                }
-                transmittance = hn::Mul(transmittance, passed);
-                if (hn::AllTrue(d, hn::Lt(transmittance, dark))) break;
-            }
-            alignas(64) float part[4][TilePixels::kMaxLanes];
-            for (int n = 0; n < 3; ++n) hn::Store(color[n], d, part[n]);
-            hn::Store(hn::Sub(one, transmittance), d, part[3]);
-            for (int n = 0; n < std::min(step, width - x); ++n)
-                row[x + n] = {part[0][n], part[1][n], part[2][n], part[3][n]};
+    const SlabPolynomials& polynomials = splats.polynomials;
+    const float scale = std::sqrt(polynomials.part.slope);
+    const SlabPolynomialLanes<kPart, kPeak, V> lanes{slab_lanes<kPart>(d, polynomials.part),
+                                                     slab_lanes<kPeak>(d, polynomials.peak),
+                                                     hn::Set(d, scale), hn::Set(d, 1 / scale)};
+    constexpr bool kClipped = kPart < 0;  // slower anyway
+    body([&](const CellRun& run, std::size_t count) {
+        for (std::size_t n = 0; n < count; ++n) {
+            const CellSplat& at = run.splats[n];
+            add_splat<kParallel, kClipped>(d, run.far[at.splat], run.lights[at.splat], at, lanes,
+                                           cell);
         }
-    }
-    band.clear();
+    });
+}
+template <class Tags, class Body>
+void with_splats(const CellSplats& splats, SlabCell& cell, const Body& body) {
+    // The degrees of the default cutoff are unrolled, without a clip.
+    constexpr int kPart = 5, kPeak = 6;
+    const SlabPolynomials& polynomials = splats.polynomials;
+    const bool usual = !cell.clipped && polynomials.part.coefficient.size() == kPart + 1 &&
+                       polynomials.peak.coefficient.size() == kPeak + 1;
+    if (splats.frame.orthographic)
+        usual ? with_degrees<true, kPart, kPeak, Tags>(splats, cell, body)
+              : with_degrees<true, -1, -1, Tags>(splats, cell, body);
+    else
+        usual ? with_degrees<false, kPart, kPeak, Tags>(splats, cell, body)
+              : with_degrees<false, -1, -1, Tags>(splats, cell, body);
+}
+
+template <class Tags>
+void sum_cell(const CellSplats& splats, SlabCell& cell) {
+    with_splats<Tags>(splats, cell, [&](const auto& add) {
+        for (const CellRun& run : splats.runs) add(run, run.splats.size());
+    });
+}
+
+template <class Tags>
+void draw_cell(const CellSplats& splats, SlabCell& cell) {
+    const typename Tags::Floats d;
+    alignas(64) CellPixels length;
+    set_lengths(d, splats.frame, cell, length);
+    begin_colors(cell);
+    with_splats<Tags>(splats, cell, [&](const auto& add) {
+        for (int slab = 0; slab < cell.slabs(); ++slab) {
+            bool more = false;
+            for (CellRun& run : splats.runs) {
+                std::size_t count = 0;
+                while (count < run.splats.size() && run.splats[count].first == slab) ++count;
+                add(run, count);
+                run.splats = run.splats.subspan(count);
+                more |= !run.splats.empty();
+            }
+            if (slab < cell.lowest) continue;
+            // A slab is complete once the splats that begin in it are added.
+            if (slab <= cell.highest &&
+                composite_slab(d, cell.sums[static_cast<std::size_t>(slab)], length, cell))
+                return;
+            if (!more && slab >= cell.highest) return;
+        }
+    });
 }

@@ -94,41 +94,36 @@ SlabSplat slab_splat(const SlabView& view, const SplatOrigin& origin, const FarS
     return out;
 }
 
-void set_clip(const SlabView& view, SlabBand& band) {
-    band.clipped = !view.clip.empty();
-    if (!band.clipped) return;
+void set_clip(const SlabView& view, SlabCell& cell) {
+    cell.clipped = !view.clip.empty();
+    if (!cell.clipped) return;
     constexpr float kMost = std::numeric_limits<float>::max();
-    band.clip_near.assign(SlabBand::kPlane, 0);
-    band.clip_far.assign(SlabBand::kPlane, 0);
-    const int right = std::min(kTileWidth, view.frame.width - band.column);
-    const int bottom = std::min(kBandRows, view.frame.height - band.row);
-    for (int y = 0; y < bottom; ++y)
-        for (int x = 0; x < right; ++x) {
-            const double column = band.column + x, row = band.row + y;
-            const RayInterval seen = clipped_ray(view.clip, view.frame.origin(column, row),
-                                                 view.frame.direction(column, row));
-            const bool any = seen.first < seen.last;
-            band.clip_near[SlabBand::offset(x, y)] =
-                any ? static_cast<float>(seen.first - view.depth) : kMost;
-            band.clip_far[SlabBand::offset(x, y)] =
-                any ? static_cast<float>(std::min(seen.last - view.depth, double{kMost})) : kMost;
-        }
+    for (std::size_t n = 0; n < kCellPixels; ++n) {
+        const double column = cell.column + static_cast<int>(n) % kCellWidth;
+        const double row = cell.row + static_cast<int>(n) / kCellWidth;
+        const RayInterval seen = clipped_ray(view.clip, view.frame.origin(column, row),
+                                             view.frame.direction(column, row));
+        const bool any = seen.first < seen.last;
+        cell.clip_near[n] = any ? static_cast<float>(seen.first - view.depth) : kMost;
+        cell.clip_far[n] =
+            any ? static_cast<float>(std::min(seen.last - view.depth, double{kMost})) : kMost;
+    }
 }
 
-void add_near_light(const SlabView& view, const NearSplat& s, SlabBand& band) {
+void add_near_light(const SlabView& view, const NearSplat& s, SlabCell& cell) {
     const std::size_t i = s.index;
-    const int x0 = std::max(s.bounds.x0 - band.column, 0), y0 = std::max(s.bounds.y0 - band.row, 0);
-    const int x1 = std::min(s.bounds.x1 - band.column, kTileWidth - 1);
-    const int y1 = std::min(s.bounds.y1 - band.row, kBandRows - 1);
+    const int x0 = std::max(s.bounds.x0 - cell.column, 0), y0 = std::max(s.bounds.y0 - cell.row, 0);
+    const int x1 = std::min(s.bounds.x1 - cell.column, kCellWidth - 1);
+    const int y1 = std::min(s.bounds.y1 - cell.row, kCellHeight - 1);
     if (y0 > y1 || x0 > x1) return;
     const DepthRange depths = depths_of(view, i);
-    band.touch({x0, x1, y0, y1}, depths.near, depths.far);
-    const int lowest = band.slab_at(depths.near), highest = band.slab_at(depths.far);
+    const int lowest = cell.slab_at(depths.near), highest = cell.slab_at(depths.far);
+    cell.touch(lowest, highest);
     const LightQuadratic light = lit(view, i);
     const Vec3d gradient = z_gradient(view, i), mean = vec_cast<double>(view.gaussians.mean[i]);
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
-            const double column = band.column + x, row = band.row + y;
+            const double column = cell.column + x, row = cell.row + y;
             const Vec3d e = s.e + column * s.shift_x + row * s.shift_y;
             const Vec3d d = s.corner + column * s.step_x + row * s.step_y;
             const double c = dot(d, d), root = std::sqrt(c);
@@ -137,10 +132,10 @@ void add_near_light(const SlabView& view, const NearSplat& s, SlabBand& band) {
             if (!(reach2 > 0)) continue;
             const double nearest = dot(e, d) / c, half = std::sqrt(reach2) / root;
             double start = std::max(nearest - half, 0.0), end = nearest + half;
-            if (band.clipped) {
-                const std::size_t at = SlabBand::offset(x, y);
-                start = std::max(start, view.depth + double{band.clip_near[at]});
-                end = std::min(end, view.depth + double{band.clip_far[at]});
+            if (cell.clipped) {
+                const auto at = static_cast<std::size_t>(y * kCellWidth + x);
+                start = std::max(start, view.depth + double{cell.clip_near[at]});
+                end = std::min(end, view.depth + double{cell.clip_far[at]});
             }
             if (!(start < end)) continue;
             const Vec3d towards = view.frame.direction(column, row);
@@ -152,17 +147,18 @@ void add_near_light(const SlabView& view, const NearSplat& s, SlabBand& band) {
                 return std::erf((t - nearest) * root / std::numbers::sqrt2);
             };
             const int first =
-                std::max(band.slab_at(static_cast<float>(start - view.depth)), lowest);
-            const int last = std::min(band.slab_at(static_cast<float>(end - view.depth)), highest);
+                std::max(cell.slab_at(static_cast<float>(start - view.depth)), lowest);
+            const int last = std::min(cell.slab_at(static_cast<float>(end - view.depth)), highest);
             double from = start;
             for (int slab = first; slab <= last; ++slab) {
                 const double back =
-                    view.depth + double{band.first} + (slab + 1) * double{band.thickness};
+                    view.depth + double{cell.first} + (slab + 1) * double{cell.thickness};
                 const double to = slab == last ? end : std::clamp(back, from, end);
                 const double tau = whole * (part_at(to) - part_at(from));
                 const Light part = light.at(static_cast<float>(z0 + 0.5 * (from + to) * z_step));
                 for (std::size_t n = 0; n < 4; ++n)
-                    band.plane(slab, static_cast<int>(n))[SlabBand::offset(x, y)] +=
+                    cell.sums[static_cast<std::size_t>(slab)]
+                        .channel[n][static_cast<std::size_t>(y * kCellWidth + x)] +=
                         as_float(tau * view.unit * double{part[n]});
                 from = to;
             }

@@ -33,10 +33,10 @@ struct DepthRange {
 };
 DepthRange depths_of(const SlabView& view, std::size_t i);
 
-/// Sets the part of each ray that the clip leaves, for a band that draws few of them.
-void set_clip(const SlabView& view, SlabBand& band);
+/// Sets the part of each ray that the clip leaves.
+void set_clip(const SlabView& view, SlabCell& cell);
 
-/// Adds the light of a near splat to the pixels of a band, by the closed form.
-void add_near_light(const SlabView& view, const NearSplat& splat, SlabBand& band);
+/// Adds the light of a near splat to the pixels of a cell, by the closed form.
+void add_near_light(const SlabView& view, const NearSplat& splat, SlabCell& cell);
 
 }  // namespace vog::splat

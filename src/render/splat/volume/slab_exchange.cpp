@@ -1,0 +1,217 @@
+// slab_exchange.cpp: Sums of tiles from the processes that make them to those that composite them.
+#include "render/splat/volume/slab_exchange.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <span>
+
+#include "core/parallel.h"
+
+namespace vog::splat {
+
+namespace {
+
+constexpr int kCells = kCellColumns * kCellRows;
+using Packets = std::vector<std::vector<float>>;  ///< [processes]
+
+/// Most bytes of sums that a process holds for others.
+constexpr std::size_t kMostBytes = std::size_t{64} << 20;
+
+/// Tile t and the range of its depths in all parts.
+struct SharedTile {
+    int t;
+    DepthRange depths;
+};
+
+/// Tiles with a Gaussian of any part.
+std::vector<SharedTile> shared_tiles(const SlabPicture& drawn,
+                                     tbb::enumerable_thread_specific<SlabBuffers>& buffers,
+                                     const Collective& processes) {
+    const int count = drawn.tiles().bins.tiles();
+    std::vector<double> ends(2 * static_cast<std::size_t>(count));  // -near, far
+    vog::parallel_for(0, count, [&](int t) {
+        const DepthRange own = drawn.find(t, buffers.local());
+        ends[2 * static_cast<std::size_t>(t)] = -double{own.near};
+        ends[2 * static_cast<std::size_t>(t) + 1] = double{own.far};
+    });
+    processes.max(ends);
+    std::vector<SharedTile> tiles;
+    for (int t = 0; t < count; ++t) {
+        const double* end = &ends[2 * static_cast<std::size_t>(t)];
+        const DepthRange all{static_cast<float>(-end[0]), static_cast<float>(end[1])};
+        if (all.near <= all.far) tiles.push_back({t, all});
+    }
+    return tiles;
+}
+
+/// Sums of the slabs of a cell, as numbers: place of the tile in its run, cell of the tile, slabs; of each slab its
+/// number and the pixels of each channel.
+constexpr std::size_t kHead = 3, kBlock = 1 + std::size_t{4} * kCellPixels;
+
+bool is_zero(const SlabSums& sums) {
+    return std::ranges::all_of(sums.channel, [](const CellPixels& pixels) {
+        return std::ranges::all_of(pixels, [](float sum) { return sum == 0; });
+    });
+}
+
+/// Appends the sums of a cell, and sets them to 0.
+void pack(SlabCell& cell, std::size_t place, int n, std::vector<float>& to) {
+    const std::size_t head = to.size();
+    to.insert(to.end(), {static_cast<float>(place), static_cast<float>(n), 0});
+    for (int slab = cell.lowest; slab <= cell.highest; ++slab) {
+        const SlabSums& sums = cell.sums[static_cast<std::size_t>(slab)];
+        if (is_zero(sums)) continue;
+        ++to[head + 2];
+        to.push_back(static_cast<float>(slab));
+        for (const CellPixels& pixels : sums.channel)
+            to.insert(to.end(), pixels.begin(), pixels.end());
+    }
+    cell.clear();
+}
+
+/// Adds slabs of a cell.
+void unpack(std::span<const float> blocks, SlabCell& cell) {
+    for (; !blocks.empty(); blocks = blocks.subspan(kBlock)) {
+        const auto slab = static_cast<int>(blocks[0]);
+        cell.touch(slab, slab);
+        const float* from = &blocks[1];
+        for (CellPixels& pixels : cell.sums[static_cast<std::size_t>(slab)].channel)
+            for (float& sum : pixels) sum += *from++;
+    }
+}
+
+/// A run of tiles in progress.
+struct SlabRunOfTiles {
+    const SlabPicture& drawn;
+    tbb::enumerable_thread_specific<SlabBuffers>& buffers;
+    const Collective& processes;
+    std::span<const SharedTile> tiles;
+    std::size_t first;  ///< place of the first among all: owners take turns
+
+    std::size_t owner(std::size_t place) const {
+        return (first + place) % static_cast<std::size_t>(processes.count);
+    }
+    bool is_own(std::size_t place) const {
+        return owner(place) == static_cast<std::size_t>(processes.index);
+    }
+    /// Calls body with the first pixel and the number of pixels of each row of a tile.
+    template <class Body>
+    void each_row(const SharedTile& tile, Rgba* image, const Body& body) const {
+        const CameraFrame& frame = drawn.view.frame;
+        const int top = drawn.tiles().row_of(tile.t), left = drawn.tiles().column_of(tile.t);
+        for (int y = top; y < std::min(top + kTileHeight, frame.height); ++y)
+            body(image + static_cast<std::ptrdiff_t>(y) * frame.width + left,
+                 static_cast<std::size_t>(std::min(kTileWidth, frame.width - left)));
+    }
+    Packets sums() const;
+    void composite(const Packets& from, Rgba* image) const;
+    void collect(Rgba* image) const;
+};
+
+Packets SlabRunOfTiles::sums() const {
+    std::vector<std::vector<float>> packed(tiles.size());
+    vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
+        SlabBuffers& own = buffers.local();
+        const DepthRange any = drawn.find(tiles[n].t, own);
+        if (!(any.near <= any.far)) return;
+        drawn.divide(tiles[n].t, tiles[n].depths, own);
+        for (int cell = 0; cell < kCells; ++cell) {
+            if (!drawn.begin_cell(tiles[n].t, cell, own)) continue;
+            drawn.sum_cell(own);
+            pack(own.cell, n, cell, packed[n]);
+        }
+    });
+    Packets to(static_cast<std::size_t>(processes.count));
+    for (std::size_t n = 0; n < tiles.size(); ++n) {
+        std::vector<float>& packet = to[owner(n)];
+        packet.insert(packet.end(), packed[n].begin(), packed[n].end());
+        packed[n] = {};
+    }
+    return to;
+}
+
+void SlabRunOfTiles::composite(const Packets& from, Rgba* image) const {
+    std::vector<std::vector<std::span<const float>>> blocks(tiles.size() * kCells);
+    for (const std::vector<float>& packet : from)
+        for (std::span<const float> rest = packet; !rest.empty();) {
+            const auto place = static_cast<std::size_t>(rest[0]);
+            const auto cell = static_cast<std::size_t>(rest[1]);
+            const std::size_t count = kBlock * static_cast<std::size_t>(rest[2]);
+            blocks[place * kCells + cell].push_back(rest.subspan(kHead, count));
+            rest = rest.subspan(kHead + count);
+        }
+    vog::parallel_for(std::size_t{0}, tiles.size(), [&](std::size_t n) {
+        if (!is_own(n)) return;
+        SlabCell& cell = buffers.local().cell;
+        drawn.set_slabs(tiles[n].depths, cell);
+        for (int c = 0; c < kCells; ++c) {
+            const auto& parts = blocks[n * kCells + static_cast<std::size_t>(c)];
+            if (parts.empty()) continue;
+            (void)drawn.place_cell(tiles[n].t, c, cell);
+            for (const std::span<const float> part : parts) unpack(part, cell);
+            drawn.finish_cell(cell, image);
+        }
+    });
+}
+
+/// Sends the pixels of own tiles to the root.
+void SlabRunOfTiles::collect(Rgba* image) const {
+    Packets to(static_cast<std::size_t>(processes.count));
+    for (std::size_t n = 0; n < tiles.size(); ++n)
+        if (is_own(n) && !processes.is_root())
+            each_row(tiles[n], image, [&](const Rgba* row, std::size_t count) {
+                for (std::size_t x = 0; x < count; ++x)
+                    to[0].insert(to[0].end(), {row[x].r, row[x].g, row[x].b, row[x].a});
+            });
+    const Packets from = processes.exchange(to);
+    std::vector<const float*> next;
+    for (const std::vector<float>& packet : from) next.push_back(packet.data());
+    for (std::size_t n = 0; n < tiles.size() && processes.is_root(); ++n) {
+        if (is_own(n)) continue;
+        const float*& at = next[owner(n)];
+        each_row(tiles[n], image, [&](Rgba* row, std::size_t count) {
+            for (std::size_t x = 0; x < count; ++x, at += 4) row[x] = {at[0], at[1], at[2], at[3]};
+        });
+    }
+}
+
+}  // namespace
+
+double middle_depth(const Gaussians& part, const CameraFrame& frame, const Collective& processes,
+                    std::size_t& size) {
+    std::vector<double> sizes(static_cast<std::size_t>(processes.count));
+    const auto own = static_cast<std::size_t>(processes.index);
+    sizes[own] = static_cast<double>(part.size());
+    processes.sum(sizes);
+    const auto before = std::accumulate(sizes.begin(), sizes.begin() + processes.index, 0.0);
+    size = static_cast<std::size_t>(std::accumulate(sizes.begin(), sizes.end(), 0.0));
+    const double middle = static_cast<double>(size / 2) - before;
+    double depth = -std::numeric_limits<double>::infinity();
+    if (middle >= 0 && middle < sizes[own])
+        depth = dot(vec_cast<double>(part.mean[static_cast<std::size_t>(middle)]) - frame.eye,
+                    frame.forward);
+    processes.max({&depth, 1});
+    return depth;
+}
+
+void draw_parts(const SlabPicture& drawn, tbb::enumerable_thread_specific<SlabBuffers>& buffers,
+                const Collective& processes, Rgba* image) {
+    const CameraFrame& frame = drawn.view.frame;
+    std::fill_n(image,
+                static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
+                Rgba{0, 0, 0, 0});
+    const std::vector<SharedTile> tiles = shared_tiles(drawn, buffers, processes);
+    const std::size_t tile_bytes = static_cast<std::size_t>(buffers.local().cell.slabs()) * 4 *
+                                   sizeof(float) * kTileWidth * kTileHeight;
+    const std::size_t run = std::max<std::size_t>(kMostBytes / tile_bytes, 1);
+    for (std::size_t first = 0; first < tiles.size(); first += run) {
+        const SlabRunOfTiles one{
+            drawn, buffers, processes,
+            std::span(tiles).subspan(first, std::min(run, tiles.size() - first)), first};
+        one.composite(processes.exchange(one.sums()), image);
+        one.collect(image);
+    }
+}
+
+}  // namespace vog::splat

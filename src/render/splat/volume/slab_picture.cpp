@@ -1,0 +1,197 @@
+// slab_picture.cpp: Splats of tiles sorted by slab, and their sums.
+#include "render/splat/volume/slab_picture.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+#include "render/splat/volume/slab_maximum.h"
+
+namespace vog::splat {
+
+namespace {
+
+bool is_dark(const LightQuadratic& light) {
+    return std::ranges::all_of(
+        light.c, [](const std::array<float, 3>& c) { return c[0] == 0 && c[1] == 0 && c[2] == 0; });
+}
+
+}  // namespace
+
+void SlabPicture::project(const SplatModel& model, SlabBatch& batch, std::size_t first,
+                          std::size_t last) const {
+    ProjectedSplats& splats = batch.splats;
+    splats.keep_origin = true;
+    batch.lights.resize(std::max(batch.lights.size(), last - first));
+    splats.project(kernels, model, view.frame, first, last, [&](SplatChunk& chunk) {
+        std::erase_if(chunk.near,
+                      [&](const NearSplat& splat) { return is_dark(view.light[splat.index]); });
+        std::size_t kept = chunk.slot;
+        for (std::size_t n = chunk.slot; n < chunk.slot + chunk.count; ++n) {
+            if (is_dark(view.light[splats.origin[n].index])) continue;
+            splats.far[kept] = splats.far[n];
+            splats.bounds[kept] = splats.bounds[n];
+            splats.origin[kept] = splats.origin[n];
+            batch.lights[kept] = slab_splat(view, splats.origin[kept], splats.far[kept]);
+            ++kept;
+        }
+        chunk.count = kept - chunk.slot;
+    });
+}
+
+DepthRange SlabPicture::find(int t, SlabBuffers& buffers) const {
+    DepthRange range = kNoDepths;
+    const auto include = [&](float near, float far) {
+        range.near = std::min(range.near, near);
+        range.far = std::max(range.far, far);
+    };
+    buffers.near.clear();
+    buffers.of_batch.resize(std::max(buffers.of_batch.size(), batches.size()));
+    for (std::size_t b = 0; b < batches.size(); ++b) {
+        const SlabBatch& batch = batches[b];
+        std::vector<std::uint32_t>& found = buffers.of_batch[b].found;
+        found.clear();
+        batch.splats.visit(t, view.frame, [&](const std::uint32_t* index, std::size_t count) {
+            found.insert(found.end(), index, index + count);
+        });
+        for (const std::uint32_t n : found) include(batch.lights[n].near, batch.lights[n].far);
+        const int left = tiles().column_of(t), top = tiles().row_of(t);
+        for (const NearSplat& splat : batch.splats.near) {
+            const PixelBounds& at = splat.bounds;
+            if (at.x0 >= left + kTileWidth || at.x1 < left || at.y0 >= top + kTileHeight ||
+                at.y1 < top)
+                continue;
+            buffers.near.push_back(&splat);
+            const DepthRange depths = depths_of(view, splat.index);
+            include(depths.near, depths.far);
+        }
+    }
+    return range;
+}
+
+void SlabPicture::set_slabs(const DepthRange& range, SlabCell& cell) const {
+    // A margin keeps rounded depths inside.
+    const float margin = 1e-5f * (range.far - range.near) + std::numeric_limits<float>::min();
+    cell.first = range.near - margin;
+    cell.thickness = (range.far - range.near + 2 * margin) / static_cast<float>(cell.slabs());
+}
+
+void SlabPicture::divide(int t, const DepthRange& range, SlabBuffers& buffers) const {
+    const SlabCell& cell = buffers.cell;
+    set_slabs(range, buffers.cell);
+    const int left = tiles().column_of(t), top = tiles().row_of(t);
+    const auto slabs = static_cast<std::size_t>(cell.slabs());
+    for (std::size_t b = 0; b < batches.size(); ++b) {
+        // Two counting sorts, stable: sums have one order for any number of threads.
+        const SlabBatch& batch = batches[b];
+        SlabBuffers::TileSplats& of = buffers.of_batch[b];
+        const auto slab_of = [&](float depth) {
+            return static_cast<std::uint16_t>(cell.slab_at(depth));
+        };
+        of.begin.assign(slabs + 1, 0);
+        for (const std::uint32_t n : of.found) ++of.begin[slab_of(batch.lights[n].near) + 1u];
+        std::partial_sum(of.begin.begin(), of.begin.end(), of.begin.begin());
+        of.sorted.resize(of.found.size());
+        for (const std::uint32_t n : of.found) {
+            const std::uint16_t first = slab_of(batch.lights[n].near);
+            of.sorted[of.begin[first]++] = {n, first, slab_of(batch.lights[n].far)};
+        }
+        const auto each_cell = [&](const CellSplat& splat, const auto& visit) {
+            const PixelBounds& at = batch.splats.bounds[splat.splat];
+            const int x0 = std::max(at.x0 - left, 0) / kCellWidth;
+            const int x1 = std::min(at.x1 - left, kTileWidth - 1) / kCellWidth;
+            const int y0 = std::max(at.y0 - top, 0) / kCellHeight;
+            const int y1 = std::min(at.y1 - top, kTileHeight - 1) / kCellHeight;
+            for (int y = y0; y <= y1; ++y)
+                for (int x = x0; x <= x1; ++x)
+                    visit(static_cast<std::size_t>(y * kCellColumns + x));
+        };
+        auto& begin = of.cell_begin;
+        begin.fill(0);
+        for (const CellSplat& splat : of.sorted)
+            each_cell(splat, [&](std::size_t n) { ++begin[n + 1]; });
+        std::partial_sum(begin.begin(), begin.end(), begin.begin());
+        of.in_cells.resize(begin.back());
+        auto next = begin;
+        for (const CellSplat& splat : of.sorted)
+            each_cell(splat, [&](std::size_t n) { of.in_cells[next[n]++] = splat; });
+    }
+}
+
+bool SlabPicture::place_cell(int t, int n, SlabCell& cell) const {
+    cell.column = tiles().column_of(t) + n % kCellColumns * kCellWidth;
+    cell.row = tiles().row_of(t) + n / kCellColumns * kCellHeight;
+    return cell.column < view.frame.width && cell.row < view.frame.height;
+}
+
+bool SlabPicture::begin_cell(int t, int n, SlabBuffers& buffers) const {
+    SlabCell& cell = buffers.cell;
+    if (!place_cell(t, n, cell)) return false;
+    bool any = !buffers.near.empty();
+    buffers.runs.clear();
+    for (std::size_t b = 0; b < batches.size(); ++b) {
+        const SlabBuffers::TileSplats& of = buffers.of_batch[b];
+        const auto at = static_cast<std::size_t>(n);
+        const std::uint32_t first = of.cell_begin[at], last = of.cell_begin[at + 1];
+        buffers.runs.push_back({batches[b].splats.far.data(), batches[b].lights.data(),
+                                std::span(of.in_cells).subspan(first, last - first)});
+        any |= first < last;
+    }
+    if (!any) return false;
+    set_clip(view, cell);
+    for (const NearSplat* splat : buffers.near) add_near_light(view, *splat, cell);
+    return true;
+}
+
+void SlabPicture::sum_cell(SlabBuffers& buffers) const {
+    slab_kernels(kernels).sum({buffers.runs, polynomials, view.frame}, buffers.cell);
+}
+
+void SlabPicture::write(const SlabCell& cell, Rgba* image) const {
+    const auto& [red, green, blue, transmittance] = cell.seen;
+    for (int y = 0; y < std::min(kCellHeight, view.frame.height - cell.row); ++y) {
+        Rgba* row =
+            image + static_cast<std::ptrdiff_t>(cell.row + y) * view.frame.width + cell.column;
+        for (int x = 0; x < std::min(kCellWidth, view.frame.width - cell.column); ++x) {
+            const auto n = static_cast<std::size_t>(y * kCellWidth + x);
+            row[x] = {red[n], green[n], blue[n], 1 - transmittance[n]};
+        }
+    }
+}
+
+void SlabPicture::finish_cell(SlabCell& cell, Rgba* image) const {
+    if (sums == SlabQuantity::light)
+        slab_kernels(kernels).composite(view.frame, cell);
+    else if (sums == SlabQuantity::maximum)
+        maximum_cell(cell);
+    else
+        depth_cell(cell, view.frame);
+    write(cell, image);
+    cell.clear();
+}
+
+void SlabPicture::draw_tile(int t, SlabBuffers& buffers, Rgba* image) const {
+    const DepthRange range = find(t, buffers);
+    const bool empty = !(range.near <= range.far);
+    if (!empty) divide(t, range, buffers);
+    SlabCell& cell = buffers.cell;
+    for (int n = 0; n < kCellColumns * kCellRows; ++n) {
+        if (!place_cell(t, n, cell)) continue;
+        if (empty || !begin_cell(t, n, buffers)) {
+            cell.seen = {};
+            cell.seen[3].fill(1);
+            write(cell, image);
+            continue;
+        }
+        if (sums == SlabQuantity::light) {
+            slab_kernels(kernels).draw({buffers.runs, polynomials, view.frame}, cell);
+            write(cell, image);
+            cell.clear();
+        } else {
+            sum_cell(buffers);
+            finish_cell(cell, image);
+        }
+    }
+}
+
+}  // namespace vog::splat

@@ -1,0 +1,81 @@
+// slab_picture.h: One picture by depth slabs: splats of each cell of a tile in the order of the slabs that they begin in,
+// added and composited front to back.
+#pragma once
+
+#include <array>
+#include <deque>
+#include <limits>
+#include <vector>
+
+#include "render/splat/projected_splats.h"
+#include "render/splat/volume/slab_splats.h"
+
+namespace vog::splat {
+
+/// Splats of a run of Gaussians: as many as fit the bins. Gaussians without light are left out.
+struct SlabBatch {
+    ProjectedSplats splats;
+    std::vector<SlabSplat> lights;
+};
+
+/// Quantity made of the sums over slabs.
+enum class SlabQuantity { light, maximum, depth };
+
+/// Buffers of a thread.
+struct SlabBuffers {
+    /// Splats of a tile in one batch.
+    struct TileSplats {
+        std::vector<std::uint32_t> found;
+        std::vector<std::uint32_t> begin;  ///< of a counting sort
+        std::vector<CellSplat> sorted;     ///< by first slab
+        std::vector<CellSplat> in_cells;   ///< by cell, then by first slab
+        std::array<std::uint32_t, kCellColumns * kCellRows + 1> cell_begin{};
+    };
+    SlabCell cell;
+    std::vector<TileSplats> of_batch;
+    std::vector<const NearSplat*> near;  ///< of the tile
+    std::vector<CellRun> runs;           ///< [batches] of a cell
+};
+
+/// Depths that hold nothing.
+inline constexpr DepthRange kNoDepths{std::numeric_limits<float>::infinity(),
+                                      -std::numeric_limits<float>::infinity()};
+
+/// One picture in progress.
+struct SlabPicture {
+    const SlabView& view;
+    const SplatKernels& kernels;
+    const SlabPolynomials& polynomials;
+    const std::deque<SlabBatch>& batches;
+    SlabQuantity sums = SlabQuantity::light;
+
+    /// Projects and bins Gaussians first ... last - 1.
+    void project(const SplatModel& model, SlabBatch& batch, std::size_t first,
+                 std::size_t last) const;
+    /// Finds the splats of tile t.
+    /// returns  range of their depths; empty: near > far
+    DepthRange find(int t, SlabBuffers& buffers) const;
+    /// Divides a range of depths, not empty, into slabs.
+    void set_slabs(const DepthRange& range, SlabCell& cell) const;
+    /// The same, and sorts the splats found by cell and slab.
+    void divide(int t, const DepthRange& range, SlabBuffers& buffers) const;
+    /// Places the buffers' cell at cell n of tile t, with its splats.
+    /// returns  whether there is any
+    bool begin_cell(int t, int n, SlabBuffers& buffers) const;
+    /// Sums of the cell over all slabs.
+    void sum_cell(SlabBuffers& buffers) const;
+    /// Makes pixels of the sums of a cell, and sets these to 0.
+    void finish_cell(SlabCell& cell, Rgba* image) const;
+    /// Draws tile t.
+    void draw_tile(int t, SlabBuffers& buffers, Rgba* image) const;
+    /// Sets the image position of cell n of tile t.
+    /// returns  whether it lies in the image
+    bool place_cell(int t, int n, SlabCell& cell) const;
+
+    const ProjectedSplats& tiles() const { return batches.front().splats; }
+
+  private:
+    void write(const SlabCell& cell, Rgba* image) const;
+};
+
+}  // namespace vog::splat
