@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <new>
 #include <thread>
 
 namespace vog::mpi {
@@ -47,7 +48,8 @@ Ranks::Ranks(int* argc, char*** argv) {
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     threads_per_rank_ = std::max(1, cores / ranks_on_this_machine());
     collective_ = {rank_, count_, [this](std::span<double> values) { sum(values); },
-                   [this](std::span<double> values) { max(values); }};
+                   [this](std::span<double> values) { max(values); },
+                   [this](const auto& to) { return exchange(to); }};
 }
 
 Ranks::~Ranks() { MPI_Finalize(); }
@@ -139,6 +141,38 @@ std::string Ranks::from_root(std::string text) const {
     agree();
     broadcast(text, 0, rank_);
     return text;
+}
+
+std::vector<std::vector<float>> Ranks::exchange(const std::vector<std::vector<float>>& to) const {
+    const auto ranks = static_cast<std::size_t>(count_), self = static_cast<std::size_t>(rank_);
+    std::vector<std::uint64_t> sent(ranks), received(ranks);
+    std::ranges::transform(to, sent.begin(), [](const auto& one) { return one.size(); });
+    agree();
+    MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, received.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+    // A rank without memory for this must not leave the others waiting.
+    std::vector<std::vector<float>> from(ranks);
+    Failure failure;
+    try {
+        for (std::size_t n = 0; n < ranks; ++n) from[n].resize(received[n]);
+    } catch (const std::bad_alloc&) {
+        failure = {1, "out of memory"};
+    }
+    agree(failure);
+    std::vector<MPI_Request> requests;
+    const auto start = [&](auto* values, std::size_t size, std::size_t other, auto begin) {
+        in_runs(size, [&](std::size_t first, int count) {
+            begin(values + first, count, MPI_FLOAT, static_cast<int>(other), 0, MPI_COMM_WORLD,
+                  &requests.emplace_back());
+        });
+    };
+    for (std::size_t n = 0; n < ranks; ++n) {
+        if (n == self) continue;
+        start(from[n].data(), from[n].size(), n, MPI_Irecv);
+        start(to[n].data(), to[n].size(), n, MPI_Isend);
+    }
+    from[self] = to[self];
+    MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+    return from;
 }
 
 void Ranks::sum_at_first(DepthImage& depth) const {

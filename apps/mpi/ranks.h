@@ -51,7 +51,7 @@ class Ranks {
 
     // Collective operations. All throw Ended as agree() does.
 
-    /// The two all-reduces of the library's conversions.
+    /// The operations of the library's conversions and pictures.
     const Collective& collective() const { return collective_; }
 
     /// Element-wise sums over all ranks: the same bytes on each.
@@ -65,6 +65,9 @@ class Ranks {
     /// One value per rank, in the order of ranks, on every rank.
     std::vector<std::uint64_t> gather(std::uint64_t value) const;
     std::vector<std::string> gather(const std::string& text) const;
+    /// All-to-all: sends to[n] to rank n.
+    /// returns  [ranks] received from each
+    std::vector<std::vector<float>> exchange(const std::vector<std::vector<float>>& to) const;
     /// Broadcast: the root's text on every rank.
     std::string from_root(std::string text) const;
     /// Sums T of all ranks' images, which have one size, into the root's, in double precision; the

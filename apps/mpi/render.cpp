@@ -1,6 +1,6 @@
 // render.cpp: vog-mpi render: sort-last parallel rendering without an order: every rank renders its
-// part, the images of T are summed on the root, and the root shades. A sequence is divided by
-// pictures instead.
+// part, the images of T (or slabs of light, or moments of a field) are summed, and the root shades. A
+// sequence is divided by pictures instead.
 #include <fmt/core.h>
 
 #include <memory>
@@ -107,13 +107,16 @@ void add_render(CLI::App& app, const Ranks& ranks) {
                           const CLI::App& command) {
         return load_part(drawing, extinction, command, ranks);
     };
+    hooks.load_models = [&ranks](const std::vector<std::string>& files) {
+        return read_models_part(files, ranks);
+    };
+    hooks.collective = ranks.collective();
     hooks.is_root = ranks.first();
     // Pictures of a sequence: each is rendered by one rank alone.
     hooks.assigned = [&ranks](const std::vector<std::string>& files) {
         return whole_files_of(files, ranks);
     };
     hooks.box_union = [&ranks](const Box& box) { return ranks.box_union(box); };
-    hooks.allreduce_max = [&ranks](double value) { return ranks.max(value); };
     hooks.allgather = [&ranks](const std::string& text) { return ranks.gather(text); };
     cli::add_render(app, arguments, hooks);
 }

@@ -55,6 +55,26 @@ TEST_F(volume_pictures_command, show_bands_over_a_background) {
     EXPECT_NEAR(middle("band.exr").r, 0.6, 1e-3);
 }
 
+TEST_F(volume_pictures_command, have_a_colour_bar_over_the_range_of_values) {
+    write_ramp("ramp.vdb");
+    const std::string render = "render ramp.vdb --show volume --size 96 --band 2,4,red,1 -o ";
+    must(render + "plain.exr");
+    must(render + "bar.exr --color-bar --title ramp");
+    const Image plain = read_image(dir_ / "plain.exr"), bar = read_image(dir_ / "bar.exr");
+    ASSERT_GT(bar.width, plain.width);
+    ASSERT_GT(bar.height, plain.height);
+    // Values from 1 to 8: red is two sevenths of the bar, from the bottom a seventh up.
+    std::vector<int> red;
+    for (int y = 0; y < bar.height; ++y) {
+        const Rgba at = bar.at(plain.width + 12, y);
+        if (at.r > 0.9f && at.g < 0.1f) red.push_back(y);
+    }
+    ASSERT_FALSE(red.empty());
+    const double rows = plain.height - 8.0;  // without gaps of 4 pixels
+    EXPECT_NEAR(static_cast<double>(red.size()), rows * 2 / 7, 2);
+    EXPECT_NEAR(bar.height - 4 - red.back(), rows / 7, 2);
+}
+
 TEST_F(volume_pictures_command, find_a_unit_distance_that_their_flags_repeat) {
     write_ramp("ramp.vdb");
     const std::string render = "render ramp.vdb -o ramp.exr --show volume --size 48 ";

@@ -33,8 +33,6 @@ TEST_F(mpi_failure, picture_that_cannot_be_written_ends_all) {
 
 TEST_F(mpi_failure, wrong_usage_is_reported_once) {
     must_fail_mpi(2, "-n 3 COMMAND render c.vdb -o c.png --size none", "--size");
-    must_fail_mpi(2, "-n 2 COMMAND render c.vdb c.vdb -o all/ --show volume",
-                  "--show volume: is of one process, expected vog render");
     must_fail_mpi(2, "-n 2 COMMAND", "subcommand");
 }
 

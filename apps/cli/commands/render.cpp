@@ -2,7 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
@@ -66,9 +68,6 @@ Box box_of_all(const RenderArguments& arguments, const std::vector<bool>& assign
 Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
                      const RenderRanks& ranks) {
     const QuantityArguments& quantity = arguments.quantity;
-    if ((quantity.of_field() || quantity.volume() || quantity.maximum()) && ranks.allreduce_max)
-        throw CLI::ValidationError("--show " + quantity.show +
-                                   ": is of one process, expected vog render");
     if (!arguments.depth_output.empty() && !is_sequence(arguments.depth_output))
         throw CLI::ValidationError("--depth-out takes a folder where -o does");
     if (!quantity.values_output.empty() && !is_sequence(quantity.values_output))
@@ -89,24 +88,24 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     if (!ranks.is_root) one.view.save_camera.clear();
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
-        double extinction = 0, low = 0, high = 0, unit_distance = 0;
+        // Extinction, range and unit distance. Only the rank that renders the first picture has them.
+        std::array<double, 4> figures;
+        figures.fill(-std::numeric_limits<double>::infinity());
         if (assigned[n]) {
             one.drawing.inputs = {frames[n].input};
             one.output = frames[n].output;
             if (!depths.empty()) one.depth_output = depths[n].output;
             if (!values.empty()) one.quantity.values_output = values[n].output;
             const RenderedPicture picture = render(one, command).value();
-            extinction = picture.extinction;
-            if (picture.scale) low = picture.scale->low, high = picture.scale->high;
-            unit_distance = picture.unit_distance.value_or(0);
+            const ColorScale scale = picture.scale.value_or(ColorScale{});
+            figures = {picture.extinction, scale.low, scale.high,
+                       picture.unit_distance.value_or(0)};
             own.push_back(report_of(n, picture));
             if (!arguments.json && !ranks.allgather) print_line(own.back().line);
         }
         if (n > 0) continue;
-        // Only the rank that rendered the first picture has its figures; the others have 0.
-        if (ranks.allreduce_max)
-            for (double* figure : {&extinction, &low, &high})
-                *figure = ranks.allreduce_max(*figure);
+        ranks.collective.max(figures);
+        const auto [extinction, low, high, unit_distance] = figures;
         one.color.extinction = fmt::format("{:.17g}", extinction);
         one.later_frame = true;
         if (quantity.volume()) one.value.unit_distance = unit_distance;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields/divided_models.h"
 #include "fields/value_maps.h"
 #include "fields/volume_fields.h"
 #include "shared/render_run.h"
@@ -26,8 +27,7 @@ struct FieldDrawing {
 /// throws CLI::ValidationError and vog::Error for options and renderers that do not draw fields
 void check(const RenderArguments& arguments, const Drawing& drawing, const RenderRanks& ranks) {
     const std::string show = "--show " + arguments.quantity.show;
-    if (ranks.allreduce_max || !ranks.is_root)
-        throw CLI::ValidationError(show + ": is of one process, expected vog render");
+    require_addable(arguments, drawing, ranks);
     const std::string& input = arguments.drawing.inputs.front();
     if (drawing.kind == FileKind::points)
         throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
@@ -47,14 +47,49 @@ void check(const RenderArguments& arguments, const Drawing& drawing, const Rende
                         show));
 }
 
-FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
+/// Maps of a model's field, of all parts on the root.
+using DrawMaps = std::function<FieldMaps(const FieldChoice&, const Camera&, Size, const Progress&)>;
+
+/// Maps of the joint root mean square of a vector field, by its components: its deviation is about the joint mean.
+FieldMaps joint_magnitude(const DrawMaps& draw, const std::string& field, const Camera& camera,
+                          Size size, const Progress& progress, const RenderRanks& ranks) {
+    FieldMaps all;
+    for (const FieldPart part : {FieldPart::x, FieldPart::y, FieldPart::z}) {
+        FieldMaps one = draw({field, part}, camera, size, progress);
+        join_maps(one, ranks);
+        const bool first = all.column.empty();
+        for (std::size_t n = 0; n < one.column.size(); ++n) {
+            const float square = one.deviation[n] * one.deviation[n];
+            one.mean[n] = one.mean[n] * one.mean[n] + square + (first ? 0 : all.mean[n]);
+            one.deviation[n] = square + (first ? 0 : all.deviation[n]);
+        }
+        all = std::move(one);
+    }
+    for (auto* squares : {&all.mean, &all.deviation})
+        for (float& value : *squares) value = std::sqrt(value);
+    return all;
+}
+
+/// Maps of all parts, on the root.
+FieldMaps joint_maps(const DrawMaps& draw, const FieldChoice& choice, const Camera& camera,
+                     Size size, const Progress& progress, const RenderRanks& ranks) {
+    if (choice.part == FieldPart::magnitude && ranks.divided())
+        return joint_magnitude(draw, choice.field, camera, size, progress, ranks);
+    FieldMaps maps = draw(choice, camera, size, progress);
+    join_maps(maps, ranks);
+    return maps;
+}
+
+FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
+                        const RenderRanks& ranks) {
     const DrawingArguments& given = arguments.drawing;
     const bool splats = drawing.renderer == Renderer::splat;
     const auto hierarchy = std::make_shared<Hierarchy>();
-    const auto model =
-        std::make_shared<Gaussians>(load_models(given.inputs, splats ? hierarchy.get() : nullptr));
+    const auto model = std::make_shared<Gaussians>(
+        load_model_part(arguments, drawing, ranks, splats ? hierarchy.get() : nullptr));
     // A model without a hierarchy gets one where --pixel-error is given.
-    if (splats && hierarchy->empty() && given.pixel_error) *hierarchy = build_hierarchy(*model);
+    if (splats && hierarchy->empty() && given.pixel_error && model->size() > 0)
+        *hierarchy = build_hierarchy(*model);
     const FieldChoice choice = [&] {
         try {
             return field_choice(arguments.quantity.field, model->fields);
@@ -66,16 +101,15 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
     const ScalarField* scalar = model->fields.find_scalar(choice.field);
     made.unit = scalar ? scalar->unit : model->fields.find_vector(choice.field)->unit;
     made.label = field_label(choice);
-    drawing.box = view_box(*model);
-    drawing.gaussians = model->size();
-    set_primitives_text(drawing, 0);
+    DrawMaps draw;
     if (drawing.renderer == Renderer::trace) {
         TraceOptions options;
         options.anyhit = given.anyhit == "collect" ? AnyHit::collect : AnyHit::accumulate;
         const TraceSceneOptions scene{given.aabb_sigma, given.kappa};
-        made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {
+        draw = [=](const FieldChoice& shown, const Camera& camera, Size size,
+                   const Progress& progress) mutable {
             options.progress = progress;
-            return render_field_trace(*model, choice, camera, size.width, size.height, options,
+            return render_field_trace(*model, shown, camera, size.width, size.height, options,
                                       scene);
         };
     } else {
@@ -85,16 +119,19 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing) {
         if (!hierarchy->empty()) {
             options.hierarchy = hierarchy.get();
             options.cut.pixel_error = given.pixel_error.value_or(options.cut.pixel_error);
-            made.cut = std::make_shared<CutReport>();
+            if (!ranks.divided()) made.cut = std::make_shared<CutReport>();
         }
-        made.draw = [=, cut = made.cut](const Camera& camera, Size size,
-                                        const Progress& progress) mutable {
+        draw = [=, cut = made.cut](const FieldChoice& shown, const Camera& camera, Size size,
+                                   const Progress& progress) mutable {
             options.progress = progress;
             (void)hierarchy;  // the options point to it
-            return render_field_splat(*model, choice, camera, size.width, size.height, options,
+            return render_field_splat(*model, shown, camera, size.width, size.height, options,
                                       cut.get());
         };
     }
+    made.draw = [=](const Camera& camera, Size size, const Progress& progress) {
+        return joint_maps(draw, choice, camera, size, progress, ranks);
+    };
     made.drawing = std::move(drawing);
     return made;
 }
@@ -182,54 +219,42 @@ void write_numbers(const std::string& file, const FieldMaps& maps,
 
 std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
                                             const CLI::App& command, const RenderRanks& ranks) {
-    const QuantityArguments& quantity = arguments.quantity;
-    const Size size = parse_size(arguments.size);
-    const TransferFunction tf = load_transfer_function(arguments.color.tf);
-    (void)shading_of(arguments.color);  // checks --background
-    const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose);
-    const FieldDrawing field = stages.run("load", [&] {
+    return render_map(arguments, command, ranks, [&] {
         Drawing drawing = begin_drawing(arguments.drawing, command);
         check(arguments, drawing, ranks);
-        return drawing.kind == FileKind::model ? load_model(arguments, std::move(drawing))
-                                               : load_volume_field(arguments, std::move(drawing));
+        FieldDrawing field = drawing.kind == FileKind::model
+                                 ? load_model(arguments, std::move(drawing), ranks)
+                                 : load_volume_field(arguments, std::move(drawing));
+        const QuantityArguments& quantity = arguments.quantity;
+        const bool is_mean = quantity.show == "mean";
+        const auto maps = std::make_shared<FieldMaps>();
+        MapDrawing made;
+        made.draw = [=, draw = field.draw](const Camera& camera, Size size,
+                                           const Progress& progress) {
+            *maps = draw(camera, size, progress);
+        };
+        made.picture = [=, &arguments, &quantity, label = field.label, unit = field.unit,
+                        cut = field.cut] {
+            require_finite(*maps, arguments.drawing.inputs.front());
+            const std::vector<float>& shown = is_mean ? maps->mean : maps->deviation;
+            const auto fixed = fixed_scale(quantity);
+            MapPicture picture{
+                is_mean ? label : "deviation of " + label,
+                unit,
+                visible_values(*maps, shown, quantity.least_column),
+                shown,
+                DepthImage(maps->width, maps->height),
+                fixed ? *fixed : fitted_scale(values_for_scale(*maps, shown), quantity.fit())};
+            picture.covered.depth = maps->column;
+            if (cut) picture.cut = *cut;
+            return picture;
+        };
+        made.write = [=](const std::string& file) {
+            write_numbers(file, *maps, is_mean ? maps->mean : maps->deviation);
+        };
+        made.drawing = std::move(field.drawing);
+        return made;
     });
-    const Drawing& drawing = field.drawing;
-    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
-                                      double(size.width) / size.height);
-    const Progress progress = arguments.repeat ? Progress{} : stages.progress();
-    FieldMaps maps;
-    std::vector<double> render_ms = stages.run("render", [&] {
-        return timed(arguments, [&] { maps = field.draw(camera, size, progress); });
-    });
-    require_finite(maps, arguments.drawing.inputs.front());
-    const std::vector<float>& shown = quantity.show == "mean" ? maps.mean : maps.deviation;
-    const ColorScale scale = [&] {
-        const auto fixed = fixed_scale(quantity);
-        return fixed ? *fixed : fitted_scale(values_for_scale(maps, shown), quantity.fit());
-    }();
-    const std::string name = quantity.show == "mean" ? field.label : "deviation of " + field.label;
-    const std::string unit = quantity.units.empty() ? field.unit : quantity.units;
-    if (!arguments.output.empty()) {
-        const std::string label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
-        const Image image = stages.run("shade", [&] {
-            return map_picture(arguments, visible_values(maps, shown, quantity.least_column), tf,
-                               scale, label);
-        });
-        stages.run("save", [&] { write_image(arguments.output, image); });
-    }
-    if (!quantity.values_output.empty()) write_numbers(quantity.values_output, maps, shown);
-    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
-    DepthImage column(maps.width, maps.height);
-    column.depth = maps.column;
-    RenderedPicture picture =
-        figures_of(arguments, drawing, column, std::move(render_ms), stages, scale);
-    set_figures(arguments, shown, scale, picture);
-    if (field.cut) picture.cut = *field.cut;
-    picture.quantity = name;
-    picture.units = unit;
-    picture.camera = camera;
-    return picture;
 }
 
 }  // namespace vog::cli

@@ -17,7 +17,8 @@ using DrawMaximum = std::function<ValueMap(const Camera&, Size, const Progress&)
 
 /// The renderers of maxima: the one place that knows them.
 /// throws  CLI::ValidationError for options that are of others
-DrawMaximum maximum_renderer(const RenderArguments& arguments, const ValueInputs& inputs) {
+DrawMaximum maximum_renderer(const RenderArguments& arguments, const ValueInputs& inputs,
+                             const RenderRanks& ranks) {
     const DrawingArguments& given = arguments.drawing;
     const Clipping clip = clip_of(given);
     const std::string field = inputs.label;
@@ -45,6 +46,7 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, const ValueInputs
     options.slabs = arguments.value.slabs.value_or(kMaximumSlabs);
     options.kappa = given.kappa;
     options.look.clip = clip;
+    if (ranks.divided()) options.collective = &ranks.collective;
     return [=, model = inputs.model](const Camera& camera, Size size, const Progress& progress) {
         ValueMap map =
             render_maximum_splat(*model, field, camera, size.width, size.height, options);
@@ -74,41 +76,30 @@ void write_maximum(const std::string& file, const ValueMap& map) {
 
 std::optional<RenderedPicture> render_maximum(const RenderArguments& arguments,
                                               const CLI::App& command, const RenderRanks& ranks) {
-    const QuantityArguments& quantity = arguments.quantity;
-    const Size size = parse_size(arguments.size);
-    const TransferFunction tf = load_transfer_function(arguments.color.tf);
-    (void)shading_of(arguments.color);  // checks --background
-    const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose);
-    const ValueInputs inputs =
-        stages.run("load", [&] { return load_values(arguments, command, ranks); });
-    const DrawMaximum draw = maximum_renderer(arguments, inputs);
-    const Drawing& drawing = inputs.drawing;
-    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
-                                      double(size.width) / size.height);
-    const Progress progress = arguments.repeat ? Progress{} : stages.progress();
-    ValueMap map;
-    std::vector<double> render_ms = stages.run(
-        "render", [&] { return timed(arguments, [&] { map = draw(camera, size, progress); }); });
-    const auto fixed = fixed_scale(quantity);
-    const ColorScale scale = fixed ? *fixed : fitted_scale(map.value, quantity.fit());
-    const std::string name = "maximum of " + inputs.label;
-    const std::string unit = quantity.units.empty() ? inputs.unit : quantity.units;
-    if (!arguments.output.empty()) {
-        const std::string label = unit.empty() ? name : fmt::format("{} [{}]", name, unit);
-        const Image image =
-            stages.run("shade", [&] { return map_picture(arguments, map, tf, scale, label); });
-        stages.run("save", [&] { write_image(arguments.output, image); });
-    }
-    if (!quantity.values_output.empty()) write_maximum(quantity.values_output, map);
-    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
-    RenderedPicture picture =
-        figures_of(arguments, drawing, covered_pixels(map), std::move(render_ms), stages, scale);
-    set_figures(arguments, map.value, scale, picture);
-    picture.quantity = name;
-    picture.units = unit;
-    picture.camera = camera;
-    return picture;
+    return render_map(arguments, command, ranks, [&] {
+        ValueInputs inputs = load_values(arguments, command, ranks);
+        const auto map = std::make_shared<ValueMap>();
+        MapDrawing made;
+        made.draw = [=, draw = maximum_renderer(arguments, inputs, ranks)](
+                        const Camera& camera, Size size, const Progress& progress) {
+            *map = draw(camera, size, progress);
+        };
+        made.picture = [=, &quantity = arguments.quantity, label = inputs.label,
+                        unit = inputs.unit] {
+            const auto fixed = fixed_scale(quantity);
+            return MapPicture{
+                "maximum of " + label,
+                unit,
+                *map,
+                map->value,
+                covered_pixels(*map),
+                fixed ? *fixed : fitted_scale(map->value, quantity.fit()),
+            };
+        };
+        made.write = [=](const std::string& file) { write_maximum(file, *map); };
+        made.drawing = std::move(inputs.drawing);
+        return made;
+    });
 }
 
 }  // namespace vog::cli

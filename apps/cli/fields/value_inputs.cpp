@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields/divided_models.h"
 #include "fields/volume_fields.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
@@ -18,8 +19,7 @@ namespace {
 void check_by_value(const RenderArguments& arguments, const CLI::App& command,
                     const Drawing& drawing, const RenderRanks& ranks) {
     const std::string show = "--show " + arguments.quantity.show;
-    if (ranks.allreduce_max || !ranks.is_root)
-        throw CLI::ValidationError(show + ": is of one process, expected vog render");
+    require_addable(arguments, drawing, ranks);
     if (command.count("--pixel-error"))
         throw CLI::ValidationError("--pixel-error: is of T and column density");
     const std::string& input = arguments.drawing.inputs.front();
@@ -57,14 +57,12 @@ const ScalarField& field_of(const Fields& fields, const std::string& name, const
                             name.empty() ? "" : fmt::format(" '{}'", printable(name)), has));
 }
 
-ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing) {
+ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,
+                              const RenderRanks& ranks) {
     const std::string& input = arguments.drawing.inputs.front();
-    const auto model = std::make_shared<Gaussians>(load_models(arguments.drawing.inputs));
+    const auto model = std::make_shared<Gaussians>(load_model_part(arguments, drawing, ranks));
     const ScalarField& field =
         field_of(model->fields, arguments.quantity.field, input, arguments.quantity.show);
-    drawing.box = view_box(*model);
-    drawing.gaussians = model->size();
-    set_primitives_text(drawing, 0);
     return {std::move(drawing), field.name, field.unit, field.lower, field.upper, model, {}};
 }
 
@@ -177,7 +175,7 @@ ValueInputs load_values(const RenderArguments& arguments, const CLI::App& comman
                         const RenderRanks& ranks) {
     Drawing drawing = begin_drawing(arguments.drawing, command);
     check_by_value(arguments, command, drawing, ranks);
-    return drawing.kind == FileKind::model ? load_model_values(arguments, std::move(drawing))
+    return drawing.kind == FileKind::model ? load_model_values(arguments, std::move(drawing), ranks)
                                            : load_volume_values(arguments, std::move(drawing));
 }
 

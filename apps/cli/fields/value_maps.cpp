@@ -1,28 +1,39 @@
-// value_maps.cpp: pictures and figures of maps of values.
+// value_maps.cpp: one map of values from inputs to files.
 #include "fields/value_maps.h"
+
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace vog::cli {
 
-Image map_picture(const RenderArguments& arguments, const ValueMap& map, const TransferFunction& tf,
-                  const ColorScale& scale, const std::string& label) {
+namespace {
+
+/// The picture of a map with --color-bar and --title.
+Image colored(const RenderArguments& arguments, const MapPicture& map, const TransferFunction& tf) {
     const ShadeOptions shading = shading_of(arguments.color);
-    const Image image = shade_map(map, tf, scale, shading);
+    const Image image = shade_map(map.shown, tf, map.scale, shading);
     const QuantityArguments& given = arguments.quantity;
     if (!given.color_bar && given.title.empty()) return image;
-    return annotated(image, tf, scale, {given.title, label, given.color_bar}, shading.background);
+    const std::string label =
+        map.unit.empty() ? map.name : fmt::format("{} [{}]", map.name, map.unit);
+    return annotated(image, tf, map.scale, {given.title, label, given.color_bar},
+                     shading.background);
 }
 
-void set_figures(const RenderArguments& arguments, const std::vector<float>& shown,
-                 const ColorScale& scale, RenderedPicture& picture) {
-    picture.scale = scale;
-    picture.above_range = share_above(shown, scale.high);
+/// Figures of the shown values in place of T's.
+void set_figures(const RenderArguments& arguments, const MapPicture& map,
+                 RenderedPicture& picture) {
+    picture.quantity = map.name;
+    picture.units = map.unit;
+    picture.scale = map.scale;
+    picture.above_range = share_above(map.values, map.scale.high);
     picture.values_output = arguments.quantity.values_output;
+    if (map.cut) picture.cut = map.cut;
     double sum = 0, most = -HUGE_VAL;
     std::size_t count = 0;
-    for (const float value : shown) {
+    for (const float value : map.values) {
         if (std::isnan(value)) continue;
         ++count;
         sum += double{value};
@@ -30,6 +41,40 @@ void set_figures(const RenderArguments& arguments, const std::vector<float>& sho
     }
     picture.mean_t = count ? sum / static_cast<double>(count) : 0;
     picture.max_t = count ? most : 0;
+}
+
+}  // namespace
+
+std::optional<RenderedPicture> render_map(const RenderArguments& arguments, const CLI::App& command,
+                                          const RenderRanks& ranks,
+                                          const std::function<MapDrawing()>& load) {
+    const QuantityArguments& quantity = arguments.quantity;
+    const Size size = parse_size(arguments.size);
+    const TransferFunction tf = load_transfer_function(arguments.color.tf);
+    (void)shading_of(arguments.color);  // checks --background
+    const ThreadLimit limit(arguments.threads);
+    Stages stages(arguments.verbose && ranks.is_root);
+    const MapDrawing loaded = stages.run("load", load);
+    const Drawing& drawing = loaded.drawing;
+    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
+                                      double(size.width) / size.height);
+    const Progress progress = arguments.repeat ? Progress{} : stages.progress();
+    std::vector<double> render_ms = stages.run(
+        "render", [&] { return timed(arguments, [&] { loaded.draw(camera, size, progress); }); });
+    if (!ranks.is_root) return std::nullopt;
+    MapPicture map = loaded.picture();
+    if (!quantity.units.empty()) map.unit = quantity.units;
+    if (!arguments.output.empty()) {
+        const Image image = stages.run("shade", [&] { return colored(arguments, map, tf); });
+        stages.run("save", [&] { write_image(arguments.output, image); });
+    }
+    if (!quantity.values_output.empty()) loaded.write(quantity.values_output);
+    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
+    RenderedPicture picture =
+        figures_of(arguments, drawing, map.covered, std::move(render_ms), stages, map.scale);
+    set_figures(arguments, map, picture);
+    picture.camera = camera;
+    return picture;
 }
 
 }  // namespace vog::cli

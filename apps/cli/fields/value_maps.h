@@ -1,6 +1,8 @@
-// value_maps.h: pictures and figures of maps of values, which are NaN where nothing is shown.
+// value_maps.h: pictures of maps of values, which are NaN where nothing is shown, from inputs to files and their report.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,13 +11,28 @@
 
 namespace vog::cli {
 
-/// The picture of a map with --color-bar and --title.
-/// label  of the colour bar
-Image map_picture(const RenderArguments& arguments, const ValueMap& map, const TransferFunction& tf,
-                  const ColorScale& scale, const std::string& label);
+/// A map that was drawn.
+struct MapPicture {
+    std::string name, unit;     ///< of the shown number: "deviation of temperature", "K"
+    ValueMap shown;             ///< coloured
+    std::vector<float> values;  ///< of the figures in reports
+    DepthImage covered;         ///< > 0 where reports count a pixel
+    ColorScale scale;
+    std::optional<CutReport> cut{};
+};
 
-/// Figures of the shown values in place of T's.
-void set_figures(const RenderArguments& arguments, const std::vector<float>& shown,
-                 const ColorScale& scale, RenderedPicture& picture);
+/// Inputs ready for maps.
+struct MapDrawing {
+    Drawing drawing;                                                 ///< for views and reports
+    std::function<void(const Camera&, Size, const Progress&)> draw;  ///< keeps the map
+    std::function<MapPicture()> picture;                             ///< of the map, on the root
+    std::function<void(const std::string& file)> write;              ///< its numbers
+};
+
+/// Loads, draws, colours and saves a map.
+/// returns  figures of the shown values in place of T's; none on ranks other than the root
+std::optional<RenderedPicture> render_map(const RenderArguments& arguments, const CLI::App& command,
+                                          const RenderRanks& ranks,
+                                          const std::function<MapDrawing()>& load);
 
 }  // namespace vog::cli

@@ -2,7 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "fields/divided_models.h"
 #include "fields/value_inputs.h"
 #include "fields/value_transfer_run.h"
 #include "vog/error.h"
@@ -17,7 +19,8 @@ using DrawVolume = std::function<void(const ValueTransfer&, const Camera&, int, 
 
 /// The renderers of models by value: the one place that knows them.
 /// throws  CLI::ValidationError and vog::Error for options and renderers that draw no model by value
-DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& inputs) {
+DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& inputs,
+                          const RenderRanks& ranks) {
     const std::shared_ptr<const Gaussians> model = inputs.model;
     const std::string field = inputs.label;
     const DrawingArguments& given = arguments.drawing;
@@ -41,6 +44,7 @@ DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& i
     options.slabs = arguments.value.slabs.value_or(options.slabs);
     options.kappa = given.kappa;
     options.look = look;
+    if (ranks.divided()) options.collective = &ranks.collective;
     // Made with the first transfer function, then kept for pictures under others.
     const auto kept = std::make_shared<std::optional<SlabRenderer>>();
     return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,
@@ -88,17 +92,44 @@ DepthImage alpha_of(const VolumeImage& picture) {
     return alpha;
 }
 
+/// Colours and opacities over the range, as a colour bar takes them.
+TransferFunction bar_of(const ChosenTransfer& chosen) {
+    constexpr std::size_t kSteps = 1024;  // pixels of a bar, about
+    std::vector<Rgba> colors;
+    for (std::size_t n = 0; n <= kSteps; ++n) {
+        const double value = std::lerp(chosen.lower, chosen.upper, static_cast<double>(n) / kSteps);
+        const ValueLight light = light_of(chosen.transfer, value);
+        const double opacity = -std::expm1(-light.extinction * chosen.transfer.unit_distance);
+        colors.push_back({static_cast<float>(light.r), static_cast<float>(light.g),
+                          static_cast<float>(light.b), static_cast<float>(opacity)});
+    }
+    return sampled_transfer_function(chosen.transfer.name, colors);
+}
+
+/// The picture over the background, with --color-bar and --title.
+Image shown(const RenderArguments& arguments, const VolumeImage& picture,
+            const ChosenTransfer& chosen, const ColorScale& scale, const ValueInputs& inputs) {
+    const ShadeOptions shading = shading_of(arguments.color);
+    Image image = over(picture, shading.background);
+    const QuantityArguments& given = arguments.quantity;
+    if (!given.color_bar && given.title.empty()) return image;
+    const std::string label =
+        inputs.unit.empty() ? inputs.label : fmt::format("{} [{}]", inputs.label, inputs.unit);
+    return annotated(image, bar_of(chosen), scale, {given.title, label, given.color_bar},
+                     shading.background);
+}
+
 }  // namespace
 
 std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
                                              const CLI::App& command, const RenderRanks& ranks) {
     const Size size = parse_size(arguments.size);
-    const ShadeOptions shading = shading_of(arguments.color);
+    (void)shading_of(arguments.color);  // checks --background
     const ThreadLimit limit(arguments.threads);
-    Stages stages(arguments.verbose);
+    Stages stages(arguments.verbose && ranks.is_root);
     ValueInputs volume = stages.run("load", [&] { return load_values(arguments, command, ranks); });
-    const DrawVolume drawn =
-        volume.model ? model_renderer(arguments, volume) : volume_renderer(arguments, volume);
+    const DrawVolume drawn = volume.model ? model_renderer(arguments, volume, ranks)
+                                          : volume_renderer(arguments, volume);
     Drawing& drawing = volume.drawing;
     const Box box = arguments.box.value_or(drawing.box);
     const Camera camera =
@@ -110,11 +141,12 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
                               int height) {
             VolumeImage small;
             drawn(transfer, from, width, height, {}, small);
+            broadcast(small, ranks);  // all choose alike
             return small;
         };
         return choose_transfer(arguments, command, data, draw, camera, size);
     });
-    print_notes(chosen.notes);
+    if (ranks.is_root) print_notes(chosen.notes);
     drawing.notes.insert(drawing.notes.end(), chosen.notes.begin(), chosen.notes.end());
 
     const Progress progress = arguments.repeat ? Progress{} : stages.progress();
@@ -124,10 +156,14 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
             drawn(chosen.transfer, camera, size.width, size.height, progress, image);
         });
     });
-    if (!arguments.output.empty())
-        stages.run("save", [&] { write_image(arguments.output, over(image, shading.background)); });
-    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
+    if (!ranks.is_root) return std::nullopt;
     const ColorScale scale{ColorScale::Kind::linear, chosen.lower, chosen.upper};
+    if (!arguments.output.empty()) {
+        const Image finished =
+            stages.run("shade", [&] { return shown(arguments, image, chosen, scale, volume); });
+        stages.run("save", [&] { write_image(arguments.output, finished); });
+    }
+    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
     RenderedPicture picture =
         figures_of(arguments, drawing, alpha_of(image), std::move(render_ms), stages, scale);
     picture.quantity = "volume of " + volume.label;

@@ -110,9 +110,8 @@ void check_quantity_options(const QuantityArguments& arguments, const CLI::App& 
                    "is of column density and fields, expected --show column, mean or "
                    "deviation");
     } else if (arguments.volume()) {
-        for (const char* option :
-             {"--scale", "--log", "--units", "--color-bar", "--title", "--least-column",
-              "--values-out", "--depth-out", "--extinction", "--blend"})
+        for (const char* option : {"--scale", "--log", "--units", "--least-column", "--values-out",
+                                   "--depth-out", "--extinction", "--blend"})
             refuse(option, "does not go with --show volume");
     } else {
         refuse("--extinction", "column density and fields have none, expected it with --show T");

@@ -20,6 +20,7 @@
 #include "options/value_options.h"
 #include "shared/drawing.h"
 #include "shared/terminal.h"
+#include "vog/distributed.h"
 #include "vog/lod.h"
 #include "vog/trace.h"
 
@@ -91,13 +92,18 @@ struct RenderRanks {
     std::function<Drawing(const DrawingArguments&, std::optional<double> extinction,
                           const CLI::App&)>
         load = load_drawing;
-    bool is_root = true;  ///< the rank that shades, writes and reports
+    /// Reads this rank's part of models, with the box of the whole, for pictures of fields.
+    std::function<Gaussians(const std::vector<std::string>&)> load_models{};
+    Collective collective{};  ///< operations between the ranks
+    bool is_root = true;      ///< the rank that shades, writes and reports
     /// Inputs of a sequence that this rank renders alone: one flag per input. Empty: all of them.
     std::function<std::vector<bool>(const std::vector<std::string>&)> assigned{};
-    std::function<Box(const Box&)> box_union{};     ///< bounding box of all ranks' boxes
-    std::function<double(double)> allreduce_max{};  ///< maximum over all ranks
+    std::function<Box(const Box&)> box_union{};  ///< bounding box of all ranks' boxes
     /// One text per rank, on every rank. Empty: a single process.
     std::function<std::vector<std::string>(const std::string&)> allgather{};
+
+    /// Whether several ranks hold parts of one input.
+    bool divided() const { return collective.count > 1; }
 };
 /// Renders and writes one picture.
 /// returns  its figures; none on ranks other than the root
