@@ -114,7 +114,7 @@ struct SlabKernels {
     /// Adds all splats.
     void (*sum)(const CellSplats& splats, SlabCell& cell);
     /// Adds the splats that begin in a slab, composites the slab, and goes on to the next, as long as one of the
-    /// pixels is not dark. Empties the runs.
+    /// pixels is not dark. Empties the runs; sums behind the last slab stay.
     void (*draw)(const CellSplats& splats, SlabCell& cell);
     /// Composites sums.
     void (*composite)(const CameraFrame& frame, SlabCell& cell);

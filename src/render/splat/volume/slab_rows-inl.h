@@ -262,12 +262,11 @@ HWY_INLINE void add_splat(D d, const FarSplat& s, const SlabSplat& light, const 
     }
 }
 
-/// Composites a slab behind those before.
+/// Composites a slab behind those before, and sets its sums to 0 while they are in the cache.
 /// length   |D| of the pixels
 /// returns  whether all pixels are dark
 template <class D>
-HWY_INLINE bool composite_slab(D d, const SlabSums& sums, const CellPixels& length,
-                               SlabCell& cell) {
+HWY_INLINE bool composite_slab(D d, SlabSums& sums, const CellPixels& length, SlabCell& cell) {
     using V = hn::Vec<D>;
     const V zero = hn::Zero(d), one = hn::Set(d, 1.0f), dark = hn::Set(d, kDarkTransmittance);
     bool hidden = true;
@@ -296,6 +295,7 @@ HWY_INLINE bool composite_slab(D d, const SlabSums& sums, const CellPixels& leng
             float* color = cell.seen[channel].data() + n;
             hn::Store(hn::MulAdd(weight, light, hn::Load(d, color)), d, color);
         }
+        for (CellPixels& pixels : sums.channel) hn::Store(zero, d, pixels.data() + n);
         const V after = hn::Mul(before, passed);
         hn::Store(after, d, cell.seen[3].data() + n);
         hidden = hidden && hn::AllTrue(d, hn::Lt(after, dark));
@@ -394,9 +394,11 @@ void draw_cell(const CellSplats& splats, SlabCell& cell) {
             }
             if (slab < cell.lowest) continue;
             // A slab is complete once the splats that begin in it are added.
-            if (slab <= cell.highest &&
-                composite_slab(d, cell.sums[static_cast<std::size_t>(slab)], length, cell))
-                return;
+            if (slab <= cell.highest) {
+                cell.lowest = slab + 1;
+                if (composite_slab(d, cell.sums[static_cast<std::size_t>(slab)], length, cell))
+                    return;
+            }
             if (!more && slab >= cell.highest) return;
         }
     });
