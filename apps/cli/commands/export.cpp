@@ -9,7 +9,6 @@
 
 #include "commands.h"
 #include "fields/field_conversion.h"
-#include "fields/page_quantity.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
@@ -17,6 +16,7 @@
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
+#include "values/page_quantity.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/export_html.h"

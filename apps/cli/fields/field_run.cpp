@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "fields/divided_models.h"
-#include "fields/value_maps.h"
 #include "fields/volume_fields.h"
 #include "shared/render_run.h"
+#include "values/value_maps.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
 

@@ -1,5 +1,5 @@
 // value_transfer_run.cpp: transfer functions from options, and the unit distance at which pictures are of use.
-#include "fields/value_transfer_run.h"
+#include "values/value_transfer_run.h"
 
 #include <fmt/core.h>
 

@@ -1,10 +1,10 @@
 // page_quantity.cpp: help and evaluation of the options of a page's first quantity.
-#include "fields/page_quantity.h"
+#include "values/page_quantity.h"
 
 #include <fmt/core.h>
 
-#include "fields/value_transfer_run.h"
 #include "shared/drawing.h"
+#include "values/value_transfer_run.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
 

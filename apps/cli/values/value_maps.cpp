@@ -1,5 +1,5 @@
 // value_maps.cpp: one map of values from inputs to files.
-#include "fields/value_maps.h"
+#include "values/value_maps.h"
 
 #include <fmt/core.h>
 

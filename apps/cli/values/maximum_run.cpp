@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fields/value_inputs.h"
-#include "fields/value_maps.h"
+#include "values/value_inputs.h"
+#include "values/value_maps.h"
 #include "vog/error.h"
 #include "vog/maximum_picture.h"
 

@@ -1,5 +1,5 @@
 // value_inputs.cpp: the field of --field of models and volumes.
-#include "fields/value_inputs.h"
+#include "values/value_inputs.h"
 
 #include <fmt/core.h>
 

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "fields/divided_models.h"
-#include "fields/value_inputs.h"
-#include "fields/value_transfer_run.h"
+#include "values/value_inputs.h"
+#include "values/value_transfer_run.h"
 #include "vog/error.h"
 
 namespace vog::cli {
