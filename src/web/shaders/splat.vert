@@ -36,15 +36,15 @@ uniform vec4 limits;                 // of small Gaussians (render/pixel_limits.
 
 #if defined(SLABS) || defined(RANGES)
 uniform vec2 tile_px;                // size of a tile
+uniform highp sampler2D light_0, light_1, light_2;  // light.vert: powers of z, rows of kLightWidth Gaussians
+const int kLightWidth = 1024;
 #endif
 #ifdef SLABS
 uniform highp sampler2D ranges;      // of each tile: minus the least depth, the largest
 uniform float slabs, first_slab, layers;  // of the picture; those of this pass
-uniform highp sampler2D light_0, light_1, light_2;  // light.vert: powers of z, rows of kLightWidth Gaussians
 uniform float per_extinction;        // density over that of T
 uniform vec4 lighting;               // ambient, diffuse, specular, power; no light: power 0
 uniform vec3 towards_light;          // along right, up and forward; 0: the eye
-const int kLightWidth = 1024;
 #endif
 
 #ifdef RANGES
@@ -208,6 +208,17 @@ float share_of_sum(Shape g, vec3 mean, vec2 center, vec2 a, float b, vec3 toward
 vec3 gradient_of(Shape g, vec3 h) { return vec3(dot(h, g.white_r), dot(h, g.white_u), dot(h, g.white_f)); }
 #endif
 
+#if defined(SLABS) || defined(RANGES)
+vec4 light_in(highp sampler2D image) {
+    return texelFetch(image, ivec2(gl_InstanceID % kLightWidth, gl_InstanceID / kLightWidth), 0);
+}
+
+// Whether the transfer function shows nothing of the Gaussian.
+bool is_dark() {
+    return light_in(light_0) == vec4(0.0) && light_in(light_1) == vec4(0.0) && light_in(light_2) == vec4(0.0);
+}
+#endif
+
 #ifdef SLABS
 // Body and shine of Blinn and Phong's shading (render/by_value/lighting.h); along the camera's axes.
 vec2 shading(vec3 gradient, vec3 towards_eye) {
@@ -224,10 +235,7 @@ vec2 shading(vec3 gradient, vec3 towards_eye) {
 
 // Light of the Gaussian, shaded as the middle of the picture sees it, as far as its plane explains its values.
 void set_light(Shape g, vec3 mean, bool wide) {
-    ivec2 texel = ivec2(gl_InstanceID % kLightWidth, gl_InstanceID / kLightWidth);
-    light_at_0 = texelFetch(light_0, texel, 0);
-    light_at_1 = texelFetch(light_1, texel, 0);
-    light_at_2 = texelFetch(light_2, texel, 0);
+    light_at_0 = light_in(light_0), light_at_1 = light_in(light_1), light_at_2 = light_in(light_2);
     vec3 h = field_plane.yzw;
     float spread2 = dot(h, h), within = limits.z * spread2;
     vec3 gradient = gradient_of(g, h);
@@ -289,6 +297,10 @@ void set_field(Shape g, Shape drawn, vec3 mean, bool wide) {
 #endif
 
 void main() {
+#if defined(SLABS) || defined(RANGES)
+    gl_Position = kNowhere;
+    if (is_dark()) return;
+#endif
     mat3 own_from_world = transpose(rotation_matrix(rotation));
     vec3 mean = vec3(dot(mean_density.xyz, right), dot(mean_density.xyz, up), dot(mean_density.xyz, forward)) - eye;
     float x = mean.x, y = mean.y, z = mean.z;

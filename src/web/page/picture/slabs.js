@@ -88,6 +88,8 @@ export class Slabs {
     gl.clearBufferfv(gl.COLOR, 0, [-60000, -60000, 0, 0]);  // finite in half floats, too
     const used = renderer.program('splat.vert', ['ranges.frag'], 'RANGES');
     renderer.setView(used, model, camera, null);
+    const [light_0, light_1, light_2] = this.light;
+    renderer.sample(used, { light_0, light_1, light_2 });
     used.set('tile_px', ...tile);
     renderer.draw(level.array, level.count, gl.MAX);
   }
