@@ -39,7 +39,7 @@ void main() {
 
     if (step_y_near.w == 0.0) {
         vec2 at = pixel - center_ax_ay.xy;
-        vec3 d = toward_by.xyz + at.x * step_x + at.y * step_y;
+        vec3 d = toward_by.xyz + (1.0 - parallel) * (at.x * step_x + at.y * step_y);
         float c = dot(d, d);
         float a = center_ax_ay.z * at.x + center_ax_ay.w * at.y, b = toward_by.w * at.y;
         float m2 = (a * a + b * b) / c;
