@@ -254,7 +254,43 @@ class Quantities(PageTest):
         self.value("(async () => { for (let n = 0; n < 60; ++n) { vog.change({model: n % 3}); await vog.settled(); } })()")
         self.assertLess(self.value(heap), before + 30e6)
 
+    # --- Around the picture. ---
+
+    def test_the_scale_bar_has_its_length(self):
+        self.browser.viewport(1000, 800)
+        self.open("smoke.html", "#subframes=1")
+        lens = self.value("vog.state.camera")
+        self.value("vog.change({camera: {...vog.state.camera, span: 100}})")
+        pixels = self.value("getComputedStyle(document.getElementById('length')).width")
+        world = float(self.value("document.getElementById('length').textContent"))
+        side = self.value("Math.min(picture.clientWidth, picture.clientHeight)")
+        self.assertAlmostEqual(float(pixels[:-2]) / side, world / 100, delta=0.01)
+        self.value("vog.change({camera: %s})" % json.dumps(lens))
+        self.value("document.getElementById('z-up').click()")
+        self.assertEqual(self.value("vog.state.camera.up"), [0, 0, 1])
+
     # --- What is missing. ---
+
+    def test_a_page_cut_in_half_says_so(self):
+        whole = (self.folder / "smoke.html").read_bytes()
+        (self.folder / "half.html").write_bytes(whole[:len(whole) // 2])
+        self.browser.open(self.folder / "half.html")
+        self.value("new Promise((done) => setTimeout(done, 1700))")
+        self.assertIn("not whole", self.value("document.getElementById('loading').textContent"))
+        self.assertEqual(self.value("getComputedStyle(document.getElementById('loading')).visibility"), "visible")
+        self.open("smoke.html")
+        self.assertIsNone(self.value("document.getElementById('loading')"))
+
+    def test_a_lost_context_brings_the_volume_back(self):
+        self.start("smoke.html")
+        self.change(show="volume", transfers={"0": RAMP})
+        before = self.bytes()
+        self.value("""new Promise((done) => {
+            const loser = picture.getContext('webgl2').getExtension('WEBGL_lose_context');
+            picture.addEventListener('webglcontextlost', () => setTimeout(() => loser.restoreContext()));
+            picture.addEventListener('webglcontextrestored', () => setTimeout(done));
+            loser.loseContext(); })""")
+        self.assertEqual(self.bytes(), before)
 
     def test_a_model_without_fields_offers_none(self):
         vog("export", "smoke.ply", "-o", "bare.html", "--levels", 1, "--no-fields")

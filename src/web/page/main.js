@@ -1,5 +1,5 @@
 // main.js: state of the page, scheduling of frames, loading of levels, commands.
-import { length, mul } from './vectors.js';
+import { length, mul, normalized, sub } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
 import { decodeLevel } from './picture/gaussians.js';
@@ -12,6 +12,7 @@ import { automaticScale, automaticTransfer, fieldKey, fittedUnit, label, numberT
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
+import { Overlay } from './overlay.js';
 import { Player } from './player.js';
 import { remapped } from './editor.js';
 
@@ -20,6 +21,7 @@ const page = JSON.parse(find('page').textContent);
 const sources = Object.fromEntries(
   [...document.querySelectorAll('script[data-shader]')].map((s) => [s.dataset.shader, s.textContent]));
 const canvas = find('picture');
+find('loading').remove();
 const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)').matches;
 
 const state = {
@@ -196,6 +198,7 @@ function time() {
     gl.deleteSync(fence);
     inFlight = false;
     frameMs = performance.now() - start;
+    find('count').title = `${Math.round(frameMs)} ms a frame`;
     if (moving && frameMs > slowMs) ++coarser;
     if (moving && frameMs < fastMs) coarser = Math.max(0, coarser - 1);
     coarser = Math.min(coarser, page.models[state.model].levels.length - 1 - state.level);
@@ -324,7 +327,17 @@ function change(part) {
   redraw();
 }
 
+const overlay = new Overlay(find('length'), find('axes'));
+function showOverlay() {
+  const box = canvas.getBoundingClientRect();
+  find('world').style.right = `calc(${window.innerWidth - box.right}px + 14px)`;
+  find('world').hidden = !state.bar;
+  overlay.show(state.camera, box.width, box.height);
+}
+
 function showControls() {
+  showOverlay();
+  find('z-up').checked = page.upright[2] > 0.5;
   controls.show(state, { scale: scaleNow(), transfer: transferShown() });
   player?.show(state.model, page.models[state.model].name);
   showProbe();
@@ -333,7 +346,7 @@ function showControls() {
 /** Another map in an edited transfer function: its colours over the same values. */
 function recolor() {
   const edited = state.transfers[state.field];
-  if (state.show !== 'volume' || !edited) return;
+  if (!edited) return;
   const [from, to] = [edited.colors[0][0], edited.colors.at(-1)[0]], source = page.models[state.model].fields[state.field];
   const [low, high] = to > from ? [from, to] : [source.lower, source.upper];
   const { colors } = overRange(mapNow(), low, high, 1);
@@ -459,6 +472,14 @@ const look = (axis) => (event) => {
   if (!still()) move(seenFrom(state.camera, box(), axis, event.shiftKey ? -1 : 1, page.upright));
 };
 const home = () => { if (!still()) move(carriedOver(firstView(), box(0), box())); };
+/** The data's vertical, y or z: that of views along the axes, and of the view now. */
+function stand(axis) {
+  page.upright = [0, 1, 2].map((k) => (k === axis ? 1 : 0));
+  if (still()) return change({});
+  const view = normalized(sub(state.camera.at, state.camera.eye));
+  const along = Math.abs(view[axis]) > 0.999;
+  move({ ...state.camera, up: along ? state.camera.up : page.upright });
+}
 const expose = (factor) => () => change({
   exposure: factor ? Math.max(1 / 64, Math.min(64, state.exposure * factor)) : 1,
 });
@@ -475,6 +496,7 @@ const controls = new Controls(page, change, {
   panel: () => change({ panel: !state.panel }),
 });
 
+find('z-up').addEventListener('change', () => stand(find('z-up').checked ? 2 : 1));
 attachKeys({
   w: fly(0, 0, 1), s: fly(0, 0, -1), a: fly(-1, 0, 0), d: fly(1, 0, 0),
   pageup: fly(0, 1, 0), pagedown: fly(0, -1, 0),
@@ -516,6 +538,7 @@ window.addEventListener('hashchange', follow);
 
 /** Sets the canvas to the screen's resolution, at most two pixels per CSS pixel. */
 function fitCanvas() {
+  showOverlay();
   const scale = Math.min(window.devicePixelRatio || 1, 2);
   const width = Math.max(1, Math.round(canvas.clientWidth * scale));
   const height = Math.max(1, Math.round(canvas.clientHeight * scale));

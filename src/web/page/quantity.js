@@ -4,7 +4,7 @@ import { overRange } from './picture/transfer.js';
 /** Numbers of shade.frag. */
 export const quantityNumbers = { T: 0, column: 1, mean: 2, deviation: 3, volume: 4 };
 const names = {
-  T: 'Visibility', column: 'Column density', mean: 'Mean along the ray', deviation: 'Deviation along the ray',
+  T: 'Visibility', column: 'Column density', mean: 'Mean on rays', deviation: 'Deviation on rays',
   volume: 'Volume, by value',
 };
 
