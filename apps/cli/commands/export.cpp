@@ -195,8 +195,6 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
     if (viewed)
         options.camera = camera_from(arguments.view, command,
                                      arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
-    if (viewed && !arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, *options.camera);
     options.steps = arguments.steps;
     std::vector<std::string> chosen;
     options.quantity =
@@ -223,6 +221,8 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
     const HtmlOptions options = page_options(arguments, command, entries.front(), notes);
     const HtmlReport report =
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
+    if (options.camera && !arguments.view.save_camera.empty())
+        write_camera(arguments.view.save_camera, *options.camera);
     return {report_page(arguments, entries, report, stages), report.extinction};
 }
 
