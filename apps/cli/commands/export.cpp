@@ -8,7 +8,7 @@
 #include <optional>
 
 #include "commands.h"
-#include "fields/field_conversion.h"
+#include "fields/volume_fields.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
@@ -56,36 +56,29 @@ std::string stem_of(const std::string& file) {
 /// most  number of levels of detail at most
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
                                        const Progress& progress, std::vector<std::string>& notes) {
-    LoadedVolumes set = load_volumes(arguments.inputs, arguments.volume);
+    const LoadedVolumes set = load_volumes(arguments.inputs, arguments.volume);
     notes = set.notes;
     print_notes(notes);
     if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
-    const std::string own = own_name(set.volumes);
-    const auto add_own = [&](Gaussians& model, std::span<Volume> volumes) {
-        const FieldTexts texts{{}, arguments.volume.grid, arguments.inputs, false, own};
-        if (!arguments.no_fields) add_fields_of(texts, {}, volumes, model, notes);
-    };
-    if (set.is_mesh() && mesh.parts.empty())
-        throw Error("--mask: no active voxel lies inside the masks");
     const auto convert = [&](std::size_t budget) {
         MomentOptions options;
         options.budget = budget;
         options.progress = progress;
+        if (!arguments.no_fields) options.own_field = own_name(set.volumes);
         Gaussians model = set.is_mesh() ? convert_moments(mesh, options)
                                         : convert_moments(set.volumes.front(), options);
         if (set.is_mesh()) model.box = mesh.box;
-        add_own(model, set.volumes);
         return model;
     };
     if (!set.is_mesh() && set.volumes.size() > 1) {
         Gaussians sum;
-        for (Volume& volume : set.volumes) {
-            Gaussians part = convert_moments(volume);
-            add_own(part, {&volume, 1});
-            append(sum, part);
+        for (const Volume& volume : set.volumes) {
+            MomentOptions options;
+            if (!arguments.no_fields) options.own_field = own_name(set.volumes);
+            append(sum, convert_moments(volume, options));
         }
         return detail_levels(std::move(sum), most);
     }
