@@ -262,27 +262,27 @@ Json json_of(const ValueTransfer& transfer) {
 
 /// First quantity of the page: names of the field and the part, null where the page selects.
 Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
-    Json json = {{"show", quantity.show}, {"slabs", (quantity.slabs + 3) / 4 * 4}};
-    json["field"] = json["scale"] = json["transfer"] = json["clip"] = nullptr;
+    Json out = {{"show", quantity.show}, {"slabs", (quantity.slabs + 3) / 4 * 4}};
+    out["field"] = out["scale"] = out["transfer"] = out["clip"] = nullptr;
     if (!quantity.field.empty()) {
         const FieldChoice choice = field_choice(quantity.field, model.fields);
         constexpr const char* kParts[] = {"", "view", "x", "y", "z", "magnitude"};
-        json["field"] = choice.field;
-        json["part"] = kParts[static_cast<std::size_t>(choice.part)];
+        out["field"] = choice.field;
+        out["part"] = kParts[static_cast<std::size_t>(choice.part)];
     }
     if (quantity.scale)
-        json["scale"] = {{"low", quantity.scale->low},
-                         {"high", quantity.scale->high},
-                         {"log", quantity.scale->kind == ColorScale::Kind::log}};
-    if (quantity.transfer) json["transfer"] = json_of(*quantity.transfer);
+        out["scale"] = {{"low", quantity.scale->low},
+                        {"high", quantity.scale->high},
+                        {"log", quantity.scale->kind == ColorScale::Kind::log}};
+    if (quantity.transfer) out["transfer"] = json_of(*quantity.transfer);
     const VolumeLook& look = quantity.look;
-    json["light"] = {{"on", look.light},
-                     {"towards", json_of(look.towards_light)},
-                     {"weights", {look.ambient, look.diffuse, look.specular, look.power}}};
+    out["light"] = {{"on", look.light},
+                    {"towards", json_of(look.towards_light)},
+                    {"weights", {look.ambient, look.diffuse, look.specular, look.power}}};
     if (look.clip.box)
-        json["clip"] = {{"lower", json_of(look.clip.box->lower)},
-                        {"upper", json_of(look.clip.box->upper)}};
-    return json;
+        out["clip"] = {{"lower", json_of(look.clip.box->lower)},
+                       {"upper", json_of(look.clip.box->upper)}};
+    return out;
 }
 
 void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
