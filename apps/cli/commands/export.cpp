@@ -42,7 +42,8 @@ struct ExportArguments {
     std::size_t budget = 0, levels = 8;
     int threads = 0;
     bool json = false, verbose = false, no_fields = false;
-    bool steps = false;      ///< whether models are steps in time
+    bool steps = false;                  ///< whether models are steps in time
+    std::optional<HtmlQuantity> chosen;  ///< of a sequence's first page
     std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
 
@@ -63,6 +64,8 @@ std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::si
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
     const Composite mesh = set.is_mesh() ? composite(set) : Composite{};
+    if (set.is_mesh() && mesh.parts.empty())
+        throw Error("--mask: no active voxel lies inside the masks");
     const auto convert = [&](std::size_t budget) {
         MomentOptions options;
         options.budget = budget;
@@ -189,12 +192,16 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
         options.camera = camera_from(arguments.view, command,
                                      arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
     options.steps = arguments.steps;
-    std::vector<std::string> chosen;
+    if (arguments.chosen) {
+        options.quantity = *arguments.chosen;
+        return options;
+    }
+    std::vector<std::string> found;
     options.quantity =
         page_quantity(arguments.quantity, arguments.color, command, first.levels.front(),
-                      options.camera, arguments.inputs.front(), chosen);
-    print_notes(chosen);
-    notes.insert(notes.end(), chosen.begin(), chosen.end());
+                      options.camera, arguments.inputs.front(), found);
+    print_notes(found);
+    notes.insert(notes.end(), found.begin(), found.end());
     return options;
 }
 
@@ -202,6 +209,7 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
 struct Exported {
     Json json;              ///< the report of --json
     double extinction = 1;  ///< of a page's first model
+    HtmlQuantity quantity{};
 };
 
 Exported write_page(const ExportArguments& arguments, const CLI::App& command,
@@ -216,7 +224,7 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
     if (options.camera && !arguments.view.save_camera.empty())
         write_camera(arguments.view.save_camera, *options.camera);
-    return {report_page(arguments, entries, report, stages), report.extinction};
+    return {report_page(arguments, entries, report, stages), report.extinction, options.quantity};
 }
 
 /// Writes one page or one PLY.
@@ -256,7 +264,8 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
         one.inputs = {frame.input};
         one.output = frame.output;
         const Exported page = export_one(one, command);
-        // After the first page, the number of its automatic extinction.
+        // After the first page, its automatic extinction and transfer function.
+        one.chosen = page.quantity;
         one.color.extinction = fmt::format("{:.17g}", page.extinction);
         pages.push_back(page.json);
     }

@@ -4,8 +4,8 @@
 #include <fmt/core.h>
 
 #include "shared/drawing.h"
+#include "values/value_inputs.h"
 #include "values/value_transfer_run.h"
-#include "vog/error.h"
 #include "vog/field_maps.h"
 
 namespace vog::cli {
@@ -17,11 +17,8 @@ ValueTransfer transfer_of(const PageQuantityArguments& arguments, const ColorArg
                           const CLI::App& command, const Gaussians& model, const Camera& camera,
                           const std::string& input, HtmlQuantity& quantity,
                           std::vector<std::string>& notes) {
-    const ScalarField* field = quantity.field.empty() ? &model.fields.scalar.front()
-                                                      : model.fields.find_scalar(quantity.field);
-    if (!field)
-        throw Error(
-            fmt::format("{}: volume of '{}', expected a scalar field", input, quantity.field));
+    const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
+    quantity.field = field.name;
     RenderArguments run;
     run.color = color;
     run.quantity = arguments.quantity;
@@ -30,9 +27,9 @@ ValueTransfer transfer_of(const PageQuantityArguments& arguments, const ColorArg
     options.look = quantity.look;
     const auto draw = [&](const ValueTransfer& transfer, const Camera& from, int width,
                           int height) {
-        return render_volume_splat(model, field->name, transfer, from, width, height, options);
+        return render_volume_splat(model, field.name, transfer, from, width, height, options);
     };
-    const ValueData data{input, field->lower, field->upper, 2 * view_box(model).radius()};
+    const ValueData data{input, field.lower, field.upper, 2 * view_box(model).radius()};
     const ChosenTransfer chosen = choose_transfer(run, command, data, draw, camera, {512, 512});
     notes.insert(notes.end(), chosen.notes.begin(), chosen.notes.end());
     return chosen.transfer;
@@ -54,7 +51,8 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
     command
         .add_option("--field", quantity.field,
                     "Field that mean, deviation and volume show first: temperature, velocity (the "
-                    "component along the view), velocity.x, .y or .z; default: the first one")
+                    "component along the view), velocity.x, .y or .z; default: the first one; "
+                    "of volume the density itself where the model has it")
         ->group(group);
     command
         .add_option("--range", quantity.range,
@@ -100,11 +98,6 @@ HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorAr
         quantity.scale = fixed_scale(given);
         return quantity;
     }
-    if (model.fields.scalar.empty())
-        throw Error(
-            fmt::format("{}: no field for --show volume, expected a model with one (vog "
-                        "convert --field)",
-                        input));
     quantity.transfer =
         transfer_of(arguments, color, command, model,
                     camera ? *camera : orbit_view(view_box(model)), input, quantity, notes);

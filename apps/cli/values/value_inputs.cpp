@@ -38,31 +38,12 @@ void check_by_value(const RenderArguments& arguments, const CLI::App& command,
                                 info_of(drawing.renderer).name));
 }
 
-/// The field of --field, else the model's density, else its only scalar field.
-/// throws  vog::Error naming the fields there are, and how to make one
-const ScalarField& field_of(const Fields& fields, const std::string& name, const std::string& input,
-                            const std::string& show) {
-    if (const ScalarField* found = fields.find_scalar(name)) return *found;
-    const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
-    if (name.empty() && measure != fields.scalar.end()) return *measure;
-    if (name.empty() && fields.scalar.size() == 1) return fields.scalar.front();
-    std::string names;
-    for (const ScalarField& field : fields.scalar)
-        names += (names.empty() ? "" : ", ") + printable(field.name);
-    const std::string has = names.empty()
-                                ? "the model has none; vog convert IN -o model.ply --field " +
-                                      (name.empty() ? std::string("GRID") : printable(name))
-                                : fmt::format("it has: {}; --field NAME", names);
-    throw Error(fmt::format("{}: --show {} needs a scalar field{} ({})", input, show,
-                            name.empty() ? "" : fmt::format(" '{}'", printable(name)), has));
-}
-
 ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,
                               const RenderRanks& ranks) {
     const std::string& input = arguments.drawing.inputs.front();
     const auto model = std::make_shared<Gaussians>(load_model_part(arguments, drawing, ranks));
     const ScalarField& field =
-        field_of(model->fields, arguments.quantity.field, input, arguments.quantity.show);
+        scalar_field_of(model->fields, arguments.quantity.field, input, arguments.quantity.show);
     return {std::move(drawing), field.name, field.unit, field.lower, field.upper, model, {}};
 }
 
@@ -170,6 +151,23 @@ ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing
 }
 
 }  // namespace
+
+const ScalarField& scalar_field_of(const Fields& fields, const std::string& name,
+                                   const std::string& input, const std::string& show) {
+    if (const ScalarField* found = fields.find_scalar(name)) return *found;
+    const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
+    if (name.empty() && measure != fields.scalar.end()) return *measure;
+    if (name.empty() && fields.scalar.size() == 1) return fields.scalar.front();
+    std::string names;
+    for (const ScalarField& field : fields.scalar)
+        names += (names.empty() ? "" : ", ") + printable(field.name);
+    const std::string has = names.empty()
+                                ? "the model has none; vog convert IN -o model.ply --field " +
+                                      (name.empty() ? std::string("GRID") : printable(name))
+                                : fmt::format("it has: {}; --field NAME", names);
+    throw Error(fmt::format("{}: --show {} needs a scalar field{} ({})", input, show,
+                            name.empty() ? "" : fmt::format(" '{}'", printable(name)), has));
+}
 
 ValueInputs load_values(const RenderArguments& arguments, const CLI::App& command,
                         const RenderRanks& ranks) {

@@ -25,6 +25,12 @@ struct ValueInputs {
     std::shared_ptr<const Gaussians> model{};  ///< or
     std::shared_ptr<const VolumesByValue> volumes{};
 };
+/// The field of this name, else the model's density, else its only scalar field.
+/// input, show  file and quantity, for messages
+/// throws       vog::Error naming the fields there are, and how to make one
+const ScalarField& scalar_field_of(const Fields& fields, const std::string& name,
+                                   const std::string& input, const std::string& show);
+
 /// Reads the inputs with the field of --field, or their own values.
 /// throws  vog::Error for inputs without it; CLI::ValidationError for options without effect
 ValueInputs load_values(const RenderArguments& arguments, const CLI::App& command,
