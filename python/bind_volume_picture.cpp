@@ -8,6 +8,7 @@
 #include "vog/maximum_picture.h"
 #include "vog/renderer.h"
 #include "vog/volume_picture.h"
+#include "volume_look.h"
 #include "voxel_fields.h"
 
 namespace vog::python {
@@ -19,15 +20,6 @@ struct ValueArguments {
     const py::object &tf, &value_range, &window, &bands, &unit_distance;
 };
 
-std::vector<double> numbers_in(const py::object& list, std::size_t count, const char* name) {
-    const auto given =
-        py::array_t<double, py::array::c_style | py::array::forcecast>(numbers_of(list, name));
-    if (static_cast<std::size_t>(given.size()) != count)
-        throw Error(std::string("render_volume: ") + name + ": " + std::to_string(given.size()) +
-                    " numbers, expected " + std::to_string(count));
-    return {given.data(), given.data() + given.size()};
-}
-
 std::vector<ValueBand> bands_in(const py::object& list) {
     std::vector<ValueBand> bands;
     for (const py::handle band : list) {
@@ -35,7 +27,8 @@ std::vector<ValueBand> bands_in(const py::object& list) {
         if (py::len(row) != 4)
             throw Error("render_volume: bands: expected rows (lower, upper, (r, g, b), opacity)");
         const std::vector<double> color =
-            numbers_in(py::reinterpret_borrow<py::object>(row[py::int_(2)]), 3, "bands: colour");
+            numbers_in(py::reinterpret_borrow<py::object>(row[py::int_(2)]), 3,
+                       "render_volume: bands: colour");
         bands.push_back({row[py::int_(0)].cast<double>(), row[py::int_(1)].cast<double>(),
                          static_cast<float>(color[0]), static_cast<float>(color[1]),
                          static_cast<float>(color[2]), row[py::int_(3)].cast<double>()});
@@ -50,11 +43,12 @@ ValueTransfer transfer_of(const ValueArguments& a, double lower, double upper, c
     const double unit =
         a.unit_distance.is_none() ? 0.02 * box.radius() : a.unit_distance.cast<double>();
     if (!a.value_range.is_none()) {
-        const std::vector<double> range = numbers_in(a.value_range, 2, "value_range");
+        const std::vector<double> range =
+            numbers_in(a.value_range, 2, "render_volume: value_range");
         lower = range[0], upper = range[1];
     }
     if (!a.window.is_none()) {
-        const std::vector<double> window = numbers_in(a.window, 2, "window");
+        const std::vector<double> window = numbers_in(a.window, 2, "render_volume: window");
         return window_transfer(window[0], window[1], unit);
     }
     if (!a.bands.is_none()) return band_transfer(bands_in(a.bands), unit);
@@ -64,29 +58,6 @@ ValueTransfer transfer_of(const ValueArguments& a, double lower, double upper, c
         read_value_transfer(py::str(a.tf).cast<std::string>(), lower, upper, unit);
     if (!a.unit_distance.is_none()) transfer.unit_distance = unit;
     return transfer;
-}
-
-VolumeLook look_of(const py::object& light, const py::object& clip, const py::object& clip_planes) {
-    VolumeLook look;
-    look.light = !light.is_none();
-    if (look.light && !py::isinstance<py::str>(light)) {
-        const std::vector<double> towards = numbers_in(light, 3, "light");
-        look.towards_light = {towards[0], towards[1], towards[2]};
-    } else if (look.light && light.cast<std::string>() != "head") {
-        throw Error("render_volume: light '" + light.cast<std::string>() +
-                    "', expected 'head' or a direction");
-    }
-    if (!clip.is_none()) {
-        const std::vector<double> c = numbers_in(clip, 6, "clip");
-        look.clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
-    }
-    if (!clip_planes.is_none())
-        for (const py::handle row : clip_planes) {
-            const std::vector<double> p =
-                numbers_in(py::reinterpret_borrow<py::object>(row), 4, "clip_planes");
-            look.clip.planes.push_back({{p[0], p[1], p[2]}, p[3]});
-        }
-    return look;
 }
 
 /// Where a picture is drawn.
@@ -229,7 +200,7 @@ void bind_maximum_picture(py::module_& m) {
            const std::string& renderer, int slabs, const py::object& fields,
            const py::object& progress) {
             const auto [width, height] = size_of(size);
-            const VolumeLook look = look_of(py::none(), clip, clip_planes);
+            const VolumeLook look = look_of("render_volume", py::none(), clip, clip_planes);
             const PictureArguments picture{camera, width, height, slabs, renderer, look};
             const Progress report = progress_of(progress);
             ValueMap map;
@@ -270,7 +241,7 @@ void bind_volume_picture(py::module_& m) {
            const py::object& fields, const std::string& interpolation, double step,
            const py::object& progress) {
             const auto [width, height] = size_of(size);
-            const VolumeLook look = look_of(light, clip, clip_planes);
+            const VolumeLook look = look_of("render_volume", light, clip, clip_planes);
             const PictureArguments picture{
                 camera, width, height, slabs, renderer, look, voxels_by(interpolation, step)};
             if (py::isinstance<Gaussians>(data) && interpolation != "constant")

@@ -5,6 +5,7 @@
 #include "vog/error.h"
 #include "vog/export_html.h"
 #include "vog/lod.h"
+#include "volume_look.h"
 
 namespace vog::python {
 
@@ -33,19 +34,6 @@ struct QuantityArguments {
     bool log;
 };
 
-std::vector<double> numbers(const py::object& values, std::size_t count, const std::string& name) {
-    const auto list = cast_to<std::vector<double>>(values.attr("ravel")(), name,
-                                                   std::to_string(count) + " numbers");
-    if (list.size() != count)
-        throw Error("export_html: " + name + ": got " + std::to_string(list.size()) +
-                    " numbers, expected " + std::to_string(count));
-    return list;
-}
-std::vector<double> numbers_of(const py::object& values, std::size_t count,
-                               const std::string& name) {
-    return numbers(py::module_::import("numpy").attr("asarray")(values, "float64"), count, name);
-}
-
 /// Transfer function of values where more than its colours is stated; none: the page's own.
 std::optional<ValueTransfer> transfer_of(const QuantityArguments& given, const py::object& tf,
                                          const Gaussians& model) {
@@ -60,7 +48,7 @@ std::optional<ValueTransfer> transfer_of(const QuantityArguments& given, const p
     if (!unit && !points.at_values && !points.has_unit_distance) return std::nullopt;
     double lower = field->lower, upper = field->upper;
     if (!given.range.is_none()) {
-        const std::vector<double> range = numbers_of(given.range, 2, "range");
+        const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
         lower = range[0], upper = range[1];
     }
     const double length =
@@ -77,24 +65,13 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
     quantity.show = given.show;
     quantity.field = given.field;
     if (!given.range.is_none() && given.show != "volume") {
-        const std::vector<double> range = numbers_of(given.range, 2, "range");
+        const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
         quantity.scale = ColorScale{given.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
                                     range[0], range[1]};
         (void)scale_position(*quantity.scale, range[0]);  // checks the range
     }
     quantity.transfer = transfer_of(given, tf, model);
-    quantity.look.light = !given.light.is_none();
-    if (quantity.look.light && !py::isinstance<py::str>(given.light)) {
-        const std::vector<double> towards = numbers_of(given.light, 3, "light");
-        quantity.look.towards_light = {towards[0], towards[1], towards[2]};
-    } else if (quantity.look.light && given.light.cast<std::string>() != "head") {
-        throw Error("export_html: light '" + given.light.cast<std::string>() +
-                    "', expected 'head' or a direction");
-    }
-    if (!given.clip.is_none()) {
-        const std::vector<double> c = numbers_of(given.clip, 6, "clip");
-        quantity.look.clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
-    }
+    quantity.look = look_of("export_html", given.light, given.clip);
     return quantity;
 }
 

@@ -1,0 +1,42 @@
+// volume_look.cpp: light and clips of pictures, and lists of numbers, from Python.
+#include "volume_look.h"
+
+#include "arrays.h"
+#include "vog/error.h"
+
+namespace vog::python {
+
+std::vector<double> numbers_in(const py::object& list, std::size_t count, const std::string& what) {
+    const auto given =
+        py::array_t<double, py::array::c_style | py::array::forcecast>(numbers_of(list, what));
+    if (static_cast<std::size_t>(given.size()) != count)
+        throw Error(what + ": " + std::to_string(given.size()) + " numbers, expected " +
+                    std::to_string(count));
+    return {given.data(), given.data() + given.size()};
+}
+
+VolumeLook look_of(const std::string& function, const py::object& light, const py::object& clip,
+                   const py::object& clip_planes) {
+    VolumeLook look;
+    look.light = !light.is_none();
+    if (look.light && !py::isinstance<py::str>(light)) {
+        const std::vector<double> towards = numbers_in(light, 3, function + ": light");
+        look.towards_light = {towards[0], towards[1], towards[2]};
+    } else if (look.light && light.cast<std::string>() != "head") {
+        throw Error(function + ": light '" + light.cast<std::string>() +
+                    "', expected 'head' or a direction");
+    }
+    if (!clip.is_none()) {
+        const std::vector<double> c = numbers_in(clip, 6, function + ": clip");
+        look.clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
+    }
+    if (!clip_planes.is_none())
+        for (const py::handle row : clip_planes) {
+            const std::vector<double> p =
+                numbers_in(py::reinterpret_borrow<py::object>(row), 4, function + ": clip_planes");
+            look.clip.planes.push_back({{p[0], p[1], p[2]}, p[3]});
+        }
+    return look;
+}
+
+}  // namespace vog::python
