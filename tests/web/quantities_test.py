@@ -87,10 +87,13 @@ class Quantities(PageTest):
         self.assertLess(found["off_by_more_than_4"], 5e-4, options)
         self.assertLess(found["off_by_more_than_1"], 2e-3, options)
 
-    def volume(self, transfer, *options, model="smoke.ply", field="density"):
+    def write_transfer(self, transfer):
         (self.folder / "tf.json").write_text(json.dumps(
             {"domain": [0, 3], "unit_distance": transfer["unit"], "colors": transfer["colors"], "opacity": transfer["opacity"]}))
-        self.expect_page_is(model, "--show", "volume", "--field", field, "--tf", "tf.json", *options)
+        return "tf.json"
+
+    def volume(self, transfer, *options):
+        self.expect_page_is("smoke.ply", "--show", "volume", "--tf", self.write_transfer(transfer), *options)
 
     # --- Pictures. ---
 
@@ -140,9 +143,7 @@ class Quantities(PageTest):
         self.volume(RAMP)
 
     def test_a_page_begins_as_its_command_says(self):
-        (self.folder / "own.json").write_text(json.dumps(
-            {"domain": [0, 3], "unit_distance": RAMP["unit"], "colors": RAMP["colors"], "opacity": RAMP["opacity"]}))
-        vog("export", "smoke.ply", "-o", "first.html", "--levels", 1, "--show", "volume", "--tf", "own.json")
+        vog("export", "smoke.ply", "-o", "first.html", "--levels", 1, "--show", "volume", "--tf", self.write_transfer(RAMP))
         self.start("first.html")
         self.volume(RAMP)
         vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "mean", "--field", "velocity.x",
@@ -187,11 +188,8 @@ class Quantities(PageTest):
         })""")
         (self.folder / "saved.json").write_text(text)
         self.browser.settle()
-        self.picture()
-        width, height = self.write_camera()
-        vog("render", "smoke.ply", "-o", "cpu.png", "--show", "volume", "--tf", "saved.json", "--camera", "camera.json",
-            "--size", f"{width}x{height}")
-        self.assertGreater(self.psnr("cpu.png", "web.png"), LEAST_PSNR_DB)
+        found = self.compared("smoke.ply", "--show", "volume", "--tf", "saved.json")
+        self.assertGreater(found["psnr_rgb_db"] or math.inf, LEAST_PSNR_DB)
 
     def test_a_right_drag_is_window_and_level(self):
         self.start("flow.html", "#subframes=1&show=mean")
@@ -297,19 +295,14 @@ class Quantities(PageTest):
         self.start("bare.html", "#subframes=1&show=volume")
         self.assertEqual(self.value("[...show.options].map(({value}) => value)"), ["T", "column"])
         self.assertEqual(self.value("vog.state.show"), "T")
-        self.assertIn("no field", self.refused("export", "flow.ply", "-o", "x.html", "--no-fields", "--show", "volume"))
+        self.assertIn("needs a scalar field", self.refused("export", "flow.ply", "-o", "x.html", "--no-fields", "--show", "volume"))
 
     def test_half_floats_show_volumes_too(self):
         self.start("smoke.html", "#subframes=1&embed&half")
         self.assertEqual(self.value("vog.bits()"), 16)
         self.change(show="volume", transfers={"0": RAMP})
-        self.picture()
-        width, height = self.write_camera()
-        (self.folder / "tf.json").write_text(json.dumps(
-            {"domain": [0, 3], "unit_distance": 1, "colors": RAMP["colors"], "opacity": RAMP["opacity"]}))
-        vog("render", "smoke.ply", "-o", "cpu.png", "--show", "volume", "--tf", "tf.json", "--camera", "camera.json",
-            "--size", f"{width}x{height}")
-        self.assertGreater(self.psnr("cpu.png", "web.png"), 40)
+        found = self.compared("smoke.ply", "--show", "volume", "--tf", self.write_transfer(RAMP))
+        self.assertGreater(found["psnr_rgb_db"] or math.inf, 40)
 
 
 if __name__ == "__main__":

@@ -106,14 +106,14 @@ function uploaded(level) {
 }
 
 /** Adds one sub-frame of the shown quantity. */
-function addSums(level) {
+function addSums(level, transfer = transferShown()) {
   const model = page.models[state.model], there = level >= 0 ? uploaded(level) : undefined;
   const key = fieldKey(state), { camera, clip } = state;
   if (state.show === 'volume') {
     const source = model.fields[state.field];
     slabs ??= new Slabs(renderer);
     slabs.add(there, model, camera, {
-      field: key, transfer: transferShown(), light: state.light, clip, slabs: page.quantity.slabs,
+      field: key, transfer, light: state.light, clip, slabs: page.quantity.slabs,
       source: { reference: source.reference, unit: source.scale, isMeasure: source.isMeasure },
     });
   } else {
@@ -125,21 +125,15 @@ function addSums(level) {
 function fitUnit(level) {
   const { width, height } = renderer, scale = 64 / Math.max(width, height);
   const small = [width, height].map((side) => Math.max(1, Math.round(scale * side)));
-  const transfer = transferNow(), pixels = new Float32Array(4 * small[0] * small[1]), { gl } = renderer;
-  const fitted = { ...transfer, unit: roughUnit() }, edited = state.transfers[state.field];
+  let transfer = transferShown();
   renderer.resize(...small);
   for (let n = 0; n < 4; ++n) {
-    if (edited) state.transfers = { ...state.transfers, [state.field]: { ...fitted } };
-    else automatic[1] = { ...fitted };
     renderer.restart();
-    addSums(level);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.framebuffer);
-    gl.readPixels(0, 0, ...small, gl.RGBA, gl.FLOAT, pixels);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    fitted.unit = Number(fittedUnit(pixels, fitted.unit).toPrecision(4));
+    addSums(level, transfer);
+    transfer = { ...transfer, unit: Number(fittedUnit(renderer.allSums(), transfer.unit).toPrecision(4)) };
   }
-  if (edited) state.transfers = { ...state.transfers, [state.field]: fitted };
-  else automatic[1] = fitted;
+  if (state.transfers[state.field]) state.transfers = { ...state.transfers, [state.field]: transfer };
+  else automatic[1] = transfer;
   renderer.resize(width, height);
   controls.middleUnit = 0;
   showControls();
@@ -317,7 +311,7 @@ function change(part) {
     if (part.scale === undefined) state.scale = null;
   if (state.map !== before.map || state.reverse !== before.reverse) {
     setMap();
-    recolor();
+    if (!part.transfers) recolor();
   }
   if (renderer && (state.model !== before.model || state.field !== before.field || state.show !== before.show)) {
     complete = false;
@@ -508,7 +502,9 @@ attachKeys({
   '[': () => change({ level: state.level + 1 }), ']': () => change({ level: state.level - 1 }),
   '-': expose(1 / Math.SQRT2), '=': expose(Math.SQRT2), '+': expose(Math.SQRT2), Digit0: expose(0),
   ' ': () => player?.toggle(), ',': () => player?.go(state.model - 1), '.': () => player?.go(state.model + 1),
-  z: (event) => (event.shiftKey ? controls.editor.redo() : controls.editor.undo()),
+  z: (event) => {
+    if (state.show === 'volume') event.shiftKey ? controls.editor.redo() : controls.editor.undo();
+  },
   v: () => {
     const all = [...find('show').options].map(({ value }) => value);
     change({ show: all[(all.indexOf(state.show) + 1) % all.length] });

@@ -32,10 +32,9 @@ export function shownOf(model, { show, field, part }, wantedName = null) {
   if (!shows(model).some(([name]) => name === show)) return { show: 'T', field: 0, part: '' };
   const all = choices(model, show);
   if (all.length === 0) return { show, field, part };
-  const same = all.find((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field) && c.part === part);
-  const near = all.find((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field));
-  const { field: index, part: which } = same ?? near ?? all[0];
-  return { show, field: index, part: which };
+  const near = all.filter((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field));
+  const chosen = near.find((c) => c.part === part) ?? near[0] ?? all[0];
+  return { show, field: chosen.field, part: chosen.part };
 }
 
 /** Key of a shown field's data; null: none. */

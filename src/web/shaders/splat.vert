@@ -252,7 +252,9 @@ void set_light(Shape g, vec3 mean, bool wide) {
 
 // Whether the Gaussian meets none of this pass's slabs in any of its tiles; not asked of many tiles.
 bool beside(vec2 first_tile, vec2 last_tile, vec2 depths) {
-    if (any(greaterThan(last_tile - first_tile, vec2(3.0)))) return false;
+    const float kMostTiles = 512.0;
+    vec2 count = last_tile - first_tile + 1.0;
+    if (count.x * count.y > kMostTiles) return false;
     for (float y = first_tile.y; y <= last_tile.y; ++y)
         for (float x = first_tile.x; x <= last_tile.x; ++x) {
             vec2 range = texelFetch(ranges, ivec2(x, y), 0).xy;

@@ -237,7 +237,7 @@ export class Renderer {
 
   /** Sets a camera's uniforms of splat.vert and the fragments that follow it. */
   setView(used, model, camera, clip) {
-    const { width, height } = this, { right, up, forward } = axesOf(camera);
+    const { right, up, forward } = axesOf(camera);
     // In double precision, along the camera's axes, so that distance does not reduce accuracy.
     const along = (v) => [dot(v, right), dot(v, up), dot(v, forward)];
     used.use();
@@ -245,7 +245,6 @@ export class Renderer {
     used.set('right', ...right);
     used.set('up', ...up);
     used.set('forward', ...forward);
-    used.set('jitter_px', ...jitterOf(this.subframes));
     this.setScreen(used, model, camera);
     used.set('cutoff', model.cutoff);
     used.set('limits', ...(this.subframes === 0 ? model.limits : model.subframeLimits));
@@ -343,13 +342,19 @@ export class Renderer {
     this.screenPass();
   }
 
+  /** Sums of a rectangle of pixels, of all sub-frames: [height][width][4]. */
+  read(x, y, width, height) {
+    const gl = this.gl, sums = new Float32Array(4 * width * height);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
+    gl.readPixels(x, y, width, height, gl.RGBA, gl.FLOAT, sums);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return sums;
+  }
+  allSums() { return this.read(0, 0, this.width, this.height); }
+
   /** Sums of one pixel, from the top left; null: none. */
   sumsAt(x, y) {
-    const gl = this.gl, sums = new Float32Array(4);
     if (this.subframes === 0 || x < 0 || y < 0 || x >= this.width || y >= this.height) return null;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
-    gl.readPixels(x, y, 1, 1, gl.RGBA, gl.FLOAT, sums);
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    return [...sums].map((v) => v / this.subframes);
+    return [...this.read(x, y, 1, 1)].map((v) => v / this.subframes);
   }
 }
