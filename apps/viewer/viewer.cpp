@@ -78,6 +78,10 @@ class Program {
         session_.look_changed();
         if (options.extinction > 0) session_.set_first_exposure(options.extinction);
         if (options.camera) session_.first_camera = options.camera;
+        session_.quantity = options.quantity;
+        session_.set_quantity(options.quantity.show, options.field);
+        if (options.color_scale) session_.set_scale(*options.color_scale);
+        session_.choose_transfer = options.choose_transfer;
         if (!options.files.empty()) session_.open(options.files);
     }
 

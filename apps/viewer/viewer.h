@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "screen/screen.h"
-#include "session/look.h"
-#include "session/scene_loader.h"
+#include "session/session.h"
 #include "vog/camera.h"
 
 namespace vog::viewer {
@@ -22,6 +21,11 @@ struct ViewerOptions {
     std::function<Camera(const Box& box)> camera{};  ///< initial view of a box; empty: paper view
     double extinction = 0;                           ///< 0: automatic
     Look look{};
+    Quantity quantity{};  ///< shown first; its field is that of `field`
+    std::string field{};  ///< as field_for reads it; empty: the first one
+    /// Of column, mean and deviation; none: of the first picture.
+    std::optional<ColorScale> color_scale{};
+    ChooseTransfer choose_transfer{};  ///< of volume
     ReadFiles read;
 };
 

@@ -4,6 +4,7 @@
 // with colour and opacity piecewise linear in the value between points, constant beyond the first and the last.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -79,6 +80,11 @@ ValueTransfer over_range(const TransferPoints& points, double lower, double uppe
 /// Both in one: the transfer function of values of a name or a file.
 ValueTransfer read_value_transfer(const std::string& name_or_file, double lower, double upper,
                                   double default_unit_distance);
+
+/// Writes a transfer function of values as vog's JSON with "domain" and "unit_distance", which --tf reads. Written
+/// beside the file and renamed when whole.
+/// throws  vog::Error as validate does, or if the file cannot be written
+void write_value_transfer(const std::filesystem::path& file, const ValueTransfer& transfer);
 
 /// Grey window of medical pictures: colour from black to white and opacity from 0 to kMostOpacity over
 /// centre - width / 2 to centre + width / 2.

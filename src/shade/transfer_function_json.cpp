@@ -298,6 +298,24 @@ bool is_map_name(const std::string& name_or_file) {
                             name_or_file, transfer_function_name_list()));
 }
 
+/// Text of a list of points, one a line: formatted here, not by the JSON library, with shortest digits.
+/// columns  numbers of a point
+template <class Point, class Columns>
+std::string points_text(const char* key, const std::vector<Point>& points, const Columns& columns) {
+    std::string text = fmt::format(",\n  \"{}\": [", key);
+    const char* separator = "\n";
+    for (const Point& point : points) {
+        text += fmt::format("{}    [{}]", separator, columns(point));
+        separator = ",\n";
+    }
+    return text + "\n  ]";
+}
+
+std::string name_text(const std::string& name) {
+    return fmt::format("{{\n  \"name\": {}",
+                       json(name).dump(-1, ' ', true, json::error_handler_t::replace));
+}
+
 }  // namespace
 
 TransferFunction read_transfer_function(const std::filesystem::path& file) {
@@ -306,23 +324,35 @@ TransferFunction read_transfer_function(const std::filesystem::path& file) {
 
 void write_transfer_function(const std::filesystem::path& file, const TransferFunction& tf) {
     require_valid("transfer function " + tf.name, tf);
-    // Formatted here, not by the JSON library: one point per line, floats with shortest digits.
     std::string text =
-        fmt::format("{{\n  \"name\": {},\n  \"colors\": [",
-                    json(tf.name).dump(-1, ' ', true, json::error_handler_t::replace));
-    const char* separator = "\n";
-    for (const auto& [v, r, g, b] : tf.color) {
-        text += fmt::format("{}    [{}, {}, {}, {}]", separator, v, r, g, b);
-        separator = ",\n";
-    }
-    text += "\n  ]";
-    separator = ",\n  \"opacity\": [\n";
-    for (const auto& [v, opacity] : tf.opacity) {
-        text += fmt::format("{}    [{}, {}]", separator, v, opacity);
-        separator = ",\n";
-    }
-    text += tf.opacity.empty() ? "\n}\n" : "\n  ]\n}\n";
+        name_text(tf.name) + points_text("colors", tf.color, [](const ColorPoint& p) {
+            return fmt::format("{}, {}, {}, {}", p.v, p.r, p.g, p.b);
+        });
+    if (!tf.opacity.empty())
+        text += points_text("opacity", tf.opacity, [](const OpacityPoint& p) {
+            return fmt::format("{}, {}", p.v, p.opacity);
+        });
+    text += "\n}\n";
+    write_file(file, [&](std::ofstream& out) { out << text; });
+}
 
+void write_value_transfer(const std::filesystem::path& file, const ValueTransfer& transfer) {
+    validate(transfer);
+    const double low = std::min(transfer.color.front().value, transfer.opacity.front().value);
+    double high = std::max(transfer.color.back().value, transfer.opacity.back().value);
+    if (!(high > low)) high = low + std::max(std::abs(low), 1.0);
+    const std::string text =
+        name_text(transfer.name) +
+        fmt::format(",\n  \"domain\": [{}, {}],\n  \"unit_distance\": {}", low, high,
+                    transfer.unit_distance) +
+        points_text("colors", transfer.color,
+                    [](const ValueColor& p) {
+                        return fmt::format("{}, {}, {}, {}", p.value, p.r, p.g, p.b);
+                    }) +
+        points_text(
+            "opacity", transfer.opacity,
+            [](const ValueOpacity& p) { return fmt::format("{}, {}", p.value, p.opacity); }) +
+        "\n}\n";
     write_file(file, [&](std::ofstream& out) { out << text; });
 }
 

@@ -1,11 +1,11 @@
 // page_fields.cpp: ranges, histograms and bytes of fields.
 #include "web/page_fields.h"
 
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "render/by_value/value_histogram.h"
 #include "vog/field_maps.h"
 #include "vog/quantity.h"
 #include "web/web_fields.h"
@@ -16,7 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kBins = 96, kViewSize = 256;
+constexpr std::size_t kBins = 96;
+constexpr int kViewSize = 256;
 
 /// Range of a map in the first view, as `vog render` chooses it; a number that is no range: null.
 Json range_of(const FieldMaps& maps, const std::vector<float>& shown) {
@@ -31,31 +32,11 @@ Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& 
     return {{"mean", range_of(maps, maps.mean)}, {"deviation", range_of(maps, maps.deviation)}};
 }
 
-/// Measure by value over the data's range, the largest bin 1000: each Gaussian as a normal distribution.
+/// Measure by value over the data's range, the largest bin 1000.
 Json histogram(const Gaussians& model, const ScalarField& field) {
-    std::vector<double> bin(kBins);
-    const WebUnit unit = web_unit(field);
-    const double lower = unit.reference - unit.unit, per_bin = kBins / (2 * unit.unit);
-    for (std::size_t i = 0; i < model.size(); ++i) {
-        const Vec3d g = vec_cast<double>(field.gradient[i]), s = vec_cast<double>(model.scale[i]);
-        const Vec3d own =
-            model.axis_aligned() ? g : transpose(matrix_from_quat(model.rotation[i])) * g;
-        const double along = length(Vec3d{own.x * s.x, own.y * s.y, own.z * s.z});
-        const double deviation = std::hypot(along, double{field.deviation[i]}) * per_bin;
-        const double mean = (double{field.value[i]} - lower) * per_bin;
-        const double mass = double{model.density[i]} * s.x * s.y * s.z;
-        const auto below = [&](double edge) {
-            return deviation > 1e-3 ? 0.5 * std::erfc((mean - edge) / (deviation * std::sqrt(2.0)))
-                                    : double(edge > mean);
-        };
-        const int first = std::clamp(static_cast<int>(mean - 3 * deviation), 0, kBins - 1);
-        const int last = std::clamp(static_cast<int>(mean + 3 * deviation), 0, kBins - 1);
-        for (int n = first; n <= last; ++n)
-            bin[static_cast<std::size_t>(n)] += mass * (below(n + 1) - below(n));
-    }
-    const double most = std::ranges::max(bin);
     Json out = Json::array();
-    for (const double sum : bin) out.push_back(most > 0 ? std::lround(1000 * sum / most) : 0);
+    for (const float share : by_value::value_histogram(model, field, kBins))
+        out.push_back(std::lround(1000 * share));
     return out;
 }
 

@@ -47,9 +47,9 @@ TEST_F(accumulation, sub_frames_add_up_to_their_mean) {
     EXPECT_EQ(session_->left().subframes(), 8);
     const DepthImage mean =
         render_gl(random_gaussians(300, 0.01, 0.2, 41), session_->camera, 80, 60, 8);
-    const DepthImage shown = session_->left().read();
+    const SumImage shown = session_->left().read();
     for (std::size_t n = 0; n < mean.depth.size(); ++n)
-        ASSERT_NEAR(shown.depth[n], mean.depth[n], 1e-6);
+        ASSERT_NEAR(shown.value[n], mean.depth[n], 1e-6);
 }
 
 TEST_F(accumulation, colours_render_nothing) {
@@ -80,9 +80,9 @@ TEST_F(accumulation, fewer_sub_frames_than_there_are_begin_anew) {
     EXPECT_EQ(session_->left().subframes(), 3);
     const DepthImage three =
         render_gl(random_gaussians(300, 0.01, 0.2, 41), session_->camera, 80, 60, 3);
-    const DepthImage shown = session_->left().read();
+    const SumImage shown = session_->left().read();
     for (std::size_t n = 0; n < three.depth.size(); ++n)
-        ASSERT_NEAR(shown.depth[n], three.depth[n], 1e-6);
+        ASSERT_NEAR(shown.value[n], three.depth[n], 1e-6);
 }
 
 TEST_F(accumulation, a_moving_camera_has_one_sub_frame_until_it_rests) {
@@ -105,9 +105,10 @@ TEST_F(accumulation, rays_of_the_cpu_are_refined_in_squares) {
     // 4 x 4 rays: the mean of the picture with four times the pixels a side.
     const DepthImage fine =
         render_gl(random_gaussians(300, 0.01, 0.2, 41), session_->camera, 320, 240);
-    const DepthImage mean = shrunk(fine, 4), shown = session_->left().read();
-    for (std::size_t n = 0; n < mean.depth.size(); ++n)
-        ASSERT_NEAR(shown.depth[n], mean.depth[n], 1e-5);
+    const SumImage mean = shrunk({fine.width, fine.height, 1, fine.depth}, 4);
+    const SumImage shown = session_->left().read();
+    for (std::size_t n = 0; n < mean.value.size(); ++n)
+        ASSERT_NEAR(shown.value[n], mean.value[n], 1e-5);
 }
 
 }  // namespace vog::test

@@ -242,6 +242,81 @@ TEST_F(view_command, two_pixels_a_pixel_are_averaged) {
         }
 }
 
+TEST_F(view_command, quantities_are_the_command_lines) {
+    make_cloud();
+    for (const char* renderer : {"gl", "splat"}) {
+        SCOPED_TRACE(renderer);
+        play("cloud.ply",
+             "size 200 160\npanels off\noverlay off\ncolorbar off\naxes off\n"
+             "renderer " +
+                 std::string(renderer) +
+                 "\n"
+                 "orbit 25 10\nsave-camera camera.json\nwait\n"
+                 "show column\nvalues 0.1 30 log\nwait\npicture column.png\n"
+                 "show mean density\nvalues 0.1 0.9\ntf viridis\nwait\npicture mean.png\n"
+                 "depth mean.exr\n"
+                 "show deviation\nvalues 0 0.3\nwait\npicture deviation.png\n"
+                 "show volume\nwait\n"
+                 "points 0.1:0 0.5:0.2 0.9:0.7\nundo\nredo\nunit-distance 5\ntf hot\n"
+                 "save-tf look.json\nlight on\nclip -20 -20 -20 8 20 20\nwait\n"
+                 "picture volume.png\n"
+                 "show T\ntf inferno\nexposure 0.05\nwait\npicture clipped.png\n");
+        const auto render = [&](const std::string& options, const std::string& file) {
+            SCOPED_TRACE(file);
+            must("render cloud.ply --camera camera.json --size 200x160 " + options + " -o r_" +
+                 file);
+            expect_same_picture("r_" + file, file);
+        };
+        render("--show column --range 0.1,30 --log", "column.png");
+        render("--show mean --field density --range 0.1,0.9 --tf viridis", "mean.png");
+        render("--show deviation --field density --range 0,0.3 --tf viridis", "deviation.png");
+        render("--show volume --tf look.json --light head --clip=-20,-20,-20,8,20,20",
+               "volume.png");
+        render("--extinction 0.05 --clip=-20,-20,-20,8,20,20", "clipped.png");
+    }
+}
+
+TEST_F(view_command, voxels_show_quantities_and_options_choose_the_first) {
+    must("sample cloud cloud.vdb --size 32");
+    play("cloud.vdb",
+         "size 120 100\npanels off\noverlay off\ncolorbar off\naxes off\nrenderer reference\n"
+         "save-camera camera.json\nwait\npicture mean.png\n"
+         "show volume\nwait\npoints 0.2:0 0.9:0.5\nunit-distance 4\nsave-tf look.json\nwait\n"
+         "picture volume.png\ndepth volume.exr\n",
+         "--show mean --range 0.1,0.8 --tf viridis");
+    must(
+        "render cloud.vdb --camera camera.json --size 120x100 --show mean --range 0.1,0.8 --tf "
+        "viridis -o r_mean.png");
+    expect_same_picture("r_mean.png", "mean.png");
+    must(
+        "render cloud.vdb --camera camera.json --size 120x100 --show volume --tf look.json -o "
+        "r_volume.png");
+    expect_same_picture("r_volume.png", "volume.png");
+    must_fail(1, "view cloud.vdb --headless --script play.vog --show mean --field nothing",
+              "nothing");
+}
+
+TEST_F(view_command, mouse_and_keys_reach_quantities) {
+    make_cloud();
+    const auto values = [&](const std::string& file) {
+        return nlohmann::json::parse(read_text(dir_ / file)).at("opacity");
+    };
+    play("cloud.ply",
+         "size 900 700\nrenderer splat\nwait\nkey g\nkey g\nkey g\nkey g\nwait\nsave-tf "
+         "before.json\n"
+         "drag right 40% 50% 60% 40%\nsave-tf window.json\nkey ctrl+z\nsave-tf undone.json\n"
+         "press step\nsave-tf step.json\nkey k\nwait\ndrag left 50% 50% 52% 50%\nkey u\n"
+         "move 50% 50%\nscreenshot window.png\n");
+    const auto before = values("before.json"), window = values("window.json");
+    EXPECT_EQ(values("undone.json"), before);
+    // To the right wider, up higher.
+    EXPECT_GT(window.back()[0].get<double>() - window.front()[0].get<double>(),
+              before.back()[0].get<double>() - before.front()[0].get<double>());
+    EXPECT_GT(window.front()[0].get<double>() + window.back()[0].get<double>(),
+              before.front()[0].get<double>() + before.back()[0].get<double>());
+    EXPECT_EQ(values("step.json").size(), 4u);
+}
+
 TEST_F(view_command, bad_scripts_are_refused_by_line) {
     make_cloud();
     refuses("wait\n\nfrobnicate 3\n", "play.vog:3: no action 'frobnicate'");
@@ -271,6 +346,13 @@ TEST_F(view_command, bad_scripts_are_refused_by_line) {
     refuses("picture cloud.ply\n", "expected a name in .png");
     refuses("wait now please\n", "play.vog:1: 'wait now please'");
     refuses("renderer raster\n", "play.vog:1: no renderer 'raster'");
+    refuses("show colour\n", "play.vog:1: no quantity 'colour'");
+    refuses("wait\nshow mean heat\n", "play.vog:2: ");
+    refuses("values 2 1\n", "play.vog:1: ");
+    refuses("clip 0 0 0 1\n", "play.vog:1: ");
+    refuses("clip 1 1 1 0 0 0\n", "play.vog:1: clip box");
+    refuses("unit-distance 0\n", "play.vog:1: 'unit-distance 0', expected numbers from 1e-300");
+    refuses("wait\npoints 1:1\n", "play.vog:2: points: is of volumes by value");
     refuses("wait\npress nothing\n", "play.vog:2: no widget 'nothing'");
     refuses("key hyper\n", "play.vog:1: no key 'hyper'");
     refuses("open nosuch.vdb\nwait\n", "play.vog:");

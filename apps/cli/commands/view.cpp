@@ -5,11 +5,13 @@
 #include <filesystem>
 
 #include "commands.h"
+#include "fields/volume_fields.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/validators.h"
+#include "values/page_quantity.h"
 #include "vog/error.h"
 #include "vog/shade.h"
 #ifdef VOG_VIEWER
@@ -27,12 +29,43 @@ struct WindowArguments {
     PointInputOptions points;
     ViewArguments view;
     ColorArguments color;
+    PageQuantityArguments quantity;
     bool headless = false;
     double scale = 1, ui_scale = 0;
     int threads = 0;
 };
 
 #ifdef VOG_VIEWER
+
+/// Grid of --field: "velocity" of "velocity.x"; empty: none.
+std::string field_grid(const WindowArguments& arguments) {
+    const std::string& text = arguments.quantity.quantity.field;
+    for (const char* part : {".x", ".y", ".z"})
+        if (text.ends_with(part)) return text.substr(0, text.size() - 2);
+    return text;
+}
+
+/// The first quantity, and the transfer functions of fields as they are shown.
+void set_quantity(viewer::ViewerOptions& options, const WindowArguments& arguments,
+                  const CLI::App& command) {
+    const HtmlQuantity stated = stated_quantity(arguments.quantity, command);
+    options.quantity.show = viewer::show_from(stated.show);
+    options.quantity.look = stated.look;
+    options.quantity.slabs = stated.slabs;
+    options.field = stated.field;
+    options.color_scale = stated.scale;
+    const std::string input = arguments.inputs.empty() ? "" : arguments.inputs.front();
+    options.choose_transfer = [&arguments, &command, stated, input](
+                                  const Gaussians& model, const std::string& name,
+                                  const Camera& camera, bool first) {
+        // Ranges and bands are of the first field; others begin with the map over their own range.
+        PageQuantityArguments given = arguments.quantity;
+        if (!first) given.quantity.range.clear(), given.value = {};
+        std::vector<std::string> notes;
+        return stated_transfer(given, arguments.color, command, model,
+                               *model.fields.find_scalar(name), camera, input, stated, notes);
+    };
+}
 
 viewer::Content read_content(const std::vector<std::string>& files,
                              const WindowArguments& arguments) {
@@ -50,6 +83,16 @@ viewer::Content read_content(const std::vector<std::string>& files,
         default:
             LoadedVolumes loaded = load_volumes(files, arguments.volume);
             print_notes(loaded.notes);
+            const bool ones = arguments.volume.ones;
+            content.read_fields = [files, ones, pattern = arguments.volume.grid,
+                                   grid = field_grid(arguments)](std::span<Volume> volumes) {
+                FieldTexts texts{{}, pattern, files, ones, own_name(volumes)};
+                if (!grid.empty() && grid != texts.own) texts.texts.push_back(grid);
+                std::vector<std::string> notes_of_fields;
+                auto fields = read_volume_fields(texts, volumes, notes_of_fields);
+                print_notes(notes_of_fields);
+                return fields;
+            };
             content.volumes = std::move(loaded);
     }
     return content;
@@ -87,6 +130,7 @@ void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     options.extinction = fixed_extinction(arguments.color).value_or(options.extinction);
     viewer::load_map(options.look, arguments.color.tf);
     options.look.shading = shading_of(arguments.color);
+    set_quantity(options, arguments, command);
     options.read = [&](const std::vector<std::string>& files) {
         return read_content(files, arguments);
     };
@@ -131,6 +175,7 @@ void add_view(CLI::App& app) {
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
     add_color_options(*command, arguments->color);
+    add_page_quantity_options(*command, arguments->quantity, "Quantity");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(non_negative_number())
         ->capture_default_str();

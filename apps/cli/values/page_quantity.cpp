@@ -10,15 +10,11 @@
 
 namespace vog::cli {
 
-namespace {
-
-/// Transfer function of a model's field, found as `vog render` finds it.
-ValueTransfer transfer_of(const PageQuantityArguments& arguments, const ColorArguments& color,
-                          const CLI::App& command, const Gaussians& model, const Camera& camera,
-                          const std::string& input, HtmlQuantity& quantity,
-                          std::vector<std::string>& notes) {
-    const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
-    quantity.field = field.name;
+ValueTransfer stated_transfer(const PageQuantityArguments& arguments, const ColorArguments& color,
+                              const CLI::App& command, const Gaussians& model,
+                              const ScalarField& field, const Camera& camera,
+                              const std::string& input, const HtmlQuantity& quantity,
+                              std::vector<std::string>& notes) {
     RenderArguments run;
     run.color = color;
     run.quantity = arguments.quantity;
@@ -35,14 +31,12 @@ ValueTransfer transfer_of(const PageQuantityArguments& arguments, const ColorArg
     return chosen.transfer;
 }
 
-}  // namespace
-
 void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
                                const std::string& group) {
     QuantityArguments& quantity = arguments.quantity;
     command
         .add_option("--show", quantity.show,
-                    "Quantity that the page shows first: T, column (column density), mean or "
+                    "Quantity that is shown first: T, column (column density), mean or "
                     "deviation of --field along the ray, or volume: emission and absorption by the "
                     "value of --field under --tf, --window, --band or --iso")
         ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume"}))
@@ -63,15 +57,12 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
         ->group(group);
     command
         .add_option("--clip", arguments.clip,
-                    "Box of the world that the page shows first, x0,y0,z0,x1,y1,z1")
+                    "Box of the world that is shown first, x0,y0,z0,x1,y1,z1")
         ->group(group);
     add_value_options(command, arguments.value);
 }
 
-HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
-                           const CLI::App& command, const Gaussians& model,
-                           const std::optional<Camera>& camera, const std::string& input,
-                           std::vector<std::string>& notes) {
+HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::App& command) {
     const QuantityArguments& given = arguments.quantity;
     const auto refuse = [&](const char* option, const char* reason) {
         if (command.count(option))
@@ -94,13 +85,21 @@ HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorAr
     DrawingArguments clip;
     clip.clip_box = arguments.clip;
     quantity.look.clip = clip_of(clip);
-    if (!given.volume()) {
-        quantity.scale = fixed_scale(given);
-        return quantity;
-    }
+    if (!given.volume()) quantity.scale = fixed_scale(given);
+    return quantity;
+}
+
+HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
+                           const CLI::App& command, const Gaussians& model,
+                           const std::optional<Camera>& camera, const std::string& input,
+                           std::vector<std::string>& notes) {
+    HtmlQuantity quantity = stated_quantity(arguments, command);
+    if (!arguments.quantity.volume()) return quantity;
+    const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
+    quantity.field = field.name;
     quantity.transfer =
-        transfer_of(arguments, color, command, model,
-                    camera ? *camera : orbit_view(view_box(model)), input, quantity, notes);
+        stated_transfer(arguments, color, command, model, field,
+                        camera ? *camera : orbit_view(view_box(model)), input, quantity, notes);
     return quantity;
 }
 

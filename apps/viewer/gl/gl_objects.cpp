@@ -15,10 +15,12 @@ namespace {
 // Header for desktop OpenGL; WebGL2 has "#version 300 es" and a precision in its place.
 constexpr const char* kHeader = "#version 330 core\n";
 
-GLuint compile(GLenum kind, const std::string& name) {
-    const char* parts[] = {kHeader, shader_source(name)};
+GLuint compile(GLenum kind, const std::vector<std::string>& names, const std::string& word) {
+    std::string source = kHeader + (word.empty() ? word : "#define " + word + "\n");
+    for (const std::string& name : names) source += shader_source(name);
+    const char* text = source.c_str();
     const GLuint shader = glCreateShader(kind);
-    glShaderSource(shader, 2, parts, nullptr);
+    glShaderSource(shader, 1, &text, nullptr);
     glCompileShader(shader);
     GLint good = 0;
     glGetShaderiv(shader, GL_COMPILE_STATUS, &good);
@@ -26,7 +28,12 @@ GLuint compile(GLenum kind, const std::string& name) {
     char log[1024] = "";
     glGetShaderInfoLog(shader, sizeof log, nullptr, log);
     glDeleteShader(shader);
-    throw Error(fmt::format("OpenGL: the driver refuses {}: {}", name, log));
+    throw Error(fmt::format("OpenGL: the driver refuses {}: {}", names.back(), log));
+}
+
+/// Order of a format's channels in memory.
+GLenum layout_of(GLenum format) {
+    return format == GL_R32F ? GL_RED : format == GL_RG32F ? GL_RG : GL_RGBA;
 }
 
 }  // namespace
@@ -68,8 +75,10 @@ bool is_software_gl() {
     return false;
 }
 
-GlProgram::GlProgram(const std::string& vertex, const std::string& fragment) {
-    const GLuint v = compile(GL_VERTEX_SHADER, vertex), f = compile(GL_FRAGMENT_SHADER, fragment);
+GlProgram::GlProgram(const std::string& vertex, const std::vector<std::string>& fragments,
+                     const std::string& word) {
+    const GLuint v = compile(GL_VERTEX_SHADER, {vertex}, word);
+    const GLuint f = compile(GL_FRAGMENT_SHADER, fragments, word);
     name_ = glCreateProgram();
     glAttachShader(name_, v);
     glAttachShader(name_, f);
@@ -81,7 +90,8 @@ GlProgram::GlProgram(const std::string& vertex, const std::string& fragment) {
     if (good) return;
     char log[1024] = "";
     glGetProgramInfoLog(name_, sizeof log, nullptr, log);
-    throw Error(fmt::format("OpenGL: the driver refuses {} with {}: {}", vertex, fragment, log));
+    throw Error(
+        fmt::format("OpenGL: the driver refuses {} with {}: {}", vertex, fragments.back(), log));
 }
 
 GlProgram::~GlProgram() { glDeleteProgram(name_); }
@@ -101,22 +111,44 @@ void GlProgram::set(const char* name, Vec3d v) const {
 void GlProgram::set(const char* name, const Rgba& c) const {
     glUniform4f(place(name), c.r, c.g, c.b, c.a);
 }
+void GlProgram::set(const char* name, std::span<const std::array<float, 4>> values) const {
+    glUniform4fv(place(name), static_cast<GLsizei>(values.size()), values.front().data());
+}
+void GlProgram::sample(std::initializer_list<std::pair<const char*, GLuint>> textures) const {
+    int unit = 0;
+    for (const auto& [name, texture] : textures) {
+        glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
+        glBindTexture(GL_TEXTURE_2D, texture);
+        set(name, unit++);
+    }
+    glActiveTexture(GL_TEXTURE0);
+}
 
-GlTarget::GlTarget(GLenum format, int width, int height) : width_(width), height_(height) {
-    GLuint texture = 0, framebuffer = 0;
-    glGenTextures(1, &texture);
-    texture_ = GlTexture(texture);
-    glGenFramebuffers(1, &framebuffer);
-    framebuffer_ = GlFramebuffer(framebuffer);
-
-    const bool floats = format == GL_R32F;
-    glBindTexture(GL_TEXTURE_2D, texture_);
-    glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0,
-                 floats ? GL_RED : GL_RGBA, floats ? GL_FLOAT : GL_UNSIGNED_BYTE, nullptr);
+GlTexture make_texture() {
+    GLuint name = 0;
+    glGenTextures(1, &name);
+    GlTexture texture(name);
+    glBindTexture(GL_TEXTURE_2D, texture);
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
         glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    return texture;
+}
+
+GlTarget::GlTarget(GLenum format, int width, int height, std::size_t images)
+    : format_(format), width_(width), height_(height) {
+    GLuint framebuffer = 0;
+    glGenFramebuffers(1, &framebuffer);
+    framebuffer_ = GlFramebuffer(framebuffer);
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-    glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
+    std::vector<GLenum> places;
+    for (std::size_t n = 0; n < images; ++n) {
+        textures_.push_back(make_texture());
+        glTexImage2D(GL_TEXTURE_2D, 0, static_cast<GLint>(format), width, height, 0,
+                     layout_of(format), format == GL_RGBA8 ? GL_UNSIGNED_BYTE : GL_FLOAT, nullptr);
+        places.push_back(GL_COLOR_ATTACHMENT0 + static_cast<GLenum>(n));
+        glFramebufferTexture2D(GL_FRAMEBUFFER, places.back(), GL_TEXTURE_2D, textures_.back(), 0);
+    }
+    glDrawBuffers(static_cast<GLsizei>(images), places.data());
 }
 
 void GlTarget::bind() const {
@@ -124,17 +156,26 @@ void GlTarget::bind() const {
     glViewport(0, 0, width_, height_);
 }
 
+void GlTarget::clear() const {
+    bind();
+    glDisable(GL_SCISSOR_TEST);
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT);
+}
+
 void GlTarget::upload(std::span<const float> pixels) const {
-    glBindTexture(GL_TEXTURE_2D, texture_);
+    glBindTexture(GL_TEXTURE_2D, textures_.front());
     glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width_, height_, GL_RED, GL_FLOAT, pixels.data());
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width_, height_, layout_of(format_), GL_FLOAT,
+                    pixels.data());
 }
 
 std::vector<float> GlTarget::read_floats() const {
-    std::vector<float> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
+    std::vector<float> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) *
+                              static_cast<std::size_t>(channels()));
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
     glPixelStorei(GL_PACK_ALIGNMENT, 4);
-    glReadPixels(0, 0, width_, height_, GL_RED, GL_FLOAT, pixels.data());
+    glReadPixels(0, 0, width_, height_, layout_of(format_), GL_FLOAT, pixels.data());
     return pixels;
 }
 

@@ -5,6 +5,7 @@
 #include <epoxy/gl.h>
 
 #include <array>
+#include <initializer_list>
 #include <span>
 #include <string>
 #include <utility>
@@ -52,11 +53,14 @@ void require_gl();
 /// Whether OpenGL is rendered in software (llvmpipe and the like).
 bool is_software_gl();
 
-/// Program of two embedded shaders, named by their files.
+/// Program of embedded shaders, named by their files.
 class GlProgram {
   public:
-    /// throws vog::Error, with the driver's message, for a shader that does not compile or link
-    GlProgram(const std::string& vertex, const std::string& fragment);
+    /// fragments  joined to one shader
+    /// word       defined in both, as splat.vert asks; empty: none
+    /// throws     vog::Error, with the driver's message, for a shader that does not compile or link
+    GlProgram(const std::string& vertex, const std::vector<std::string>& fragments,
+              const std::string& word = {});
     ~GlProgram();
     GlProgram(const GlProgram&) = delete;
     GlProgram& operator=(const GlProgram&) = delete;
@@ -68,32 +72,44 @@ class GlProgram {
     void set(const char* name, Vec3d value) const;
     void set(const char* name, float x, float y, float z, float w) const;
     void set(const char* name, const Rgba& value) const;
+    /// Elements of an array of vec4.
+    void set(const char* name, std::span<const std::array<float, 4>> values) const;
+    /// Binds textures to samplers, from unit 0 on.
+    void sample(std::initializer_list<std::pair<const char*, GLuint>> textures) const;
 
   private:
     GLint place(const char* name) const;
     GLuint name_ = 0;
 };
 
-/// Render target: a texture with a framebuffer, which can be read back.
+/// A new texture, whose pixels are read as they are.
+GlTexture make_texture();
+
+/// Render target: textures of one size with a framebuffer, which can be read back.
 class GlTarget {
   public:
-    /// format  GL_R32F for T, GL_RGBA8 for pictures
-    GlTarget(GLenum format, int width, int height);
+    /// format  GL_R32F, GL_RG32F or GL_RGBA32F for sums, GL_RGBA8 for pictures
+    /// images  drawn into at once
+    GlTarget(GLenum format, int width, int height, std::size_t images = 1);
 
     int width() const { return width_; }
     int height() const { return height_; }
-    GLuint texture() const { return texture_; }
+    int channels() const { return format_ == GL_R32F ? 1 : format_ == GL_RG32F ? 2 : 4; }
+    GLuint texture(std::size_t image = 0) const { return textures_[image]; }
     GLuint framebuffer() const { return framebuffer_; }
     /// Binds the whole target for drawing.
     void bind() const;
-    /// Uploads values to an R32F target, in the order of its rows.
+    /// Sets all images to 0.
+    void clear() const;
+    /// Uploads values to the first image, in the order of its rows.
     void upload(std::span<const float> pixels) const;
-    /// Values of an R32F target, in the order of its rows.
+    /// Values of the first image, in the order of its rows, channel by channel of each pixel.
     std::vector<float> read_floats() const;
 
   private:
+    GLenum format_;
     int width_ = 0, height_ = 0;
-    GlTexture texture_;
+    std::vector<GlTexture> textures_;
     GlFramebuffer framebuffer_;
 };
 

@@ -9,7 +9,7 @@
 namespace vog::viewer {
 
 GuiGl::GuiGl()
-    : program_("gui.vert", "gui.frag"),
+    : program_("gui.vert", {"gui.frag"}),
       array_(make_vertex_array()),
       vertices_(make_buffer()),
       indices_(make_buffer()) {

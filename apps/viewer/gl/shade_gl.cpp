@@ -46,21 +46,24 @@ std::vector<Rgba> sampled(const TransferFunction& tf, std::size_t count) {
     return values;
 }
 
-GlShade::GlShade() : program_("screen.vert", "shade.frag"), no_vertices_(make_vertex_array()) {
-    GLuint name = 0;
-    glGenTextures(1, &name);
-    transfer_ = GlTexture(name);
+GlShade::GlShade()
+    : program_("screen.vert", {"shade.frag"}),
+      no_vertices_(make_vertex_array()),
+      transfer_(make_texture()),
+      map_(make_texture()) {
     set_look({});
 }
 
 void GlShade::set_look(const Look& look) {
     look_ = look;
-    const std::vector<Rgba> values = sampled(transfer_function(look), kTransferSize);
-    glBindTexture(GL_TEXTURE_2D, transfer_);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(values.size()), 1, 0, GL_RGBA,
-                 GL_FLOAT, values.data());
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER})
-        glTexParameteri(GL_TEXTURE_2D, filter, GL_NEAREST);
+    const auto upload = [](const GlTexture& texture, const TransferFunction& tf) {
+        const std::vector<Rgba> values = sampled(tf, kTransferSize);
+        glBindTexture(GL_TEXTURE_2D, texture);
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGBA32F, static_cast<GLsizei>(values.size()), 1, 0,
+                     GL_RGBA, GL_FLOAT, values.data());
+    };
+    upload(transfer_, transfer_function(look));
+    upload(map_, map_function(look));
 }
 
 void GlShade::draw(const GlDepth& a, const GlDepth& b, const ShadeView& view,
@@ -76,13 +79,21 @@ void GlShade::draw(const GlDepth& a, const GlDepth& b, const ShadeView& view,
         program_.set(sampler, unit);
         program_.set(size, static_cast<float>(depth.target->width()),
                      static_cast<float>(depth.target->height()));
-        program_.set(factor, static_cast<float>(look_.extinction / depth.subframes));
+        const double extinction = view.show == Show::visibility ? look_.extinction : 1;
+        program_.set(factor, static_cast<float>(extinction / depth.subframes));
     };
     image(0, a, "depth_a", "size_a", "factor_a");
     image(1, b, "depth_b", "size_b", "factor_b");
     glActiveTexture(GL_TEXTURE2);
-    glBindTexture(GL_TEXTURE_2D, transfer_);
+    glBindTexture(GL_TEXTURE_2D, view.show == Show::visibility ? transfer_ : map_);
     glActiveTexture(GL_TEXTURE0);
+    program_.set("quantity", static_cast<int>(view.show));
+    program_.set("scale_ends", static_cast<float>(view.scale.low),
+                 static_cast<float>(view.scale.high));
+    program_.set("log_scale", int{view.scale.kind == ColorScale::Kind::log});
+    program_.set("field_unit", static_cast<float>(view.unit.reference),
+                 static_cast<float>(view.unit.unit));
+    program_.set("least_column", view.least_column);
     program_.set("transfer", 2);
     program_.set("transfer_size", static_cast<float>(kTransferSize));
     program_.set("background", look_.shading.background);

@@ -1,12 +1,13 @@
-// shade_gl.h: shading of T in OpenGL, one full-screen pass; the result of vog::shade.
+// shade_gl.h: shading of sums in OpenGL, one full-screen pass; the result of vog::shade, shade_map and over.
 #pragma once
 
 #include "gl/gl_objects.h"
+#include "quantity/quantity.h"
 #include "session/look.h"
 
 namespace vog::viewer {
 
-/// Image of accumulated T in the device's memory.
+/// Image of accumulated sums in the device's memory.
 struct GlDepth {
     const GlTarget* target = nullptr;
     double subframes = 1;  ///< number of sub-frames in the sum
@@ -18,16 +19,22 @@ struct Viewport {
 };
 
 struct ShadeView {
+    Show show = Show::visibility;
+    ColorScale scale{ColorScale::Kind::linear, 0, 1};  ///< of column, mean and deviation
+    FieldUnit unit{};                                  ///< of the field in the sums
+    float least_column = 0;                            ///< maps of a field show nothing below
     float split = 1;          ///< fraction of the width: A to the left, B to the right; 1: A only
     bool difference = false;  ///< shows V of A minus V of B
-    float difference_limit = 0.05f;  ///< |V - V'| at the ends of the scale
-    bool checker = true;             ///< checkerboard behind a transparent background
+    float difference_limit =
+        0.05f;  ///< at the ends of its colours: |V - V'|, a share of the scale, of colours
+                ///< the mean of red, green and blue
+    bool checker = true;  ///< checkerboard behind a transparent background
 };
 
 class GlShade {
   public:
     GlShade();
-    /// Sets the look of later draws. Its transfer function is sampled at 4096 values of V: steps in
+    /// Sets the look of later draws, whose range is of visibility alone. Its transfer function is sampled at 4096 values of V: steps in
     /// it move by up to 1/2048.
     void set_look(const Look& look);
     /// b  second image; may be `a` where only that is shown
@@ -36,7 +43,7 @@ class GlShade {
   private:
     GlProgram program_;
     GlVertexArray no_vertices_;
-    GlTexture transfer_;
+    GlTexture transfer_, map_;  ///< of visibility; of maps, whose range is their scale
     Look look_;
 };
 

@@ -5,6 +5,7 @@
 
 #include "gl/gl_objects.h"
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/gaussians.h"
 
 namespace vog::viewer {
@@ -19,6 +20,8 @@ class GlModel {
 
     std::size_t size() const { return size_; }
     GLuint vertex_array() const { return array_; }
+    /// Binds the buffer to the attributes of the bound vertex array, one set an instance.
+    void set_attributes() const;
     Vec3d center() const { return center_; }
     double unit() const { return unit_; }  ///< world units per unit of the buffer
     float cutoff() const { return cutoff_; }
@@ -39,6 +42,19 @@ struct Jitter {
 /// Offset of sub-frame n: 0 is the centre, then the low-discrepancy sequence R2. Source: M.
 /// Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences" (2018).
 Jitter jitter_of(int subframe);
+
+/// Sets the uniforms of a camera in splat.vert and the fragments that follow it; the program is in use.
+/// clip  a box and up to two planes
+/// throws  vog::Error for more planes
+void set_view(const GlProgram& program, const GlModel& model, const CameraFrame& frame,
+              Jitter jitter, const Clipping& clip = {});
+/// Draws the instances of a vertex array into the bound framebuffer, added up.
+/// equation  GL_FUNC_ADD or GL_MAX
+void draw_gaussians(GLuint vertex_array, std::size_t count, GLenum equation = GL_FUNC_ADD);
+/// Binds numbers of the bound buffer to an attribute of the bound vertex array.
+/// floats, offset  of one Gaussian's set; of the attribute in it
+void set_attribute(GLuint place, GLint count, std::size_t floats, std::size_t offset,
+                   GLuint divisor = 1);
 
 class GlSplat {
   public:

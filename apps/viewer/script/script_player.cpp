@@ -59,6 +59,33 @@ std::vector<OpacityPoint> opacity_from(const std::vector<std::string>& words) {
     return points;
 }
 
+/// Edits of the transfer function of values.
+void edit_values(const Action& action, Session& session) {
+    if (session.quantity.show != Show::volume || !session.values.now())
+        throw Error(fmt::format(
+            "{}: is of volumes by value, expected `show volume` and `wait` before", action.verb));
+    ValueTransfer next = *session.values.now();
+    const std::vector<std::string>& w = action.words;
+    if (action.verb == "unit-distance") {
+        next.unit_distance = number(w[0]);
+    } else if (action.verb == "window") {
+        next = window_transfer(number(w[0]), number(w[1]), next.unit_distance);
+    } else {
+        next.opacity.clear();
+        for (const std::string& word : w) {
+            const std::size_t colon = word.rfind(':');
+            double value = 0, opacity = -1;
+            if (colon == std::string::npos || !is_number(word.substr(0, colon), &value) ||
+                !is_number(word.substr(colon + 1), &opacity) || opacity < 0 || opacity > 1)
+                throw Error(
+                    fmt::format("points {}: expected VALUE:OPACITY, opacity in [0, 1]", word));
+            next.opacity.push_back({value, opacity});
+        }
+        std::ranges::stable_sort(next.opacity, {}, &ValueOpacity::value);
+    }
+    session.set_values(std::move(next));
+}
+
 }  // namespace
 
 ScriptPlayer::ScriptPlayer(const std::filesystem::path& file)
@@ -138,8 +165,8 @@ void ScriptPlayer::after_frame(const Stage& stage) {
 }
 
 void ScriptPlayer::start(const Action& action, Stage& stage) {
-    if (start_input(action, stage) || start_camera(action, stage) || start_look(action, stage) ||
-        start_file(action, stage))
+    if (start_input(action, stage) || start_camera(action, stage) ||
+        start_quantity(action, stage) || start_look(action, stage) || start_file(action, stage))
         return;
     Settings& s = stage.session.settings;
     const std::string& verb = action.verb;
@@ -151,6 +178,7 @@ void ScriptPlayer::start(const Action& action, Stage& stage) {
     if (verb == "scale") s.scale = number(first);
     if (verb == "panels") s.panels = on(first);
     if (verb == "overlay") s.overlay = on(first);
+    if (verb == "axes") s.axes = s.scale_bar = s.probe = on(first);
     if (verb == "colorbar") s.color_bar = on(first);
     if (verb == "help") s.help = on(first);
     if (verb == "renderer") s.renderer = renderer_from(first);
@@ -284,12 +312,51 @@ bool ScriptPlayer::start_camera(const Action& action, Stage& stage) {
     return true;
 }
 
+bool ScriptPlayer::start_quantity(const Action& action, Stage& stage) {
+    Session& session = stage.session;
+    const std::vector<std::string>& w = action.words;
+    if (action.verb == "show") {
+        session.set_quantity(show_from(w[0]), w.size() > 1 ? w[1] : "");
+    } else if (action.verb == "values") {
+        if (w[0] == "auto") {
+            session.automatic_scale();
+        } else {
+            if (w.size() < 2 || (w.size() > 2 && w[2] != "log"))
+                throw Error(fmt::format("values {}: expected LOW HIGH [log]", joined(w)));
+            const bool log = w.size() > 2;
+            session.set_scale({log ? ColorScale::Kind::log : ColorScale::Kind::linear, number(w[0]),
+                               number(w[1])});
+        }
+    } else if (action.verb == "clip") {
+        const auto n = [&](std::size_t i) { return number(w[i]); };
+        std::optional<Box> box;
+        if (w[0] != "off" && w.size() != 6)
+            throw Error(fmt::format("clip {}: expected X0 Y0 Z0 X1 Y1 Z1 or off", joined(w)));
+        if (w[0] != "off") box = Box{{n(0), n(1), n(2)}, {n(3), n(4), n(5)}};
+        session.set_clip(box);
+    } else if (action.verb == "light") {
+        session.quantity.look.light = on(w[0]);
+    } else if (action.verb == "zup") {
+        session.set_z_up(on(w[0]));
+    } else if (action.verb == "unit-distance" || action.verb == "points" ||
+               action.verb == "window") {
+        edit_values(action, session);
+    } else if (action.verb == "undo") {
+        session.values.undo();
+    } else if (action.verb == "redo") {
+        session.values.redo();
+    } else {
+        return false;
+    }
+    return true;
+}
+
 bool ScriptPlayer::start_look(const Action& action, Stage& stage) {
     Session& session = stage.session;
     Look& look = session.look;
     const std::vector<std::string>& w = action.words;
     if (action.verb == "tf") {
-        load_map(look, w[0]);
+        session.set_map(w[0]);
     } else if (action.verb == "save-tf") {
         session.save_look(w[0]);
     } else if (action.verb == "opacity") {

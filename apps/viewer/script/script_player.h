@@ -39,13 +39,14 @@ class ScriptPlayer {
   private:
     /// State of mouse and keys in one frame.
     struct Input {
-        float x = 0, y = 0, wheel = 0;
+        float x = -1, y = -1, wheel = 0;  ///< at first outside the window
         int button = -1, key = -1;
         bool shift = false, ctrl = false, alt = false;
     };
     void start(const Action& action, Stage& stage);
     bool start_input(const Action& action, Stage& stage);
     bool start_camera(const Action& action, Stage& stage);
+    bool start_quantity(const Action& action, Stage& stage);
     bool start_look(const Action& action, Stage& stage);
     bool start_file(const Action& action, Stage& stage);
     bool waits(const Action& action, Stage& stage);

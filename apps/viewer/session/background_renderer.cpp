@@ -1,9 +1,16 @@
 // background_renderer.cpp: One thread that draws one request at a time, the latest first.
 #include "session/background_renderer.h"
 
+#include <fmt/core.h>
+
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <map>
 #include <utility>
+
+#include "vog/error.h"
+#include "vog/splat.h"
 
 namespace vog::viewer {
 
@@ -11,24 +18,103 @@ namespace {
 
 struct Cancelled {};
 
+/// T, in as many channels as asked.
+SumImage sums_of(DepthImage depth, int channels) {
+    SumImage sums{depth.width, depth.height, channels, {}};
+    if (channels == 1) {
+        sums.value = std::move(depth.depth);
+        return sums;
+    }
+    sums.value.resize(4 * depth.depth.size());
+    for (std::size_t n = 0; n < depth.depth.size(); ++n) sums.value[4 * n] = depth.depth[n];
+    return sums;
+}
+
+SumImage sums_of(const FieldMaps& maps, FieldUnit unit) {
+    SumImage sums{maps.width, maps.height, 4, std::vector<float>(4 * maps.column.size())};
+    for (std::size_t n = 0; n < maps.column.size(); ++n) {
+        const double column = double{maps.column[n]};
+        if (!(column > 0)) continue;
+        const double mean = (double{maps.mean[n]} - unit.reference) / unit.unit;
+        const double deviation = double{maps.deviation[n]} / unit.unit;
+        sums.value[4 * n] = maps.column[n];
+        sums.value[4 * n + 1] = static_cast<float>(column * mean);
+        sums.value[4 * n + 2] = static_cast<float>(column * (mean * mean + deviation * deviation));
+    }
+    return sums;
+}
+
+SumImage sums_of(const VolumeImage& picture) {
+    SumImage sums{picture.width, picture.height, 4, {}};
+    sums.value.reserve(4 * picture.pixel.size());
+    for (const Rgba& pixel : picture.pixel)
+        sums.value.insert(sums.value.end(), {pixel.r, pixel.g, pixel.b, pixel.a});
+    return sums;
+}
+
+FieldUnit unit_of_voxels(const VoxelField& field, const VoxelData& data) {
+    // The unit of the models' fields, whose range is that of all volumes.
+    double lower = field.lower, upper = field.upper;
+    for (const std::vector<VoxelField>& each : data.fields)
+        if (each.front().name == field.name)
+            for (const VoxelField& part : each)
+                lower = std::min(lower, part.lower), upper = std::max(upper, part.upper);
+    Fields fields;
+    const auto add = [&](auto& to) {
+        to.emplace_back();
+        to.back().name = field.name;
+        to.back().lower = lower, to.back().upper = upper;
+    };
+    if (field.is_vector())
+        add(fields.vector);
+    else
+        add(fields.scalar);
+    return viewer::unit_of(fields, field.name);
+}
+
+SumImage draw_voxels(const RenderRequest& request, int width, int height,
+                     const Progress& progress) {
+    const VoxelData& data = *request.voxels;
+    const Drawn& drawn = request.drawn;
+    ReferenceOptions options;
+    options.progress = progress;
+    options.clip = drawn.look.clip;
+    if (drawn.kind == Drawn::Kind::depth) {
+        DepthImage depth;
+        if (drawn.look.clip.empty()) {
+            data.depth->render(request.camera, width, height, depth, progress);
+        } else {
+            RenderOptions clipped;
+            clipped.clip = drawn.look.clip;
+            DepthRenderer(vog::Renderer::reference, std::span(data.volumes), clipped)
+                .render(request.camera, width, height, depth, progress);
+        }
+        return sums_of(std::move(depth), drawn.channels());
+    }
+    const auto found = std::ranges::find_if(data.fields, [&](const std::vector<VoxelField>& field) {
+        return field.front().name == drawn.field.field;
+    });
+    if (found == data.fields.end())
+        throw Error(fmt::format("the voxels have no field '{}'", drawn.field.field));
+    if (drawn.kind == Drawn::Kind::light)
+        return sums_of(render_volume_reference(data.volumes, *found, *drawn.transfer,
+                                               request.camera, width, height, options, drawn.look));
+    return sums_of(render_field_reference(data.volumes, *found, drawn.field.part, request.camera,
+                                          width, height, options),
+                   unit_of_voxels(found->front(), data));
+}
+
 }  // namespace
 
 /// Renderers prepared for the latest model: they outlive a picture, not the model.
 struct BackgroundRenderer::Prepared {
     std::shared_ptr<const Gaussians> model;
+    Clipping clip;  ///< of `by`
     std::map<WindowRenderer, DepthRenderer> by;
+    std::optional<SlabRenderer>
+        slabs;  ///< for pictures that differ in the transfer function alone from this one
+    Drawn slabs_of;
 };
-
-DepthImage shrunk(const DepthImage& image, int factor) {
-    if (factor == 1) return image;
-    DepthImage mean(image.width / factor, image.height / factor);
-    mean.extinction = image.extinction;
-    const float weight = 1 / static_cast<float>(factor * factor);
-    for (int row = 0; row < mean.height * factor; ++row)
-        for (int column = 0; column < mean.width * factor; ++column)
-            mean.at(column / factor, row / factor) += weight * image.at(column, row);
-    return mean;
-}
 
 BackgroundRenderer::BackgroundRenderer()
     : prepared_(std::make_unique<Prepared>()), thread_([this] { work(); }) {}
@@ -91,19 +177,89 @@ void BackgroundRenderer::work() {
     }
 }
 
-void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
+void BackgroundRenderer::draw_depth(const RenderRequest& request, int width, int height,
                                     const Progress& progress, RenderedPicture& picture) {
-    if (request.model != prepared_->model) *prepared_ = {request.model, {}};
+    // Clipped pictures have no levels of detail, and are prepared anew for another clip.
+    const Clipping& clip = request.drawn.look.clip;
+    Drawn prepared_for = request.drawn;
+    prepared_for.look.clip = prepared_->clip;
+    if (!(request.drawn == prepared_for)) prepared_->by.clear();
+    prepared_->clip = clip;
     auto found = prepared_->by.find(request.renderer);
-    if (found == prepared_->by.end())
+    if (found == prepared_->by.end()) {
+        RenderOptions options;
+        options.clip = clip;
         found = prepared_->by
-                    .emplace(request.renderer, DepthRenderer(library_renderer(request.renderer),
-                                                             request.model, {}, request.hierarchy))
+                    .emplace(request.renderer,
+                             DepthRenderer(library_renderer(request.renderer), request.model,
+                                           options, clip.empty() ? request.hierarchy : nullptr))
                     .first;
+    }
     DepthRenderer& renderer = found->second;
     renderer.set_pixel_error(request.pixel_error);
-    renderer.render(request.camera, width, height, picture.depth, progress);
+    DepthImage depth;
+    renderer.render(request.camera, width, height, depth, progress);
     picture.drawn = renderer.cut() ? renderer.cut()->drawn() : request.model->size();
+    picture.sums = sums_of(std::move(depth), request.drawn.channels());
+}
+
+void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
+                                    const Progress& progress, RenderedPicture& picture) {
+    if (request.model != prepared_->model) *prepared_ = {request.model, {}, {}, {}, {}};
+    const Drawn& drawn = request.drawn;
+    if (drawn.kind == Drawn::Kind::depth)
+        return draw_depth(request, width, height, progress, picture);
+    const Gaussians& model = *request.model;
+    const bool splat = request.renderer == WindowRenderer::splat;
+    if (!splat && request.renderer != WindowRenderer::trace)
+        throw Error(fmt::format("{} draws no fields, expected OpenGL, CPU splat or CPU rays",
+                                name_of(request.renderer)));
+    picture.drawn = model.size();
+    TraceOptions rays;
+    rays.progress = progress;
+    if (drawn.kind == Drawn::Kind::field) {
+        if (!drawn.look.clip.empty())
+            throw Error(fmt::format("{} draws no clipped maps of fields, expected OpenGL or voxels",
+                                    name_of(request.renderer)));
+        const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
+        if (!splat) {
+            picture.sums = sums_of(
+                render_field_trace(model, drawn.field, request.camera, width, height, rays), unit);
+            return;
+        }
+        SplatOptions options;
+        options.progress = progress;
+        CutReport report;
+        if (request.hierarchy && !request.hierarchy->empty() && request.pixel_error > 0) {
+            options.hierarchy = request.hierarchy.get();
+            options.cut.pixel_error = request.pixel_error;
+        }
+        picture.sums = sums_of(
+            render_field_splat(model, drawn.field, request.camera, width, height, options, &report),
+            unit);
+        picture.drawn = report.drawn();
+        return;
+    }
+    if (!splat) {
+        picture.sums =
+            sums_of(render_volume_trace(model, drawn.field.field, *drawn.transfer, request.camera,
+                                        width, height, rays, {}, drawn.look));
+        return;
+    }
+    Drawn same = drawn;
+    same.transfer = prepared_->slabs_of.transfer;
+    if (prepared_->slabs && same == prepared_->slabs_of) {
+        prepared_->slabs->set_transfer(*drawn.transfer);
+    } else {
+        SlabOptions options;
+        options.slabs = drawn.slabs;
+        options.look = drawn.look;
+        prepared_->slabs.emplace(model, drawn.field.field, *drawn.transfer, options);
+    }
+    prepared_->slabs_of = drawn;
+    VolumeImage image;
+    prepared_->slabs->render(request.camera, width, height, image);
+    picture.sums = sums_of(image);
 }
 
 RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
@@ -116,11 +272,11 @@ RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
     const int width = request.width * request.rays, height = request.height * request.rays;
     RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}};
     if (request.voxels)
-        request.voxels->render(request.camera, width, height, picture.depth, progress);
+        picture.sums = draw_voxels(request, width, height, progress);
     else
         draw_model(request, width, height, progress, picture);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    picture.depth = shrunk(picture.depth, request.rays);
+    picture.sums = shrunk(std::move(picture.sums), request.rays);
     picture.ms = ms.count();
     return picture;
 }

@@ -10,14 +10,23 @@
 #include <thread>
 #include <vector>
 
+#include "quantity/quantity.h"
 #include "session/renderer_names.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
-#include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
+#include "vog/voxel_field.h"
 
 namespace vog::viewer {
+
+/// Voxels with their fields.
+struct VoxelData {
+    std::vector<Volume> volumes;  ///< that add up, or the parts of a mesh
+    std::vector<std::vector<VoxelField>>
+        fields;  ///< [fields][volumes]; one without values: the volumes' own
+    std::shared_ptr<DepthRenderer> depth;  ///< prepared for T without a clip
+};
 
 /// One picture to draw, of a model or of voxels.
 struct RenderRequest {
@@ -26,7 +35,8 @@ struct RenderRequest {
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model, for splat
     double pixel_error = 0;                      ///< CutOptions::pixel_error
-    std::shared_ptr<DepthRenderer> voxels;       ///< null: the model is drawn
+    std::shared_ptr<const VoxelData> voxels;     ///< null: the model is drawn
+    Drawn drawn;                                 ///< of the model or the voxels
     Camera camera;
     int width = 0, height = 0;
     int rays = 1;  ///< rays^2 rays a pixel, on a square lattice; the picture is their mean
@@ -35,7 +45,7 @@ struct RenderRequest {
 struct RenderedPicture {
     std::uint64_t key = 0;
     int rays = 1;
-    DepthImage depth;
+    SumImage sums;
     double ms = 0;
     std::size_t drawn = 0;  ///< Gaussians; 0: unknown, of voxels
     std::string error;      ///< message, where the picture could not be drawn
@@ -61,6 +71,8 @@ class BackgroundRenderer {
     RenderedPicture render(const RenderRequest& request);
     void draw_model(const RenderRequest& request, int width, int height, const Progress& progress,
                     RenderedPicture& picture);
+    void draw_depth(const RenderRequest& request, int width, int height, const Progress& progress,
+                    RenderedPicture& picture);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< used by the thread alone
 
@@ -73,8 +85,5 @@ class BackgroundRenderer {
     double fraction_ = 0;
     std::thread thread_;
 };
-
-/// Image of the means over squares of factor x factor pixels.
-DepthImage shrunk(const DepthImage& image, int factor);
 
 }  // namespace vog::viewer

@@ -51,6 +51,13 @@ TransferFunction transfer_function(const Look& look) {
     return tf;
 }
 
+TransferFunction map_function(const Look& look) {
+    Look whole = look;
+    whole.low = 0, whole.high = 1;
+    whole.opacity = look.base.opacity;
+    return transfer_function(whole);
+}
+
 bool is_plain(const Look& look) {
     const auto same = [](const OpacityPoint& a, const OpacityPoint& b) {
         return a.v == b.v && a.opacity == b.opacity;

@@ -29,6 +29,10 @@ void load_map(Look& look, const std::string& name_or_file);
 /// other than 1 is approximated by linear pieces, within 1/255.
 TransferFunction transfer_function(const Look& look);
 
+/// Colours of maps over their scale: the look's map, gamma and inversion, without its range of visibility; opacity is
+/// that of the map's file.
+TransferFunction map_function(const Look& look);
+
 /// The look as options of vog render: `--extinction ... --tf ... --background ...`.
 /// tf_file  value of --tf where the look is not a plain named map
 std::string look_flags(const Look& look, const std::string& tf_file);

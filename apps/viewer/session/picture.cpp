@@ -12,25 +12,38 @@ bool operator==(const PictureKey& a, const PictureKey& b) {
                         k.camera.orthographic_width, k.camera.eye, k.camera.look_at, k.camera.up,
                         k.camera.fov_degrees, k.size);
     };
-    return tie(a) == tie(b);
+    return tie(a) == tie(b) && a.drawn == b.drawn;
 }
 
-const GlModel& GlModels::get(const std::shared_ptr<const Gaussians>& model) {
+const GlField& GlModelFields::field(const Gaussians& gaussians, const FieldChoice& choice) {
+    const std::pair name{choice.field, choice.part};
+    const auto found = fields_.find(name);
+    if (found != fields_.end()) return found->second;
+    return fields_.emplace(name, GlField(model_, gaussians, choice)).first->second;
+}
+
+GlModelFields& GlModels::get(const std::shared_ptr<const Gaussians>& model) {
     const auto found = models_.find(model.get());
     if (found != models_.end()) return found->second.on_device;
-    return models_.emplace(model.get(), Entry{model, GlModel(*model)}).first->second.on_device;
+    return models_.emplace(model.get(), Entry{model, GlModelFields(*model)})
+        .first->second.on_device;
 }
 
 void Picture::require_target(PixelSize size) {
-    if (!target_ || target_->width() != size.width || target_->height() != size.height)
-        target_.emplace(GL_R32F, size.width, size.height);
+    const GLenum format = key_.drawn.channels() == 1 ? GL_R32F : GL_RGBA32F;
+    if (!target_ || target_->width() != size.width || target_->height() != size.height ||
+        target_->channels() != key_.drawn.channels())
+        target_.emplace(format, size.width, size.height);
 }
 
-void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models) {
+void Picture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
     // Fewer sub-frames than are summed already: starts again.
     const int begun =
         key.renderer == WindowRenderer::gl ? subframes_ : rays_requested_ * rays_requested_;
     if (!(valid_ && key == key_) || begun > subframes) {
+        sums_of_key_ = sums_of_key_ && key.drawn.kind == key_.drawn.kind &&
+                       key.drawn.channels() == key_.drawn.channels() &&
+                       key.drawn.field.field == key_.drawn.field.field;
         key_ = key;
         valid_ = true;
         complete_ = false;
@@ -38,46 +51,69 @@ void Picture::update(const PictureKey& key, int subframes, const GlSplat& splat,
         if (key.renderer == WindowRenderer::gl) subframes_ = 0;
     }
     if (key.renderer == WindowRenderer::gl)
-        update_gl(subframes, splat, models);
+        update_gl(subframes, gl);
     else
         update_cpu(subframes);
 }
 
 /// The Gaussians to draw: the level-of-detail cut for the key's camera, chosen at the first
 /// sub-frame, or the whole model.
-const GlModel& Picture::cut_model(GlModels& models) {
-    if (!key_.hierarchy || key_.hierarchy->empty()) return models.get(key_.model);
+/// gaussians  receives them
+GlModelFields& Picture::cut_model(GlModels& models, const Gaussians*& gaussians) {
+    gaussians = key_.model.get();
+    // Nodes are no substitute by value: light of a mean value is not the mean light.
+    if (!key_.hierarchy || key_.hierarchy->empty() || key_.drawn.kind == Drawn::Kind::light)
+        return models.get(key_.model);
     if (cut_of_ != key_.model) {
         cut_.emplace(*key_.model, *key_.hierarchy);
         cut_of_ = key_.model;
     }
     if (subframes_ == 0) {
-        const Gaussians& chosen = cut_->choose(
-            frame_of(key_.camera, key_.size.width, key_.size.height), {key_.pixel_error, true});
+        chosen_ = &cut_->choose(frame_of(key_.camera, key_.size.width, key_.size.height),
+                                {key_.pixel_error, true});
         cut_model_.reset();
-        if (&chosen != key_.model.get()) cut_model_.emplace(chosen);
+        if (chosen_ != key_.model.get()) cut_model_.emplace(*chosen_);
     }
-    return cut_model_ ? *cut_model_ : models.get(key_.model);
+    if (!cut_model_) return models.get(key_.model);
+    gaussians = chosen_;
+    return *cut_model_;
 }
 
-void Picture::update_gl(int subframes, const GlSplat& splat, GlModels& models) {
+void Picture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
+                       GlRenderers& gl) const {
+    const Drawn& drawn = key_.drawn;
+    const Jitter jitter = jitter_of(subframes_);
+    if (drawn.kind == Drawn::Kind::light) {
+        if (!gl.slabs) gl.slabs.emplace();
+        gl.slabs->add({&on_device.model(), &on_device.field(gaussians, drawn.field),
+                       gaussians.fields.find_scalar(drawn.field.field), drawn.transfer, &drawn.look,
+                       drawn.slabs},
+                      key_.camera, jitter, *target_);
+    } else if (drawn.channels() == 1) {
+        gl.splat.add(on_device.model(), key_.camera, jitter, *target_);
+    } else {
+        const GlField* field =
+            drawn.kind == Drawn::Kind::field ? &on_device.field(gaussians, drawn.field) : nullptr;
+        gl.fields.add(on_device.model(), field, key_.camera, jitter, drawn.look.clip, *target_);
+    }
+}
+
+void Picture::update_gl(int subframes, GlRenderers& gl) {
     complete_ = subframes_ >= subframes;
     if (timer_) ms_ = timer_->ms();
     if (complete_) return;
     if (!timer_) timer_.emplace();
     require_target(key_.size);
-    const GlModel& model = cut_model(models);
-    drawn_ = model.size();
+    const Gaussians* gaussians = nullptr;
+    GlModelFields& model = cut_model(gl.models, gaussians);
+    drawn_ = model.model().size();
     timer_->begin();
-    if (subframes_ == 0) {
-        target_->bind();
-        glClearColor(0, 0, 0, 0);
-        glClear(GL_COLOR_BUFFER_BIT);
-    }
+    if (subframes_ == 0) target_->clear();
     // Sub-frames add up in one target; shading divides by their number.
-    splat.add(model, key_.camera, jitter_of(subframes_), *target_);
+    add_sums(*gaussians, model, gl);
     timer_->end();
     summed_ = ++subframes_;
+    sums_of_key_ = true;
     ++revision_;
     complete_ = subframes_ >= subframes;
 }
@@ -88,8 +124,8 @@ void Picture::request(int rays) {
     const bool voxels = key_.renderer == WindowRenderer::voxels;
     cpu_->request({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
                    voxels ? nullptr : key_.hierarchy, key_.pixel_error,
-                   voxels ? key_.voxels : nullptr, key_.camera, key_.size.width, key_.size.height,
-                   rays});
+                   voxels ? key_.voxels : nullptr, key_.drawn, key_.camera, key_.size.width,
+                   key_.size.height, rays});
 }
 
 void Picture::update_cpu(int subframes) {
@@ -106,7 +142,8 @@ void Picture::update_cpu(int subframes) {
         return;
     }
     require_target(key_.size);
-    target_->upload(picture->depth.depth);
+    target_->upload(picture->sums.value);
+    sums_of_key_ = true;
     subframes_ = picture->rays * picture->rays;
     summed_ = 1;  // already a mean over its rays
     ms_ = picture->ms;
@@ -118,7 +155,7 @@ void Picture::update_cpu(int subframes) {
 
 void Picture::refine(int done, int subframes) {
     // By 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
-    constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB of T
+    constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB a channel
     const int rays = 2 * done;
     const std::int64_t all = std::int64_t{key_.size.width} * key_.size.height * rays * rays;
     complete_ = !(rays <= 4 && rays * rays <= subframes && all <= kRayLimit);
@@ -131,11 +168,11 @@ GlDepth Picture::depth() const {
     return {&*target_, summed_};
 }
 
-DepthImage Picture::read() const {
-    DepthImage image(target_->width(), target_->height());
-    image.depth = target_->read_floats();
+SumImage Picture::read() const {
+    SumImage image{target_->width(), target_->height(), target_->channels(),
+                   target_->read_floats()};
     const auto share = static_cast<float>(1 / depth().subframes);
-    for (float& t : image.depth) t *= share;
+    for (float& sum : image.value) sum *= share;
     return image;
 }
 

@@ -1,5 +1,5 @@
-// picture.h: progressive image of T for the current camera: OpenGL accumulates antialiased
-// sub-frames, other renderers deliver from a background thread.
+// picture.h: progressive sums for the current camera: OpenGL accumulates antialiased sub-frames,
+// other renderers deliver from a background thread.
 #pragma once
 
 #include <limits>
@@ -8,7 +8,9 @@
 #include <optional>
 #include <string>
 
+#include "gl/field_gl.h"
 #include "gl/shade_gl.h"
+#include "gl/slabs_gl.h"
 #include "gl/splat_gl.h"
 #include "screen/screen.h"
 #include "session/background_renderer.h"
@@ -16,43 +18,70 @@
 
 namespace vog::viewer {
 
-/// Everything T depends on: pictures with equal keys are equal.
+/// Everything sums depend on: pictures with equal keys are equal.
 struct PictureKey {
     WindowRenderer renderer = WindowRenderer::gl;
     std::shared_ptr<const Gaussians> model;      ///< for all renderers but voxels
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model; null: no levels of detail
-    double pixel_error = 0;                 ///< of the level-of-detail cut, pixels; gl and splat
-    std::shared_ptr<DepthRenderer> voxels;  ///< for the voxel renderer
+    double pixel_error = 0;                   ///< of the level-of-detail cut, pixels; gl and splat
+    std::shared_ptr<const VoxelData> voxels;  ///< for the voxel renderer
+    Drawn drawn;
     Camera camera;
     PixelSize size;
     friend bool operator==(const PictureKey& a, const PictureKey& b);
 };
 
+/// A model in the device's memory, and the fields of it that were drawn.
+class GlModelFields {
+  public:
+    explicit GlModelFields(const Gaussians& gaussians) : model_(gaussians) {}
+    const GlModel& model() const { return model_; }
+    /// The field, uploaded when first asked for.
+    /// gaussians  of the model
+    const GlField& field(const Gaussians& gaussians, const FieldChoice& choice);
+
+  private:
+    GlModel model_;
+    std::map<std::pair<std::string, FieldPart>, GlField> fields_;
+};
+
 /// Models in the device's memory, uploaded when first drawn.
 class GlModels {
   public:
-    const GlModel& get(const std::shared_ptr<const Gaussians>& model);
+    GlModelFields& get(const std::shared_ptr<const Gaussians>& model);
     void clear() { models_.clear(); }
 
   private:
     struct Entry {
         std::shared_ptr<const Gaussians> model;
-        GlModel on_device;
+        GlModelFields on_device;
     };
     std::map<const Gaussians*, Entry> models_;
 };
 
-/// One half of the split: T of one renderer, accumulated over sub-frames.
+/// OpenGL's programs for all that is drawn.
+struct GlRenderers {
+    GlSplat splat;
+    GlFieldSums fields;
+    std::optional<GlSlabs> slabs;  ///< compiled when first needed
+    GlModels models;
+};
+
+/// One half of the split: sums of one renderer, accumulated over sub-frames.
 class Picture {
   public:
     /// Renders the next sub-frame, or requests it from the background renderer, until there are
     /// `subframes`. A changed key starts again.
-    void update(const PictureKey& key, int subframes, const GlSplat& splat, GlModels& models);
+    void update(const PictureKey& key, int subframes, GlRenderers& gl);
 
-    /// The accumulated T on the device; empty before the first sub-frame.
+    /// The accumulated sums on the device; empty before the first sub-frame.
     GlDepth depth() const;
-    /// Mean T of the sub-frames at extinction 1; needs a first sub-frame.
-    DepthImage read() const;
+    /// Mean of the sub-frames; needs a first sub-frame.
+    SumImage read() const;
+    /// What the sums are of, once there are some.
+    const Drawn& drawn_sums() const { return key_.drawn; }
+    /// Whether the sums belong to the latest key: those of a picture before are shown until others are there.
+    bool has_sums() const { return valid_ && summed_ > 0 && sums_of_key_; }
 
     bool complete() const { return complete_; }
     int subframes() const { return subframes_; }
@@ -71,8 +100,9 @@ class Picture {
     std::string take_error() { return std::exchange(error_, {}); }
 
   private:
-    void update_gl(int subframes, const GlSplat& splat, GlModels& models);
-    const GlModel& cut_model(GlModels& models);
+    void update_gl(int subframes, GlRenderers& gl);
+    void add_sums(const Gaussians& gaussians, GlModelFields& on_device, GlRenderers& gl) const;
+    GlModelFields& cut_model(GlModels& models, const Gaussians*& gaussians);
     void update_cpu(int subframes);
     void request(int rays);
     /// Requests twice as many rays along each side of a pixel, or completes the picture.
@@ -80,15 +110,16 @@ class Picture {
     void require_target(PixelSize size);
 
     PictureKey key_;
-    bool valid_ = false;  ///< target_ belongs to key_
+    bool valid_ = false;        ///< target_ is of key_, or will be
+    bool sums_of_key_ = false;  ///< the sums in target_ are what key_ is drawn of
     bool complete_ = false;
     int subframes_ = 0, revision_ = 0;
     double summed_ = 0;  ///< sub-frames summed in target_
     std::size_t drawn_ = 0;
     std::shared_ptr<const Gaussians> cut_of_;  ///< model of cut_
     std::optional<ViewCut> cut_;
-    std::optional<GlModel>
-        cut_model_;  ///< the cut's Gaussians on the device; none: the whole model
+    const Gaussians* chosen_ = nullptr;       ///< the cut's Gaussians
+    std::optional<GlModelFields> cut_model_;  ///< the same on the device; none: the whole model
     double ms_ = 0, ms_per_ray_ = std::numeric_limits<double>::infinity();
     std::string error_;
     std::optional<GlTarget> target_;

@@ -10,7 +10,7 @@
 
 #include "vog/camera.h"
 #include "vog/compare.h"
-#include "vog/convert_moments.h"
+#include "vog/convert_fields.h"
 #include "vog/error.h"
 #include "vog/splat.h"
 #include "vog/text.h"
@@ -131,7 +131,7 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     Scene scene;
     scene.title = title_of(files);
     if (!content.volumes.volumes.empty()) {
-        show_volumes(std::move(content.volumes), std::move(scene));
+        show_volumes(std::move(content.volumes), content.read_fields, std::move(scene));
     } else if (content.points.size() > 0) {
         show_points(content.points, content.point_options, std::move(scene));
     } else {
@@ -141,9 +141,10 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     }
 }
 
-void SceneLoader::show_volumes(VolumeSet set, Scene scene) {
+void SceneLoader::show_volumes(VolumeSet set, const ReadFields& read_fields, Scene scene) {
     begin("preparing the voxels");
-    scene.voxels = std::make_shared<DepthRenderer>(vog::Renderer::reference, set);
+    const auto voxels = std::make_shared<VoxelData>();
+    voxels->depth = std::make_shared<DepthRenderer>(vog::Renderer::reference, set);
     Composite data;
     const std::size_t count = set.volumes.size();
     if (set.is_mesh()) {
@@ -155,12 +156,18 @@ void SceneLoader::show_volumes(VolumeSet set, Scene scene) {
         }
         data.parts = std::move(set.volumes);
     }
+    if (read_fields) {
+        begin("reading fields");
+        voxels->fields = read_fields(data.parts);
+    }
     scene.box = data.box;
     scene.facts = count_text(data.voxels) + " active voxels";
     if (count > 1)
         scene.facts += fmt::format(" in {} {}", count, set.is_mesh() ? "levels" : "volumes");
+    voxels->volumes = data.parts;
+    scene.voxels = voxels;
     show(std::move(scene));
-    convert_levels(data, set.overlap);
+    convert_levels(data, *voxels, set.overlap);
     data.parts.clear();
     measure_levels();
 }
@@ -206,7 +213,36 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
     measure_levels();
 }
 
-void SceneLoader::convert_levels(const Composite& data, Overlap overlap) {
+/// A part of the volumes, or a whole mesh, with the fields.
+Gaussians SceneLoader::converted(const Composite& data, const VoxelData& voxels, std::size_t part,
+                                 bool is_mesh, MomentOptions options) {
+    const auto& fields = voxels.fields;
+    // The volumes' own values alone come from the conversion itself.
+    const auto is_own = [](const std::vector<VoxelField>& field) {
+        const VoxelValues& values = field.front().component.front();
+        return values.leaf.empty() && values.tile.empty();
+    };
+    const bool own_alone = fields.size() == 1 && is_own(fields.front());
+    if (own_alone) options.own_field = fields.front().front().name;
+    MomentReport report;
+    Gaussians model = is_mesh ? convert_moments(data, options, &report)
+                              : convert_moments(data.parts[part], options, &report);
+    if (fields.empty() || own_alone || model.size() == 0) return model;
+    FieldOptions with;
+    with.cells = report.cells;
+    with.progress = options.progress;
+    if (is_mesh) {
+        add_fields(model, data.parts, fields, with);
+        return model;
+    }
+    std::vector<std::vector<VoxelField>> here;
+    for (const std::vector<VoxelField>& field : fields) here.push_back({field[part]});
+    add_fields(model, {&data.parts[part], 1}, here, with);
+    return model;
+}
+
+void SceneLoader::convert_levels(const Composite& data, const VoxelData& voxels_of_data,
+                                 Overlap overlap) {
     const bool is_mesh = overlap == Overlap::hide;
     const auto voxels = static_cast<double>(data.voxels);
     std::map<int, double> share_of;  // Gaussians a voxel, of even cuts by their blocks
@@ -232,8 +268,7 @@ void SceneLoader::convert_levels(const Composite& data, Overlap overlap) {
             const double part = is_mesh ? voxels : static_cast<double>(active_voxels(volume));
             if (cut.best)
                 options.budget = std::max<std::size_t>(1, static_cast<std::size_t>(share * part));
-            append(all,
-                   is_mesh ? convert_moments(data, options) : convert_moments(volume, options));
+            append(all, converted(data, voxels_of_data, n, is_mesh, options));
             if (is_mesh) break;
         }
         all.box = data.box;
@@ -255,7 +290,7 @@ void SceneLoader::measure_levels() {
     const Camera camera = paper_view(scene.box);
     DepthImage truth;
     if (scene.voxels)
-        scene.voxels->render(camera, kSize, kSize, truth, progress());
+        scene.voxels->depth->render(camera, kSize, kSize, truth, progress());
     else
         truth = render_splat(*scene.levels.back().model, camera, kSize, kSize);
     set_extinction(truth, auto_extinction(truth));

@@ -7,10 +7,13 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "session/background_renderer.h"
+#include "vog/convert_moments.h"
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
@@ -20,9 +23,14 @@
 
 namespace vog::viewer {
 
+/// Fields at the voxels of volumes, by name: [fields][volumes]; one without values is the volumes' own. Tiles inside
+/// which a field varies are divided.
+using ReadFields = std::function<std::vector<std::vector<VoxelField>>(std::span<Volume> volumes)>;
+
 /// Data of a set of files, as the command line reads them: volumes, particles or a model.
 struct Content {
     VolumeSet volumes;
+    ReadFields read_fields;  ///< of the volumes, or of the parts of a mesh; empty: none
     Points points;
     PointOptions point_options;  ///< for the conversion to one Gaussian a particle
     Gaussians model;
@@ -47,9 +55,9 @@ struct Scene {
     std::string facts;            ///< "1,049,275 active voxels"
     std::string unit = "voxels";  ///< or "particles": denominator of Level::share
     Box box;
-    std::shared_ptr<DepthRenderer> voxels;  ///< reference; null for models and particles
-    std::vector<Level> levels;              ///< fewest Gaussians first
-    int opened = 0;                         ///< count of sets of files opened so far
+    std::shared_ptr<const VoxelData> voxels;  ///< for the reference; null for models and particles
+    std::vector<Level> levels;                ///< fewest Gaussians first
+    int opened = 0;                           ///< count of sets of files opened so far
 };
 
 /// Reads, converts and measures in a thread of its own. Opening other files ends the current work.
@@ -76,10 +84,12 @@ class SceneLoader {
     struct Cancelled {};
     void work(const std::vector<std::string>& files);
     void show(Scene scene);
-    void show_volumes(VolumeSet set, Scene scene);
+    void show_volumes(VolumeSet set, const ReadFields& read_fields, Scene scene);
     void show_points(const Points& points, PointOptions options, Scene scene);
     void show_model(Gaussians model, Hierarchy hierarchy, Scene scene);
-    void convert_levels(const Composite& data, Overlap overlap);
+    void convert_levels(const Composite& data, const VoxelData& voxels, Overlap overlap);
+    Gaussians converted(const Composite& data, const VoxelData& voxels, std::size_t part,
+                        bool is_mesh, MomentOptions options);
     void measure_levels();
     void add_level(Level level);
     void begin(const std::string& doing);

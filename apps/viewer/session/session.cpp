@@ -28,13 +28,14 @@ bool same(const Camera& a, const Camera& b) {
 }
 
 /// Fraction of the pixels with T > 0 by V, in 128 equal bins.
-std::vector<float> histogram_of(const DepthImage& depth, double extinction) {
+std::vector<float> histogram_of(const SumImage& sums, double extinction) {
     constexpr std::size_t kBins = 128;
     std::vector<float> share(kBins);
     std::size_t covered = 0;
-    for (const float t : depth.depth) {
+    for (std::size_t n = 0; n < sums.value.size(); n += static_cast<std::size_t>(sums.channels)) {
+        const float t = sums.value[n];
         if (!(t > 0)) continue;
-        const double v = -std::expm1(-t * extinction);
+        const double v = -std::expm1(-double{t} * extinction);
         ++share[std::min(static_cast<std::size_t>(v * kBins), kBins - 1)];
         ++covered;
     }
@@ -97,7 +98,8 @@ void Session::update_scene() {
     }
     // Other files: initial view and settings.
     opening_ = false;
-    models_.clear();
+    gl_.models.clear();
+    values_of_.clear();
     settings.level = -1;
     moving_error_ = 0;
     camera = first_camera(scene.box);
@@ -141,19 +143,20 @@ PictureKey Session::key(WindowRenderer renderer) const {
         key.voxels = scene.voxels;
     else
         key.model = level->model;
+    key.drawn = drawn_for(quantity, values.now());
     if (renderer == WindowRenderer::gl || renderer == WindowRenderer::splat) {
         key.hierarchy = level->hierarchy;
         key.pixel_error = double{settings.pixel_error};
         if (moving_) key.pixel_error = std::max(key.pixel_error, moving_error_);
     }
     key.camera = camera;
-    double scale = settings.scale;
+    double pixels = settings.scale;
     // Slow renderers use a sixteenth of the rays while the camera moves.
-    const double rays = scale * scale * shown_.width * shown_.height;
+    const double rays = pixels * pixels * shown_.width * shown_.height;
     if (moving_ && renderer != WindowRenderer::gl && rays * ms_per_ray(renderer) > kSlowFrameMs)
-        scale *= 0.25;
-    key.size = {std::max(1, static_cast<int>(std::lround(shown_.width * scale))),
-                std::max(1, static_cast<int>(std::lround(shown_.height * scale)))};
+        pixels *= 0.25;
+    key.size = {std::max(1, static_cast<int>(std::lround(shown_.width * pixels))),
+                std::max(1, static_cast<int>(std::lround(shown_.height * pixels)))};
     return key;
 }
 
@@ -168,12 +171,13 @@ void Session::update(PixelSize shown) {
         if (settings.other == WindowRenderer::voxels) settings.other = WindowRenderer::splat;
     }
     update_moving_error();
+    update_quantity();
     const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
-    left_.update(key(settings.renderer), subframes, splat_, models_);
-    if (needs_right()) right_.update(key(settings.other), subframes, splat_, models_);
+    left_.update(key(settings.renderer), subframes, gl_);
+    if (needs_right()) right_.update(key(settings.other), subframes, gl_);
     for (Picture* picture : {&left_, &right_})
         if (const std::string error = picture->take_error(); !error.empty()) show_error(error);
-    inspect_depth();
+    inspect();
     advance_turntable();
 }
 
@@ -191,32 +195,56 @@ bool Session::at_rest() const {
            (scene.levels.empty() || (left_.complete() && (!needs_right() || right_.complete())));
 }
 
-void Session::inspect_depth() {
-    if (!left_.depth().target) return;
-    // Reading back waits for the device, so only the first picture and complete ones are read.
-    const bool first = inspected_revision_ < 0;
+void Session::inspect() {
+    if (!left_.has_sums()) return;
+    // Reading back waits for the device, so only the first picture of a kind and complete ones are read.
+    const Drawn& drawn = left_.drawn_sums();
+    const bool first = inspected_revision_ < 0 || drawn.kind != inspected_drawn_.kind ||
+                       drawn.field.field != inspected_drawn_.field.field ||
+                       drawn.field.part != inspected_drawn_.field.part;
     if (!first && !(left_.complete() && !moving_ && left_.revision() != inspected_revision_))
         return;
     inspected_ = left_.read();
+    inspected_drawn_ = left_.drawn_sums();
+    inspected_revision_ = left_.revision();
+    most_column_ = largest_column(inspected_);
+    if (inspected_drawn_.kind == Drawn::Kind::depth) inspect_visibility();
+    if (has_scale(quantity.show) && scale_open_) {
+        fit_scale();
+        scale_open_ = !(loaded() && left_.complete());
+    }
+}
+
+void Session::inspect_visibility() {
     if (exposure_open_ || settings.follow_exposure) {
-        look.extinction = automatic_extinction = vog::auto_extinction(inspected_);
+        look.extinction = automatic_extinction = vog::auto_extinction(inspected_depth());
         shade_.set_look(look);
         // Ends when the view is left, or when all levels are there.
         exposure_open_ = exposure_open_ && at_first_view() && !(loaded() && left_.complete());
     }
-    inspected_revision_ = left_.revision();
     histogram = histogram_of(inspected_, look.extinction);
+}
+
+/// T of the inspected sums.
+DepthImage Session::inspected_depth() const {
+    DepthImage depth(inspected_.width, inspected_.height);
+    const auto channels = static_cast<std::size_t>(inspected_.channels);
+    for (std::size_t n = 0; n < depth.depth.size(); ++n)
+        depth.depth[n] = inspected_.value[n * channels];
+    return depth;
 }
 
 void Session::look_changed() {
     shade_.set_look(look);
     if (look.extinction != automatic_extinction) exposure_open_ = false;
-    histogram = histogram_of(inspected_, look.extinction);
+    if (inspected_drawn_.kind == Drawn::Kind::depth)
+        histogram = histogram_of(inspected_, look.extinction);
 }
 
 void Session::auto_exposure() {
-    if (!left_.depth().target) return;
-    look.extinction = automatic_extinction = auto_extinction(left_.read());
+    if (!left_.has_sums() || left_.drawn_sums().kind != Drawn::Kind::depth) return;
+    inspected_ = left_.read();
+    look.extinction = automatic_extinction = vog::auto_extinction(inspected_depth());
     look_changed();
 }
 
@@ -228,8 +256,8 @@ void Session::set_first_exposure(double extinction) {
 
 void Session::shade_into(const Viewport& to, bool checker) const {
     const GlDepth a = left_.depth();
-    const GlDepth b = needs_right() && right_.depth().target ? right_.depth() : a;
-    ShadeView view;
+    const GlDepth b = needs_right() && right_.has_sums() ? right_.depth() : a;
+    ShadeView view = shade_view();
     view.split = settings.split_on ? settings.split : 1.0f;
     view.difference = settings.difference;
     view.difference_limit = settings.difference_limit;
@@ -238,7 +266,7 @@ void Session::shade_into(const Viewport& to, bool checker) const {
 }
 
 void Session::draw(const Viewport& to) {
-    if (!left_.depth().target) return;
+    if (!left_.has_sums()) return;
     shade_timer_.begin();
     shade_into(to, true);
     shade_timer_.end();

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "quantity/quantity.h"
+#include "quantity/value_edit.h"
 #include "session/look.h"
 #include "session/picture.h"
 #include "session/scene_loader.h"
@@ -20,7 +22,7 @@ struct Settings {
                    other = WindowRenderer::voxels;  ///< left and right of the split line
     bool split_on = false, difference = false;
     float split = 0.5f;              ///< position of the split line, fraction of the width
-    float difference_limit = 0.02f;  ///< |V - V'| at the ends of the difference scale
+    float difference_limit = 0.02f;  ///< at the ends of the difference's colours (ShadeView)
     int level = -1;                  ///< level of detail, index into the scene's; -1: the finest
     bool coarse_moving = true;       ///< coarser cut while the camera moves and frames are slow
     float pixel_error = 1;  ///< screen-space error of the level-of-detail cut, pixels; 0: none
@@ -28,7 +30,18 @@ struct Settings {
     int subframes = 64;     ///< antialiasing samples per pixel
     bool follow_exposure = false;  ///< automatic extinction whenever the picture is complete
     bool panels = true, overlay = true, help = false, color_bar = true;
+    bool axes = true, scale_bar = true, probe = true;
 };
+
+/// Number under the pointer.
+struct Probed {
+    std::string text;  ///< "mean of temperature 1240 K, column 0.31"; empty: nothing is there
+};
+
+/// Transfer function of a field of a model, as the command's options choose it: for a first picture by value.
+/// first  whether options of the field's values count, or the map alone
+using ChooseTransfer = std::function<ValueTransfer(const Gaussians& model, const std::string& field,
+                                                   const Camera& camera, bool first)>;
 
 /// Times of the latest frame, ms.
 struct Measured {
@@ -54,7 +67,14 @@ class Session {
     // State for display.
     Measured measured;
     Scene scene;
-    std::vector<float> histogram;     ///< fraction of the pixels with T > 0 by V, equal bins
+    Quantity quantity;  ///< what is shown; changes take effect with set_quantity()
+    /// Of column, mean and deviation; of volume the range of the values.
+    ColorScale scale{ColorScale::Kind::linear, 0, 1};
+    ValueHistory values;             ///< transfer functions of the shown field's values
+    ChooseTransfer choose_transfer;  ///< empty: the map over the field's range
+    std::vector<float> histogram;    ///< fraction of the pixels with T > 0 by V, equal bins
+    std::vector<float>
+        value_histogram;  ///< measure of the model by value over the field's range, the largest 1
     double automatic_extinction = 1;  ///< latest value of auto_exposure()
     std::string message;              ///< latest result or error, for the status line
     bool failed = false;              ///< the message is an error
@@ -67,10 +87,35 @@ class Session {
 
     void look_changed();
     void auto_exposure();
+    /// Shows a quantity; its field is the nearest the model has.
+    /// field   as field_for reads it; empty: the present one, else the first
+    /// throws  vog::Error for a field that the model lacks; nothing changes then
+    void set_quantity(Show show, const std::string& field = {});
+    /// Another scale of column, mean and deviation.
+    /// throws  vog::Error for ends that are no scale
+    void set_scale(const ColorScale& scale);
+    /// The scale that fits the present picture; of volume the transfer function that the field begins with.
+    void automatic_scale();
+    /// Another transfer function of values.
+    /// throws  vog::Error as validate does
+    void set_values(ValueTransfer transfer);
+    /// Colours by another map, of the quantity shown.
+    void set_map(const std::string& name_or_file);
+    /// Space that all quantities show; nothing: all.
+    /// throws  vog::Error for a box that is inside out
+    void set_clip(const std::optional<Box>& box);
+    /// Number at a point of the picture, from its top left, shares of its size.
+    Probed probe(double x, double y) const;
+    /// Fields of the open model; none before something is open.
+    const Fields& fields() const;
     void set_view(const std::string& name);
     void fit();
     /// Parallel rays, or a pinhole, at the same size of what the camera looks at.
     void set_orthographic(bool orthographic);
+    /// Vertical direction of the data: of the initial view, unless it was switched.
+    Vec3d up() const;
+    /// Makes z vertical, or y.
+    void set_z_up(bool z_up);
     /// Back to the initial view of the files.
     void reset_view();
     /// Extinction of the first picture, in place of the automatic one.
@@ -78,13 +123,14 @@ class Session {
     /// Index of a level by "finest", "coarsest", its number from 1, or the start of its name.
     /// throws vog::Error, with the levels there are
     int level_index(const std::string& name) const;
-    /// Copies the view and the look to the clipboard as options of vog render.
+    /// Copies the view, the quantity and the look to the clipboard as options of vog render.
     void copy_flags();
 
     /// The shaded picture, with split or difference, at its rendered size. throws vog::Error before
     /// the first picture
     Image picture_image();
     void save_picture(const std::filesystem::path& file);
+    /// Saves the numbers of the picture as EXR: T; column, mean and deviation of a field; colours of a volume.
     void save_depth(const std::filesystem::path& file);
     void save_look(const std::filesystem::path& file);
     /// Saves `frames` pictures of a full turn about the first view's up axis, which is that of the
@@ -134,18 +180,37 @@ class Session {
     bool needs_right() const;
     bool at_first_view() const;
     void shade_into(const Viewport& to, bool checker) const;
-    void inspect_depth();
+    void inspect();
+    void inspect_visibility();
+    DepthImage inspected_depth() const;
+    std::string probe_volume(int column, int row) const;
+    void begin_values();
+    void update_quantity();
+    void fit_scale();
+    FieldUnit field_unit() const;
+    ShadeView shade_view() const;
     void advance_turntable();
 
     SceneLoader loader_;
-    GlModels models_;
-    GlSplat splat_;
+    GlRenderers gl_;
     GlShade shade_;
     GlTimer shade_timer_;
     Picture left_, right_;
     PixelSize shown_;
     std::function<double()> clock_s_;
-    DepthImage inspected_;  ///< T as last read back
+    SumImage inspected_;     ///< sums as last read back
+    Drawn inspected_drawn_;  ///< what they are of
+    /// The latest probe of a volume: nothing is computed again for a pointer at rest.
+    mutable struct {
+        int column = -1, row = -1, revision = -1;
+        std::string text;
+    } probed_;
+    float most_column_ = 0;     ///< largest column in them
+    bool scale_open_ = true;    ///< the scale follows the pictures until one is complete
+    std::string values_of_;     ///< field of `values`
+    bool values_first_ = true;  ///< no transfer function was chosen yet
+    std::optional<Vec3d> up_;   ///< of set_z_up
+    std::string wanted_field_;  ///< of set_quantity before anything is open
     Camera last_camera_;
     /// The extinction is still the automatic one of the initial view, which finer levels refine.
     bool exposure_open_ = true;

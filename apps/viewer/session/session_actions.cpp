@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "quantity/probe.h"
 #include "session/session.h"
 #include "vog/error.h"
 
@@ -14,8 +15,7 @@ namespace fs = std::filesystem;
 
 void Session::open_json(const std::string& file) {
     try {
-        load_map(look, file);
-        look_changed();
+        set_map(file);
     } catch (const Error& no_look) {
         try {
             camera = read_camera(file);
@@ -28,7 +28,17 @@ void Session::open_json(const std::string& file) {
 }
 
 void Session::set_view(const std::string& name) {
-    camera = named_view(camera, name, scene.box, aspect(), first_camera(scene.box).up);
+    camera = named_view(camera, name, scene.box, aspect(), up());
+}
+
+Vec3d Session::up() const { return up_.value_or(first_camera(scene.box).up); }
+
+void Session::set_z_up(bool z_up) {
+    up_ = z_up ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0};
+    camera.up = *up_;
+    // The up axis must not be that of the view.
+    const Vec3d ahead = camera.look_at - camera.eye;
+    if (length(cross(ahead, camera.up)) < 1e-3 * length(ahead)) set_view(z_up ? "+x" : "+z");
 }
 
 void Session::fit() { camera = fitted(camera, scene.box, aspect()); }
@@ -54,16 +64,18 @@ int Session::level_index(const std::string& name) const {
 }
 
 void Session::copy_flags() {
+    const bool volume = quantity.show == Show::volume;
     std::string file;
-    if (!is_plain(look)) file = "LOOK.json";
-    const std::string flags = camera_flags(camera) + " " + look_flags(look, file);
+    if (volume || !is_plain(look)) file = "LOOK.json";
+    const std::string flags = fmt::format("{} {} {}", camera_flags(camera),
+                                          quantity_flags(quantity, scale), look_flags(look, file));
     ImGui::SetClipboardText(flags.c_str());
     show_message(file.empty() ? "copied: " + flags
                               : "copied; save the colours as LOOK.json: " + flags);
 }
 
 Image Session::picture_image() {
-    if (!left_.depth().target) throw Error("there is no picture yet");
+    if (!left_.has_sums()) throw Error("there is no picture yet");
     const PixelSize size = left_.size();
     const GlTarget target(GL_RGBA8, size.width, size.height);
     target.bind();
@@ -77,15 +89,42 @@ void Session::save_picture(const fs::path& file) {
 }
 
 void Session::save_depth(const fs::path& file) {
-    if (!left_.depth().target) throw Error("there is no picture yet");
-    DepthImage depth = left_.read();
-    set_extinction(depth, look.extinction);
-    write_exr(file, depth);
+    if (!left_.has_sums()) throw Error("there is no picture yet");
+    const SumImage sums = left_.read();
+    switch (left_.drawn_sums().kind) {
+        case Drawn::Kind::depth: {
+            inspected_ = sums;
+            DepthImage depth = inspected_depth();
+            set_extinction(depth, look.extinction);
+            write_exr(file, depth);
+            break;
+        }
+        case Drawn::Kind::field: {
+            const auto map = [&](Show show) { return shown_map(sums, show, field_unit()).value; };
+            const std::vector<float> column = map(Show::column), mean = map(Show::mean),
+                                     deviation = map(Show::deviation);
+            const NamedValues channels[] = {
+                {"column", column}, {"mean", mean}, {"deviation", deviation}};
+            write_channels(file, sums.width, sums.height, channels);
+            break;
+        }
+        case Drawn::Kind::light: {
+            VolumeImage picture{sums.width, sums.height, {}};
+            for (std::size_t n = 0; n < sums.value.size(); n += 4)
+                picture.pixel.push_back(
+                    {sums.value[n], sums.value[n + 1], sums.value[n + 2], sums.value[n + 3]});
+            write_exr(file, over(picture, Rgba{0, 0, 0, 0}));
+            break;
+        }
+    }
     show_message("wrote " + file.string());
 }
 
 void Session::save_look(const fs::path& file) {
-    write_transfer_function(file, transfer_function(look));
+    if (quantity.show == Show::volume && values.now())
+        write_value_transfer(file, *values.now());
+    else
+        write_transfer_function(file, transfer_function(look));
     show_message("wrote " + file.string());
 }
 
@@ -104,8 +143,7 @@ void Session::advance_turntable() {
     Turntable& t = *turntable_;
     // About the up axis of the first view, not of the screen: the data stay upright.
     const auto at = [&](int frame) {
-        return turned_about(t.start, first_camera(scene.box).up,
-                            2 * std::numbers::pi * frame / t.frames);
+        return turned_about(t.start, up(), 2 * std::numbers::pi * frame / t.frames);
     };
     const bool complete = left_.complete() && (!needs_right() || right_.complete());
     if (complete && t.next > 0) {

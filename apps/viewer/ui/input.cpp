@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "screen/screen_keys.h"
+#include "ui/clip_box.h"
 #include "vog/error.h"
 
 namespace vog::viewer {
@@ -18,10 +19,11 @@ constexpr KeyHelp kHelp[] = {
     {"left drag", "turn around the centre"},
     {"middle or Shift + left drag", "pan"},
     {"wheel", "zoom towards the pointer, also through the volume"},
-    {"right drag", "zoom"},
+    {"right drag", "zoom; of fields and volumes window and level, with Shift zoom"},
     {"Ctrl + left drag", "look around from the eye's position"},
     {"Alt + left drag", "roll"},
     {"drag the split line", "compare two renderers"},
+    {"drag a circle of the clip box", "move that face"},
     {"W S A D, PageUp PageDown", "move forward, back, left, right, up, down"},
     {"Q E", "roll"},
     {"arrows", "turn by 5 degrees"},
@@ -29,13 +31,17 @@ constexpr KeyHelp kHelp[] = {
     {"P  Home  F", "paper view, initial view, fit to the window"},
     {"[ ]", "coarser, finer level of detail"},
     {"- =  0", "extinction down, up, automatic"},
+    {"G  Shift + G  J", "next, previous quantity, next field"},
+    {"R  Y  K", "range of this view, light, clip box"},
+    {"Ctrl + Z  Ctrl + Y", "undo, redo the transfer function of values"},
+    {"5  U", "parallel rays, z or y up"},
     {"M  Shift + M", "next, previous colour map"},
     {"I  B", "invert the map, blend"},
     {"N", "next renderer"},
     {"V  X", "split line, difference of two renderers"},
     {"C", "copy the view as command-line options"},
     {"F2  F3  F4", "save screenshot, picture (PNG), optical depth T (EXR)"},
-    {"Tab  O  L", "show or hide panels, figures, colour bar"},
+    {"Tab  O  L  T", "show or hide panels, figures, colour bar, axes and probe"},
     {"F1 or H", "this help"},
     {"Ctrl + Q", "quit"},
 };
@@ -57,7 +63,9 @@ Drag::Grip grip_of(const Session& session, const Rect& picture, const ImGuiIO& i
                : io.KeyAlt  ? Drag::Grip::roll
                             : Drag::Grip::rotate;
     }
-    return io.MouseDown[1] ? Drag::Grip::zoom : Drag::Grip::pan;
+    if (!io.MouseDown[1]) return Drag::Grip::pan;
+    return session.quantity.show == Show::visibility || io.KeyShift ? Drag::Grip::zoom
+                                                                    : Drag::Grip::window;
 }
 
 void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoint at,
@@ -79,6 +87,15 @@ void continue_drag(Session& session, Drag& state, const Rect& picture, ScreenPoi
             camera =
                 zoomed(camera, {}, std::exp(-2 * dy), session.least_distance(), session.aspect());
             break;
+        case Drag::Grip::window:  // dx and dy are in units of half the height
+            window_by_drag(session, 0.5 * dx / session.aspect(), 0.5 * dy);
+            break;
+        case Drag::Grip::clip: {
+            const float half = 0.5f * picture.height;
+            drag_clip_face(session, picture, {state.clip_axis, state.clip_upper},
+                           static_cast<float>(dx) * half, -static_cast<float>(dy) * half);
+            break;
+        }
         case Drag::Grip::look:  // the point under the pointer follows it
             camera = looked_around(camera, -dx * half_fov, -dy * half_fov);
             break;
@@ -102,10 +119,19 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
     const bool over = !io.WantCaptureMouse && picture.holds(io.MousePos.x, io.MousePos.y);
     const bool pressed =
         ImGui::IsMouseClicked(0) || ImGui::IsMouseClicked(1) || ImGui::IsMouseClicked(2);
+    const auto face = over && state.grip == Drag::Grip::none
+                          ? clip_face_at(session, picture, ui, io.MousePos.x, io.MousePos.y)
+                          : std::nullopt;
     if (!down) {
+        if (state.grip == Drag::Grip::window) session.values.end_drag();
         state.grip = Drag::Grip::none;
     } else if (pressed && over && state.grip == Drag::Grip::none) {
         state.grip = grip_of(session, picture, io, ui);
+        if (face && io.MouseDown[0]) {
+            state.grip = Drag::Grip::clip;
+            state.clip_axis = face->axis, state.clip_upper = face->upper;
+        }
+        if (state.grip == Drag::Grip::window) session.values.begin_drag();
         state.last = at;
     } else if (state.grip != Drag::Grip::none) {
         continue_drag(session, state, picture, at, io.MousePos.x);
@@ -115,6 +141,7 @@ void apply_mouse(Session& session, Drag& state, const Rect& picture) {
         std::abs(io.MousePos.x - picture.x - session.settings.split * picture.width) < 6 * ui;
     if ((over && on_line) || state.grip == Drag::Grip::split)
         ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
+    if (face || state.grip == Drag::Grip::clip) ImGui::SetMouseCursor(ImGuiMouseCursor_Hand);
     if (over && io.MouseWheel != 0)
         session.camera =
             zoomed(session.camera, at, std::pow(0.85, static_cast<double>(io.MouseWheel)),
@@ -140,10 +167,48 @@ void fly(Session& session) {
 void change_map(Session& session, int step) {
     const std::vector<std::string> names = transfer_function_names();
     const int count = static_cast<int>(names.size());
-    const auto found = std::find(names.begin(), names.end(), session.look.map);
+    const bool by_value = session.quantity.show == Show::volume && session.values.now();
+    const std::string shown = by_value ? session.values.now()->name : session.look.map;
+    const auto found = std::find(names.begin(), names.end(), shown);
     const int now = found == names.end() ? 0 : static_cast<int>(found - names.begin());
-    load_map(session.look, names[static_cast<std::size_t>((now + step + count) % count)]);
-    session.look_changed();
+    attempt(session, [&] {
+        session.set_map(names[static_cast<std::size_t>((now + step + count) % count)]);
+    });
+}
+
+void change_quantity(Session& session, int step) {
+    constexpr int kCount = 5;
+    for (int n = 1; n <= kCount; ++n) {
+        const auto show = static_cast<Show>(
+            (static_cast<int>(session.quantity.show) + kCount + n * step) % kCount);
+        if (of_field(show) && field_choices(session.fields(), show).empty()) continue;
+        return attempt(session, [&] { session.set_quantity(show); });
+    }
+}
+
+void next_field(Session& session) {
+    const auto all = field_choices(session.fields(), session.quantity.show);
+    if (!of_field(session.quantity.show) || all.empty()) return;
+    const std::string now = text_of(session.quantity.field);
+    const auto found = std::ranges::find(all, now, text_of);
+    const FieldChoice& next = found == all.end() || found + 1 == all.end() ? all.front() : found[1];
+    attempt(session, [&] { session.set_quantity(session.quantity.show, text_of(next)); });
+}
+
+void toggle_clip(Session& session) {
+    const bool on = session.quantity.look.clip.box.has_value();
+    attempt(session,
+            [&] { session.set_clip(on ? std::nullopt : std::optional(session.scene.box)); });
+}
+
+void apply_quantity_keys(Session& session) {
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
+    if (pressed(GLFW_KEY_G)) change_quantity(session, ImGui::GetIO().KeyShift ? -1 : 1);
+    if (pressed(GLFW_KEY_J)) next_field(session);
+    if (pressed(GLFW_KEY_K)) toggle_clip(session);
+    if (pressed(GLFW_KEY_Y)) session.quantity.look.light = !session.quantity.look.light;
+    if (pressed(GLFW_KEY_U)) session.set_z_up(!(session.up() == Vec3d{0, 0, 1}));
+    if (pressed(GLFW_KEY_R)) session.automatic_scale();
 }
 
 void change_level(Session& session, int step) {
@@ -187,6 +252,7 @@ void apply_setting_keys(Session& session, Requests& requests) {
     toggle(GLFW_KEY_TAB, s.panels);
     toggle(GLFW_KEY_O, s.overlay);
     toggle(GLFW_KEY_L, s.color_bar);
+    if (pressed(GLFW_KEY_T)) s.axes = s.scale_bar = s.probe = !s.axes;
     toggle(GLFW_KEY_F1, s.help);
     toggle(GLFW_KEY_H, s.help);
     toggle(GLFW_KEY_V, s.split_on);
@@ -253,11 +319,16 @@ void apply_input(Session& session, Drag& state, const Rect& picture, Requests& r
     if (io.WantTextInput) return;
     if (io.KeyCtrl) {
         requests.quit |= ImGui::IsKeyPressed(GLFW_KEY_Q, false);
+        const bool undo = ImGui::IsKeyPressed(GLFW_KEY_Z, true);
+        if (undo && !io.KeyShift) session.values.undo();
+        if ((undo && io.KeyShift) || ImGui::IsKeyPressed(GLFW_KEY_Y, true)) session.values.redo();
         return;
     }
     fly(session);
     apply_setting_keys(session, requests);
-    if (!session.scene.levels.empty()) apply_view_keys(session);
+    if (session.scene.levels.empty()) return;
+    apply_view_keys(session);
+    apply_quantity_keys(session);
 }
 
 }  // namespace vog::viewer

@@ -18,8 +18,10 @@ struct Rect {
 
 /// Drag that began in the picture, until the button is released.
 struct Drag {
-    enum class Grip { none, rotate, pan, zoom, look, roll, split } grip = Grip::none;
+    enum class Grip { none, rotate, pan, zoom, window, look, roll, split, clip } grip = Grip::none;
     ScreenPoint last;
+    int clip_axis = 0;  ///< of the face of the clip box that is dragged
+    bool clip_upper = false;
 };
 
 /// Requests to the program around the session.

@@ -12,43 +12,6 @@ namespace vog::viewer {
 
 namespace {
 
-ImU32 color_u32(const Rgba& c, float alpha = 1) {
-    return ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, alpha});
-}
-
-/// Draws the colours along V as a strip.
-void draw_strip(const TransferFunction& tf, ImVec2 at, ImVec2 size) {
-    ImDrawList& list = *ImGui::GetWindowDrawList();
-    constexpr std::size_t kPieces = 64;
-    const auto color = [&](std::size_t n) {
-        return color_u32(color_at(tf, static_cast<float>(n) / float(kPieces)));
-    };
-    for (std::size_t n = 0; n < kPieces; ++n) {
-        const float x0 = at.x + size.x * static_cast<float>(n) / kPieces;
-        const float x1 = at.x + size.x * static_cast<float>(n + 1) / kPieces;
-        const ImU32 left = color(n), right = color(n + 1);
-        list.AddRectFilledMultiColor({x0, at.y}, {x1, at.y + size.y}, left, right, right, left);
-    }
-}
-
-bool choose_map(Session& session, Gui& gui) {
-    bool changed = false;
-    if (ImGui::BeginCombo("map", session.look.base.name.c_str(), ImGuiComboFlags_HeightLarge)) {
-        for (const std::string& name : transfer_function_names()) {
-            const ImVec2 at = ImGui::GetCursorScreenPos();
-            const float height = ImGui::GetTextLineHeight();
-            if (ImGui::Selectable(("      " + name).c_str(), name == session.look.map)) {
-                load_map(session.look, name);
-                changed = true;
-            }
-            draw_strip(named_transfer_function(name), at, {1.6f * height, height});
-        }
-        ImGui::EndCombo();
-    }
-    mark(gui, "map");
-    return changed;
-}
-
 /// Editor of opacity points over the histogram of V: drag moves, double-click adds, right-click
 /// removes.
 class OpacityEditor {
@@ -153,7 +116,8 @@ bool edit_opacity(Session& session, Gui& gui, float ui) {
             "double-click: add a point; drag: move; right-click: remove");
     const ImVec2 strip = ImGui::GetCursorScreenPos();
     ImGui::Dummy({size.x, 12 * ui});
-    draw_strip(transfer_function(session.look), strip, {size.x, 12 * ui});
+    const TransferFunction tf = transfer_function(session.look);
+    draw_strip(strip.x, strip.y, size.x, 12 * ui, [&](float v) { return color_at(tf, v); });
     return changed;
 }
 
@@ -178,8 +142,10 @@ bool edit_exposure(Session& session, Gui& gui) {
     return changed;
 }
 
-bool edit_background(Session& session) {
-    ShadeOptions& shading = session.look.shading;
+}  // namespace
+
+bool edit_background(Look& look) {
+    ShadeOptions& shading = look.shading;
     float rgb[3] = {shading.background.r, shading.background.g, shading.background.b};
     bool changed = ImGui::ColorEdit3("background", rgb,
                                      ImGuiColorEditFlags_Float | ImGuiColorEditFlags_NoInputs);
@@ -193,14 +159,50 @@ bool edit_background(Session& session) {
     return changed;
 }
 
-}  // namespace
+void draw_strip(float x, float y, float width, float height,
+                const std::function<Rgba(float share)>& color) {
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    constexpr int kPieces = 64;
+    const auto color_u32 = [&](int n) {
+        const Rgba c = color(static_cast<float>(n) / float(kPieces));
+        return ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1});
+    };
+    for (int n = 0; n < kPieces; ++n) {
+        const float x0 = x + width * static_cast<float>(n) / kPieces;
+        const float x1 = x + width * static_cast<float>(n + 1) / kPieces;
+        const ImU32 left = color_u32(n), right = color_u32(n + 1);
+        list.AddRectFilledMultiColor({x0, y}, {x1, y + height}, left, right, right, left);
+    }
+}
+
+std::string choose_map(const std::string& shown, Gui& gui) {
+    std::string chosen;
+    if (ImGui::BeginCombo("map", shown.c_str(), ImGuiComboFlags_HeightLarge)) {
+        for (const std::string& name : transfer_function_names()) {
+            const ImVec2 at = ImGui::GetCursorScreenPos();
+            const float height = ImGui::GetTextLineHeight();
+            if (ImGui::Selectable(("      " + name).c_str(), name == shown)) chosen = name;
+            const TransferFunction& map = named_transfer_function(name);
+            draw_strip(at.x, at.y, 1.6f * height, height,
+                       [&](float v) { return color_at(map, v); });
+        }
+        ImGui::EndCombo();
+    }
+    mark(gui, "map");
+    return chosen;
+}
 
 void draw_look(Session& session, Gui& gui, float ui) {
     Look& look = session.look;
-    bool changed = choose_map(session, gui);
-    changed |= edit_opacity(session, gui, ui);
-    if (ImGui::DragFloatRange2("range", &look.low, &look.high, 0.002f, 0, 1, "%.3f", "%.3f",
-                               ImGuiSliderFlags_AlwaysClamp)) {
+    bool changed = false;
+    if (const std::string map = choose_map(look.base.name, gui); !map.empty()) {
+        load_map(look, map);
+        changed = true;
+    }
+    const bool visibility = session.quantity.show == Show::visibility;
+    if (visibility) changed |= edit_opacity(session, gui, ui);
+    if (visibility && ImGui::DragFloatRange2("range", &look.low, &look.high, 0.002f, 0, 1, "%.3f",
+                                             "%.3f", ImGuiSliderFlags_AlwaysClamp)) {
         look.low = std::min(look.low, 0.999f);
         look.high = std::max(look.high, look.low + 0.001f);
         changed = true;
@@ -208,17 +210,21 @@ void draw_look(Session& session, Gui& gui, float ui) {
     changed |= ImGui::SliderFloat("gamma", &look.gamma, 0.2f, 5, "%.2f",
                                   ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_AlwaysClamp);
     mark(gui, "gamma");
-    changed |= edit_exposure(session, gui);
+    if (visibility) changed |= edit_exposure(session, gui);
     changed |= ImGui::Checkbox("invert", &look.invert);
     mark(gui, "invert");
-    ImGui::SameLine();
-    changed |= ImGui::Checkbox("blend", &look.shading.blend);
-    mark(gui, "blend");
-    changed |= edit_background(session);
-    ImGui::SameLine();
-    if (ImGui::Button("ramp")) look.opacity = {{0, 0}, {1, 1}}, changed = true;
-    ImGui::SameLine();
-    if (ImGui::Button("opaque")) look.opacity.clear(), changed = true;
+    if (visibility) {
+        ImGui::SameLine();
+        changed |= ImGui::Checkbox("blend", &look.shading.blend);
+        mark(gui, "blend");
+    }
+    changed |= edit_background(session.look);
+    if (visibility) {
+        ImGui::SameLine();
+        if (ImGui::Button("ramp")) look.opacity = {{0, 0}, {1, 1}}, changed = true;
+        ImGui::SameLine();
+        if (ImGui::Button("opaque")) look.opacity.clear(), changed = true;
+    }
     ImGui::InputText("##look", &gui.look_path);
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button("load##look"))

@@ -2,8 +2,11 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "ui/clip_box.h"
 #include "ui/panels.h"
 #include "vog/text.h"
 
@@ -53,6 +56,57 @@ void draw_text(ImVec2 at, const std::string& text) {
     list.AddText(at, IM_COL32(240, 240, 240, 255), text.c_str());
 }
 
+/// Colours, ends and title of a colour bar.
+struct Bar {
+    std::string title;
+    std::function<Rgba(float share)> color;
+    std::function<double(double share)> value;  ///< at a share of the bar
+};
+
+Bar bar_of(const Session& session) {
+    const Settings& settings = session.settings;
+    const Quantity& quantity = session.quantity;
+    if (settings.difference) {
+        const std::string of = quantity.show == Show::visibility ? "V"
+                               : quantity.show == Show::volume   ? "colour"
+                                                                 : "share of the scale";
+        const double limit = double{settings.difference_limit};
+        static const TransferFunction kSigned{"",
+                                              {{0, 0.231f, 0.298f, 0.753f},
+                                               {0.5f, 0.8667f, 0.8667f, 0.8667f},
+                                               {1, 0.706f, 0.016f, 0.149f}},
+                                              {}};
+        return {
+            fmt::format("{} of {} - {}", of, name_of(settings.renderer), name_of(settings.other)),
+            [](float share) { return color_at(kSigned, share); },
+            [=](double share) { return (2 * share - 1) * limit; }};
+    }
+    const std::string title = label_of(quantity, session.fields());
+    if (quantity.show == Show::volume && session.values.now()) {
+        const auto transfer = session.values.now();
+        const ValueRange range = range_of(*transfer);
+        const auto value = [=](double share) { return std::lerp(range.lower, range.upper, share); };
+        return {title,
+                [=](float share) {
+                    const ValueLight light = light_of(*transfer, value(double{share}));
+                    return Rgba{static_cast<float>(light.r), static_cast<float>(light.g),
+                                static_cast<float>(light.b), 1};
+                },
+                value};
+    }
+    const bool scaled = has_scale(quantity.show);
+    const TransferFunction tf =
+        scaled ? map_function(session.look) : transfer_function(session.look);
+    const ColorScale scale = session.scale;
+    return {title, [=](float share) { return color_at(tf, share); },
+            [=](double share) {
+                if (!scaled) return share;
+                return scale.kind == ColorScale::Kind::log
+                           ? scale.low * std::pow(scale.high / scale.low, share)
+                           : std::lerp(scale.low, scale.high, share);
+            }};
+}
+
 void draw_color_bar(const Session& session, const Layout& layout) {
     const float ui = layout.ui, line = ImGui::GetFontSize();
     const float width = std::min(260 * ui, layout.picture.width - 40 * ui), height = 14 * ui;
@@ -61,39 +115,111 @@ void draw_color_bar(const Session& session, const Layout& layout) {
     const float y = layout.picture.y + layout.picture.height - height - 2 * line - 14 * ui;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float pad = 8 * ui;
-    list.AddRectFilled({x - pad, y - line - 1.2f * pad}, {x + width + pad, y + height + line + pad},
+    const Bar bar = bar_of(session);
+    const float title_width = ImGui::CalcTextSize(bar.title.c_str()).x;
+    list.AddRectFilled({x - pad, y - line - 1.2f * pad},
+                       {x + std::max(width, title_width) + pad, y + height + line + pad},
                        IM_COL32(0, 0, 0, 165), 4 * ui);
-    const bool difference = session.settings.difference;
-    const TransferFunction tf = difference ? TransferFunction{"",
-                                                              {{0, 0.231f, 0.298f, 0.753f},
-                                                               {0.5f, 0.8667f, 0.8667f, 0.8667f},
-                                                               {1, 0.706f, 0.016f, 0.149f}},
-                                                              {}}
-                                           : transfer_function(session.look);
     constexpr int kPieces = 128;
     for (int n = 0; n < kPieces; ++n) {
-        const Rgba c = color_at(tf, (static_cast<float>(n) + 0.5f) / kPieces);
+        const Rgba c = bar.color((static_cast<float>(n) + 0.5f) / kPieces);
         list.AddRectFilled({x + width * static_cast<float>(n) / kPieces, y},
                            {x + width * static_cast<float>(n + 1) / kPieces, y + height},
                            ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}));
     }
     const ImU32 ink = IM_COL32(240, 240, 240, 255);
-    const std::string title =
-        difference ? fmt::format("V of {} - V of {}", name_of(session.settings.renderer),
-                                 name_of(session.settings.other))
-                   : std::string("V = 1 - exp(-T)");
-    list.AddText({x, y - line - 3 * ui}, ink, title.c_str());
-    for (int n = 0; n <= 4; ++n) {
+    list.AddText({x, y - line - 3 * ui}, ink, bar.title.c_str());
+    // The ends first; numbers between them where there is room.
+    float from = x, to = x + width;
+    for (const int n : {0, 4, 1, 3, 2}) {
         const float share = static_cast<float>(n) / 4;
-        const float value =
-            difference ? (2 * share - 1) * session.settings.difference_limit : share;
-        const std::string text = fmt::format("{:.3g}", value);
+        const std::string text = fmt::format("{:.3g}", bar.value(double{share}));
         const float w = ImGui::CalcTextSize(text.c_str()).x;
         const float at = x + share * width;
+        const float begin = std::clamp(at - 0.5f * w, x, x + width - w), gap = 5 * ui;
         list.AddLine({at, y + height}, {at, y + height + 3 * ui}, ink);
-        list.AddText({std::clamp(at - 0.5f * w, x, x + width - w), y + height + 3 * ui}, ink,
-                     text.c_str());
+        if (begin < from || begin + w > to) continue;
+        list.AddText({begin, y + height + 3 * ui}, ink, text.c_str());
+        if (n < 2) from = std::max(from, begin + w + gap);
+        if (n > 2) to = std::min(to, begin - gap);
     }
+}
+
+/// Number at the pointer, beside it.
+void draw_probe(const Session& session, const Layout& layout) {
+    const ImGuiIO& io = ImGui::GetIO();
+    if (io.WantCaptureMouse || ImGui::IsAnyMouseDown() ||
+        !layout.picture.holds(io.MousePos.x, io.MousePos.y))
+        return;
+    const Probed probed =
+        session.probe(double{(io.MousePos.x - layout.picture.x) / layout.picture.width},
+                      double{(io.MousePos.y - layout.picture.y) / layout.picture.height});
+    if (probed.text.empty()) return;
+    const ImVec2 size = ImGui::CalcTextSize(probed.text.c_str());
+    const float right = layout.picture.x + layout.picture.width - size.x - 8 * layout.ui;
+    const float x = std::max(layout.picture.x, std::min(io.MousePos.x + 14 * layout.ui, right));
+    const float below = layout.picture.y + layout.picture.height - size.y - 8 * layout.ui;
+    draw_text({x, std::min(io.MousePos.y + 14 * layout.ui, below)}, probed.text);
+}
+
+/// World axes at the lower right.
+void draw_axes(const Session& session, const Layout& layout) {
+    const float ui = layout.ui, length = 34 * ui;
+    const ImVec2 at{layout.picture.x + layout.picture.width - 52 * ui,
+                    layout.picture.y + layout.picture.height - 52 * ui};
+    if (layout.picture.width < 200 * ui || layout.picture.height < 160 * ui) return;
+    const CameraFrame frame = frame_of(session.camera, 16, 16);
+    struct Axis {
+        Vec3d along;
+        const char* name;
+        ImU32 color;
+    };
+    Axis axes[] = {{{1, 0, 0}, "x", IM_COL32(255, 120, 110, 255)},
+                   {{0, 1, 0}, "y", IM_COL32(130, 220, 120, 255)},
+                   {{0, 0, 1}, "z", IM_COL32(120, 170, 255, 255)}};
+    // Those that point away first.
+    std::ranges::sort(axes, std::greater{},
+                      [&](const Axis& axis) { return dot(axis.along, frame.forward); });
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    list.AddCircleFilled(at, 46 * ui, IM_COL32(0, 0, 0, 130));
+    for (const Axis& axis : axes) {
+        const ImVec2 end{at.x + length * static_cast<float>(dot(axis.along, frame.right)),
+                         at.y - length * static_cast<float>(dot(axis.along, frame.up))};
+        list.AddLine(at, end, axis.color, 2 * ui);
+        const ImVec2 size = ImGui::CalcTextSize(axis.name);
+        list.AddText({end.x - 0.5f * size.x, end.y - 0.5f * size.y}, IM_COL32(255, 255, 255, 255),
+                     axis.name);
+    }
+}
+
+/// A length at the depth of the point looked at, 1, 2 or 5 times a power of ten.
+void draw_scale_bar(const Session& session, const Layout& layout) {
+    const float ui = layout.ui;
+    const double most = std::min(160.0 * double{ui}, 0.3 * double{layout.picture.width});
+    const CameraFrame frame = frame_of(session.camera, static_cast<int>(layout.picture.width),
+                                       static_cast<int>(layout.picture.height));
+    const double depth = dot(session.camera.look_at - session.camera.eye, frame.forward);
+    const double per_unit = frame.pixels_at(depth);
+    if (!(per_unit > 0) || most < 40) return;
+    const double power = std::pow(10, std::floor(std::log10(most / per_unit)));
+    double world = power;
+    for (const double factor : {2.0, 5.0})
+        if (factor * power * per_unit <= most) world = factor * power;
+    const auto width = static_cast<float>(world * per_unit);
+    const std::string text = fmt::format("{:.4g}", world);
+    const float right = layout.picture.x + layout.picture.width - 110 * ui;
+    const float y = layout.picture.y + layout.picture.height - 18 * ui;
+    const float line = ImGui::GetFontSize(), pad = 6 * ui;
+    const float text_width = ImGui::CalcTextSize(text.c_str()).x;
+    // Room is left to the colour bar.
+    if (right - width < layout.picture.x + 300 * ui) return;
+    ImDrawList& list = *ImGui::GetBackgroundDrawList();
+    const float left = right - std::max(width, text_width);
+    list.AddRectFilled({left - pad, y - line - 2 * pad}, {right + pad, y + pad},
+                       IM_COL32(0, 0, 0, 150), 4 * ui);
+    const ImU32 ink = IM_COL32(240, 240, 240, 255);
+    list.AddRectFilled({right - width, y - 2 * ui}, {right, y + 2 * ui}, ink);
+    list.AddText({right - 0.5f * (width + text_width), y - line - 1.2f * pad}, ink, text.c_str());
 }
 
 void draw_split(Session& session, const Layout& layout) {
@@ -141,7 +267,14 @@ void draw_help(Session& session, const Layout& layout) {
 
 void draw_overlays(Session& session, Gui& gui, const Layout& layout) {
     draw_split(session, layout);
-    if (session.settings.color_bar) draw_color_bar(session, layout);
+    const Settings& s = session.settings;
+    if (s.color_bar) draw_color_bar(session, layout);
+    if (!session.scene.levels.empty()) {
+        draw_clip_box(session, layout);
+        if (s.axes) draw_axes(session, layout);
+        if (s.scale_bar) draw_scale_bar(session, layout);
+        if (s.probe) draw_probe(session, layout);
+    }
     if (session.settings.overlay) draw_figures(session, gui, layout);
     if (session.settings.help) draw_help(session, layout);
 }

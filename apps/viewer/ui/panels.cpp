@@ -78,8 +78,12 @@ void draw_picture_section(Session& session, Gui& gui) {
         ImGui::SetTooltip(
             "Draw fewer, larger Gaussians while the camera moves and frames are slow");
     if (s.split_on || s.difference) choose_renderer(session, gui, "against", s.other);
+    const Show show = session.quantity.show;
     if (s.difference)
-        ImGui::SliderFloat("ends at", &s.difference_limit, 0.001f, 1, "%.3f of V",
+        ImGui::SliderFloat("ends at", &s.difference_limit, 0.001f, 1,
+                           show == Show::visibility ? "%.3f of V"
+                           : show == Show::volume   ? "%.3f of a colour"
+                                                    : "%.3f of the scale",
                            ImGuiSliderFlags_Logarithmic);
     draw_level(session, gui);
     ImGui::SliderFloat("parts", &s.pixel_error, 0, 16, "%.2g pixels", ImGuiSliderFlags_AlwaysClamp);
@@ -143,7 +147,8 @@ void draw_file_section(Session& session, Gui& gui, float ui, Requests& requests)
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button("picture")) requests.picture = true;
     ImGui::SameLine(0, 4 * ui);
-    if (ImGui::Button("T as EXR")) requests.depth = true;
+    if (ImGui::Button("as EXR")) requests.depth = true;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("T, or the numbers of the shown quantity");
     const float width = ImGui::GetContentRegionAvail().x;
     ImGui::SetNextItemWidth(0.34f * width);
     ImGui::InputText("##turntable", &gui.turntable_path);
@@ -227,7 +232,14 @@ void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& req
         return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen);
     };
     if (section("Picture")) draw_picture_section(session, gui);
-    if (section("Colour")) draw_look(session, gui, layout.ui);
+    if (!session.scene.levels.empty() && section("Quantity"))
+        draw_quantity(session, gui, layout.ui);
+    if (section("Colour")) {
+        if (session.quantity.show == Show::volume && session.values.now())
+            draw_values(session, gui, layout.ui);
+        else
+            draw_look(session, gui, layout.ui);
+    }
     if (section("Camera")) draw_camera_section(session, gui, layout.ui);
     if (section("Files")) draw_file_section(session, gui, layout.ui, requests);
     ImGui::PopItemWidth();

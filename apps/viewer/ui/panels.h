@@ -1,6 +1,7 @@
 // panels.h: user interface beside and over the picture, by Dear ImGui.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <string>
 
@@ -24,7 +25,10 @@ struct Gui {
     std::string turntable_path = "turntable";
     int turntable_frames = 120;
     int dragged_point = -1;  ///< index of the dragged opacity point; -1: none
-    double fps = 0;          ///< frames per second, smoothed
+    PointRange
+        dragged_band{};  ///< of the transfer function of values, where dragged_point is one of several
+    bool log_values = false;  ///< logarithmic axis of the editor of values
+    double fps = 0;           ///< frames per second, smoothed
 };
 
 void set_style(float ui);
@@ -32,8 +36,24 @@ void set_style(float ui);
 /// actions become the session's message.
 void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests);
 
+/// Draws the quantity section: quantity, field, scale, light, clip box.
+void draw_quantity(Session& session, Gui& gui, float ui);
 /// Draws the colour section: map, opacity over the histogram, range, gamma, extinction.
 void draw_look(Session& session, Gui& gui, float ui);
+/// Draws the editor of the transfer function of values.
+void draw_values(Session& session, Gui& gui, float ui);
+/// Window and level of the shown quantity: its transfer function of values, or its scale.
+/// right, up  of a drag, shares of the picture's size: wider, higher
+void window_by_drag(Session& session, double right, double up);
+/// Draws the colours along a strip.
+/// color  of a share of its width, [0, 1]
+void draw_strip(float x, float y, float width, float height,
+                const std::function<Rgba(float share)>& color);
+/// Selector of the background. returns  whether it changed
+bool edit_background(Look& look);
+/// Selector of a named map.
+/// returns  the chosen one; empty: none
+std::string choose_map(const std::string& shown, Gui& gui);
 /// Draws figures, colour bar, split labels and help over the picture.
 void draw_overlays(Session& session, Gui& gui, const Layout& layout);
 

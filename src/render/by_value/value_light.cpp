@@ -131,6 +131,10 @@ ExpectedLight::ExpectedLight(const ValueTransfer& transfer, double lower, double
     });
 }
 
+LightTable ExpectedLight::table() const {
+    return {table_, kRows, kColumns, lower_, upper_, low_, high_};
+}
+
 double ExpectedLight::position(double value) const {
     return (value - lower_) * per_range_ + (std::clamp(value, low_, high_) - low_) * per_part_;
 }

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "render/by_value/lighting.h"
@@ -54,6 +55,16 @@ inline double explained_share(const LightQuadratic& light, double deviation, dou
     return plane > 0 ? plane / (plane + deviation * deviation) : 0;
 }
 
+/// Means of light under normal distributions, for renderers that look them up themselves.
+struct LightTable {
+    std::span<const Light> light;  ///< [rows][columns]
+    int rows = 0,
+        columns = 0;  ///< of deviations: (row / (rows - 1))^3 of half the range; of mean values
+    double lower = 0, upper = 0;  ///< the data's range, widened where all values are one
+    double low = 0,
+           high = 0;  ///< part of the range with half of the columns, the other half over all of it
+};
+
 /// Expected light of values under normal distributions cut at the ends of the data's range.
 class ExpectedLight {
   public:
@@ -74,6 +85,8 @@ class ExpectedLight {
         float down_;
     };
     Pair pair(double deviation, double skewness) const { return {*this, deviation, skewness}; }
+    /// Valid while this lives.
+    LightTable table() const;
 
   private:
     /// Position of a value in the table's columns: half of them over the data's range, half over the part of it

@@ -19,7 +19,7 @@ uniform bool blend;
 uniform bool checker;       // chequered pattern behind transparent pixels
 uniform float split;        // share of the width, [0, 1]; from 1 on: A only
 uniform bool difference;
-uniform float difference_limit;  // |V - V'| at the ends of the scale
+uniform float difference_limit;  // at the ends of its colours: |V - V'|, a share of the scale, a difference of colours
 uniform vec2 viewport_px, viewport_origin_px;
 
 layout(location = 0) out vec4 color;
@@ -39,7 +39,6 @@ vec4 sums_at(highp sampler2D image, vec2 size) {
     return mix(mix(texelFetch(image, low, 0), texelFetch(image, ivec2(high.x, low.y), 0), f.x),
                mix(texelFetch(image, ivec2(low.x, high.y), 0), texelFetch(image, high, 0), f.x), f.y);
 }
-float depth_at(highp sampler2D image, vec2 size) { return sums_at(image, size).r; }
 
 vec4 transfer_at(float v) {
     float at = sqrt(v) * (transfer_size - 1.0), base = floor(at);
@@ -69,6 +68,14 @@ float scaled(float value) {
     return clamp(at, 0.0, 1.0);
 }
 
+// The shown value of a column and a field.
+float shown_value(vec4 sums, float column) {
+    float mean = sums.g / sums.r;
+    if (quantity == 2) return field_unit.x + field_unit.y * mean;
+    if (quantity == 3) return field_unit.y * sqrt(max(sums.b / sums.r - mean * mean, 0.0));
+    return column;
+}
+
 // Colour of the sums of a field, or of colours that add up to a picture.
 vec4 shown(vec4 sums, float factor) {
     if (quantity == 4) {
@@ -78,31 +85,41 @@ vec4 shown(vec4 sums, float factor) {
     }
     float column = sums.r * factor;
     if (!(column > (quantity == 1 ? 0.0 : least_column))) return background;
-    float value = column, mean = sums.g / sums.r;
-    if (quantity == 2) value = field_unit.x + field_unit.y * mean;
-    if (quantity == 3) value = field_unit.y * sqrt(max(sums.b / sums.r - mean * mean, 0.0));
-    return over(transfer_at(scaled(value)), background);
+    return over(transfer_at(scaled(shown_value(sums, column))), background);
+}
+
+// Colour of T.
+vec4 visible(float t) {
+    if (!(t > 0.0)) return background;
+    float v = 1.0 - exp(-t);
+    vec4 front = transfer_at(v);
+    if (blend) front.a *= v;
+    return over(front, background);
+}
+
+// What a difference compares: V, a share of the scale beyond its ends too, the mean of three colours; and whether
+// there is any.
+vec2 compared(vec4 sums, float factor) {
+    if (quantity == 0) return vec2(-exp(-sums.r * factor), 1.0);
+    if (quantity == 4) return vec2(dot(shown(sums, factor).rgb, vec3(1.0 / 3.0)), 1.0);
+    float column = sums.r * factor;
+    if (!(column > (quantity == 1 ? 0.0 : least_column))) return vec2(0.0);
+    float value = shown_value(sums, column);
+    return vec2(log_scale ? log(max(value, 1e-37) / scale_ends.x) / log(scale_ends.y / scale_ends.x)
+                          : (value - scale_ends.x) / (scale_ends.y - scale_ends.x), 1.0);
 }
 
 void main() {
-    if (quantity > 0) {
-        color = position.x < split ? shown(sums_at(depth_a, size_a), factor_a) : shown(sums_at(depth_b, size_b), factor_b);
-        return;
-    }
-    float ta = depth_at(depth_a, size_a) * factor_a;
+    bool left = position.x < split;
+    vec4 a = sums_at(depth_a, size_a);
     if (difference) {
-        float tb = depth_at(depth_b, size_b) * factor_b;
-        color = difference_color((exp(-tb) - exp(-ta)) / difference_limit);
+        vec2 of_a = compared(a, factor_a), of_b = compared(sums_at(depth_b, size_b), factor_b);
+        color = of_a.y * of_b.y > 0.0 ? difference_color((of_a.x - of_b.x) / difference_limit) : background;
         return;
     }
-    float t = position.x < split ? ta : depth_at(depth_b, size_b) * factor_b;
-    color = background;
-    if (t > 0.0) {
-        float v = 1.0 - exp(-t);
-        vec4 front = transfer_at(v);
-        if (blend) front.a *= v;
-        color = over(front, background);
-    }
+    vec4 sums = left ? a : sums_at(depth_b, size_b);
+    float factor = left ? factor_a : factor_b;
+    color = quantity == 0 ? visible(sums.r * factor) : shown(sums, factor);
     if (checker && color.a < 1.0) {
         vec2 cell = floor((gl_FragCoord.xy - viewport_origin_px) / 12.0);
         vec3 board = vec3(mod(cell.x + cell.y, 2.0) < 1.0 ? 0.30 : 0.36);

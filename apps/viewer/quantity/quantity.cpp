@@ -1,0 +1,201 @@
+// quantity.cpp: names and choices of quantities, and maps from sums.
+#include "quantity/quantity.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "vog/error.h"
+#include "web/web_fields.h"
+
+namespace vog::viewer {
+
+namespace {
+
+struct Named {
+    Show show;
+    const char *word, *name;
+};
+constexpr Named kShows[] = {
+    {Show::visibility, "T", "visibility"},
+    {Show::column, "column", "column density"},
+    {Show::mean, "mean", "mean on rays"},
+    {Show::deviation, "deviation", "deviation on rays"},
+    {Show::volume, "volume", "volume, by value"},
+};
+const Named& named(Show show) { return kShows[static_cast<std::size_t>(show)]; }
+
+auto tie(const VolumeLook& look) {
+    return std::tie(look.light, look.towards_light, look.ambient, look.diffuse, look.specular,
+                    look.power);
+}
+bool same_clip(const Clipping& a, const Clipping& b) {
+    const auto same_plane = [](const ClipPlane& p, const ClipPlane& q) {
+        return p.normal == q.normal && p.offset == q.offset;
+    };
+    return a.box == b.box && std::ranges::equal(a.planes, b.planes, same_plane);
+}
+
+}  // namespace
+
+const char* word_of(Show show) { return named(show).word; }
+const char* name_of(Show show) { return named(show).name; }
+bool of_field(Show show) { return show >= Show::mean; }
+
+Show show_from(const std::string& word) {
+    std::string words;
+    for (const Named& each : kShows) {
+        if (word == each.word) return each.show;
+        words += (words.empty() ? "" : ", ") + std::string(each.word);
+    }
+    throw Error(fmt::format("no quantity '{}' (there are: {})", word, words));
+}
+
+std::vector<FieldChoice> field_choices(const Fields& fields, Show show) {
+    std::vector<FieldChoice> all;
+    for (const ScalarField& field : fields.scalar) all.push_back({field.name, FieldPart::value});
+    if (show != Show::volume)
+        for (const VectorField& field : fields.vector)
+            for (const FieldPart part : {FieldPart::view, FieldPart::x, FieldPart::y, FieldPart::z})
+                all.push_back({field.name, part});
+    return all;
+}
+
+FieldChoice field_for(const Fields& fields, Show show, const std::string& text) {
+    const std::vector<FieldChoice> all = field_choices(fields, show);
+    if (all.empty())
+        throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
+                                show == Show::volume ? "scalar " : ""));
+    if (text.empty()) {
+        const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
+        if (show == Show::volume && measure != fields.scalar.end())
+            return {measure->name, FieldPart::value};
+        return all.front();
+    }
+    const FieldChoice choice = field_choice(text, fields);
+    const auto same = [&](const FieldChoice& other) {
+        return other.field == choice.field && other.part == choice.part;
+    };
+    if (std::ranges::none_of(all, same))
+        throw Error(fmt::format(
+            "{} is not of {}, expected {}", name_of(show), field_label(choice),
+            show == Show::volume ? "a scalar field" : "a scalar field or one component"));
+    return choice;
+}
+
+std::string text_of(const FieldChoice& choice) {
+    const char* const parts[] = {"", "", ".x", ".y", ".z", ".magnitude"};
+    return choice.field + parts[static_cast<std::size_t>(choice.part)];
+}
+
+std::string label_of(const Quantity& quantity, const Fields& fields) {
+    if (quantity.show == Show::visibility) return "V = 1 - exp(-T)";
+    if (quantity.show == Show::column) return "column density";
+    std::string label = field_label(quantity.field);
+    if (quantity.show == Show::mean) label = "mean of " + label;
+    if (quantity.show == Show::deviation) label = "deviation of " + label;
+    const ScalarField* scalar = fields.find_scalar(quantity.field.field);
+    const VectorField* vector = fields.find_vector(quantity.field.field);
+    const std::string unit = scalar ? scalar->unit : vector ? vector->unit : "";
+    return unit.empty() ? label : fmt::format("{} [{}]", label, unit);
+}
+
+SumImage shrunk(SumImage image, int factor) {
+    if (factor == 1) return image;
+    SumImage mean{image.width / factor, image.height / factor, image.channels, {}};
+    const auto channels = static_cast<std::size_t>(image.channels);
+    mean.value.resize(static_cast<std::size_t>(mean.width) * static_cast<std::size_t>(mean.height) *
+                      channels);
+    const float weight = 1 / static_cast<float>(factor * factor);
+    for (int row = 0; row < mean.height * factor; ++row)
+        for (int column = 0; column < mean.width * factor; ++column) {
+            const std::size_t to =
+                static_cast<std::size_t>((row / factor) * mean.width + column / factor) * channels;
+            const std::span<const float> from = image.at(column, row);
+            for (std::size_t c = 0; c < channels; ++c) mean.value[to + c] += weight * from[c];
+        }
+    return mean;
+}
+
+bool operator==(const Drawn& a, const Drawn& b) {
+    if (a.kind != b.kind || !same_clip(a.look.clip, b.look.clip)) return false;
+    if (a.kind == Drawn::Kind::depth) return true;
+    if (a.field.field != b.field.field || a.field.part != b.field.part) return false;
+    return a.kind == Drawn::Kind::field ||
+           (tie(a.look) == tie(b.look) && a.slabs == b.slabs && a.transfer == b.transfer);
+}
+
+Drawn drawn_for(const Quantity& quantity, std::shared_ptr<const ValueTransfer> transfer) {
+    const Drawn::Kind kind = quantity.show == Show::volume ? Drawn::Kind::light
+                             : of_field(quantity.show)     ? Drawn::Kind::field
+                                                           : Drawn::Kind::depth;
+    return {kind, quantity.field, quantity.look, quantity.slabs, std::move(transfer)};
+}
+
+FieldUnit unit_of(const Fields& fields, const std::string& field) {
+    if (const ScalarField* scalar = fields.find_scalar(field)) {
+        const web::WebUnit unit = web::web_unit(*scalar);
+        return {unit.reference, unit.unit};
+    }
+    if (const VectorField* vector = fields.find_vector(field)) {
+        const web::WebUnit unit = web::web_unit(*vector);
+        return {unit.reference, unit.unit};
+    }
+    return {};
+}
+
+float largest_column(const SumImage& sums) {
+    float most = 0;
+    for (std::size_t n = 0; n < sums.value.size(); n += static_cast<std::size_t>(sums.channels))
+        most = std::max(most, sums.value[n]);
+    return most;
+}
+
+ValueMap shown_map(const SumImage& sums, Show show, FieldUnit unit) {
+    ValueMap map{sums.width, sums.height, {}};
+    const double least = show == Show::column ? 0 : kLeastColumn * double{largest_column(sums)};
+    const auto channels = static_cast<std::size_t>(sums.channels);
+    for (std::size_t n = 0; n < sums.value.size(); n += channels) {
+        const double column = double{sums.value[n]};
+        double value = column;
+        if (!(column > least)) {
+            value = std::numeric_limits<double>::quiet_NaN();
+        } else if (of_field(show)) {
+            const double mean = double{sums.value[n + 1]} / column;
+            const double square = double{sums.value[n + 2]} / column;
+            value = show == Show::mean ? unit.reference + unit.unit * mean
+                                       : unit.unit * std::sqrt(std::max(square - mean * mean, 0.0));
+        }
+        map.value.push_back(static_cast<float>(value));
+    }
+    return map;
+}
+
+ColorScale fitted_scale_of(const SumImage& sums, Show show, FieldUnit unit, bool log) {
+    const ColorScale none{ColorScale::Kind::linear, 0, 1};
+    if (show == Show::column) {
+        DepthImage column(sums.width, sums.height);
+        const auto channels = static_cast<std::size_t>(sums.channels);
+        for (std::size_t n = 0; n < column.depth.size(); ++n)
+            column.depth[n] = sums.value[n * channels];
+        return automatic_scale({&column, 1}, log);
+    }
+    const ValueMap map = shown_map(sums, show, unit);
+    // Rims of supports do not count, as in values_for_scale.
+    std::vector<float> values;
+    const float least = 1e-3f * largest_column(sums);
+    bool positive = false;
+    for (std::size_t n = 0; n < map.value.size(); ++n) {
+        if (!(sums.value[n * static_cast<std::size_t>(sums.channels)] > least)) continue;
+        values.push_back(map.value[n]);
+        positive = positive || map.value[n] > 0;
+    }
+    if (values.empty()) return none;
+    return fitted_scale(values, log && positive ? ScaleFit::log : ScaleFit::linear);
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,172 @@
+// session_quantity.cpp: the quantity shown, its field, scale and transfer function of values.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "quantity/probe.h"
+#include "render/by_value/value_histogram.h"
+#include "session/session.h"
+#include "vog/error.h"
+
+namespace vog::viewer {
+
+namespace {
+
+constexpr std::size_t kValueBins = 128;
+
+}  // namespace
+
+const Fields& Session::fields() const {
+    static const Fields kNone;
+    const Level* level = shown_level();
+    return level ? level->model->fields : kNone;
+}
+
+FieldUnit Session::field_unit() const { return unit_of(fields(), quantity.field.field); }
+
+void Session::set_quantity(Show show, const std::string& field) {
+    Quantity next = quantity;
+    next.show = show;
+    const bool changed = show != quantity.show || !field.empty();
+    if (scene.levels.empty()) {
+        wanted_field_ = field;
+    } else if (of_field(show)) {
+        std::string text = field;
+        // The present field stays where it can.
+        const auto all = field_choices(fields(), show);
+        const auto same = [&](const FieldChoice& choice) {
+            return choice.field == quantity.field.field && choice.part == quantity.field.part;
+        };
+        if (text.empty() && std::ranges::any_of(all, same))
+            next.field = quantity.field;
+        else
+            next.field = field_for(fields(), show, text);
+    }
+    quantity = next;
+    if (has_scale(show) && changed) {
+        scale = {ColorScale::Kind::linear, 0, 1};
+        scale_open_ = true;
+        inspected_revision_ = -1;
+    }
+}
+
+/// Resolves what was asked for before anything was open, and what other files lack.
+void Session::update_quantity() {
+    if (!of_field(quantity.show)) return;
+    const auto all = field_choices(fields(), quantity.show);
+    const auto same = [&](const FieldChoice& choice) {
+        return choice.field == quantity.field.field && choice.part == quantity.field.part;
+    };
+    if (std::ranges::none_of(all, same)) {
+        const std::string wanted = std::exchange(wanted_field_, {});
+        try {
+            quantity.field = field_for(fields(), quantity.show, wanted);
+        } catch (const Error& error) {
+            quantity.show = Show::visibility;
+            quantity.field = {};
+            show_error(error.what());
+            return;
+        }
+    }
+    begin_values();
+}
+
+void Session::begin_values() {
+    const std::string& name = quantity.field.field;
+    if (quantity.show != Show::volume || values_of_ == name) return;
+    const Gaussians& model = *shown_level()->model;
+    const ScalarField& field = *fields().find_scalar(name);
+    ValueTransfer transfer;
+    if (choose_transfer) {
+        transfer = choose_transfer(model, name, camera, std::exchange(values_first_, false));
+    } else {
+        const bool flat = !(field.upper > field.lower);
+        const double lower = flat ? std::min(0.0, field.lower) : field.lower;
+        const double upper = flat ? std::max(lower + 1, field.upper) : field.upper;
+        transfer = over_range(map_function(look), lower, upper, radius() / 50);
+    }
+    values.begin(std::move(transfer));
+    values_of_ = name;
+    value_histogram = by_value::value_histogram(model, field, kValueBins);
+}
+
+void Session::set_scale(const ColorScale& wanted) {
+    scale_position(wanted, wanted.low);  // checks it
+    scale = wanted;
+    scale_open_ = false;
+}
+
+void Session::fit_scale() {
+    scale = fitted_scale_of(inspected_, quantity.show, field_unit(),
+                            scale.kind == ColorScale::Kind::log);
+}
+
+void Session::automatic_scale() {
+    if (quantity.show == Show::volume) {
+        values_of_.clear();
+    } else if (has_scale(quantity.show)) {
+        fit_scale();
+    }
+}
+
+void Session::set_values(ValueTransfer transfer) {
+    validate(transfer);
+    values.change(std::move(transfer));
+}
+
+void Session::set_map(const std::string& name_or_file) {
+    if (quantity.show != Show::volume || !values.now()) {
+        load_map(look, name_or_file);
+        look_changed();
+        return;
+    }
+    const TransferPoints points = transfer_points(name_or_file);
+    if (!points.at_values && points.points.opacity.empty())
+        return set_values(with_map(*values.now(), load_transfer_function(name_or_file)));
+    const ScalarField& field = *fields().find_scalar(quantity.field.field);
+    const double upper = field.upper > field.lower ? field.upper : field.lower + 1;
+    set_values(over_range(points, field.lower, upper, values.now()->unit_distance));
+}
+
+void Session::set_clip(const std::optional<Box>& box) {
+    Clipping clip = quantity.look.clip;
+    clip.box = box;
+    validate(clip);
+    quantity.look.clip = clip;
+}
+
+ShadeView Session::shade_view() const {
+    ShadeView view;
+    view.show = quantity.show;
+    view.scale = scale;
+    view.unit = field_unit();
+    view.least_column = static_cast<float>(kLeastColumn) * most_column_;
+    return view;
+}
+
+Probed Session::probe(double x, double y) const {
+    if (inspected_.value.empty() || !left_.has_sums() || moving_) return {};
+    if (x < 0 || y < 0 || x >= 1 || y >= 1) return {};
+    const int column = static_cast<int>(x * inspected_.width);
+    const int row = static_cast<int>(y * inspected_.height);
+    const std::span<const float> sums = inspected_.at(column, row);
+    if (quantity.show != Show::volume)
+        return {probe_text(quantity, fields(), sums, most_column_, look.extinction)};
+    return {probe_volume(column, row)};
+}
+
+std::string Session::probe_volume(int column, int row) const {
+    const Level* level = shown_level();
+    if (!level || !values.now()) return {};
+    if (probed_.column == column && probed_.row == row && probed_.revision == inspected_revision_)
+        return probed_.text;
+    const CameraFrame frame = frame_of(camera, inspected_.width, inspected_.height);
+    const std::optional<OpaqueValue> found = first_opaque_value(
+        *level->model, *fields().find_scalar(quantity.field.field), *values.now(),
+        quantity.look.clip, frame.origin(column, row), frame.direction(column, row));
+    probed_ = {column, row, inspected_revision_, opaque_text(quantity, fields(), found)};
+    return probed_.text;
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,130 @@
+// quantity_panel.cpp: selection of the quantity, its field, scale, light and clip box.
+#include <fmt/core.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ui/panels.h"
+
+namespace vog::viewer {
+
+namespace {
+
+void choose_quantity(Session& session, Gui& gui) {
+    const Quantity& quantity = session.quantity;
+    if (ImGui::BeginCombo("show", name_of(quantity.show))) {
+        for (const Show show :
+             {Show::visibility, Show::column, Show::mean, Show::deviation, Show::volume}) {
+            if (of_field(show) && field_choices(session.fields(), show).empty()) continue;
+            if (ImGui::Selectable(name_of(show), show == quantity.show))
+                attempt(session, [&] { session.set_quantity(show); });
+        }
+        ImGui::EndCombo();
+    }
+    mark(gui, "show");
+    if (!of_field(quantity.show)) return;
+    if (ImGui::BeginCombo("field", field_label(quantity.field).c_str())) {
+        for (const FieldChoice& choice : field_choices(session.fields(), quantity.show)) {
+            const std::string name = field_label(choice);
+            const bool selected = name == field_label(quantity.field);
+            if (ImGui::Selectable(name.c_str(), selected))
+                attempt(session, [&] { session.set_quantity(quantity.show, text_of(choice)); });
+        }
+        ImGui::EndCombo();
+    }
+    mark(gui, "field");
+}
+
+/// Ends of the scale, in the quantity's unit.
+void edit_scale(Session& session, Gui& gui) {
+    ColorScale scale = session.scale;
+    bool log = scale.kind == ColorScale::Kind::log;
+    const double step = 0.005 * (scale.high - scale.low);
+    double ends[2] = {scale.low, scale.high};
+    const bool moved = ImGui::DragScalarN("range", ImGuiDataType_Double, ends, 2,
+                                          static_cast<float>(step), nullptr, nullptr, "%.4g");
+    mark(gui, "range");
+    bool changed = moved && ends[0] < ends[1] && !(log && ends[0] <= 0);
+    if (changed) scale.low = ends[0], scale.high = ends[1];
+    if (ImGui::Checkbox("log", &log)) {
+        scale.kind = log ? ColorScale::Kind::log : ColorScale::Kind::linear;
+        if (log && scale.low <= 0) scale.low = 1e-4 * scale.high;
+        changed = !log || scale.high > 0;
+        if (!changed) session.show_error("a logarithmic scale needs values above 0");
+    }
+    mark(gui, "log");
+    ImGui::SameLine();
+    if (ImGui::Button("fit range")) session.automatic_scale();
+    mark(gui, "fit range");
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("The range of the values in this view");
+    if (changed) attempt(session, [&] { session.set_scale(scale); });
+}
+
+void edit_light(Session& session, Gui& gui) {
+    VolumeLook& look = session.quantity.look;
+    ImGui::Checkbox("light", &look.light);
+    mark(gui, "light");
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("Shading by the gradient of the values, from the eye");
+    if (!look.light) return;
+    const auto weight = [&](const char* name, double& value, double most) {
+        auto shown = static_cast<float>(value);
+        if (ImGui::SliderFloat(name, &shown, 0, static_cast<float>(most), "%.2f"))
+            value = std::max(0.0, double{shown});
+    };
+    weight("ambient", look.ambient, 1);
+    weight("diffuse", look.diffuse, 1);
+    weight("specular", look.specular, 1);
+    bool at_eye = length(look.towards_light) == 0;
+    if (ImGui::Checkbox("from the eye", &at_eye))
+        look.towards_light = at_eye ? Vec3d{} : Vec3d{0.5, 1, 0.5};
+    if (at_eye) return;
+    float towards[3] = {static_cast<float>(look.towards_light.x),
+                        static_cast<float>(look.towards_light.y),
+                        static_cast<float>(look.towards_light.z)};
+    if (ImGui::SliderFloat3("towards", towards, -1, 1, "%.2f"))
+        look.towards_light = {double{towards[0]}, double{towards[1]}, double{towards[2]}};
+}
+
+void edit_clip(Session& session, Gui& gui) {
+    const std::optional<Box> box = session.quantity.look.clip.box;
+    bool on = box.has_value();
+    if (ImGui::Checkbox("clip box", &on))
+        attempt(session,
+                [&] { session.set_clip(on ? std::optional(session.scene.box) : std::nullopt); });
+    mark(gui, "clip box");
+    if (!on || !box) return;
+    const Box& data = session.scene.box;
+    Box next = *box;
+    for (int axis = 0; axis < 3; ++axis) {
+        // Shares of the data's box: floats hold them anywhere in the world.
+        const double low = data.lower[axis], width = data.upper[axis] - low;
+        if (!(width > 0)) continue;
+        float ends[2] = {static_cast<float>((next.lower[axis] - low) / width),
+                         static_cast<float>((next.upper[axis] - low) / width)};
+        const char* const names[] = {"x", "y", "z"};
+        if (ImGui::DragFloatRange2(names[axis], &ends[0], &ends[1], 0.003f, 0, 1, "%.3f", "%.3f",
+                                   ImGuiSliderFlags_AlwaysClamp)) {
+            next.lower[axis] = low + double{ends[0]} * width;
+            next.upper[axis] = low + double{ends[1]} * width;
+        }
+        mark(gui, std::string("clip ") + names[axis]);
+    }
+    if (!(next == *box)) attempt(session, [&] { session.set_clip(next); });
+}
+
+}  // namespace
+
+void draw_quantity(Session& session, Gui& gui, float ui) {
+    choose_quantity(session, gui);
+    if (has_scale(session.quantity.show)) edit_scale(session, gui);
+    if (session.quantity.show == Show::volume) edit_light(session, gui);
+    edit_clip(session, gui);
+    ImGui::SameLine(0, 12 * ui);
+    bool z_up = session.up() == Vec3d{0, 0, 1};
+    if (ImGui::Checkbox("z up", &z_up)) session.set_z_up(z_up);
+    mark(gui, "z up");
+}
+
+}  // namespace vog::viewer

@@ -1,0 +1,258 @@
+// quantity_gl_test.cpp: fields, clips and volumes by value in OpenGL against the CPU's splat, from outside, inside, beside,
+// and under parallel rays.
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <tuple>
+
+#include "gl/shade_gl.h"
+#include "gl/slabs_gl.h"
+#include "session/look.h"
+#include "support/data.h"
+#include "viewer/headless.h"
+#include "vog/compare.h"
+#include "vog/convert_fields.h"
+#include "vog/convert_moments.h"
+#include "vog/renderer.h"
+#include "vog/sample.h"
+
+namespace vog::test {
+
+using namespace viewer;
+
+namespace {
+
+/// A cloud with its values, and a vector field of planes with residuals.
+Gaussians cloud_with_fields() {
+    MomentOptions options;
+    options.block_voxels = 4;
+    options.own_field = "density";
+    Gaussians model = convert_moments(sample_cloud({.size = 48}), options);
+    VectorField flow;
+    flow.name = "flow";
+    flow.upper = 3;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const Vec3f at = model.mean[i];
+        flow.value.push_back({std::sin(0.2f * at.y), std::cos(0.3f * at.x), 0.1f * at.z});
+        flow.gradient[0].push_back({0, 0.2f * std::cos(0.2f * at.y), 0});
+        flow.gradient[1].push_back({-0.3f * std::sin(0.3f * at.x), 0, 0});
+        flow.gradient[2].push_back({0, 0, 0.1f});
+        flow.covariance.push_back({0.04f, 0.01f, 0, 0.09f, -0.01f, 0.02f});
+    }
+    model.fields.vector.push_back(std::move(flow));
+    return model;
+}
+
+struct View {
+    const char* name;
+    Camera camera;
+};
+std::vector<View> views(const Gaussians& model) {
+    const Box box = view_box(model);
+    Camera inside = paper_view(box);
+    inside.eye = inside.look_at;
+    inside.look_at = inside.eye + Vec3d{0.3, 0.1, -1};
+    inside.fov_degrees = 75;
+    Camera parallel = paper_view(box);
+    parallel.orthographic_width = 2.2 * box.radius();
+    return {{"paper", paper_view(box)},
+            {"inside", inside},
+            {"beside", orbit_view(box, {-69, 6, 0.6, 90})},
+            {"parallel", parallel}};
+}
+
+constexpr int kWidth = 180, kHeight = 140;
+
+/// Sums as the window draws them.
+SumImage drawn(const Gaussians& model, const Drawn& what, const Camera& camera) {
+    const GlModel on_device(model);
+    const GlTarget target(GL_RGBA32F, kWidth, kHeight);
+    target.clear();
+    if (what.kind == Drawn::Kind::light) {
+        const GlField field(on_device, model, what.field);
+        GlSlabs().add({&on_device, &field, model.fields.find_scalar(what.field.field),
+                       what.transfer, &what.look, what.slabs},
+                      camera, {}, target);
+    } else if (what.kind == Drawn::Kind::field) {
+        const GlField field(on_device, model, what.field);
+        GlFieldSums().add(on_device, &field, camera, {}, what.look.clip, target);
+    } else {
+        GlFieldSums().add(on_device, nullptr, camera, {}, what.look.clip, target);
+    }
+    return {kWidth, kHeight, 4, target.read_floats()};
+}
+
+/// Box of the middle of a model, a part of which it cuts through.
+Clipping middle_of(const Gaussians& model) {
+    const Box box = view_box(model);
+    const Vec3d center = box.center(), size = box.upper - box.lower;
+    Clipping clip;
+    clip.box = Box{center - 0.3 * size, center + 0.2 * size};
+    return clip;
+}
+
+/// Expects colours within 2 of 255 and 55 dB.
+void expect_same(const Image& expected, const Image& image) {
+    const PictureDifference difference = compare(expected, image);
+    EXPECT_GE(difference.psnr_db, 55);
+    EXPECT_LE(difference.largest, 2)
+        << "at " << difference.largest_column << ", " << difference.largest_row;
+}
+
+void expect_same_map(const Gaussians& model, const FieldChoice& choice, const Camera& camera) {
+    const FieldMaps maps = render_field_splat(model, choice, camera, kWidth, kHeight);
+    const SumImage sums = drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, camera);
+    const FieldUnit unit = unit_of(model.fields, choice.field);
+    const auto& map = named_transfer_function("viridis");
+    for (const Show show : {Show::mean, Show::deviation}) {
+        SCOPED_TRACE(word_of(show));
+        const std::vector<float>& values = show == Show::mean ? maps.mean : maps.deviation;
+        const ValueMap expected = visible_values(maps, values, kLeastColumn);
+        const ColorScale scale = fitted_scale(values_for_scale(maps, values), ScaleFit::linear);
+        expect_same(shade_map(expected, map, scale),
+                    shade_map(shown_map(sums, show, unit), map, scale));
+    }
+}
+
+/// The window's own pass over sums, as the pictures above are from numbers.
+Image shaded(const SumImage& sums, const ShadeView& view, const Look& look) {
+    const GlTarget on_device(GL_RGBA32F, sums.width, sums.height);
+    on_device.upload(sums.value);
+    const GlTarget picture(GL_RGBA8, sums.width, sums.height);
+    picture.bind();
+    GlShade shade;
+    shade.set_look(look);
+    shade.draw({&on_device, 1}, {&on_device, 1}, view, {0, 0, sums.width, sums.height});
+    return read_picture(sums.width, sums.height);
+}
+
+}  // namespace
+
+class quantity_gl : public headless {};
+
+TEST_F(quantity_gl, maps_are_the_cpus) {
+    const Gaussians model = cloud_with_fields();
+    for (const View& view : views(model))
+        for (const FieldChoice& choice : {FieldChoice{"density", FieldPart::value},
+                                          {"flow", FieldPart::view},
+                                          {"flow", FieldPart::y}}) {
+            SCOPED_TRACE(std::string(view.name) + " " + field_label(choice));
+            expect_same_map(model, choice, view.camera);
+        }
+}
+
+TEST_F(quantity_gl, shading_of_sums_is_shade_map) {
+    const Gaussians model = cloud_with_fields();
+    const Camera camera = paper_view(view_box(model));
+    const FieldChoice choice{"density", FieldPart::value};
+    const SumImage sums = drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, camera);
+    Look look;
+    load_map(look, "viridis");
+    for (const bool log : {false, true})
+        for (const Show show : {Show::column, Show::mean, Show::deviation}) {
+            SCOPED_TRACE(word_of(show));
+            ShadeView view;
+            view.show = show;
+            view.unit = unit_of(model.fields, "density");
+            view.scale = fitted_scale_of(sums, show, view.unit, log);
+            view.least_column = static_cast<float>(kLeastColumn) * largest_column(sums);
+            view.checker = false;
+            expect_same(shade_map(shown_map(sums, show, view.unit), map_function(look), view.scale),
+                        shaded(sums, view, look));
+        }
+}
+
+TEST_F(quantity_gl, differences_are_of_shares_of_the_scale) {
+    const Gaussians model = cloud_with_fields();
+    const FieldChoice choice{"density", FieldPart::value};
+    const SumImage sums =
+        drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, paper_view(view_box(model)));
+    ShadeView view;
+    view.show = Show::mean;
+    view.unit = unit_of(model.fields, "density");
+    view.scale = fitted_scale_of(sums, Show::mean, view.unit, false);
+    view.difference = true;
+    view.checker = false;
+    // An image less itself is grey wherever it shows something.
+    const Image equal = shaded(sums, view, {});
+    SumImage more = sums;
+    const double step = 0.5 * (view.scale.high - view.scale.low) / view.unit.unit;
+    for (std::size_t n = 0; n < more.value.size(); n += 4)
+        more.value[n + 1] += static_cast<float>(step) * more.value[n];
+    const GlTarget a(GL_RGBA32F, kWidth, kHeight), b(GL_RGBA32F, kWidth, kHeight);
+    a.upload(more.value);
+    b.upload(sums.value);
+    const GlTarget picture(GL_RGBA8, kWidth, kHeight);
+    picture.bind();
+    GlShade shade;
+    view.difference_limit = 0.5f;
+    shade.draw({&a, 1}, {&b, 1}, view, {0, 0, kWidth, kHeight});
+    const Image above = read_picture(kWidth, kHeight);
+    int shown = 0;
+    for (std::size_t n = 0; n < equal.pixel.size(); ++n) {
+        if (equal.pixel[n] == Rgba{0, 0, 0, 1}) continue;
+        ++shown;
+        EXPECT_NEAR(equal.pixel[n].r, 0.8667f, 0.01f);
+        EXPECT_NEAR(above.pixel[n].r, 0.706f, 0.01f);
+        EXPECT_NEAR(above.pixel[n].b, 0.149f, 0.02f);
+    }
+    EXPECT_GT(shown, kWidth * kHeight / 20);
+}
+
+TEST_F(quantity_gl, clipped_depth_is_the_cpus) {
+    const Gaussians model = cloud_with_fields();
+    RenderOptions options;
+    options.clip = middle_of(model);
+    options.clip.planes.push_back({{1, 2, 0.5}, dot(Vec3d{1, 2, 0.5}, view_box(model).center())});
+    DepthRenderer cpu(vog::Renderer::splat, std::make_shared<const Gaussians>(model), options);
+    for (const View& view : views(model)) {
+        SCOPED_TRACE(view.name);
+        DepthImage expected;
+        cpu.render(view.camera, kWidth, kHeight, expected);
+        set_extinction(expected, auto_extinction(expected));
+        VolumeLook look;
+        look.clip = options.clip;
+        const SumImage sums = drawn(model, {Drawn::Kind::depth, {}, look, 32, {}}, view.camera);
+        DepthImage depth(kWidth, kHeight);
+        for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] = sums.value[4 * n];
+        const DepthDifference difference = compare(expected, depth);
+        EXPECT_GE(difference.grey.psnr_db, 55);
+        EXPECT_LE(difference.grey.largest, 2);
+    }
+}
+
+TEST_F(quantity_gl, volumes_by_value_are_the_cpus) {
+    const Gaussians model = cloud_with_fields();
+    const ScalarField& field = model.fields.scalar.front();
+    const double middle = std::midpoint(field.lower, field.upper);
+    const auto ramp = std::make_shared<const ValueTransfer>(
+        over_range(named_transfer_function("viridis"), field.lower, field.upper, 6));
+    const auto band = std::make_shared<const ValueTransfer>(
+        band_transfer({{middle, field.upper, 1, 0.6f, 0.2f, 0.9}}, 4));
+    VolumeLook plain, lit, clipped;
+    lit.light = true;
+    lit.towards_light = {1, 2, -1};
+    clipped.clip = middle_of(model);
+    for (const View& view : views(model))
+        for (const auto& [name, transfer, look] : {std::tuple{"ramp", ramp, plain},
+                                                   {"band", band, plain},
+                                                   {"light", ramp, lit},
+                                                   {"clip", ramp, clipped}}) {
+            SCOPED_TRACE(std::string(view.name) + " " + name);
+            SlabOptions options;
+            options.look = look;
+            const VolumeImage cpu = render_volume_splat(model, "density", *transfer, view.camera,
+                                                        kWidth, kHeight, options);
+            const SumImage sums = drawn(
+                model, {Drawn::Kind::light, {"density", FieldPart::value}, look, 32, transfer},
+                view.camera);
+            VolumeImage gl{kWidth, kHeight, {}};
+            for (std::size_t n = 0; n < sums.value.size(); n += 4)
+                gl.pixel.push_back(
+                    {sums.value[n], sums.value[n + 1], sums.value[n + 2], sums.value[n + 3]});
+            expect_same(over(cpu, {0, 0, 0, 1}), over(gl, {0, 0, 0, 1}));
+        }
+}
+
+}  // namespace vog::test
