@@ -173,6 +173,8 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
     MomentOptions moments = given;
     const Progress whole = progress_of(progress);
     const SampledFields sampled = sampled_fields(data, fields, "convert");
+    if (!field_options.joint_field.empty())  // a typing error shall not wait for the conversion
+        find_joint_field(field_options.joint_field, field_names(sampled.values));
     moments.progress = between(whole, 0, converted(fields));
     MomentReport report;
     Model model;

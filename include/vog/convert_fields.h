@@ -43,6 +43,17 @@ struct FieldOptions {
     Progress progress{};                  ///< called with the finished fraction; empty: not
 };
 
+/// A field before it is read.
+struct FieldName {
+    std::string name;
+    bool own = false;  ///< the volumes' own values
+};
+/// Place among fields of the one that FieldOptions::joint_field names.
+/// throws  vog::Error naming the fields there are
+std::size_t find_joint_field(const std::string& joint_field, std::span<const FieldName> fields);
+/// Names of sampled fields, [fields][levels].
+std::vector<FieldName> field_names(std::span<const std::vector<VoxelField>> fields);
+
 /// Adds fields to a model, by the moments of position and value over each Gaussian's part of the voxels.
 /// model   of these volumes, by any conversion; Gaussians without a part get the value of the nearest voxels'
 ///         Gaussian or the mean of the field, and no gradient

@@ -61,6 +61,10 @@ struct FieldCoverage {
 /// throws  vog::Error where the grid is active at no voxel
 std::string coverage_note(const FieldCoverage& coverage);
 
+/// Name of the field that read_field would return, from the file's list of grids.
+/// throws  vog::Error for a file that cannot be opened and a grid that it lacks
+std::string field_name(const FieldSource& source);
+
 /// Reads a grid of numbers or vectors of any sign and samples it at the voxel centres of a volume:
 /// the same voxel where both lattices agree to a thousandth of a voxel, else trilinear between voxel
 /// centres. An inactive voxel has the grid's background; in a level set the value stored there,

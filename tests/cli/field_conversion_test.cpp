@@ -117,6 +117,29 @@ TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
     const std::string start = "convert cloud.vdb -o m.ply --block 8 ";
     must_fail(1, start + "--for heat",
               "no field 'heat' to fit the Gaussians to (there are: density)");
+    // Refused before the conversion: no stage of it is reported.
+    for (const std::string typed : {"--field heat.vdb:heat --for temperature",
+                                    "--field heat.vdb:cold", "--field T=heat.vdb:cold --for T"}) {
+        SCOPED_TRACE(typed);
+        const Result refused = run(start + "--verbose " + typed);
+        EXPECT_EQ(refused.exit_code, 1);
+        EXPECT_NE(refused.error.find(typed.ends_with("temperature")
+                                         ? "no field 'temperature' to fit the Gaussians to (there "
+                                           "are: heat, density)"
+                                         : "no grid named 'cold'"),
+                  std::string::npos)
+            << refused.error;
+        EXPECT_NE(refused.error.find("load"), std::string::npos) << refused.error;
+        EXPECT_EQ(refused.error.find("convert:"), std::string::npos) << refused.error;
+        EXPECT_EQ(refused.error.find("octree"), std::string::npos) << refused.error;
+    }
+    must("convert cloud.vdb -o m.ply --block 8 --joint-steps 1 --field heat.vdb --for heat");
+    EXPECT_EQ(read_ply(dir_ / "m.ply").fields.names(),
+              (std::vector<std::string>{"heat", "density"}));
+    must(
+        "convert cloud.vdb -o m.ply --block 8 --measure volume --joint-steps 1 --field hu=density "
+        "--for volume");
+    EXPECT_EQ(read_ply(dir_ / "m.ply").fields.names(), std::vector<std::string>{"hu"});
     must_fail(2, start + "--for volume --no-fields", "--for and --no-fields exclude each other");
     must_fail(2, "convert cloud.vdb -o m.ply --for volume --method paper",
               "--for does not go with --method paper");

@@ -186,5 +186,9 @@ def test_gaussians_are_fitted_to_a_field(volume):
     ):
         with pytest.raises(vog.Error, match=message):
             vog.convert(volume, block=4, **options)
+    calls = []
+    with pytest.raises(vog.Error, match="no field 'heat'"):
+        vog.convert(volume, block=4, joint_field="heat", progress=calls.append)
+    assert calls == []  # refused before the conversion
     with pytest.raises(vog.Error, match="joint_field does not go with"):
         vog.convert(volume, method="paper", joint_field="volume")

@@ -175,6 +175,8 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     const bool own_alone = by_moments && !arguments.no_fields && arguments.fields.empty() &&
                            arguments.joint_field.empty() && !arguments.volume.ones;
     if (own_alone) moments.own_field = own_name(volumes);
+    const FieldTexts texts = field_texts(arguments, own_name(volumes));
+    const std::string joint_field = joint_field_of(arguments, texts, volumes);
     MomentTotals totals;
     std::vector<std::string> view_notes;
     const auto add = [&](Gaussians part, const MomentReport& one, double part_mass) {
@@ -201,11 +203,10 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (!arguments.no_fields && !own_alone) {
         std::vector<std::string> field_notes;
         stages.run("fields", [&] {
-            const FieldTexts texts = field_texts(arguments, own_name(volumes));
             for (std::size_t n = 0; n < parts.size(); ++n) {
                 JointReport one;
-                FieldOptions options{cells[n], arguments.joint_field, arguments.joint_steps};
-                if (!arguments.joint_field.empty()) options.joint_report = &one;
+                FieldOptions options{cells[n], joint_field, arguments.joint_steps};
+                if (!joint_field.empty()) options.joint_report = &one;
                 add_fields_of(texts, options,
                               set.is_mesh() ? std::span(volumes) : std::span(volumes).subspan(n, 1),
                               parts[n], field_notes);

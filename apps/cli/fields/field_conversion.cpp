@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "vog/error.h"
+
 namespace vog::cli {
 
 namespace {
@@ -56,16 +58,23 @@ FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own
     return {arguments.fields, arguments.volume.grid, arguments.inputs, arguments.volume.ones, own};
 }
 
+std::string joint_field_of(const ConvertArguments& arguments, const FieldTexts& texts,
+                           std::span<const Volume> volumes) {
+    if (arguments.no_fields) return {};
+    const std::vector<FieldName> names = names_of(texts, volumes);
+    if (arguments.joint_field.empty()) return {};
+    try {
+        return names[find_joint_field(arguments.joint_field, names)].name;
+    } catch (const Error& error) {
+        throw Error(fmt::format("{}: {}", arguments.inputs.front(), error.what()));
+    }
+}
+
 void add_fields_of(const FieldTexts& texts, const FieldOptions& options, std::span<Volume> volumes,
                    Gaussians& model, std::vector<std::string>& notes) {
     if (model.size() == 0) return;
     const auto fields = read_volume_fields(texts, volumes, notes);
-    FieldOptions with = options;
-    // Under --measure volume the values are a field beside the measure.
-    if (with.joint_field == "volume" && !texts.own.empty() &&
-        std::ranges::none_of(fields, [](const auto& f) { return f.front().name == "volume"; }))
-        with.joint_field = texts.own;
-    add_fields(model, volumes, fields, with);
+    add_fields(model, volumes, fields, options);
 }
 
 }  // namespace vog::cli

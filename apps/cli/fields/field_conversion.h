@@ -29,6 +29,12 @@ std::string joint_text(const std::string& field, const JointReport& report);
 /// own  own_name of all volumes
 FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own);
 
+/// Name of the field of --for, before anything is converted; empty: none.
+/// volumes  those of the conversion
+/// throws   vog::Error for a field that there will not be, and for grids of --field that are not there
+std::string joint_field_of(const ConvertArguments& arguments, const FieldTexts& texts,
+                           std::span<const Volume> volumes);
+
 /// Reads the fields of --field and adds them, and the volumes' own values, to a model; with --for fits the model to
 /// one of them.
 /// volumes  one, or parts of a mesh: what the model was made of; tiles inside which a field varies are

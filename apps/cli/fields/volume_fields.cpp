@@ -24,6 +24,19 @@ bool same_grid(const FieldSource& field, const LevelSource& volume) {
     return field.file == volume.file && field.grid == volume.grid;
 }
 
+/// The fields of --field, and the own values where they are added: without file and grid.
+std::vector<FieldSource> sources_of(const FieldTexts& given, std::span<const Volume> volumes) {
+    std::vector<FieldSource> sources = parse_fields(given.texts);
+    if (given.own.empty()) return sources;
+    const LevelSource first = source_of(volumes.front(), given.inputs);
+    const auto is_own = [&](const FieldSource& source) {
+        return source.name == given.own ||
+               same_grid(field_of_level(source, given.pattern, first), first);
+    };
+    if (std::ranges::none_of(sources, is_own)) sources.push_back({.name = given.own});
+    return sources;
+}
+
 /// Reads one field more. Fields without values need no division of tiles.
 VoxelField read_beside(const FieldSource& source, Volume& volume, std::vector<VoxelField>& fields,
                        std::vector<std::string>& notes, FieldCoverage* coverage) {
@@ -57,20 +70,23 @@ std::vector<VoxelField> own_values(const std::vector<Volume>& volumes) {
     return fields;
 }
 
+std::vector<FieldName> names_of(const FieldTexts& given, std::span<const Volume> volumes) {
+    std::vector<FieldName> names;
+    const LevelSource first = source_of(volumes.front(), given.inputs);
+    for (const FieldSource& source : sources_of(given, volumes)) {
+        const FieldSource at = field_of_level(source, given.pattern, first);
+        const bool own = (source.grid.empty() && source.file.empty()) || same_grid(at, first);
+        const std::string name = own && !source.name.empty() ? source.name : field_name(at);
+        names.push_back({own && name.empty() ? "density" : name, own});
+    }
+    return names;
+}
+
 std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
                                                         std::span<Volume> volumes,
                                                         std::vector<std::string>& notes,
                                                         std::vector<FieldCoverage>* coverage) {
-    std::vector<FieldSource> sources = parse_fields(given.texts);
-    const std::string& own = given.own;
-    if (!own.empty()) {
-        const LevelSource first = source_of(volumes.front(), given.inputs);
-        const auto is_own = [&](const FieldSource& source) {
-            return source.name == own ||
-                   same_grid(field_of_level(source, given.pattern, first), first);
-        };
-        if (std::ranges::none_of(sources, is_own)) sources.push_back({.name = own});
-    }
+    const std::vector<FieldSource> sources = sources_of(given, volumes);
     std::vector<std::vector<VoxelField>> all(sources.size());
     if (coverage) coverage->resize(sources.size());
     for (Volume& volume : volumes) {
@@ -80,7 +96,7 @@ std::vector<std::vector<VoxelField>> read_volume_fields(const FieldTexts& given,
         for (std::size_t f = 0; f < sources.size(); ++f) {
             const bool added = f >= given.texts.size();
             const FieldSource source =
-                added ? FieldSource{.file = from.file, .grid = from.grid, .name = own}
+                added ? FieldSource{.file = from.file, .grid = from.grid, .name = given.own}
                       : field_of_level(sources[f], given.pattern, from);
             if (same_grid(source, from) && !given.ones) {
                 fields.push_back(

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "vog/convert_fields.h"
 #include "vog/voxel_field.h"
 
 namespace vog::cli {
@@ -23,6 +24,10 @@ struct FieldTexts {
     /// Name of a field of the volumes' own values, unless a text names them or has that name; empty: none.
     std::string own{};
 };
+/// Names of the fields that read_volume_fields would return, from the files' lists of grids.
+/// throws   as there for texts, and for files and grids that are not there
+std::vector<FieldName> names_of(const FieldTexts& fields, std::span<const Volume> volumes);
+
 /// Reads fields of volumes; one that is the measure's own values has an empty component.
 /// volumes  tiles inside which a field varies are divided
 /// notes    receives a line for each field that covers only a part of a volume

@@ -2,6 +2,7 @@
 // voxels, then the plane through them and what it leaves.
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <deque>
 #include <optional>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "core/paging.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog {
 
@@ -38,23 +40,6 @@ void add_by_shares(const Gaussians& model, std::span<const Volume> levels,
     }
 }
 
-/// Place of FieldOptions::joint_field.
-std::size_t joint_field(std::span<const std::vector<VoxelField>> fields, const std::string& name) {
-    const auto is_own = [](const VoxelField& field) {
-        return !field.is_vector() && field.component.front().leaf.empty() &&
-               field.component.front().tile.empty();
-    };
-    std::vector<std::string> names;
-    for (std::size_t f = 0; f < fields.size(); ++f) {
-        if (fields[f].front().name == name) return f;
-        names.push_back(fields[f].front().name);
-    }
-    for (std::size_t f = 0; f < fields.size(); ++f)
-        if (name == "volume" && is_own(fields[f].front())) return f;
-    throw Error(fmt::format("no field '{}' to fit the Gaussians to (there are: {})", name,
-                            fmt::join(names, ", ")));
-}
-
 /// Removes Gaussians of density 0.
 /// returns  how many
 std::size_t remove_empty(Gaussians& model) {
@@ -75,7 +60,8 @@ void add_fitted(Gaussians& model, std::span<const Volume> levels,
                 const FieldOptions& options) {
     if (options.joint_steps < 1 || options.joint_steps > 1000)
         throw Error(fmt::format("{} joint steps, expected 1 to 1000", options.joint_steps));
-    const JointSteps steps{joint_field(fields, options.joint_field), options.joint_steps};
+    const JointSteps steps{find_joint_field(options.joint_field, field_names(fields)),
+                           options.joint_steps};
     std::optional<comparison::ErrorViews> views;
     JointReport report;
     if (options.joint_report) {
@@ -92,6 +78,28 @@ void add_fitted(Gaussians& model, std::span<const Volume> levels,
 }
 
 }  // namespace
+
+std::size_t find_joint_field(const std::string& joint_field, std::span<const FieldName> fields) {
+    const auto named = std::ranges::find(fields, joint_field, &FieldName::name);
+    const auto found = named == fields.end() && joint_field == "volume"
+                           ? std::ranges::find(fields, true, &FieldName::own)
+                           : named;
+    if (found != fields.end()) return static_cast<std::size_t>(found - fields.begin());
+    std::vector<std::string> names;
+    for (const FieldName& field : fields) names.push_back(printable(field.name));
+    throw Error(fmt::format("no field '{}' to fit the Gaussians to (there are: {})",
+                            printable(joint_field), fmt::join(names, ", ")));
+}
+
+std::vector<FieldName> field_names(std::span<const std::vector<VoxelField>> fields) {
+    std::vector<FieldName> names;
+    for (const std::vector<VoxelField>& field : fields) {
+        const VoxelField& first = field.front();
+        names.push_back({first.name, !first.is_vector() && first.component.front().leaf.empty() &&
+                                         first.component.front().tile.empty()});
+    }
+    return names;
+}
 
 void add_fields(Gaussians& model, std::span<const Volume> levels,
                 std::span<const std::vector<VoxelField>> fields, const FieldOptions& options) {

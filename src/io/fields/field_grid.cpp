@@ -67,6 +67,12 @@ FieldGrid load_nvdb(const FieldSource& source) {
     return field;
 }
 
+void require_file(const FieldSource& source) {
+    if (source.file.empty())
+        throw Error(fmt::format("field '{}': no file, expected a .vdb or .nvdb",
+                                printable(source.name.empty() ? source.grid : source.name)));
+}
+
 }  // namespace
 
 Vec3d VectorMap::operator()(Vec3d v) const {
@@ -76,9 +82,7 @@ Vec3d VectorMap::operator()(Vec3d v) const {
 }
 
 FieldGrid load_field_grid(const FieldSource& source) {
-    if (source.file.empty())
-        throw Error(fmt::format("field '{}': no file, expected a .vdb or .nvdb",
-                                printable(source.name.empty() ? source.grid : source.name)));
+    require_file(source);
     openvdb::initialize();
     FieldGrid field = nvdb::is_nvdb(source.file) ? load_nvdb(source) : load_vdb(source);
     field.staggered = field.grid->getGridClass() == openvdb::GRID_STAGGERED;
@@ -86,6 +90,15 @@ FieldGrid load_field_grid(const FieldSource& source) {
     if (!source.name.empty()) field.name = source.name;
     if (!source.unit.empty()) field.unit = source.unit;
     return field;
+}
+
+std::string name_of(const FieldSource& source) {
+    require_file(source);
+    openvdb::initialize();
+    const std::string grid = nvdb::is_nvdb(source.file)
+                                 ? nvdb::chosen_entry(nvdb::NvdbFile(source.file), source.grid).name
+                                 : chosen_entry(VdbFile(source.file), source.grid).plain_name;
+    return source.name.empty() ? grid : source.name;
 }
 
 }  // namespace vog::field_files

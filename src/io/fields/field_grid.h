@@ -35,5 +35,8 @@ struct FieldGrid {
 /// Reads the grid of a field, .nvdb by extension, else .vdb.
 /// throws vog::Error as read_field does for files and grids
 FieldGrid load_field_grid(const FieldSource& source);
+/// Name of a field from the list of grids of its file.
+/// throws vog::Error as load_field_grid does for files and grids
+std::string name_of(const FieldSource& source);
 
 }  // namespace vog::field_files

@@ -212,6 +212,8 @@ std::string coverage_note(const FieldCoverage& coverage) {
                        coverage.grid, 100 * share, massive ? "mass" : "voxels", coverage.volume);
 }
 
+std::string field_name(const FieldSource& source) { return name_of(source); }
+
 VoxelField read_field(const FieldSource& source, Volume& volume, std::span<VoxelField> others,
                       std::vector<std::string>* notes, FieldCoverage* coverage) {
     if (volume.empty())
