@@ -11,6 +11,7 @@
 #include "vog/error.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
+#include "volume_look.h"
 #include "voxel_fields.h"
 
 namespace vog::python {
@@ -127,13 +128,14 @@ ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const R
             TraceOptions options = a.options.trace;
             options.progress = report;
             return render_field_trace(model, choice, camera, width, height, options,
-                                      {a.options.aabb_sigma, a.options.kappa});
+                                      {a.options.aabb_sigma, a.options.kappa}, a.options.clip);
         }
         SplatOptions options;
         options.progress = report;
         options.aabb_sigma = a.options.aabb_sigma;
         options.kappa = a.options.kappa;
-        return render_field_splat(model, choice, camera, width, height, options);
+        return render_field_splat(model, choice, camera, width, height, options, nullptr,
+                                  a.options.clip);
     });
     return shown;
 }
@@ -179,7 +181,7 @@ ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
         names.scalar.emplace_back().name = field.name;
     const FieldChoice choice = field_choice(map.field, names);
     const auto [width, height] = size_of(map.size);
-    const ReferenceOptions options{progress_of(map.progress), a.options.samples};
+    const ReferenceOptions options{progress_of(map.progress), a.options.samples, a.options.clip};
     ShownMaps shown{{}, map.show, field_label(choice), field.unit};
     const Box box = box_to_view(data, "render");
     shown.maps = unlocked([&, width = width, height = height] {
@@ -229,7 +231,8 @@ py::object rendered(const py::object& data, const MapArguments& map, const Rende
 RenderArguments arguments_of(const std::string& renderer, const py::object& extinction,
                              double aabb_sigma, double kappa, const std::string& anyhit,
                              int hits_per_slab, double stop_transmittance,
-                             const std::string& interpolation, double step, int samples) {
+                             const std::string& interpolation, double step, int samples,
+                             const py::object& clip, const py::object& clip_planes) {
     if (anyhit != "accumulate" && anyhit != "collect")
         throw Error("render: anyhit '" + anyhit + "', expected 'accumulate' or 'collect'");
     if (interpolation != "constant" && interpolation != "linear")
@@ -250,6 +253,7 @@ RenderArguments arguments_of(const std::string& renderer, const py::object& exti
         interpolation == "linear" ? Interpolation::linear : Interpolation::constant;
     a.options.voxels.step_voxels = step;
     a.options.samples = samples;
+    a.options.clip = look_of("render", py::none(), clip, clip_planes).clip;
     return a;
 }
 
@@ -262,7 +266,9 @@ kappa          cuts kernels at this share of their peak, in place of the model's
 anyhit         trace, optix: 'accumulate' or, as the paper, 'collect', with hits_per_slab hits at once
                until transmittance falls below stop_transmittance
 interpolation  reference: 'constant' (exact) or 'linear' between voxel centres, by `step` voxels
-samples        reference: N for the mean of N x N rays in each pixel; 1: the ray through its centre)";
+samples        reference: N for the mean of N x N rays in each pixel; 1: the ray through its centre
+clip           box of the world that is shown, [2, 3]; None: all. splat, trace and reference, exact on every ray
+clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays)";
 
 }  // namespace
 
@@ -278,16 +284,19 @@ data           Gaussians, a Volume, Levels, a list of Volumes, or Points (one Ga
         .def(py::init([](const py::object& data, const std::string& renderer,
                          const py::object& extinction, double aabb_sigma, double kappa,
                          const std::string& anyhit, int hits_per_slab, double stop_transmittance,
-                         const std::string& interpolation, double step, int samples) {
-                 return make_scene(data, arguments_of(renderer, extinction, aabb_sigma, kappa,
-                                                      anyhit, hits_per_slab, stop_transmittance,
-                                                      interpolation, step, samples));
+                         const std::string& interpolation, double step, int samples,
+                         const py::object& clip, const py::object& clip_planes) {
+                 return make_scene(
+                     data, arguments_of(renderer, extinction, aabb_sigma, kappa, anyhit,
+                                        hits_per_slab, stop_transmittance, interpolation, step,
+                                        samples, clip, clip_planes));
              }),
              py::arg("data"), py::kw_only(), py::arg("renderer") = "",
              py::arg("extinction") = "auto", py::arg("aabb_sigma") = 0.0, py::arg("kappa") = 0.0,
              py::arg("anyhit") = "accumulate", py::arg("hits_per_slab") = unset.trace.hits_per_slab,
              py::arg("stop_transmittance") = 0.0, py::arg("interpolation") = "constant",
-             py::arg("step") = unset.voxels.step_voxels, py::arg("samples") = unset.samples)
+             py::arg("step") = unset.voxels.step_voxels, py::arg("samples") = unset.samples,
+             py::arg("clip") = py::none(), py::arg("clip_planes") = py::none())
         .def("render", &draw, py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
              py::arg("progress") = py::none(),
              R"(One picture: a DepthImage.
@@ -322,19 +331,21 @@ For many views of one thing make a Scene. The interpreter's lock is released; Ct
         [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,
            const std::string& renderer, const py::object& extinction, double aabb_sigma,
            double kappa, const std::string& anyhit, int hits_per_slab, double stop_transmittance,
-           const std::string& interpolation, double step, int samples, const std::string& show,
-           const std::string& field, const py::object& fields, const py::object& progress) {
+           const std::string& interpolation, double step, int samples, const py::object& clip,
+           const py::object& clip_planes, const std::string& show, const std::string& field,
+           const py::object& fields, const py::object& progress) {
             return rendered(
                 data, {show, field, fields, camera, size, progress},
                 arguments_of(renderer, extinction, aabb_sigma, kappa, anyhit, hits_per_slab,
-                             stop_transmittance, interpolation, step, samples));
+                             stop_transmittance, interpolation, step, samples, clip, clip_planes));
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
         py::arg("renderer") = "", py::arg("extinction") = "auto", py::arg("aabb_sigma") = 0.0,
         py::arg("kappa") = 0.0, py::arg("anyhit") = "accumulate",
         py::arg("hits_per_slab") = unset.trace.hits_per_slab, py::arg("stop_transmittance") = 0.0,
         py::arg("interpolation") = "constant", py::arg("step") = unset.voxels.step_voxels,
-        py::arg("samples") = unset.samples, py::arg("show") = "T", py::arg("field") = "",
+        py::arg("samples") = unset.samples, py::arg("clip") = py::none(),
+        py::arg("clip_planes") = py::none(), py::arg("show") = "T", py::arg("field") = "",
         py::arg("fields") = py::none(), py::arg("progress") = py::none(), render_text.c_str());
     m.def("splat_targets", &splat_targets,
           "SIMD targets of the splat renderer that this machine can run, best first.");

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "vog/camera.h"
+#include "vog/clip.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/levels.h"
@@ -59,23 +60,26 @@ struct FieldMaps {
 /// whole variance at each of its pixels.
 /// With a hierarchy its cut is drawn: nodes have the joint moments of the Gaussians below.
 /// report   receives the counts of the cut; null: not
+/// clip     space that counts: chords are cut exactly; a Gaussian drawn wider than it is counts by the share of
+///          the chord through its mean that stays
 /// returns  the same bytes for any number of threads
 /// throws   vog::Error as SplatRenderer does, for a field that the model lacks, and for options with boxes
 [[nodiscard]] FieldMaps render_field_splat(const Gaussians& gaussians, const FieldChoice& choice,
                                            const Camera& camera, int width, int height,
                                            const SplatOptions& options = {},
-                                           CutReport* report = nullptr);
+                                           CutReport* report = nullptr, const Clipping& clip = {});
 /// The same into the arrays of an earlier picture, which saves a third of the time of a fresh one's memory.
 /// maps  of any size, or empty; FieldPart::magnitude makes new ones
 void render_field_splat(const Gaussians& gaussians, const FieldChoice& choice, const Camera& camera,
                         int width, int height, const SplatOptions& options, FieldMaps& maps,
-                        CutReport* report = nullptr);
+                        CutReport* report = nullptr, const Clipping& clip = {});
 /// The same by one ray a pixel.
 /// throws  vog::Error as trace_scene and render_trace do, for a field that the model lacks, and for AnyHit::collect
 [[nodiscard]] FieldMaps render_field_trace(const Gaussians& gaussians, const FieldChoice& choice,
                                            const Camera& camera, int width, int height,
                                            const TraceOptions& options = {},
-                                           const TraceSceneOptions& scene = {});
+                                           const TraceSceneOptions& scene = {},
+                                           const Clipping& clip = {});
 /// The voxels' own maps. With Interpolation::constant each voxel is a box with its density and field, with
 /// linear a tent over the eight voxels around (trilinear density; at a point the field has the values of those
 /// voxels, by their weights times density).
@@ -110,10 +114,11 @@ ValueMap visible_values(const FieldMaps& maps, std::span<const float> shown, dou
 /// Contributions of Gaussian i to the sums along o + t r, t >= 0, in double precision by the closed form: the
 /// measure, the measure times the field, and times its square. Every renderer is tested against this function.
 /// FieldPart::magnitude has no first sum: 0.
+/// clip  space that counts
 struct FieldSums {
     double column = 0, first = 0, second = 0;
 };
 FieldSums field_sums(const Gaussians& gaussians, const FieldChoice& choice, std::size_t i,
-                     Vec3d origin, Vec3d direction);
+                     Vec3d origin, Vec3d direction, const Clipping& clip = {});
 
 }  // namespace vog

@@ -444,6 +444,8 @@ class Scene:
         interpolation: str = ...,
         step: float = ...,
         samples: int = ...,
+        clip: Union[ArrayLike, None] = ...,
+        clip_planes: Union[ArrayLike, None] = ...,
     ) -> None: ...
     def render(
         self, camera: Union[Camera, None] = ..., size: _Size = ..., *, progress: Union[_Progress, None] = ...
@@ -469,6 +471,8 @@ def render(
     interpolation: str = ...,
     step: float = ...,
     samples: int = ...,
+    clip: Union[ArrayLike, None] = ...,
+    clip_planes: Union[ArrayLike, None] = ...,
     show: Literal["column", "mean", "deviation"],
     field: str = ...,
     fields: Union[dict[str, Any], None] = ...,
@@ -490,6 +494,8 @@ def render(
     interpolation: str = ...,
     step: float = ...,
     samples: int = ...,
+    clip: Union[ArrayLike, None] = ...,
+    clip_planes: Union[ArrayLike, None] = ...,
     show: Literal["T"] = ...,
     field: str = ...,
     fields: Union[dict[str, Any], None] = ...,

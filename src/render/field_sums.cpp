@@ -65,11 +65,12 @@ std::string field_label(const FieldChoice& choice) {
 }
 
 FieldSums field_sums(const Gaussians& gaussians, const FieldChoice& choice, std::size_t i,
-                     Vec3d origin, Vec3d direction) {
+                     Vec3d origin, Vec3d direction, const Clipping& clip) {
     if (choice.part == FieldPart::magnitude) {
         FieldSums all;
         for (const FieldPart part : {FieldPart::x, FieldPart::y, FieldPart::z}) {
-            const FieldSums one = field_sums(gaussians, {choice.field, part}, i, origin, direction);
+            const FieldSums one =
+                field_sums(gaussians, {choice.field, part}, i, origin, direction, clip);
             all = {one.column, 0, all.second + one.second};
         }
         return all;
@@ -78,8 +79,9 @@ FieldSums field_sums(const Gaussians& gaussians, const FieldChoice& choice, std:
     const Mat3 w = whitening(gaussians, i);
     const Vec3d to_mean = vec_cast<double>(gaussians.mean[i]) - (origin - gaussians.origin);
     const double k = double{gaussians.cutoff}, density = double{gaussians.density[i]};
-    const device::SegmentMoments s =
-        device::segment_moments(plain(w * to_mean), plain(w * along), k * k);
+    const RayInterval seen = clipped_ray(clip, origin, along);
+    const device::SegmentMoments s = device::segment_moments(plain(w * to_mean), plain(w * along),
+                                                             k * k, {seen.first, seen.last});
     if (!(s.zeroth > 0)) return {};
     const device::FieldPlane plane = field_towards(gaussians, choice, along).plane(i);
     const device::FieldMean mean =

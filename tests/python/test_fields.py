@@ -77,6 +77,25 @@ def test_numbers_are_the_commands(tmp_path, command, model):
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
+@pytest.mark.parametrize("renderer", ["splat", "trace"])
+def test_clips_cut_maps_of_models_and_voxels(volume, model, renderer):
+    x = np.mean(vog.Scene(model).box, axis=0)[0]
+    options = dict(size=32, show="mean", field="temperature")
+    whole = vog.render(model, renderer=renderer, **options)
+    low = vog.render(model, renderer=renderer, clip_planes=[(-1, 0, 0, -x)], **options)
+    high = vog.render(model, renderer=renderer, clip=[[x, -99, -99], [99, 99, 99]], **options)
+    assert 0.1 * whole.column.sum() < low.column.sum() < 0.9 * whole.column.sum()
+    assert np.allclose(low.column + high.column, whole.column, atol=2e-5 * whole.column.max())
+    voxels = vog.render(volume, fields=FIELDS, clip_planes=[(-1, 0, 0, -x)], **options)
+    assert voxels.column.sum() == pytest.approx(low.column.sum(), rel=0.1)
+    t = vog.render(model, size=32, renderer=renderer, clip_planes=[(-1, 0, 0, -x)], extinction=1)
+    assert np.allclose(np.asarray(t), low.column, atol=2e-5 * whole.column.max())
+    scene = vog.Scene(model, renderer=renderer, clip_planes=[(-1, 0, 0, -x)], extinction=1)
+    assert np.array_equal(np.asarray(scene.render(size=32)), np.asarray(t))
+    with pytest.raises(vog.Error, match="clip box"):
+        vog.render(model, clip=[[1, 1, 1], [0, 2, 2]], **options)
+
+
 def test_maps_are_arrays_pictures_and_pickles(model):
     maps = vog.render(model, size=(32, 24), show="deviation", field="velocity")
     assert maps.shape == (24, 32) == np.asarray(maps).shape

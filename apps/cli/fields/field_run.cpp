@@ -27,6 +27,7 @@ struct FieldDrawing {
 /// throws CLI::ValidationError and vog::Error for options and renderers that do not draw fields
 void check(const RenderArguments& arguments, const Drawing& drawing, const RenderRanks& ranks) {
     const std::string show = "--show " + arguments.quantity.show;
+    (void)clip_of(arguments.drawing);  // refused before anything is read
     require_addable(arguments, drawing, ranks);
     const std::string& input = arguments.drawing.inputs.front();
     if (drawing.kind == FileKind::points)
@@ -40,11 +41,6 @@ void check(const RenderArguments& arguments, const Drawing& drawing, const Rende
     if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
         throw Error(fmt::format("{}: {} draws no fields, expected splat or trace", show,
                                 info_of(drawing.renderer).name));
-    if (!clip_of(arguments.drawing).empty())
-        throw CLI::ValidationError(
-            fmt::format("--clip: {} of models has none, expected volumes, or --show T, column, "
-                        "volume or maximum",
-                        show));
 }
 
 /// Maps of a model's field, of all parts on the root.
@@ -101,6 +97,7 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
     const ScalarField* scalar = model->fields.find_scalar(choice.field);
     made.unit = scalar ? scalar->unit : model->fields.find_vector(choice.field)->unit;
     made.label = field_label(choice);
+    const Clipping clip = clip_of(given);
     DrawMaps draw;
     if (drawing.renderer == Renderer::trace) {
         TraceOptions options;
@@ -110,7 +107,7 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
                    const Progress& progress) mutable {
             options.progress = progress;
             return render_field_trace(*model, shown, camera, size.width, size.height, options,
-                                      scene);
+                                      scene, clip);
         };
     } else {
         SplatOptions options;
@@ -126,7 +123,7 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
             options.progress = progress;
             (void)hierarchy;  // the options point to it
             return render_field_splat(*model, shown, camera, size.width, size.height, options,
-                                      cut.get());
+                                      cut.get(), clip);
         };
     }
     made.draw = [=](const Camera& camera, Size size, const Progress& progress) {

@@ -13,9 +13,14 @@ struct SegmentMoments {
     double zeroth, first, second;  ///< of 1, t - t*, (t - t*)²; all 0: the support is not met
 };
 
-/// Moments of exp(-½|t d - e|²) over the t >= 0 with |t d - e| <= k.
+/// Part of a ray that counts, t.
+struct RayPart {
+    double first = 0, last = HUGE_VAL;
+};
+
+/// Moments of exp(-½|t d - e|²) over the t of `part` with |t d - e| <= k.
 /// e  whitened vector from the ray's origin to the mean;  d  whitened direction, any length > 0
-VOG_HD SegmentMoments segment_moments(Double3 e, Double3 d, double cutoff2) {
+VOG_HD SegmentMoments segment_moments(Double3 e, Double3 d, double cutoff2, RayPart part = {}) {
     const double root_half = 0.70710678118654752440, root_pi_half = 1.25331413731550025121;
     const double c = dot(d, d), root = sqrt(c);
     const Double3 offset = cross(e, d);
@@ -23,7 +28,9 @@ VOG_HD SegmentMoments segment_moments(Double3 e, Double3 d, double cutoff2) {
     SegmentMoments s{dot(e, d) / c, 0, 0, 0};
     if (!(m2 < cutoff2)) return s;
     // Ends of the chord in standard deviations from the nearest point.
-    const double last = sqrt(cutoff2 - m2), first = fmax(-last, -s.nearest * root);
+    const double reach = sqrt(cutoff2 - m2);
+    const double first = fmax(-reach, (part.first - s.nearest) * root);
+    const double last = fmin(reach, (part.last - s.nearest) * root);
     if (!(first < last)) return s;
     const double peak = exp(-0.5 * m2) / root;
     const double at_first = exp(-0.5 * first * first), at_last = exp(-0.5 * last * last);
@@ -39,12 +46,12 @@ struct FieldHit {
     SegmentMoments moments;
     Double3 from_mean;  ///< to the point at t*
 };
-VOG_HD FieldHit field_hit(const Gaussian& g, const Ray& ray, float cutoff2) {
+VOG_HD FieldHit field_hit(const Gaussian& g, const Ray& ray, float cutoff2, RayPart part) {
     const Double3 to_mean = to_double(g.mean) - ray.origin;
     const Double3 w[3] = {to_double(g.w[0]), to_double(g.w[1]), to_double(g.w[2])};
     const Double3 e{dot(w[0], to_mean), dot(w[1], to_mean), dot(w[2], to_mean)};
     const Double3 d{dot(w[0], ray.direction), dot(w[1], ray.direction), dot(w[2], ray.direction)};
-    const SegmentMoments moments = segment_moments(e, d, static_cast<double>(cutoff2));
+    const SegmentMoments moments = segment_moments(e, d, static_cast<double>(cutoff2), part);
     return {moments, moments.nearest * ray.direction - to_mean};
 }
 

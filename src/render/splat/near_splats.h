@@ -8,6 +8,25 @@
 
 namespace vog::splat {
 
+/// Gaussian i over the whole image.
+/// w      its whitening
+/// frame  relative to Gaussians::origin
+inline NearSplat near_splat(const SplatModel& model, std::size_t i, const CameraFrame& frame,
+                            const Mat3& w) {
+    NearSplat s;
+    s.bounds.x1 = static_cast<std::uint16_t>(frame.width - 1);
+    s.bounds.y1 = static_cast<std::uint16_t>(frame.height - 1);
+    s.e = w * (vec_cast<double>(model.gaussians->mean[i]) - frame.first_origin);
+    s.shift_x = w * (-frame.shift_x);
+    s.shift_y = w * (-frame.shift_y);
+    s.corner = w * frame.corner;
+    s.step_x = w * frame.step_x;
+    s.step_y = w * frame.step_y;
+    s.density = double{model.gaussians->density[i]} / model.unit;
+    s.index = i;
+    return s;
+}
+
 /// Adds T / |D| of one near splat to the pixels of a tile; the segment is clipped at the eye. |D| is
 /// the length of the pixel's direction whose forward component is 1.
 inline void add_near(const NearSplat& s, double cutoff, TilePixels& tile) {

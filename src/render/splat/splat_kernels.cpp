@@ -2,6 +2,8 @@
 // foreach_target.h includes this file once per target: code outside HWY_NAMESPACE is guarded.
 #include "render/splat/splat_kernels.h"
 
+#include "render/splat/near_splats.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <hwy/cache_control.h>

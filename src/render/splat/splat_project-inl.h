@@ -334,18 +334,7 @@ inline void add_near_splat(const SplatModel& model, std::size_t i, const CameraF
     const Gaussians& gaussians = *model.gaussians;
     const Mat3 w = whitening(gaussians, i);
     const Vec3d p = vec_cast<double>(gaussians.mean[i]) - frame.eye;
-    NearSplat s;
-    s.bounds.x1 = static_cast<std::uint16_t>(frame.width - 1);
-    s.bounds.y1 = static_cast<std::uint16_t>(frame.height - 1);
-    s.e = w * (vec_cast<double>(gaussians.mean[i]) - frame.first_origin);
-    s.shift_x = w * (-frame.shift_x);
-    s.shift_y = w * (-frame.shift_y);
-    s.corner = w * frame.corner;
-    s.step_x = w * frame.step_x;
-    s.step_y = w * frame.step_y;
-    s.density = gaussians.density[i] / model.unit;
-    s.index = i;
-    if (!beside_the_view(w, frame, p, model.cutoff)) near.push_back(s);
+    if (!beside_the_view(w, frame, p, model.cutoff)) near.push_back(near_splat(model, i, frame, w));
 }
 
 template <class Tags>

@@ -38,6 +38,7 @@ struct Query : RTCIntersectContext {
     std::uint32_t hits = 0;             ///< counted by accumulate
     device::HitList* list = nullptr;    ///< filled by collect
     const TraceField* field = nullptr;  ///< summed by accumulate, too
+    device::RayPart part{};             ///< of the ray, for a field
     FieldDepths sums{};
 
     Query(const TraceModel& traced, const device::Ray& along, const float* of_each)
@@ -104,12 +105,16 @@ void intersected(const RTCIntersectFunctionNArguments* args) {
 }
 
 /// Adds tau times the means of a field and of its square to the sums.
+/// tau  of the chord in front of the eye
 void add_field(Query& query, unsigned index, float tau) {
     const TraceField& field = *query.field;
     const device::Gaussian& g = query.model->gaussians[index];
     const device::Ray& ray = *query.ray;
-    const device::FieldHit hit = device::field_hit(g, ray, query.model->cutoff2);
-    if (!(hit.moments.zeroth > 0)) return;  // a chord shorter than the rounding of `intersect`
+    const device::FieldHit hit = device::field_hit(g, ray, query.model->cutoff2, query.part);
+    if (!(hit.moments.zeroth > 0)) return;  // cut off, or shorter than the rounding of `intersect`
+    if (query.part.first > 0 || query.part.last < HUGE_VAL)
+        tau = static_cast<float>(double{device::share_of(query.shares, index)} * double{g.density} *
+                                 hit.moments.zeroth);
     const device::FieldPlane plane = field.vector.empty()
                                          ? device::plane_along(field.scalar[index], ray.direction)
                                          : device::plane_along(field.vector[index], ray.direction);
@@ -228,9 +233,10 @@ std::uint32_t TraceBvh::accumulate(const device::Ray& ray, const float* shares,
 }
 
 FieldDepths TraceBvh::accumulate(const device::Ray& ray, const float* shares,
-                                 const TraceField& field) const {
+                                 const TraceField& field, device::RayPart part) const {
     Query query(model_, ray, shares);
     query.field = &field;
+    query.part = part;
     RTCRay along = float_ray(model_, ray, 0);
     rtcOccluded1(embree_->scene.get(), &query, &along);
     return query.sums;

@@ -33,8 +33,9 @@ class TraceBvh {
     std::uint32_t accumulate(const device::Ray& ray, const float* shares,
                              device::DepthSum& sum) const;
     /// The same with a field.
-    FieldDepths accumulate(const device::Ray& ray, const float* shares,
-                           const TraceField& field) const;
+    /// part  of the ray that counts, scene units
+    FieldDepths accumulate(const device::Ray& ray, const float* shares, const TraceField& field,
+                           device::RayPart part = {}) const;
     /// Fills `list` with the nearest hits after list.last, unsorted.
     void collect(const device::Ray& ray, const float* shares, device::HitList& list) const;
 

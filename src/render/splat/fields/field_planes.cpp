@@ -110,21 +110,32 @@ ViewSplat view_splat(const ShownField& shown, const Gaussians& gaussians, const 
 }
 
 void add_near_field(const NearSplat& s, const ShownField& shown, const Gaussians& gaussians,
-                    const CameraFrame& frame, double cutoff, FieldTile& tile) {
+                    const CameraFrame& frame, double cutoff, const TileRays* rays,
+                    FieldTile& tile) {
     const TileRange range = range_in(tile.sum[0], s.bounds);
+    if (range.y0 > range.y1 || range.x0 > range.x1) return;
     const Vec3d mean = vec_cast<double>(gaussians.mean[s.index]);
+    VectorPlane vector{};
+    FieldPlane plane{};
+    if (shown.along_rays)
+        vector = shown.vector_plane(s.index);
+    else
+        plane = shown.plane(s.index);
     for (int y = range.y0; y <= range.y1; ++y)
         for (int x = range.x0; x <= range.x1; ++x) {
             const double column = tile.sum[0].column + x, row = tile.sum[0].row + y;
             const Vec3d e = s.e + column * s.shift_x + row * s.shift_y;
             const Vec3d d = s.corner + column * s.step_x + row * s.step_y;
+            device::RayPart part;
+            if (rays) part = {rays->kept[y][x].first, rays->kept[y][x].last};
             const device::SegmentMoments moments =
-                device::segment_moments(plain(e), plain(d), cutoff * cutoff);
+                device::segment_moments(plain(e), plain(d), cutoff * cutoff, part);
             if (!(moments.zeroth > 0)) continue;
             const Vec3d towards = frame.direction(column, row);
             const Vec3d from_mean = frame.origin(column, row) + moments.nearest * towards - mean;
-            const device::FieldMean field = device::mean_along(
-                shown.plane_along(s.index, towards), plain(from_mean), plain(towards), moments);
+            if (shown.along_rays) plane = device::plane_along(vector, plain(towards));
+            const device::FieldMean field =
+                device::mean_along(plane, plain(from_mean), plain(towards), moments);
             const double tau = s.density * moments.zeroth;
             tile.sum[0].depth[y][x] += static_cast<float>(tau);
             tile.sum[1].depth[y][x] += static_cast<float>(tau * field.first);

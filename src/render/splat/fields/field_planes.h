@@ -3,6 +3,7 @@
 
 #include "render/shown_field.h"
 #include "render/splat/fields/field_kernels.h"
+#include "vog/clip.h"
 
 namespace vog::splat {
 
@@ -16,8 +17,14 @@ PlaneSplat plane_splat(const ShownField& shown, const Gaussians& gaussians,
 ViewSplat view_splat(const ShownField& shown, const Gaussians& gaussians, const SplatOrigin& origin,
                      const FarSplat& splat, const CameraFrame& frame, double share);
 
+/// Parts of a tile's rays that a clip leaves, in units of CameraFrame::direction.
+struct TileRays {
+    RayInterval kept[kTileHeight][kTileWidth];
+};
+
 /// Adds the three sums of a near splat to the pixels of a tile, by the closed form.
+/// rays  null: whole rays
 void add_near_field(const NearSplat& splat, const ShownField& shown, const Gaussians& gaussians,
-                    const CameraFrame& frame, double cutoff, FieldTile& tile);
+                    const CameraFrame& frame, double cutoff, const TileRays* rays, FieldTile& tile);
 
 }  // namespace vog::splat
