@@ -41,7 +41,7 @@ VALUES = {
     "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
     "--unit-distance": "2", "--light": "1,2,3", "--slabs": "8", "--light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
     "--clip-plane": "1,0,0,3", "--description": "Some text", "--name": "a model", "--levels": "2",
-    "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
+    "--turntable": "2", "--fps": "12", "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
 }
 kOptions, kRefused = 8, 16  # options of one run
 # Command: its arguments with an input, for each kind of input.

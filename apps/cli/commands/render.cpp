@@ -8,10 +8,13 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "films/film.h"
+#include "films/views.h"
 #include "shared/outputs.h"
 #include "shared/render_run.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
+#include "vog/error.h"
 
 namespace vog::cli {
 
@@ -19,15 +22,21 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Whether an output is of many pictures.
+bool is_of_many(const std::string& output) {
+    return is_sequence(output) || is_numbered(output) || is_film(output);
+}
+
 /// Report of one picture of a sequence: a line of text and JSON.
 struct PictureReport {
     std::size_t frame = 0;
     std::string line;
     Json json;
 };
-PictureReport report_of(std::size_t frame, const RenderedPicture& picture) {
+PictureReport report_of(std::size_t frame, const std::string& name,
+                        const RenderedPicture& picture) {
     return {frame,
-            fmt::format("{}: {}x{}, {:.1f} ms, {}", picture.output, picture.width, picture.height,
+            fmt::format("{}: {}x{}, {:.1f} ms, {}", name, picture.width, picture.height,
                         picture.median_ms(),
                         picture.unit_distance
                             ? fmt::format("mean opacity {:.3f} where covered", picture.mean_opacity)
@@ -63,23 +72,30 @@ Box box_of_all(const RenderArguments& arguments, const std::vector<bool>& assign
     return ranks.box_union ? ranks.box_union(box) : box;
 }
 
+/// Output of each input of a sequence.
+std::vector<Frame> sequence_frames(const std::vector<std::string>& inputs,
+                                   const std::string& output, const std::string& extension) {
+    if (output.empty()) return {};
+    if (is_sequence(output)) return frames_of(inputs, output, extension);
+    std::vector<Frame> frames;
+    const auto outputs = numbered_outputs(output, static_cast<int>(inputs.size()), extension);
+    for (std::size_t n = 0; n < inputs.size(); ++n) frames.push_back({inputs[n], outputs[n]});
+    return frames;
+}
+
 /// One picture per input, under one camera and the extinction of the first picture.
 /// returns  the report of --json
 Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
                      const RenderRanks& ranks) {
     const QuantityArguments& quantity = arguments.quantity;
-    if (!arguments.depth_output.empty() && !is_sequence(arguments.depth_output))
+    if (!arguments.depth_output.empty() && !is_of_many(arguments.depth_output))
         throw CLI::ValidationError("--depth-out takes a folder where -o does");
-    if (!quantity.values_output.empty() && !is_sequence(quantity.values_output))
+    if (!quantity.values_output.empty() && !is_of_many(quantity.values_output))
         throw CLI::ValidationError("--values-out takes a folder where -o does");
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
-    const std::vector<Frame> frames = frames_of(inputs, arguments.output, ".png");
-    const std::vector<Frame> depths = arguments.depth_output.empty()
-                                          ? std::vector<Frame>{}
-                                          : frames_of(inputs, arguments.depth_output, ".exr");
-    const std::vector<Frame> values = quantity.values_output.empty()
-                                          ? std::vector<Frame>{}
-                                          : frames_of(inputs, quantity.values_output, ".npy");
+    const std::vector<Frame> frames = sequence_frames(inputs, arguments.output, ".png");
+    const std::vector<Frame> depths = sequence_frames(inputs, arguments.depth_output, ".exr");
+    const std::vector<Frame> values = sequence_frames(inputs, quantity.values_output, ".npy");
     const bool fixes_range = quantity.scaled() && quantity.range.empty();
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
@@ -96,22 +112,18 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
             one.output = frames[n].output;
             if (!depths.empty()) one.depth_output = depths[n].output;
             if (!values.empty()) one.quantity.values_output = values[n].output;
-            const RenderedPicture picture = render(one, command).value();
-            const ColorScale scale = picture.scale.value_or(ColorScale{});
-            figures = {picture.extinction, scale.low, scale.high,
-                       picture.unit_distance.value_or(0)};
-            own.push_back(report_of(n, picture));
+            const RenderedPicture picture = render(one, command).front();
+            const SharedScales scales = scales_of(picture);
+            figures = {scales.extinction, scales.low, scales.high, scales.unit_distance};
+            const bool film = is_film(arguments.output);
+            own.push_back(report_of(n, film ? frames[n].input : picture.output, picture));
             if (!arguments.json && !ranks.allgather) print_line(own.back().line);
         }
         if (n > 0) continue;
         ranks.collective.max(figures);
         const auto [extinction, low, high, unit_distance] = figures;
-        one.color.extinction = fmt::format("{:.17g}", extinction);
-        one.later_frame = true;
-        if (quantity.volume()) one.value.unit_distance = unit_distance;
-        if (!fixes_range) continue;
-        one.quantity.range = fmt::format("{:.17g},{:.17g}", low, high);
-        if (ranks.is_root)
+        share({extinction, low, high, unit_distance}, one);
+        if (fixes_range && ranks.is_root)
             note(
                 fmt::format("colours of all pictures from {:.6g} to {:.6g}, the range of the "
                             "first (--range sets another)",
@@ -125,6 +137,81 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
         pictures.push_back(report.json);
     }
     return {{"output", arguments.output}, {"pictures", pictures}};
+}
+
+/// The pictures of a turn.
+/// returns  the report of --json
+Json render_turn(const RenderArguments& arguments, const CLI::App& command,
+                 const RenderRanks& ranks) {
+    const auto check = [&](const std::string& option, const std::string& output,
+                           const std::vector<std::string>& extensions, bool film) {
+        if (output.empty()) return;
+        if (!is_sequence(output) && !is_numbered(output) && !(film && is_film(output)))
+            throw CLI::ValidationError(fmt::format(
+                "--turntable: {} {}: expected a folder (a name that ends in /), a name with a "
+                "number (t_%04d{}){}",
+                option, output, extensions.front(), film ? " or a film (.mp4, .webm)" : ""));
+        if (ranks.is_root && !is_sequence(output) && !is_film(output))
+            check_output(numbered_outputs(output, 1, "").front(), arguments.drawing.inputs,
+                         extensions);
+    };
+    check("-o", arguments.output, {".png", ".exr"}, true);
+    check("--depth-out", arguments.depth_output, {".exr"}, false);
+    check("--values-out", arguments.quantity.values_output, {".npy", ".exr"}, false);
+    const std::vector<RenderedPicture> pictures = render(arguments, command, ranks);
+    if (pictures.empty()) return {};
+    Json list = Json::array();
+    std::vector<double> times;
+    for (const RenderedPicture& picture : pictures) {
+        list.push_back(to_json(picture));
+        times.push_back(picture.median_ms());
+    }
+    const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+    std::ranges::nth_element(times, middle);
+    const RenderedPicture& first = pictures.front();
+    if (!arguments.json && !is_film(arguments.output))
+        print_line(fmt::format("{}: {} pictures of {}x{}, {}, {:.1f} ms each (median)",
+                               arguments.output.empty() ? first.depth_output : arguments.output,
+                               pictures.size(), first.width, first.height, first.primitives_text,
+                               *middle));
+    if (!arguments.json && first.has_extinction())
+        print_line(fmt::format("extinction {:.6g}, of the first picture", first.extinction));
+    else if (!arguments.json)
+        print_line(fmt::format("{}: colours from {:.6g} to {:.6g}, of the first picture",
+                               first.quantity, first.scale->low, first.scale->high));
+    return {{"output", arguments.output}, {"pictures", list}};
+}
+
+/// Draws many pictures, into a film where the output is one.
+/// returns  the report of --json
+Json render_many(RenderArguments arguments, const CLI::App& command, const RenderRanks& ranks) {
+    const auto draw = [&] {
+        return arguments.turntable ? render_turn(arguments, command, ranks)
+                                   : render_sequence(arguments, command, ranks);
+    };
+    if (!is_film(arguments.output)) return draw();
+    if (ranks.allgather)
+        throw Error(arguments.output +
+                    ": films are made by one process (vog render); -o FOLDER/ writes the pictures");
+    if (!arguments.turntable && arguments.drawing.inputs.size() == 1)
+        throw CLI::ValidationError(arguments.output +
+                                   ": a film of one picture: expected --turntable N, or several "
+                                   "inputs, one a time step");
+    check_output(arguments.output, arguments.drawing.inputs, {".mp4", ".webm"});
+    Film film(arguments.output, arguments.per_second);
+    arguments.take_picture = [&](const Image& picture) { film.add(picture); };
+    Json report = draw();
+    film.finish();
+    const double seconds = film.pictures() / arguments.per_second;
+    const auto bytes = std::filesystem::file_size(arguments.output);
+    report["film"] = {{"pictures", film.pictures()},
+                      {"per_second", arguments.per_second},
+                      {"seconds", seconds},
+                      {"bytes", bytes}};
+    if (!arguments.json)
+        print_line(fmt::format("{}: {} pictures, {:.4g} s at {:g} a second, {}", arguments.output,
+                               film.pictures(), seconds, arguments.per_second, bytes_text(bytes)));
+    return report;
 }
 
 /// Files that are written, without the folders of a sequence, whose files have different extensions.
@@ -146,17 +233,19 @@ void render_files(const RenderArguments& given, const CLI::App& command, const R
     arguments.drawing.inputs = expanded(given.drawing.inputs);
     if (ranks.is_root) check_distinct(written_files(arguments), read_files(arguments));
     const CommandMemory memory(arguments.memory);
-    if (is_sequence(arguments.output)) {
-        const Json report = render_sequence(arguments, command, ranks);
+    if (command.count("--fps") && !is_film(arguments.output))
+        throw CLI::ValidationError("--fps: is of films, expected -o with .mp4 or .webm");
+    if (arguments.turntable || is_of_many(arguments.output)) {
+        const Json report = render_many(arguments, command, ranks);
         if (arguments.json && ranks.is_root) print_json(report);
         return;
     }
-    const std::optional<RenderedPicture> picture = render(arguments, command, ranks);
-    if (!picture) return;
-    if (arguments.json)
-        print_json(to_json(*picture));
-    else
-        print(*picture, arguments.repeat > 0);
+    for (const RenderedPicture& picture : render(arguments, command, ranks)) {
+        if (arguments.json)
+            print_json(to_json(picture));
+        else
+            print(picture, arguments.repeat > 0);
+    }
 }
 
 }  // namespace

@@ -214,24 +214,23 @@ void write_numbers(const std::string& file, const FieldMaps& maps,
 
 }  // namespace
 
-std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
-                                            const CLI::App& command, const RenderRanks& ranks) {
+std::vector<RenderedPicture> render_field(const RenderArguments& arguments, const CLI::App& command,
+                                          const RenderRanks& ranks) {
     return render_map(arguments, command, ranks, [&] {
         Drawing drawing = begin_drawing(arguments.drawing, command);
         check(arguments, drawing, ranks);
         FieldDrawing field = drawing.kind == FileKind::model
                                  ? load_model(arguments, std::move(drawing), ranks)
                                  : load_volume_field(arguments, std::move(drawing));
-        const QuantityArguments& quantity = arguments.quantity;
-        const bool is_mean = quantity.show == "mean";
+        const bool is_mean = arguments.quantity.show == "mean";
         const auto maps = std::make_shared<FieldMaps>();
         MapDrawing made;
         made.draw = [=, draw = field.draw](const Camera& camera, Size size,
                                            const Progress& progress) {
             *maps = draw(camera, size, progress);
         };
-        made.picture = [=, &arguments, &quantity, label = field.label, unit = field.unit,
-                        cut = field.cut] {
+        made.picture = [=, &arguments, label = field.label, unit = field.unit,
+                        cut = field.cut](const QuantityArguments& quantity) {
             require_finite(*maps, arguments.drawing.inputs.front());
             const std::vector<float>& shown = is_mean ? maps->mean : maps->deviation;
             const auto fixed = fixed_scale(quantity);

@@ -172,6 +172,8 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         ->group(group);
 }
 
+Vec3d up_of(const ViewArguments& arguments) { return parse_up(arguments.up); }
+
 bool view_given(const CLI::App& command) {
     bool any = false;
     for (const char* option :

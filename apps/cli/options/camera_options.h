@@ -18,6 +18,9 @@ struct ViewArguments {
 /// Adds the options of cameras: --view, angles, --eye, --up, --orthographic, --camera and theirs.
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
+/// Direction of --up, of any length above 0.
+Vec3d up_of(const ViewArguments& arguments);
+
 /// Whether an option of the camera was given, --save-camera included.
 bool view_given(const CLI::App& command);
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "films/views.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
@@ -26,11 +27,15 @@ void check_arguments(const RenderArguments& arguments, const CLI::App& command, 
             "nothing to make: expected -o, --depth-out, --values-out or --repeat");
     check_quantity_options(quantity, command, !arguments.output.empty());
     check_value_options(arguments.value, command, quantity.show);
-    if (writes && !quantity.values_output.empty())
+    // Folders and names with a number are checked where they are made.
+    const auto is_file = [&](const std::string& output) {
+        return writes && !output.empty() && !arguments.turntable;
+    };
+    if (is_file(quantity.values_output))
         check_output(quantity.values_output, arguments.drawing.inputs, {".npy", ".exr"});
-    if (writes && !arguments.output.empty())
+    if (is_file(arguments.output) && !arguments.take_picture)
         check_output(arguments.output, arguments.drawing.inputs, {".png", ".exr"});
-    if (writes && !arguments.depth_output.empty())
+    if (is_file(arguments.depth_output))
         check_output(arguments.depth_output, arguments.drawing.inputs, {".exr"});
     if (arguments.drawing.stop_transmittance > 0 && !fixed_extinction(arguments.color))
         throw CLI::ValidationError(
@@ -235,10 +240,20 @@ void print(const RenderedPicture& picture, bool repeated) {
 }
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
-    command.add_option("-o,--output", arguments.output,
-                       "Picture to write, .png or float .exr. A folder (or a name that ends in /): "
-                       "one picture per "
-                       "input, all under one camera and one extinction");
+    command.add_option(
+        "-o,--output", arguments.output,
+        "Picture to write, .png or float .exr. A folder (or a name that ends in /), a "
+        "name with a number (t_%04d.png) or a film (.mp4, .webm: by ffmpeg): one "
+        "picture per input, all under one camera and one extinction");
+    command
+        .add_option("--turntable", arguments.turntable,
+                    "Turn the view once about the up axis, in this many pictures, of all inputs "
+                    "together: -o names a folder (0001.png, ...), a name with a number or a film. "
+                    "Extinction and range are those of the first")
+        ->check(CLI::Range(1, 9999));
+    command.add_option("--fps", arguments.per_second, "Pictures a second of a film")
+        ->check(CLI::Range(0.01, 240.0))
+        ->capture_default_str();
     command.add_option("--depth-out", arguments.depth_output,
                        "Image of optical depth T to write: .exr with one float channel Y");
     command
@@ -281,8 +296,8 @@ void require_finite(const DepthImage& image, const std::string& input) {
 
 }  // namespace
 
-std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
-                                      const RenderRanks& ranks) {
+std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+                                    const RenderRanks& ranks) {
     check_arguments(arguments, command, ranks.is_root);
     if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
     if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);
@@ -296,35 +311,35 @@ std::optional<RenderedPicture> render(const RenderArguments& arguments, const CL
 
     const Drawing drawing =
         stages.run("load", [&] { return ranks.load(arguments.drawing, extinction, command); });
-    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
-                                      double(size.width) / size.height);
+    const auto draw = [&](const RenderArguments& one,
+                          const Camera& camera) -> std::optional<RenderedPicture> {
+        const Progress progress = one.repeat ? Progress{} : stages.progress();
+        DepthImage depth;
+        std::vector<double> render_ms = stages.run("render", [&] {
+            return timed(one, [&] { drawing.draw(camera, size, progress, depth); });
+        });
+        if (!ranks.is_root) return std::nullopt;
+        require_finite(depth, one.drawing.inputs.front());
+        // Column density is T at extinction 1.
+        const std::optional<double> fixed = fixed_extinction(one.color);
+        set_extinction(depth, one.quantity.column() ? 1 : fixed ? *fixed : auto_extinction(depth));
+        const ColorScale scale = scale_of(one.quantity, depth);
 
-    const Progress progress = arguments.repeat ? Progress{} : stages.progress();
-    DepthImage depth;
-    std::vector<double> render_ms = stages.run("render", [&] {
-        return timed(arguments, [&] { drawing.draw(camera, size, progress, depth); });
-    });
-    if (!ranks.is_root) return std::nullopt;
-    require_finite(depth, arguments.drawing.inputs.front());
-    // Column density is T at extinction 1.
-    const bool column = arguments.quantity.column();
-    set_extinction(depth, column ? 1 : extinction ? *extinction : auto_extinction(depth));
-    const ColorScale scale = scale_of(arguments.quantity, depth);
-
-    if (!arguments.output.empty()) {
-        const std::string quantity = quantity_text(arguments, drawing.kind);
-        const Image image =
-            stages.run("shade", [&] { return pictured(arguments, depth, tf, scale, quantity); });
-        stages.run("save", [&] { write_image(arguments.output, image); });
-    }
-    if (!arguments.depth_output.empty()) write_exr(arguments.depth_output, depth);
-    if (!arguments.quantity.values_output.empty())
-        write_values(arguments.quantity.values_output, depth);
-    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
-    RenderedPicture picture =
-        figures_of(arguments, drawing, depth, std::move(render_ms), stages, scale);
-    picture.camera = camera;
-    return picture;
+        if (!one.output.empty()) {
+            const std::string quantity = quantity_text(one, drawing.kind);
+            const Image image =
+                stages.run("shade", [&] { return pictured(one, depth, tf, scale, quantity); });
+            stages.run("save", [&] { save_picture(one, image); });
+        }
+        if (!one.depth_output.empty()) write_exr(one.depth_output, depth);
+        if (!one.quantity.values_output.empty()) write_values(one.quantity.values_output, depth);
+        if (!one.view.save_camera.empty()) write_camera(one.view.save_camera, camera);
+        RenderedPicture picture =
+            figures_of(one, drawing, depth, std::move(render_ms), stages, scale);
+        picture.camera = camera;
+        return picture;
+    };
+    return render_views(arguments, command, drawing.box, size, draw);
 }
 
 }  // namespace vog::cli

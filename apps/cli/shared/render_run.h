@@ -21,6 +21,7 @@
 #include "shared/drawing.h"
 #include "shared/terminal.h"
 #include "vog/distributed.h"
+#include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/trace.h"
 
@@ -36,6 +37,10 @@ struct RenderArguments {
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
+    int turntable = 0;       ///< pictures of a full turn; 0: one view
+    double per_second = 30;  ///< pictures of a film
+    std::function<void(const Image&)>
+        take_picture{};        ///< takes pictures in place of the output's file
     bool later_frame = false;  ///< of a sequence: range and unit distance are the first's
     std::optional<Box> box;  ///< box that views frame, in place of the input's: one camera for many
 };
@@ -105,25 +110,25 @@ struct RenderRanks {
     /// Whether several ranks hold parts of one input.
     bool divided() const { return collective.count > 1; }
 };
-/// Renders and writes one picture.
-/// returns  its figures; none on ranks other than the root
-std::optional<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
-                                      const RenderRanks& ranks = {});
+/// Renders and writes the picture of each view: one, or those of --turntable.
+/// returns  their figures; none on ranks other than the root
+std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+                                    const RenderRanks& ranks = {});
 
-/// Renders and writes the picture of --show mean or deviation, for render() (field_run.cpp).
+/// Renders and writes the pictures of --show mean or deviation, for render() (field_run.cpp).
 /// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
-std::optional<RenderedPicture> render_field(const RenderArguments& arguments,
+std::vector<RenderedPicture> render_field(const RenderArguments& arguments, const CLI::App& command,
+                                          const RenderRanks& ranks);
+
+/// Renders and writes the pictures of --show volume, for render() (volume_run.cpp).
+/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
+std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
+                                           const CLI::App& command, const RenderRanks& ranks);
+
+/// Renders and writes the pictures of --show maximum, for render() (maximum_run.cpp).
+/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
+std::vector<RenderedPicture> render_maximum(const RenderArguments& arguments,
                                             const CLI::App& command, const RenderRanks& ranks);
-
-/// Renders and writes the picture of --show volume, for render() (volume_run.cpp).
-/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
-std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
-                                             const CLI::App& command, const RenderRanks& ranks);
-
-/// Renders and writes the picture of --show maximum, for render() (maximum_run.cpp).
-/// throws  vog::Error for inputs without the field; CLI::ValidationError for options without effect
-std::optional<RenderedPicture> render_maximum(const RenderArguments& arguments,
-                                              const CLI::App& command, const RenderRanks& ranks);
 
 /// Adds the subcommand.
 void add_render(CLI::App& app, const std::shared_ptr<RenderArguments>& arguments,

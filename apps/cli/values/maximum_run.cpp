@@ -74,8 +74,8 @@ void write_maximum(const std::string& file, const ValueMap& map) {
 
 }  // namespace
 
-std::optional<RenderedPicture> render_maximum(const RenderArguments& arguments,
-                                              const CLI::App& command, const RenderRanks& ranks) {
+std::vector<RenderedPicture> render_maximum(const RenderArguments& arguments,
+                                            const CLI::App& command, const RenderRanks& ranks) {
     return render_map(arguments, command, ranks, [&] {
         ValueInputs inputs = load_values(arguments, command, ranks);
         const auto map = std::make_shared<ValueMap>();
@@ -84,8 +84,8 @@ std::optional<RenderedPicture> render_maximum(const RenderArguments& arguments,
                         const Camera& camera, Size size, const Progress& progress) {
             *map = draw(camera, size, progress);
         };
-        made.picture = [=, &quantity = arguments.quantity, label = inputs.label,
-                        unit = inputs.unit] {
+        made.picture = [=, label = inputs.label,
+                        unit = inputs.unit](const QuantityArguments& quantity) {
             const auto fixed = fixed_scale(quantity);
             return MapPicture{
                 "maximum of " + label,

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "films/views.h"
+
 namespace vog::cli {
 
 namespace {
@@ -45,10 +47,9 @@ void set_figures(const RenderArguments& arguments, const MapPicture& map,
 
 }  // namespace
 
-std::optional<RenderedPicture> render_map(const RenderArguments& arguments, const CLI::App& command,
-                                          const RenderRanks& ranks,
-                                          const std::function<MapDrawing()>& load) {
-    const QuantityArguments& quantity = arguments.quantity;
+std::vector<RenderedPicture> render_map(const RenderArguments& arguments, const CLI::App& command,
+                                        const RenderRanks& ranks,
+                                        const std::function<MapDrawing()>& load) {
     const Size size = parse_size(arguments.size);
     const TransferFunction tf = load_transfer_function(arguments.color.tf);
     (void)shading_of(arguments.color);  // checks --background
@@ -56,25 +57,28 @@ std::optional<RenderedPicture> render_map(const RenderArguments& arguments, cons
     Stages stages(arguments.verbose && ranks.is_root);
     const MapDrawing loaded = stages.run("load", load);
     const Drawing& drawing = loaded.drawing;
-    const Camera camera = camera_from(arguments.view, command, arguments.box.value_or(drawing.box),
-                                      double(size.width) / size.height);
-    const Progress progress = arguments.repeat ? Progress{} : stages.progress();
-    std::vector<double> render_ms = stages.run(
-        "render", [&] { return timed(arguments, [&] { loaded.draw(camera, size, progress); }); });
-    if (!ranks.is_root) return std::nullopt;
-    MapPicture map = loaded.picture();
-    if (!quantity.units.empty()) map.unit = quantity.units;
-    if (!arguments.output.empty()) {
-        const Image image = stages.run("shade", [&] { return colored(arguments, map, tf); });
-        stages.run("save", [&] { write_image(arguments.output, image); });
-    }
-    if (!quantity.values_output.empty()) loaded.write(quantity.values_output);
-    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
-    RenderedPicture picture =
-        figures_of(arguments, drawing, map.covered, std::move(render_ms), stages, map.scale);
-    set_figures(arguments, map, picture);
-    picture.camera = camera;
-    return picture;
+    const auto draw = [&](const RenderArguments& one,
+                          const Camera& camera) -> std::optional<RenderedPicture> {
+        const QuantityArguments& quantity = one.quantity;
+        const Progress progress = one.repeat ? Progress{} : stages.progress();
+        std::vector<double> render_ms = stages.run(
+            "render", [&] { return timed(one, [&] { loaded.draw(camera, size, progress); }); });
+        if (!ranks.is_root) return std::nullopt;
+        MapPicture map = loaded.picture(quantity);
+        if (!quantity.units.empty()) map.unit = quantity.units;
+        if (!one.output.empty()) {
+            const Image image = stages.run("shade", [&] { return colored(one, map, tf); });
+            stages.run("save", [&] { save_picture(one, image); });
+        }
+        if (!quantity.values_output.empty()) loaded.write(quantity.values_output);
+        if (!one.view.save_camera.empty()) write_camera(one.view.save_camera, camera);
+        RenderedPicture picture =
+            figures_of(one, drawing, map.covered, std::move(render_ms), stages, map.scale);
+        set_figures(one, map, picture);
+        picture.camera = camera;
+        return picture;
+    };
+    return render_views(arguments, command, drawing.box, size, draw);
 }
 
 }  // namespace vog::cli

@@ -25,14 +25,14 @@ struct MapPicture {
 struct MapDrawing {
     Drawing drawing;                                                 ///< for views and reports
     std::function<void(const Camera&, Size, const Progress&)> draw;  ///< keeps the map
-    std::function<MapPicture()> picture;                             ///< of the map, on the root
+    std::function<MapPicture(const QuantityArguments&)> picture;     ///< of the map, on the root
     std::function<void(const std::string& file)> write;              ///< its numbers
 };
 
-/// Loads, draws, colours and saves a map.
+/// Loads, draws, colours and saves the map of each view.
 /// returns  figures of the shown values in place of T's; none on ranks other than the root
-std::optional<RenderedPicture> render_map(const RenderArguments& arguments, const CLI::App& command,
-                                          const RenderRanks& ranks,
-                                          const std::function<MapDrawing()>& load);
+std::vector<RenderedPicture> render_map(const RenderArguments& arguments, const CLI::App& command,
+                                        const RenderRanks& ranks,
+                                        const std::function<MapDrawing()>& load);
 
 }  // namespace vog::cli

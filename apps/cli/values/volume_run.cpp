@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fields/divided_models.h"
+#include "films/views.h"
 #include "values/value_inputs.h"
 #include "values/value_transfer_run.h"
 #include "vog/error.h"
@@ -121,8 +122,8 @@ Image shown(const RenderArguments& arguments, const VolumeImage& picture,
 
 }  // namespace
 
-std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
-                                             const CLI::App& command, const RenderRanks& ranks) {
+std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
+                                           const CLI::App& command, const RenderRanks& ranks) {
     const Size size = parse_size(arguments.size);
     (void)shading_of(arguments.color);  // checks --background
     const ThreadLimit limit(arguments.threads);
@@ -132,7 +133,7 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
                                           : volume_renderer(arguments, volume);
     Drawing& drawing = volume.drawing;
     const Box box = arguments.box.value_or(drawing.box);
-    const Camera camera =
+    const Camera first =
         camera_from(arguments.view, command, box, double(size.width) / size.height);
     const ValueData data{arguments.drawing.inputs.front(), volume.lower, volume.upper,
                          2 * box.radius()};
@@ -144,35 +145,39 @@ std::optional<RenderedPicture> render_volume(const RenderArguments& arguments,
             broadcast(small, ranks);  // all choose alike
             return small;
         };
-        return choose_transfer(arguments, command, data, draw, camera, size);
+        return choose_transfer(arguments, command, data, draw, first, size);
     });
     if (ranks.is_root) print_notes(chosen.notes);
     drawing.notes.insert(drawing.notes.end(), chosen.notes.begin(), chosen.notes.end());
 
-    const Progress progress = arguments.repeat ? Progress{} : stages.progress();
     VolumeImage image;
-    std::vector<double> render_ms = stages.run("render", [&] {
-        return timed(arguments, [&] {
-            drawn(chosen.transfer, camera, size.width, size.height, progress, image);
-        });
-    });
-    if (!ranks.is_root) return std::nullopt;
     const ColorScale scale{ColorScale::Kind::linear, chosen.lower, chosen.upper};
-    if (!arguments.output.empty()) {
-        const Image finished =
-            stages.run("shade", [&] { return shown(arguments, image, chosen, scale, volume); });
-        stages.run("save", [&] { write_image(arguments.output, finished); });
-    }
-    if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
-    RenderedPicture picture =
-        figures_of(arguments, drawing, alpha_of(image), std::move(render_ms), stages, scale);
-    picture.quantity = "volume of " + volume.label;
-    picture.units = volume.unit;
-    picture.scale = scale;
-    picture.unit_distance = chosen.transfer.unit_distance;
-    picture.mean_opacity = mean_opacity(image);
-    picture.camera = camera;
-    return picture;
+    const auto draw_view = [&](const RenderArguments& one,
+                               const Camera& camera) -> std::optional<RenderedPicture> {
+        const Progress progress = one.repeat ? Progress{} : stages.progress();
+        std::vector<double> render_ms = stages.run("render", [&] {
+            return timed(one, [&] {
+                drawn(chosen.transfer, camera, size.width, size.height, progress, image);
+            });
+        });
+        if (!ranks.is_root) return std::nullopt;
+        if (!one.output.empty()) {
+            const Image finished =
+                stages.run("shade", [&] { return shown(one, image, chosen, scale, volume); });
+            stages.run("save", [&] { save_picture(one, finished); });
+        }
+        if (!one.view.save_camera.empty()) write_camera(one.view.save_camera, camera);
+        RenderedPicture picture =
+            figures_of(one, drawing, alpha_of(image), std::move(render_ms), stages, scale);
+        picture.quantity = "volume of " + volume.label;
+        picture.units = volume.unit;
+        picture.scale = scale;
+        picture.unit_distance = chosen.transfer.unit_distance;
+        picture.mean_opacity = mean_opacity(image);
+        picture.camera = camera;
+        return picture;
+    };
+    return render_views(arguments, command, box, size, draw_view);
 }
 
 }  // namespace vog::cli

@@ -1,0 +1,173 @@
+// views.cpp: cameras of a turn, scales that its pictures share, and names of files.
+#include "films/views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "shared/sequence.h"
+#include "shared/terminal.h"
+#include "vog/error.h"
+
+namespace vog::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Place of "%d" or "%04d" in the name of a file.
+struct NumberPlace {
+    std::size_t at = std::string::npos, end = 0;
+    int digits = 0;
+};
+NumberPlace number_place(const std::string& text) {
+    NumberPlace place{text.find('%')};
+    if (place.at == std::string::npos) return place;
+    place.end = place.at + 1;
+    while (place.end < text.size() && std::isdigit(static_cast<unsigned char>(text[place.end])))
+        place.digits = std::min(10 * place.digits + (text[place.end++] - '0'), 99);
+    const bool valid = place.end < text.size() && text[place.end] == 'd' && place.digits <= 9;
+    if (!valid || text.find('%', place.end) != std::string::npos) return {};
+    ++place.end;
+    return place;
+}
+
+/// Rotation by Rodrigues' formula; axis of unit length.
+Vec3d rotated(Vec3d v, Vec3d axis, double angle_rad) {
+    const double c = std::cos(angle_rad), s = std::sin(angle_rad);
+    return c * v + s * cross(axis, v) + ((1 - c) * dot(axis, v)) * axis;
+}
+
+/// Eye and up turned about the point looked at.
+Camera turned(const Camera& camera, Vec3d axis, double angle_rad) {
+    Camera result = camera;
+    result.eye = camera.look_at + rotated(camera.eye - camera.look_at, axis, angle_rad);
+    result.up = rotated(camera.up, axis, angle_rad);
+    return result;
+}
+
+/// Cameras of a turn from its first.
+std::vector<Camera> turn_of(const Camera& first, Vec3d up, int count) {
+    std::vector<Camera> cameras;
+    for (int n = 0; n < count; ++n)
+        cameras.push_back(turned(first, up, 2 * std::numbers::pi * n / count));
+    return cameras;
+}
+
+/// Whether no option sets how large the data appear.
+bool is_fitted(const CLI::App& command, const Camera& camera) {
+    const auto given = [&](const char* option) { return command.count(option) > 0; };
+    if (given("--camera") || given("--eye") || given("--look-at")) return false;
+    if (given("--view") && command.get_option("--view")->as<std::string>() == "paper") return false;
+    return camera.orthographic() ? !given("--width") : !given("--distance");
+}
+
+/// The first camera, as far (or as wide) as the farthest fitted one of the turn.
+Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Box& box, double aspect) {
+    Camera result = first;
+    double farthest = 0;
+    for (const Camera& camera : turn_of(first, up, count)) {
+        const Camera fit = fitted(camera, box, aspect);
+        farthest = std::max(farthest, length(fit.eye - fit.look_at));
+        result.orthographic_width = std::max(result.orthographic_width, fit.orthographic_width);
+    }
+    if (!first.orthographic())
+        result.eye = first.look_at + farthest * normalized(first.eye - first.look_at);
+    return result;
+}
+
+/// Axis of the turn: --up, or upwards in the picture of --camera.
+Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const Camera& camera) {
+    return normalized(command.count("--camera") ? camera.up : up_of(arguments.view));
+}
+
+/// Creates the folder of an output that is one.
+void create_folder(const std::string& output) {
+    if (output.empty() || !is_sequence(output)) return;
+    std::error_code code;
+    fs::create_directories(output, code);
+    if (std::error_code ignored; !fs::is_directory(output, ignored))
+        throw Error(fmt::format("{}: cannot create this folder: {}", output, code.message()));
+}
+
+}  // namespace
+
+bool is_numbered(const std::string& output) {
+    return number_place(fs::path(output).filename().string()).at != std::string::npos;
+}
+
+std::vector<std::string> numbered_outputs(const std::string& output, int count,
+                                          const std::string& extension) {
+    const fs::path path(output);
+    const std::string name = is_sequence(output) ? "%04d" + extension : path.filename().string();
+    const fs::path folder = is_sequence(output) ? path : path.parent_path();
+    const NumberPlace place = number_place(name);
+    std::vector<std::string> outputs;
+    for (int n = 1; n <= count; ++n)
+        outputs.push_back(output.empty() || place.at == std::string::npos
+                              ? output
+                              : (folder / fmt::format("{}{:0{}}{}", name.substr(0, place.at), n,
+                                                      place.digits, name.substr(place.end)))
+                                    .string());
+    return outputs;
+}
+
+SharedScales scales_of(const RenderedPicture& picture) {
+    const ColorScale scale = picture.scale.value_or(ColorScale{});
+    return {picture.extinction, scale.low, scale.high, picture.unit_distance.value_or(0)};
+}
+
+void share(const SharedScales& scales, RenderArguments& later) {
+    later.color.extinction = fmt::format("{:.17g}", scales.extinction);
+    later.later_frame = true;
+    if (later.quantity.volume()) later.value.unit_distance = scales.unit_distance;
+    if (later.quantity.scaled() && later.quantity.range.empty())
+        later.quantity.range = fmt::format("{:.17g},{:.17g}", scales.low, scales.high);
+}
+
+std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
+                                          const Box& box, Size size, const DrawView& draw) {
+    const double aspect = double(size.width) / size.height;
+    const Box framed = arguments.box.value_or(box);
+    Camera first = camera_from(arguments.view, command, framed, aspect);
+    std::vector<Camera> cameras{first};
+    std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},
+        values{arguments.quantity.values_output};
+    if (const int count = arguments.turntable) {
+        const Vec3d up = turn_axis(arguments, command, first);
+        if (is_fitted(command, first)) first = fitted_to_turn(first, up, count, framed, aspect);
+        cameras = turn_of(first, up, count);
+        for (const std::string& output :
+             {arguments.output, arguments.depth_output, arguments.quantity.values_output})
+            create_folder(output);
+        outputs = numbered_outputs(arguments.output, count, ".png");
+        depths = numbered_outputs(arguments.depth_output, count, ".exr");
+        values = numbered_outputs(arguments.quantity.values_output, count, ".npy");
+    }
+    RenderArguments one = arguments;
+    std::vector<RenderedPicture> pictures;
+    for (std::size_t n = 0; n < cameras.size(); ++n) {
+        one.output = outputs[n];
+        one.depth_output = depths[n];
+        one.quantity.values_output = values[n];
+        std::optional<RenderedPicture> picture = draw(one, cameras[n]);
+        one.view.save_camera.clear();
+        if (!picture) continue;
+        if (n == 0 && cameras.size() > 1) share(scales_of(*picture), one);
+        pictures.push_back(std::move(*picture));
+    }
+    return pictures;
+}
+
+void save_picture(const RenderArguments& arguments, const Image& picture) {
+    if (arguments.take_picture)
+        arguments.take_picture(picture);
+    else
+        write_image(arguments.output, picture);
+}
+
+}  // namespace vog::cli
