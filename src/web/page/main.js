@@ -27,7 +27,7 @@ const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)'
 const state = {
   model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: page.fade,
   camera: page.camera, embed: false, still: false, subframes: 8, panel: !narrow(), bar: true,
-  ...shownOf(page.models[0], { show: page.quantity.show, field: 0, part: page.quantity.part ?? '' }, page.quantity.field),
+  ...shownOf(page.models[0], { show: page.quantity.show, field: -1, part: page.quantity.part ?? '' }, page.quantity.field),
   scale: page.quantity.scale,  // null: the first view's
   transfers: {},               // edited ones, by field
   light: page.quantity.light, clip: page.quantity.clip,
@@ -423,7 +423,7 @@ function follow() {
   const model = page.models[part.model ?? state.model] ?? page.models.at(-1);
   const named = model.fields.findIndex(({ name }) => name === link.field);
   if (named >= 0) part.field = named;
-  if (link.transfer) part.transfers = { ...state.transfers, [part.field ?? state.field]: link.transfer };
+  if (link.transfer) part.transfers = { ...state.transfers, [shownOf(model, { ...state, ...part }).field]: link.transfer };
   if (link.embed) part.panel = false;
   half = link.half;
   change(part);

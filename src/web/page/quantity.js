@@ -27,13 +27,17 @@ export function choices(model, show) {
   });
 }
 
-/** The nearest of what a model has to a state's {show, field, part}. */
+/**
+ * The nearest of what a model has to a state's {show, field, part}.
+ * field  -1: none has been chosen; of volume the density where the model has it, as of `vog render`, else the first
+ */
 export function shownOf(model, { show, field, part }, wantedName = null) {
-  if (!shows(model).some(([name]) => name === show)) return { show: 'T', field: 0, part: '' };
+  if (!shows(model).some(([name]) => name === show)) return { show: 'T', field: -1, part: '' };
   const all = choices(model, show);
   if (all.length === 0) return { show, field, part };
   const near = all.filter((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field));
-  const chosen = near.find((c) => c.part === part) ?? near[0] ?? all[0];
+  const usual = show === 'volume' && all.find((c) => model.fields[c.field].isMeasure);
+  const chosen = near.find((c) => c.part === part) ?? near[0] ?? (usual || all[0]);
   return { show, field: chosen.field, part: chosen.part };
 }
 
