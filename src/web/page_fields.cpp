@@ -32,10 +32,11 @@ Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& 
     return {{"mean", range_of(maps, maps.mean)}, {"deviation", range_of(maps, maps.deviation)}};
 }
 
-/// Measure by value over the data's range, the largest bin 1000.
-Json histogram(const Gaussians& model, const ScalarField& field) {
+/// Measure by value, the largest bin 1000.
+Json histogram(const Gaussians& model, const ScalarField& field, bool logarithmic) {
+    const std::vector<double> edges = by_value::value_bins(field, kBins, logarithmic);
     Json out = Json::array();
-    for (const float share : by_value::value_histogram(model, field, kBins))
+    for (const float share : by_value::value_histogram(model, field, edges))
         out.push_back(std::lround(1000 * share));
     return out;
 }
@@ -73,7 +74,8 @@ Json fields_json(
     for (const ScalarField& field : finest.fields.scalar) {
         Json entry = named(field, false);
         entry["isMeasure"] = field.is_measure;
-        entry["histogram"] = histogram(finest, field);
+        entry["histogram"] = histogram(finest, field, false);
+        if (field.lower > 0) entry["logHistogram"] = histogram(finest, field, true);
         entry["ranges"] = {{"", maps_json(finest, {field.name, FieldPart::value}, view)}};
         add_levels(entry, [&](const Fields& fields) -> const ScalarField& {
             return *fields.find_scalar(field.name);

@@ -53,6 +53,10 @@ class Exploring(PageTest):
         cls.rows = random_gaussians(60, lambda mean: [(300 + 10 * mean[0], [10, 0, 0]), (0.5, [0, 0, 0])])
         write_scalars(cls.folder / "two.ply", cls.rows, [("scalar", "heat", 285, 315), ("measure", "mass", 0.1, 1)])
         vog("export", "two.ply", "-o", "two.html", "--levels", 1)
+        # Three values of equal measure, four decades apart, and a field of both signs.
+        cls.decades = [([k, 0, 0], [0.3] * 3, 1, [(v, [0] * 3), (k - 1, [0] * 3)]) for k, v in enumerate((1e-3, 0.1, 10))]
+        write_scalars(cls.folder / "decades.ply", cls.decades, [("scalar", "f", 1e-3, 10), ("scalar", "signed", -1, 1)])
+        vog("export", "decades.ply", "-o", "decades.html", "--levels", 1)
 
     def start(self, page, fragment="#subframes=1"):
         self.browser.viewport(1000, 800)
@@ -79,6 +83,157 @@ class Exploring(PageTest):
         # A transfer function of a link is the density's.
         self.start("two.html", "#subframes=1&show=volume&colors=0,1,0,0;1,1,1,1&opacity=0,0;1,1&unit=2")
         self.assertEqual(self.value("Object.keys(vog.state.transfers)"), ["1"])
+
+    # --- The editor. ---
+
+    def opacity(self, field=0):
+        return self.value(f"vog.state.transfers[{field}].opacity")
+
+    def test_the_axis_of_values_can_be_logarithmic(self):
+        self.start("decades.html", "#subframes=1&show=volume&field=f")
+        source = self.value("vog.page.models[0].fields[0]")
+        filled = {n: count for n, count in enumerate(source["logHistogram"]) if count}
+        self.assertEqual(filled, {0: 1000, 48: 1000, 95: 1000})
+        self.assertEqual({n: count for n, count in enumerate(source["histogram"]) if count}, {0: 1000, 95: 500})
+        marks = "[...document.querySelectorAll('#editor-ticks span')].map((s) => s.textContent)"
+        self.assertIn("7.5", self.value(marks))
+        before = self.bytes()
+        self.value("document.getElementById('log-axis').click()")
+        self.assertEqual(self.value(marks), ["0.001", "0.01", "0.1", "1", "10"])
+        self.assertEqual(self.bytes(), before, "the axis is of the editor alone")
+        # The middle is the geometric mean.
+        x, y, width, height = self.box_of("editor")
+        self.browser.mouse("mousePressed", x + 0.5 * width, y + 0.2 * height, button="left", buttons=1, clickCount=1)
+        self.browser.mouse("mouseReleased", x + 0.5 * width, y + 0.2 * height, button="left", clickCount=1)
+        self.assertAlmostEqual(self.opacity()[1][0], 0.1, delta=0.004)
+        # Links keep it.
+        self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
+        self.browser.key("c")
+        link = self.value("window.copied")
+        self.assertIn("&logaxis", link)
+        self.start("decades.html", "#" + link.split("#")[1])
+        self.assertTrue(self.value("document.getElementById('log-axis').checked"))
+        # A field of both signs has none.
+        self.value("vog.change({field: 1})")
+        self.assertTrue(self.value("document.getElementById('log-axis').disabled"))
+        self.assertFalse(self.value("document.getElementById('log-axis').checked"))
+
+    def test_bands_are_dragged_as_one(self):
+        band = [[0, 0], [0.3, 0], [0.4, 0.8], [0.5, 0.8], [0.6, 0], [1, 0]]
+        colors = [[0, 0, 0, 1], [1, 1, 0, 0]]
+        self.start("two.html", "#subframes=1&show=volume")
+        self.value(f"vog.change({{transfers: {{1: {{name: 'own', unit: 1, opacity: {band}, colors: {colors}}}}}}})")
+        x, y, width, height = self.box_of("editor")
+        place = lambda v, o: (x + v * width, y + 4 + (1 - o) * (height - 8))
+
+        def drag(start, end, **more):
+            self.browser.drag(*place(*start), *place(*end), **more)
+            return self.opacity(1)
+
+        def expect(found, wanted):
+            self.assertEqual(len(found), len(wanted))
+            for point, other in zip(found, wanted):
+                self.assertAlmostEqual(point[0], other[0], delta=0.006)
+                self.assertAlmostEqual(point[1], other[1], delta=0.015)
+
+        # From below the curve: the whole band, along the values alone.
+        expect(drag((0.45, 0.3), (0.65, 0.5)), [[0, 0], [0.5, 0], [0.6, 0.8], [0.7, 0.8], [0.8, 0], [1, 0]])
+        self.browser.key("z")
+        self.assertEqual(self.opacity(1), band)
+        # Up to its neighbours.
+        expect(drag((0.45, 0.3), (0.99, 0.3)), [[0, 0], [0.7, 0], [0.8, 0.8], [0.9, 0.8], [1, 0], [1, 0]])
+        self.browser.key("z")
+        # The plateau by its line, up and aside between its feet.
+        expect(drag((0.45, 0.8), (0.5, 0.6)), [[0, 0], [0.3, 0], [0.45, 0.6], [0.55, 0.6], [0.6, 0], [1, 0]])
+        self.browser.key("z")
+        # Two points selected by keys: arrows move both, Delete removes both.
+        self.value("editor.focus()")
+        self.browser.mouse("mousePressed", *place(0.4, 0.8), button="left", buttons=1, clickCount=1)
+        self.browser.mouse("mouseReleased", *place(0.4, 0.8), button="left", clickCount=1)
+        self.assertEqual(self.opacity(1), band, "a press on a point changes nothing")
+        self.browser.key("PageDown", modifiers=8)
+        self.browser.key("ArrowRight")
+        expect(self.opacity(1), [[0, 0], [0.3, 0], [0.41, 0.8], [0.51, 0.8], [0.6, 0], [1, 0]])
+        self.browser.key("Delete")
+        expect(self.opacity(1), [[0, 0], [0.3, 0], [0.6, 0], [1, 0]])
+        self.value("undo.click(); undo.click()")
+        self.assertEqual(self.opacity(1), band)
+        self.value("redo.click()")
+        expect(self.opacity(1)[2:4], [[0.41, 0.8], [0.51, 0.8]])
+        # A click below the curve that does not move is a new point.
+        self.value("undo.click()")
+        self.browser.drag(*place(0.45, 0.3), *place(0.45, 0.3), steps=0)
+        expect(self.opacity(1), [*band[:3], [0.45, 0.3], *band[3:]])
+
+    # --- The probe. ---
+
+    def march(self, ray, extinction, steps=1200):
+        """Opacity of a ray (origin, unit direction) through cls.rows and heat = 300 + 10 x at half of it."""
+        origin, direction = ray
+        ends, tau, half = (0, 8), 0, None
+        for n in range(steps):
+            t = ends[0] + (n + 0.5) * (ends[1] - ends[0]) / steps
+            at, measure = [o + t * d for o, d in zip(origin, direction)], 0
+            for mean, scales, density, _ in self.rows:
+                m2 = sum(((a - m) / s) ** 2 for a, m, s in zip(at, mean, scales))
+                measure += density * math.exp(-0.5 * m2) if m2 < 9 else 0
+            tau += measure * extinction(300 + 10 * at[0]) * (ends[1] - ends[0]) / steps
+            if half is None and tau > math.log(2):
+                half = 300 + 10 * at[0], t
+        return 1 - math.exp(-tau), half
+
+    def probed(self, column, row):
+        box = self.box_of("picture")
+        self.browser.mouse("mouseMoved", box[0] + column, box[1] + row)
+        lines = self.value("document.getElementById('probe').textContent").split("\n")
+        return {line.rsplit(" ", 1)[0]: float(line.rsplit(" ", 1)[1]) for line in lines if line}
+
+    def test_the_probe_tells_the_value_at_the_first_opaque_depth(self):
+        self.start("two.html", "#subframes=1&show=volume&field=heat")
+        ramp = {"name": "own", "unit": 0.4, "colors": [[285, 0, 0, 0], [315, 1, 1, 1]], "opacity": [[290, 0], [310, 0.9]]}
+        extinction = lambda v: -math.log(1 - 0.9 * min(max((v - 290) / 20, 0), 1)) / ramp["unit"]
+        self.value(f"vog.change({{transfers: {{0: {json.dumps(ramp)}}}, camera: {{...vog.state.camera, fov: 40,"
+                   " eye: [-3, 1.5, 2], at: [0, 0, 0], up: [0, 1, 0], span: 0}})")
+        self.browser.settle()
+        seen = 0
+        for span in (0, 3):
+            self.value(f"vog.change({{camera: {{...vog.state.camera, span: {span}}}}})")
+            self.browser.settle()
+            width, height = self.value("[picture.width, picture.height]")
+            for column, row in ((0.5, 0.5), (0.42, 0.6), (0.6, 0.35), (0.5, 0.72)):
+                x, y = int(column * width), int(row * height)
+                ray = self.value(f"vog.ray([{x}, {y}])")
+                opacity, half = self.march((ray["origin"], ray["direction"]), extinction)
+                found = self.probed(x + 0.5, y + 0.5)
+                self.assertAlmostEqual(found.get("opacity", 0), opacity, delta=0.01)
+                if opacity > 0.52:
+                    # A hundredth of the field's range, 30; of the depth what moves the value as much.
+                    self.assertAlmostEqual(found["heat"], half[0], delta=0.3)
+                    self.assertAlmostEqual(found["depth"], half[1], delta=0.05)
+                    seen += 1
+                elif opacity < 0.48:
+                    self.assertNotIn("heat", found)
+        self.assertGreater(seen, 3)
+
+    def test_the_probe_finds_surfaces_and_minds_the_clip(self):
+        self.start("two.html", "#subframes=1&show=volume&field=heat")
+        # Opaque from 303 on, which rays from -x meet at x = 0.3.
+        step = {"name": "own", "unit": 0.02, "colors": [[285, 1, 1, 1], [315, 1, 1, 1]], "opacity": [[303, 0], [303.05, 0.999]]}
+        self.value(f"vog.change({{transfers: {{0: {json.dumps(step)}}}, camera: {{...vog.state.camera, fov: 40,"
+                   " eye: [-3, 0.5, 0.4], at: [0, 0, 0], up: [0, 1, 0]}})")
+        self.browser.settle()
+        width, height = self.value("[picture.width, picture.height]")
+        found = [self.probed(int(width * x) + 0.5, int(height * y) + 0.5) for x in (0.45, 0.5, 0.55) for y in (0.45, 0.5, 0.55)]
+        for one in found:
+            self.assertAlmostEqual(one["heat"], 303, delta=0.15)
+            self.assertAlmostEqual(one["depth"], 3.3, delta=0.15)
+        # Cut open behind it: the value at the cut; cut away: nothing.
+        self.value("vog.change({clip: {lower: [0.5, -1, -1], upper: [1, 1, 1]}})")
+        self.browser.settle()
+        self.assertAlmostEqual(self.probed(width // 2 + 0.5, height // 2 + 0.5)["heat"], 305, delta=0.3)
+        self.value("vog.change({clip: {lower: [1e3, 1e3, 1e3], upper: [2e3, 2e3, 2e3]}})")
+        self.browser.settle()
+        self.assertEqual(self.probed(width // 2 + 0.5, height // 2 + 0.5), {})
 
 
 if __name__ == "__main__":

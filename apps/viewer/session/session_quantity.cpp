@@ -88,7 +88,8 @@ void Session::begin_values() {
     }
     values.begin(std::move(transfer));
     values_of_ = name;
-    value_histogram = by_value::value_histogram(model, field, kValueBins);
+    value_histogram =
+        by_value::value_histogram(model, field, by_value::value_bins(field, kValueBins));
 }
 
 void Session::set_scale(const ColorScale& wanted) {

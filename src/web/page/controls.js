@@ -71,10 +71,11 @@ export class Controls {
     });
     on('density', 'dblclick', () => this.editor.edit({ ...this.editor.transfer, unit: 0 }));
     on('preset', 'change', () => {
-      const { transfer, source } = this.editor, make = presets[find('preset').value];
-      if (make) this.editor.edit({ ...transfer, opacity: make(source.lower, source.upper) });
+      const { transfer } = this.editor, make = presets[find('preset').value];
+      if (make) this.editor.edit({ ...transfer, opacity: make(this.editor.axis.value) });
     });
     on('light', 'change', () => this.change({ light: { ...this.state.light, on: find('light').checked } }));
+    on('log-axis', 'change', () => this.change({ logAxis: find('log-axis').checked }));
     on('undo', 'click', () => this.editor.undo());
     on('redo', 'click', () => this.editor.redo());
     on('fit-transfer', 'click', () => { this.editor.remember(); commands.transfer(null); });
@@ -142,12 +143,14 @@ export class Controls {
     find('light').checked = state.light.on;
     if (volume) {
       const source = model.fields[state.field];
-      this.editor.show(transfer, source);
+      this.editor.show(transfer, source, state.logAxis);
+      find('log-axis').disabled = !(source.lower > 0);
+      find('log-axis').checked = this.editor.axis.log;
       this.middleUnit ||= transfer.unit;
       find('density').value = 3 * Math.log10(this.middleUnit / transfer.unit);
       find('unit').textContent = `unit ${numberText(transfer.unit)}`;
       find('preset').value = '';
-      drawTicks(find('editor-ticks'), ticks({ low: source.lower, high: source.upper, log: false }));
+      drawTicks(find('editor-ticks'), ticks(this.editor.axis));
       find('undo').disabled = this.editor.past.length === 0;
       find('redo').disabled = this.editor.future.length === 0;
     } else {

@@ -51,6 +51,7 @@ export function readLink(hash, camera) {
       ? { low: range[0], high: range[1], log: logarithmic } : null,
     transfer: colors && opacity && unit ? { name: 'own', colors, opacity, unit } : null,
     light: flag('light'),
+    logAxis: flag('logaxis'),
     clip: clip && [0, 1, 2].every((axis) => clip[axis] < clip[3 + axis])
       ? { lower: clip.slice(0, 3), upper: clip.slice(3) } : null,
     map: words.get('map'),
@@ -88,6 +89,7 @@ export function writeLink(state, shown) {
     words.push(`colors=${brief(shown.transfer.colors)}`, `opacity=${brief(shown.transfer.opacity)}`,
                `unit=${digits([shown.transfer.unit])}`);
   if (state.light.on) words.push('light');
+  if (state.logAxis && state.show === 'volume') words.push('logaxis');
   if (state.clip) words.push(`clip=${digits([...state.clip.lower, ...state.clip.upper])}`);
   if (span) words.push(`span=${digits([span])}`);
   return `#${words.join('&')}`;

@@ -8,6 +8,7 @@ import { reversed } from './picture/colors.js';
 import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
+import { Probe, rayOf } from './picture/probe.js';
 import { automaticScale, automaticTransfer, fieldKey, fittedUnit, label, numberText, quantityNumbers, shownOf } from './quantity.js';
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
@@ -31,6 +32,7 @@ const state = {
   scale: page.quantity.scale,  // null: the first view's
   transfers: {},               // edited ones, by field
   light: page.quantity.light, clip: page.quantity.clip,
+  logAxis: false,              // of the values in the editor
 };
 if (page.quantity.transfer) state.transfers[state.field] = page.quantity.transfer;
 
@@ -105,6 +107,8 @@ function uploaded(level) {
   return entry.gpu;
 }
 
+const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, isMeasure });
+
 /** Adds one sub-frame of the shown quantity. */
 function addSums(level, transfer = transferShown()) {
   const model = page.models[state.model], there = level >= 0 ? uploaded(level) : undefined;
@@ -114,7 +118,7 @@ function addSums(level, transfer = transferShown()) {
     slabs ??= new Slabs(renderer);
     slabs.add(there, model, camera, {
       field: key, transfer, light: state.light, clip, slabs: page.quantity.slabs,
-      source: { reference: source.reference, unit: source.scale, isMeasure: source.isMeasure },
+      source: rangeOf(source),
     });
   } else {
     renderer.addSums(there, model, camera, { field: key, view: state.part === 'view', clip });
@@ -374,9 +378,27 @@ function windowed(rightwards, upwards) {
 // --- Probe: the numbers under the pointer. ---
 
 let probed = null;  // pixel of the canvas
+const probe = new Probe();
+/** Lines on the volume picture under the pointer. */
+function volumeLines() {
+  const level = levelNow(), model = page.models[state.model], source = model.fields[state.field];
+  if (level < 0 || !(transferNow().unit > 0)) return [];
+  const { instances, fields } = levelsOf(state.model)[level];
+  const { opacity, value, depth } = probe.probe({ instances, data: fields.get(state.field) }, model,
+    rayOf(state.camera, probed, canvas.width, canvas.height), { transfer: transferNow(), source: rangeOf(source), clip: state.clip });
+  if (!(opacity > 1e-3)) return [];
+  const lines = [`opacity ${numberText(Number(opacity.toFixed(3)))}`];
+  return value === null ? lines : [`${label(model, state)} ${numberText(value)}`, `depth ${numberText(depth)}`, ...lines];
+}
 function showProbe() {
   const out = find('probe');
-  const sums = probed && renderer && !lost && drawn && state.show !== 'volume' && renderer.sumsAt(...probed);
+  if (state.show === 'volume') {
+    const lines = probed && renderer && !lost && !moving && !player?.playing && !state.embed ? volumeLines() : [];
+    out.hidden = lines.length === 0;
+    out.textContent = lines.join('\n');
+    return;
+  }
+  const sums = probed && renderer && !lost && drawn && renderer.sumsAt(...probed);
   out.hidden = !sums || !(sums[0] > 0) || state.embed;
   if (out.hidden) return;
   const model = page.models[state.model], source = model.fields[state.field];
@@ -417,6 +439,7 @@ function follow() {
   const part = { embed: link.embed, still: link.still };
   for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip'])
     if (link[key] !== null) part[key] = link[key];
+  if (link.logAxis !== null) part.logAxis = link.logAxis;
   if (link.light !== null) part.light = { ...state.light, on: link.light };
   if (link.model !== null) part.model = Math.min(link.model, page.models.length) - 1;
   if (link.level !== null) part.level = link.level - 1;
@@ -556,6 +579,7 @@ window.vog = {
   settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
   picture: async () => { await window.vog.settled(); return picture(); },
   bits: () => renderer?.format.bits,
+  ray: (pixel) => rayOf(state.camera, pixel, canvas.width, canvas.height),
 };
 
 const lightSystem = window.matchMedia('(prefers-color-scheme: light)');
