@@ -36,7 +36,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kModules[] = {
     "vectors.js",  "camera.js",   "gaussians.js", "fields.js",   "colors.js", "transfer.js",
     "renderer.js", "slabs.js",    "probe.js",     "quantity.js", "link.js",   "input.js",
-    "editor.js",   "controls.js", "overlay.js",   "player.js",   "main.js"};
+    "editor.js",   "controls.js", "overlay.js",   "handles.js",  "player.js", "main.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "chord.glsl",  "field.frag",
                                     "slab.frag",   "ranges.frag", "light.vert",  "light.frag",
                                     "layers.frag", "copy.frag",   "screen.vert", "shade.frag"};

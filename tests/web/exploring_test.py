@@ -235,6 +235,61 @@ class Exploring(PageTest):
         self.browser.settle()
         self.assertEqual(self.probed(width // 2 + 0.5, height // 2 + 0.5), {})
 
+    # --- The clip box. ---
+
+    def dots(self):
+        return self.value("""[...document.querySelectorAll('#handles .grip')].map((c) => {
+            const b = c.getBoundingClientRect();
+            return c.hasAttribute('hidden') ? null : [b.left + b.width / 2, b.top + b.height / 2]; })""")
+
+    def test_faces_of_the_clip_are_dragged_by_mouse_and_touch(self):
+        self.start("two.html")
+        self.assertTrue(self.value("document.getElementById('handles').hasAttribute('hidden')"))
+        self.value("document.getElementById('clip-row').open = true; new Promise((done) => setTimeout(done, 100))")
+        center, half = self.value("vog.page.models[0].box.center"), self.value("vog.page.models[0].box.half")
+        for lens in ({"span": 0}, {"span": 4}):
+            for axis in range(3):
+                for end in range(2):
+                    self.value(f"vog.change({{clip: null, camera: {{...vog.state.camera, ...{json.dumps(lens)}}}}})")
+                    face = 2 * axis + end
+                    # Half the way to the middle of the box, the faces' common aim.
+                    middle = [sum(k) / 6 for k in zip(*self.dots())] if lens["span"] else self.value(
+                        "(() => { const b = picture.getBoundingClientRect(); return [b.left + b.width / 2, b.top + b.height / 2]; })()")
+                    x, y = self.dots()[face]
+                    to = [x + 0.5 * (middle[0] - x), y + 0.5 * (middle[1] - y)]
+                    before = self.value("vog.state.camera")
+                    self.browser.drag(x, y, *to)
+                    clip = self.value("vog.state.clip")
+                    self.assertEqual(self.value("vog.state.camera"), before, "the view stays")
+                    moved = (clip["upper" if end else "lower"][axis] - center[axis]) / half[axis]
+                    # Parallel rays: half the way; a pinhole's share of a depth is another.
+                    self.assertAlmostEqual(moved, 0.5 if end else -0.5, delta=0.02 if lens["span"] else 0.25)
+                    for other in range(6):
+                        if other != face:
+                            whole = center[other // 2] + (half if other % 2 else [-h for h in half])[other // 2]
+                            self.assertAlmostEqual(clip["upper" if other % 2 else "lower"][other // 2], whole, delta=1e-9)
+                    # The dot lies where the pointer let go.
+                    self.assertLess(math.dist(self.dots()[face], to), 1.5)
+        # No further than the opposite face, nor than the box.
+        x, y = self.dots()[1]
+        self.value("vog.change({clip: null})")
+        self.browser.drag(*self.dots()[1], *self.dots()[0])
+        self.browser.drag(*self.dots()[1], *[2 * a - b for a, b in zip(self.dots()[0], self.dots()[1])])
+        clip = self.value("vog.state.clip")
+        self.assertAlmostEqual(clip["upper"][0] - clip["lower"][0], 0.02 * half[0], delta=1e-6)
+        # Sliders follow.
+        self.assertAlmostEqual(self.value("document.querySelector('#clip-ends [aria-label=\"Clip x to\"]').valueAsNumber"), 0.01, delta=0.006)
+        # By touch, on a phone.
+        self.browser.viewport(360, 740, 2, phone=True)
+        self.value("vog.change({clip: null}); new Promise((done) => setTimeout(done, 100))")
+        start, end = self.dots()[3], self.dots()[2]
+        self.browser.touch([start], [[0.7 * a + 0.3 * b for a, b in zip(start, end)]])
+        self.assertLess(self.value("vog.state.clip.upper[1]"), center[1] + 0.7 * half[1])
+        # The axis along the view has no handle.
+        self.value("vog.change({camera: {...vog.state.camera, eye: vog.page.models[0].box.center.map((c, k) => c + (k === 2 ? 5 : 0)),"
+                   " at: vog.page.models[0].box.center, up: [0, 1, 0], span: 4}})")
+        self.assertEqual([dot is None for dot in self.dots()], [False] * 4 + [True] * 2)
+
 
 if __name__ == "__main__":
     run()

@@ -14,6 +14,7 @@ import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
+import { Handles } from './handles.js';
 import { Player } from './player.js';
 import { remapped } from './editor.js';
 
@@ -326,11 +327,24 @@ function change(part) {
 }
 
 const overlay = new Overlay(find('length'), find('axes'));
+const handles = new Handles(find('handles'), {
+  camera: () => state.camera, box: () => box(), clip: () => state.clip, change: (clip) => change({ clip }),
+  size: () => [canvas.clientWidth, canvas.clientHeight],
+  place: ({ clientX, clientY }) => { const { left, top } = canvas.getBoundingClientRect(); return [clientX - left, clientY - top]; },
+});
+/** Handles of the clip while its controls are open. */
+function showHandles() {
+  const { left, top, width, height } = canvas.getBoundingClientRect();
+  Object.assign(find('handles').style, { left: `${left}px`, top: `${top}px`, width: `${width}px`, height: `${height}px` });
+  handles.show(find('clip-row').open && state.panel && !state.embed);
+}
+find('clip-row').addEventListener('toggle', showHandles);
 function showOverlay() {
   const box = canvas.getBoundingClientRect();
   find('world').style.right = `calc(${window.innerWidth - box.right}px + 14px)`;
   find('world').hidden = !state.bar;
   overlay.show(state.camera, box.width, box.height);
+  showHandles();
 }
 
 function showControls() {
