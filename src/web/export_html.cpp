@@ -33,10 +33,13 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Modules in the order of their dependencies.
-constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js",   "gaussians.js", "fields.js",   "colors.js", "transfer.js",
-    "renderer.js", "slabs.js",    "probe.js",     "quantity.js", "link.js",   "input.js",
-    "editor.js",   "controls.js", "overlay.js",   "handles.js",  "player.js", "main.js"};
+constexpr const char* kModules[] = {"vectors.js", "camera.js", "gaussians.js", "fields.js",
+                                    "decoder.js", "colors.js", "transfer.js",  "renderer.js",
+                                    "slabs.js",   "probe.js",  "quantity.js",  "link.js",
+                                    "input.js",   "editor.js", "controls.js",  "overlay.js",
+                                    "handles.js", "player.js", "main.js"};
+/// Those of the worker that decodes.
+constexpr const char* kWorkerModules[] = {"gaussians.js", "fields.js", "worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "chord.glsl",  "field.frag",
                                     "slab.frag",   "ranges.frag", "light.vert",  "light.frag",
                                     "layers.frag", "copy.frag",   "screen.vert", "shade.frag"};
@@ -65,11 +68,11 @@ std::string without_comments(const std::string& text) {
     return kept;
 }
 
-/// All modules as one script: each becomes a function that returns its exports to the later ones.
+/// Modules as one script: each becomes a function that returns its exports to the later ones.
 /// Imports and exported declarations must start a line.
-std::string bundle() {
+std::string bundle(std::span<const char* const> modules) {
     std::string script;
-    for (const char* name : kModules) {
+    for (const char* name : modules) {
         const std::string text = without_comments(web_file(name));
         std::string body, exported;
         for (std::size_t at = 0; at < text.size();) {
@@ -355,7 +358,8 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
                                        {"page", script_json(page)},
                                        {"shaders", shaders},
                                        {"models", std::move(data)},
-                                       {"script", bundle()}});
+                                       {"worker", bundle(kWorkerModules)},
+                                       {"script", bundle(kModules)}});
     report.bytes = text.size();
     report.viewer_bytes = report.bytes - report.viewer_bytes;
     write_file(file, [&](std::ofstream& out) { out << text; });

@@ -290,6 +290,60 @@ class Exploring(PageTest):
                    " at: vog.page.models[0].box.center, up: [0, 1, 0], span: 4}})")
         self.assertEqual([dot is None for dot in self.dots()], [False] * 4 + [True] * 2)
 
+    # --- The worker. ---
+
+    def before_pages(self, script):
+        """Runs a script in each page before its own, until the test ends."""
+        made = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+        self.addCleanup(self.browser.call, "Page.removeScriptToEvaluateOnNewDocument", identifier=made["identifier"])
+
+    def test_levels_and_fields_are_decoded_in_a_worker(self):
+        self.start("two.html", "#subframes=1&show=mean")
+        self.assertEqual(self.value("vog.decodes()"), {"worker": 2, "page": 0})
+        self.assertEqual([url for url in self.browser.requests if not url.startswith(("file:", "data:", "blob:"))], [])
+        before = self.bytes()
+        # No workers; one that the browser refuses later; one that takes no messages: the page decodes, the picture stays.
+        for broken in ("delete window.Worker",
+                       "window.Worker = class { constructor() { setTimeout(() => this.onerror(new Event('error'))); }"
+                       " postMessage() {} terminate() {} }",
+                       "window.Worker = class { postMessage() { throw new Error('too long'); } terminate() {} }"):
+            self.before_pages(broken)
+            self.start("two.html", "#subframes=1&show=mean")
+            self.assertEqual(self.value("vog.decodes()"), {"worker": 0, "page": 2}, broken)
+            self.assertEqual(self.bytes(), before)
+
+    def test_a_damaged_field_says_so_through_the_worker(self):
+        text = (self.folder / "two.html").read_text()
+        at = text.index('id="model-0-0">') + len('id="model-0-0">')
+        (self.folder / "damaged.html").write_text(text[:at] + text[text.index("<", at):])
+        self.browser.open(self.folder / "damaged.html", "#subframes=1")
+        self.value("new Promise((done) => setTimeout(done, 500))")
+        self.assertIn("cannot be read", self.value("document.getElementById('failure-text').textContent"))
+
+    def heap(self):
+        self.browser.call("HeapProfiler.collectGarbage")
+        found = self.browser.call("Runtime.getHeapUsage")
+        return found["usedSize"] + found.get("backingStorageSize", 0) + found.get("embedderHeapUsedSize", 0)
+
+    def test_three_hundred_frames_take_no_more_memory(self):
+        for n in range(3):
+            write_scalars(self.folder / f"s_{n}.ply", self.rows[n:], [("scalar", "heat", 285, 315), ("measure", "mass", 0.1, 1)])
+        vog("export", "s_*.ply", "-o", "steps.html", "--levels", 1)
+        self.browser.viewport(160, 120)
+        self.open("steps.html", "#subframes=1&embed&show=volume")
+        # Steps, fields, quantities and edits in turns.
+        play = """(async () => { for (let n = 0; n < %d; ++n) {
+            vog.change({ model: n %% 3, field: (n >> 2) %% 2, show: n %% 5 === 4 ? 'mean' : 'volume' });
+            if (n %% 7 === 0) vog.change({ transfers: { [vog.state.field]: { name: 'own', unit: 1 + 0.1 * (n %% 9),
+              colors: [[0, 1, 0, 0], [400, 1, 1, 1]], opacity: [[0, 0], [1 + n, 0.5]] } } });
+            await vog.settled();
+        } })()"""
+        self.value(play % 45)
+        before = self.heap()
+        self.value(play % 300)
+        self.assertLess(self.heap(), before + 2e6)
+        self.assertEqual(self.value("vog.decodes().page"), 0)
+
 
 if __name__ == "__main__":
     run()

@@ -2,8 +2,7 @@
 import { length, mul, normalized, sub } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
-import { decodeLevel } from './picture/gaussians.js';
-import { decodeField } from './picture/fields.js';
+import { Decoder } from './picture/decoder.js';
 import { reversed } from './picture/colors.js';
 import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
@@ -243,17 +242,18 @@ function setMap() {
   renderer?.setMap(mapNow());
 }
 
+const decoder = new Decoder(find('worker').textContent);
 /** Decodes one level and the shown field, unless it has been. */
 async function decode(model, level) {
   const levels = levelsOf(model), { count } = page.models[model].levels[level], { field } = state;
   if (!levels[level]) {
-    const instances = await decodeLevel(
+    const instances = await decoder.decoded('decodeLevel',
       find(`model-${model}-${level}`).textContent, page.models[model].levels[level], page.models[model].extinction);
     levels[level] ??= { instances, fields: new Map(), gpu: undefined };
   }
   const source = page.models[model].fields[field];
   if (fieldKey(state) === null || !source || levels[level].fields.has(field)) return;
-  const data = await decodeField(
+  const data = await decoder.decoded('decodeField',
     find(`field-${model}-${field}-${level}`).textContent, source.vector, source.levels[level], count);
   levels[level].fields.set(field, data);
 }
@@ -592,7 +592,7 @@ window.vog = {
   state, change, page,
   settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
   picture: async () => { await window.vog.settled(); return picture(); },
-  bits: () => renderer?.format.bits,
+  bits: () => renderer?.format.bits, decodes: () => decoder.done,
   ray: (pixel) => rayOf(state.camera, pixel, canvas.width, canvas.height),
 };
 

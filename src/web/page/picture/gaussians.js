@@ -7,7 +7,7 @@ const rotationStep = (2 * rotationLimit) / 3000;
 export const instanceFloats = 11;
 
 export async function inflated(base64) {
-  if (!('DecompressionStream' in window)) throw new Error('this browser is too old to unpack it');
+  if (!('DecompressionStream' in globalThis)) throw new Error('this browser is too old to unpack it');
   const text = atob(base64.trim());
   const packed = new Uint8Array(text.length);
   for (let n = 0; n < text.length; ++n) packed[n] = text.charCodeAt(n);

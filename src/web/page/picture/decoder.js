@@ -1,0 +1,59 @@
+// decoder.js: decoding of levels and fields in a worker, so that playing steps in time does not wait for it; on the page's
+// own thread where there is no worker.
+import { decodeLevel } from './gaussians.js';
+import { decodeField } from './fields.js';
+
+const calls = { decodeLevel, decodeField };
+
+export class Decoder {
+  /** source  script of the worker */
+  constructor(source) {
+    [this.waiting, this.next, this.worker, this.done] = [new Map(), 0, null, { worker: 0, page: 0 }];
+    try {
+      const url = URL.createObjectURL(new Blob([source], { type: 'text/javascript' }));
+      this.worker = new Worker(url);
+      this.worker.onmessage = ({ data }) => {
+        URL.revokeObjectURL(url);
+        this.answer(data);
+      };
+      this.worker.onerror = (event) => {
+        event.preventDefault();
+        this.giveUp();
+      };
+    } catch {
+      this.worker = null;
+    }
+  }
+
+  answer({ id, out, error }) {
+    const { resolve, reject } = this.waiting.get(id);
+    this.waiting.delete(id);
+    ++this.done.worker;
+    if (error === undefined) resolve(out); else reject(new Error(error));
+  }
+  /** No worker can be had: what waits for it is decoded here. */
+  giveUp() {
+    this.worker?.terminate();
+    this.worker = null;
+    for (const { name, list, resolve, reject } of this.waiting.values()) this.here(name, list).then(resolve, reject);
+    this.waiting.clear();
+  }
+  here(name, list) {
+    ++this.done.page;
+    return calls[name](...list);
+  }
+
+  /** Result of decodeLevel or decodeField. */
+  decoded(name, ...list) {
+    if (!this.worker) return this.here(name, list);
+    return new Promise((resolve, reject) => {
+      const id = this.next++;
+      this.waiting.set(id, { name, list, resolve, reject });
+      try {
+        this.worker.postMessage({ id, name, list });
+      } catch {
+        this.giveUp();  // a text that is too long to be sent
+      }
+    });
+  }
+}

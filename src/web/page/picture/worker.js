@@ -1,0 +1,14 @@
+// worker.js: the decoder in a worker: answers {id, name, list} with {id, out} or {id, error}.
+import { decodeLevel } from './gaussians.js';
+import { decodeField } from './fields.js';
+
+const calls = { decodeLevel, decodeField };
+
+self.onmessage = async ({ data: { id, name, list } }) => {
+  try {
+    const out = await calls[name](...list);
+    self.postMessage({ id, out }, [out.buffer]);
+  } catch (error) {
+    self.postMessage({ id, error: error.message });
+  }
+};
