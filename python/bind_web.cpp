@@ -137,7 +137,7 @@ tf           initial transfer function
 background   as in DepthImage.shade; 'system': black or white by the reader's colour scheme
 blend        True: colours fade into the background as V goes to 0
 show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation' or 'volume'
-field        name of that field; '': the first one
+field        name of that field; '': the first one, of volume the density where the model has it
 range        (low, high), values of the first and the last colour; None: of the initial view, volume: of the data
 log          True: logarithmic colours of column, mean or deviation with a range
 unit_distance  of volume: length that opacities refer to, world units; None: found by the page

@@ -27,7 +27,8 @@ struct HtmlModel {
 /// Quantity that a page shows first; its reader can select every other that the models have.
 struct HtmlQuantity {
     std::string show = "T";  ///< T, column, mean, deviation or volume
-    /// Field of mean, deviation and volume, as field_choice reads it; empty: the first one.
+    /// Field of mean, deviation and volume, as field_choice reads it; empty: the first one, of
+    /// volume the density where the model has it.
     std::string field{};
     /// Scale of column, mean or deviation, linear or logarithmic; none: linear, of the first view.
     std::optional<ColorScale> scale{};
