@@ -1,5 +1,5 @@
-// quantity.h: what pictures show: visibility, column density, maps of a field, volume rendering by value; and the sums
-// that are drawn for them.
+// quantity.h: quantities of pictures: visibility, column density, maps of a field, volume rendering by value; and the
+// sums that are drawn for them.
 #pragma once
 
 #include <memory>

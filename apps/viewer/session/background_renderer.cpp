@@ -218,19 +218,18 @@ void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int
     TraceOptions rays;
     rays.progress = progress;
     if (drawn.kind == Drawn::Kind::field) {
-        if (!drawn.look.clip.empty())
-            throw Error(fmt::format("{} draws no clipped maps of fields, expected OpenGL or voxels",
-                                    name_of(request.renderer)));
         const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
         if (!splat) {
-            picture.sums = sums_of(
-                render_field_trace(model, drawn.field, request.camera, width, height, rays), unit);
+            picture.sums = sums_of(render_field_trace(model, drawn.field, request.camera, width,
+                                                      height, rays, {}, drawn.look.clip),
+                                   unit);
             return;
         }
         SplatOptions options;
         options.progress = progress;
         CutReport report;
-        if (request.hierarchy && !request.hierarchy->empty() && request.pixel_error > 0) {
+        if (request.hierarchy && !request.hierarchy->empty() && request.pixel_error > 0 &&
+            drawn.look.clip.empty()) {
             options.hierarchy = request.hierarchy.get();
             options.cut.pixel_error = request.pixel_error;
         }

@@ -49,7 +49,8 @@ void window_by_drag(Session& session, double right, double up);
 /// color  of a share of its width, [0, 1]
 void draw_strip(float x, float y, float width, float height,
                 const std::function<Rgba(float share)>& color);
-/// Selector of the background. returns  whether it changed
+/// Selector of the background.
+/// returns  whether it changed
 bool edit_background(Look& look);
 /// Selector of a named map.
 /// returns  the chosen one; empty: none
