@@ -82,7 +82,11 @@ class Program {
         session_.set_quantity(options.quantity.show, options.field);
         if (options.color_scale) session_.set_scale(*options.color_scale);
         session_.choose_transfer = options.choose_transfer;
-        if (!options.files.empty()) session_.open(options.files);
+        session_.open_film = options.open_film;
+        if (options.steps)
+            session_.open_steps(options.files);
+        else if (!options.files.empty())
+            session_.open(options.files);
     }
 
     void run() {
@@ -104,11 +108,13 @@ class Program {
         const double by_rows = std::clamp(std::floor(size.height / 540.0) / 2, 1.0, 3.0);
         const double pixels =
             options_.ui_scale > 0 ? options_.ui_scale : std::max(screen_->content_scale(), by_rows);
-        if (pixels == ui_pixels_) return;
+        const bool light = session_.settings.light_window;
+        if (pixels == ui_pixels_ && light == light_) return;
         ui_pixels_ = pixels;
+        light_ = light;
         load_font(static_cast<float>(std::lround(15 * pixels)));
         ImGui::GetIO().FontGlobalScale = 1 / points_scale;
-        set_style(static_cast<float>(pixels) / points_scale);
+        set_style(static_cast<float>(pixels) / points_scale, light);
         gui_gl_.upload_fonts();
     }
 
@@ -121,9 +127,9 @@ class Program {
         if (size.width < 1 || size.height < 1) return;
         const float points_scale = std::max(0.1f, io.DisplayFramebufferScale.x);
         fit_ui(size, points_scale);
-        const Layout layout =
-            layout_of(io.DisplaySize.x, io.DisplaySize.y,
-                      static_cast<float>(ui_pixels_) / points_scale, session_.settings.panels);
+        const Layout layout = layout_of(io.DisplaySize.x, io.DisplaySize.y,
+                                        static_cast<float>(ui_pixels_) / points_scale,
+                                        session_.settings.panels, session_.step_count() > 0);
         if (script_) {
             Stage stage{session_, gui_, *screen_, layout.picture};
             script_->play(stage);
@@ -188,6 +194,7 @@ class Program {
             write_png(name, image);
             session_.show_message("wrote " + name);
         }
+        if (std::exchange(requests_.full_screen, false)) screen_->toggle_full_screen();
         if (std::exchange(requests_.picture, false)) session_.save_picture(free_name(".png"));
         if (std::exchange(requests_.depth, false)) session_.save_depth(free_name(".exr"));
     }
@@ -208,6 +215,7 @@ class Program {
     Requests requests_;
     std::optional<ScriptPlayer> script_;
     double ui_pixels_ = 0;
+    bool light_ = false;
     int still_frames_ = 0;
     std::string title_;
 };

@@ -26,6 +26,8 @@ struct ViewerOptions {
     /// Of column, mean and deviation; none: of the first picture.
     std::optional<ColorScale> color_scale{};
     ChooseTransfer choose_transfer{};  ///< of volume
+    bool steps = false;                ///< the files are models, steps in time
+    OpenFilm open_film{};
     ReadFiles read;
 };
 

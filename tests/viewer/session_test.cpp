@@ -319,6 +319,38 @@ TEST_F(view_command, mouse_and_keys_reach_quantities) {
     EXPECT_EQ(values("step.json").size(), 4u);
 }
 
+TEST_F(view_command, steps_in_time_play_and_are_saved) {
+    for (const char* seed : {"1", "2", "3"}) {
+        must(std::string("sample explosion e.vdb --size 64 --seed ") + seed);
+        must(std::string("convert e.vdb --block 8 -o s") + seed + ".ply");
+    }
+    play("'s*.ply'",
+         "size 120 90\npanels off\noverlay off\ncolorbar off\nsave-camera camera.json\nexposure 2\n"
+         "wait\nstep 2\nwait\npicture two.png\nsteps all\nspeed 100\nloop off\nstep 1\nwait\n"
+         "play on\nwait\npicture last.png\nturntable turn 2\n");
+    for (const char* n : {"1", "2", "3"}) {
+        const std::string name = n;
+        must("render s" + name + ".ply -o r" + name +
+             ".png --camera camera.json --size 120x90 --extinction 2");
+        expect_same_picture("r" + name + ".png", "all/000" + name + ".png");
+    }
+    expect_same_picture("r2.png", "two.png");
+    expect_same_picture("r3.png", "last.png");
+    expect_same_picture("r3.png", "turn/0001.png");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "all" / "0004.png"));
+    write("play.vog", "step 4\n");
+    must_fail(1, "view 's*.ply' --headless --script play.vog",
+              "play.vog:1: no step 4, expected 1 to 3");
+    write("play.vog", "wait\nsteps all\n");
+    must_fail(1, "view s1.ply --headless --script play.vog",
+              "play.vog:2: no steps in time are open");
+    must_fail(2, "view e.vdb --steps --headless --script play.vog", "--steps: of models");
+    // A step that cannot be read: one line, as for a file that is opened.
+    write("s2.ply", "ply\nformat");
+    write("play.vog", "wait\nstep 2\nwait\n");
+    must_fail(1, "view 's*.ply' --steps --headless --script play.vog", "s2.ply");
+}
+
 TEST_F(view_command, bad_scripts_are_refused_by_line) {
     make_cloud();
     refuses("wait\n\nfrobnicate 3\n", "play.vog:3: no action 'frobnicate'");

@@ -6,10 +6,12 @@
 
 #include "commands.h"
 #include "fields/volume_fields.h"
+#include "films/film.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
+#include "shared/sequence.h"
 #include "shared/validators.h"
 #include "values/page_quantity.h"
 #include "vog/error.h"
@@ -30,7 +32,7 @@ struct WindowArguments {
     ViewArguments view;
     ColorArguments color;
     PageQuantityArguments quantity;
-    bool headless = false;
+    bool headless = false, steps = false;
     double scale = 1, ui_scale = 0;
     int threads = 0;
 };
@@ -98,7 +100,28 @@ viewer::Content read_content(const std::vector<std::string>& files,
     return content;
 }
 
-void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
+/// A film by ffmpeg.
+class FilmSink : public viewer::PictureSink {
+  public:
+    FilmSink(const std::string& file, double per_second) : film_(file, per_second) {}
+    void add(const Image& picture) override { film_.add(picture); }
+    void finish() override { film_.finish(); }
+
+  private:
+    Film film_;
+};
+
+void open_viewer(WindowArguments arguments, const CLI::App& command) {
+    // Models that one pattern matches are steps in time.
+    const bool pattern = arguments.inputs.size() == 1;
+    arguments.inputs = expanded(arguments.inputs);
+    if (command.count("--steps") == 0 && pattern && arguments.inputs.size() > 1)
+        arguments.steps = common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model;
+    if (arguments.steps &&
+        (arguments.inputs.empty() ||
+         common_kind(arguments.inputs, arguments.volume.grid) != FileKind::model))
+        throw CLI::ValidationError(
+            "--steps: of models, expected PLY files (vog convert 'volumes/*.vdb' -o models/)");
     // Inputs and options are checked before a window opens.
     for (const std::string& input : arguments.inputs)
         if (!std::filesystem::exists(input)) throw Error(fmt::format("{}: no such file", input));
@@ -117,6 +140,10 @@ void open_viewer(const WindowArguments& arguments, const CLI::App& command) {
     options.size = {size.width, size.height};
     options.headless = arguments.headless;
     options.script = arguments.script;
+    options.steps = arguments.steps;
+    options.open_film = [](const std::string& file, double per_second) {
+        return std::make_unique<FilmSink>(file, per_second);
+    };
     options.scale = arguments.scale;
     options.ui_scale = arguments.ui_scale;
     // Throws for options that exclude each other.
@@ -156,6 +183,10 @@ void add_view(CLI::App& app) {
                         "Volumes (several: levels or parts of one mesh), particles or PLY models; "
                         "more files can be "
                         "dropped on the window");
+    command->add_flag(
+        "--steps,!--no-steps", arguments->steps,
+        "Whether the models are steps in time, with a play bar, one extinction and one "
+        "range; default: those that one pattern matches");
     command->add_option("--size", arguments->size, "Size of the window in pixels, WxH")
         ->capture_default_str();
     command->add_option("--script", arguments->script,

@@ -24,6 +24,8 @@ class Screen {
     /// Size of the framebuffer, pixels.
     virtual PixelSize size() const = 0;
     virtual void resize(PixelSize pixels) = 0;
+    /// To the whole display, and back.
+    virtual void toggle_full_screen() = 0;
     /// The display's scale of text and controls, in framebuffer pixels: 1, or 2 on HiDPI.
     virtual double content_scale() const = 0;
     /// Handles events; sets size, pointer and keys in `io`. Waits for an event up to `wait_s`

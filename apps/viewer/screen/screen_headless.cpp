@@ -102,6 +102,7 @@ class HeadlessScreen : public Screen {
         size_ = pixels;
         target_ = std::make_unique<GlTarget>(GL_RGBA8, pixels.width, pixels.height);
     }
+    void toggle_full_screen() override {}
     double content_scale() const override { return 1; }
     void begin_frame(ImGuiIO& io, double wait_s) override {
         // There are no events to wait for.

@@ -6,11 +6,14 @@
 #include <fmt/core.h>
 #include <imgui.h>
 
+#include <cmath>
 #include <utility>
+#include <vector>
 
 #include "gl/gl_objects.h"
 #include "screen/screen.h"
 #include "vog/error.h"
+#include "vog/shade.h"
 
 namespace vog::viewer {
 
@@ -41,8 +44,11 @@ class WindowScreen : public Screen {
         glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
         glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
         glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+        glfwWindowHintString(GLFW_X11_CLASS_NAME, "vog");
+        glfwWindowHintString(GLFW_X11_INSTANCE_NAME, "vog");
         window_ = glfwCreateWindow(size.width, size.height, "vog", nullptr, nullptr);
         if (!window_) throw Error(fmt::format("no window with OpenGL 3.3: {}", glfw_reason()));
+        set_icon();
         glfwMakeContextCurrent(window_);
         glfwSwapInterval(1);
         require_gl();
@@ -73,6 +79,19 @@ class WindowScreen : public Screen {
         glfwSetWindowSize(window_, pixels.width * width / now.width,
                           pixels.height * height / now.height);
     }
+    void toggle_full_screen() override {
+        if (glfwGetWindowMonitor(window_)) {
+            glfwSetWindowMonitor(window_, nullptr, before_.x, before_.y, before_.width,
+                                 before_.height, GLFW_DONT_CARE);
+            return;
+        }
+        GLFWmonitor* monitor = glfwGetPrimaryMonitor();
+        const GLFWvidmode* mode = monitor ? glfwGetVideoMode(monitor) : nullptr;
+        if (!mode) return;
+        glfwGetWindowPos(window_, &before_.x, &before_.y);
+        glfwGetWindowSize(window_, &before_.width, &before_.height);
+        glfwSetWindowMonitor(window_, monitor, 0, 0, mode->width, mode->height, mode->refreshRate);
+    }
     double content_scale() const override {
         float x = 1, y = 1;
         glfwGetWindowContentScale(window_, &x, &y);
@@ -100,8 +119,28 @@ class WindowScreen : public Screen {
     std::vector<std::string> take_dropped_files() override { return std::exchange(dropped_, {}); }
 
   private:
+    /// A Gaussian in the colours of inferno.
+    void set_icon() {
+        constexpr int kSide = 48;
+        const TransferFunction map = named_transfer_function("inferno");
+        std::vector<unsigned char> pixels;
+        for (int row = 0; row < kSide; ++row)
+            for (int column = 0; column < kSide; ++column) {
+                const double x = (column + 0.5) / kSide * 2 - 1, y = (row + 0.5) / kSide * 2 - 1;
+                const double r2 = x * x + y * y;
+                const Rgba c = color_at(map, static_cast<float>(std::exp(-2.5 * r2)));
+                for (const float channel : {c.r, c.g, c.b, r2 < 1 ? 1.0f : 0.0f})
+                    pixels.push_back(static_cast<unsigned char>(std::lround(255 * channel)));
+            }
+        const GLFWimage icon{kSide, kSide, pixels.data()};
+        glfwSetWindowIcon(window_, 1, &icon);
+    }
+
     GlfwLibrary library_;  // first member: destroyed last
     GLFWwindow* window_ = nullptr;
+    struct {
+        int x = 0, y = 0, width = 0, height = 0;
+    } before_;  ///< full screen, in the display's coordinates
     std::vector<std::string> dropped_;
 };
 

@@ -149,7 +149,7 @@ bool ScriptPlayer::waits(const Action& action, Stage& stage) {
                                 requested.width, requested.height));
     }
     if (action.verb == "open") return session.opening();
-    if (action.verb == "turntable") return session.turning();
+    if (action.verb == "turntable" || action.verb == "steps") return session.turning();
     // A change reaches the layout a frame later, and the picture one frame after that.
     return frames_ < 3 && action.verb != "picture" && action.verb != "depth";
 }
@@ -178,6 +178,11 @@ void ScriptPlayer::start(const Action& action, Stage& stage) {
     if (verb == "scale") s.scale = number(first);
     if (verb == "panels") s.panels = on(first);
     if (verb == "overlay") s.overlay = on(first);
+    if (verb == "window-light") s.light_window = on(first);
+    if (verb == "speed") s.steps_per_second = number(first);
+    if (verb == "loop") s.loop = on(first);
+    if (verb == "play") stage.session.play(on(first));
+    if (verb == "step") stage.session.set_step(static_cast<std::size_t>(number(first)) - 1);
     if (verb == "axes") s.axes = s.scale_bar = s.probe = on(first);
     if (verb == "colorbar") s.color_bar = on(first);
     if (verb == "help") s.help = on(first);
@@ -395,6 +400,8 @@ bool ScriptPlayer::start_file(const Action& action, Stage& stage) {
         stage.session.save_picture(action.words[0]);
     else if (action.verb == "depth")
         stage.session.save_depth(action.words[0]);
+    else if (action.verb == "steps")
+        stage.session.start_time_export(action.words[0]);
     else if (action.verb == "turntable")
         stage.session.start_turntable(action.words[0], static_cast<int>(number(action.words[1])));
     else

@@ -52,10 +52,12 @@ double steady_clock_s() {
 }
 
 Session::Session(ReadFiles read, std::function<double()> clock_s)
-    : loader_(std::move(read)), clock_s_(std::move(clock_s)) {}
+    : loader_(read), read_(std::move(read)), clock_s_(std::move(clock_s)) {}
 
 void Session::open(const std::vector<std::string>& files) {
     if (files.front().ends_with(".json")) return open_json(files.front());
+    steps_.reset();
+    play(false);
     loader_.open(files);
     opening_ = true;
     // The loader's status is read with each frame, so that an error is shown once.
@@ -121,7 +123,7 @@ void Session::update_moving_error() {
     last_camera_ = camera;
     const double now = clock_s_();
     if (changed) last_change_s_ = now;
-    moving_ = settings.coarse_moving && !turntable_ && now - last_change_s_ < kSettleS;
+    moving_ = settings.coarse_moving && !recording_ && now - last_change_s_ < kSettleS;
     if (!moving_ || !changed || scene.levels.empty()) return;
     // Twice the error (about an eighth of the Gaussians) after a slow frame, half of it after a
     // fast one.
@@ -164,7 +166,10 @@ bool Session::needs_right() const { return settings.split_on || settings.differe
 
 void Session::update(PixelSize shown) {
     shown_ = shown;
-    update_scene();
+    if (steps_)
+        update_steps();
+    else
+        update_scene();
     if (scene.levels.empty()) return;
     if (!scene.voxels) {  // a model has no voxels to render
         if (settings.renderer == WindowRenderer::voxels) settings.renderer = WindowRenderer::gl;
@@ -178,7 +183,7 @@ void Session::update(PixelSize shown) {
     for (Picture* picture : {&left_, &right_})
         if (const std::string error = picture->take_error(); !error.empty()) show_error(error);
     inspect();
-    advance_turntable();
+    advance_recording();
 }
 
 bool Session::at_first_view() const { return same(camera, first_camera(scene.box)); }
@@ -191,7 +196,8 @@ bool Session::drawing() const {
 }
 
 bool Session::at_rest() const {
-    return !loading.busy && !moving_ && !turntable_ &&
+    return !loading.busy && !moving_ && !recording_ && !playing_ &&
+           (!steps_ || shown_step_ == step_) &&
            (scene.levels.empty() || (left_.complete() && (!needs_right() || right_.complete())));
 }
 

@@ -12,6 +12,7 @@
 #include "session/look.h"
 #include "session/picture.h"
 #include "session/scene_loader.h"
+#include "session/steps.h"
 #include "ui/trackball.h"
 
 namespace vog::viewer {
@@ -31,7 +32,22 @@ struct Settings {
     bool follow_exposure = false;  ///< automatic extinction whenever the picture is complete
     bool panels = true, overlay = true, help = false, color_bar = true;
     bool axes = true, scale_bar = true, probe = true;
+    bool light_window = false;  ///< dark text on light panels
+    double steps_per_second = 8;
+    bool loop = true;  ///< the first step follows the last
 };
+
+/// Receiver of the pictures of a film.
+class PictureSink {
+  public:
+    virtual ~PictureSink() = default;
+    /// throws vog::Error
+    virtual void add(const Image& picture) = 0;
+    virtual void finish() = 0;
+};
+/// Opens a film of this name and pictures a second. throws vog::Error where it can not be written
+using OpenFilm =
+    std::function<std::unique_ptr<PictureSink>(const std::string& file, double per_second)>;
 
 /// Number under the pointer.
 struct Probed {
@@ -78,6 +94,18 @@ class Session {
     double automatic_extinction = 1;  ///< latest value of auto_exposure()
     std::string message;              ///< latest result or error, for the status line
     bool failed = false;              ///< the message is an error
+
+    /// Opens models as steps in time, at the first of them.
+    void open_steps(std::vector<std::string> files);
+    /// Steps of the open sequence; 0: none is open.
+    std::size_t step_count() const { return steps_ ? steps_->count() : 0; }
+    std::size_t step() const { return step_; }
+    /// Shows a step once it is read. throws vog::Error for one that is not there
+    void set_step(std::size_t step);
+    bool playing() const { return playing_; }
+    void play(bool on);
+    /// Steps in memory after the present one.
+    std::size_t steps_ahead() const { return steps_ ? steps_->ahead() : 0; }
 
     /// Opens data, or a JSON file with a transfer function or a camera.
     /// throws vog::Error for a JSON file of neither
@@ -133,10 +161,13 @@ class Session {
     /// Saves the numbers of the picture as EXR: T; column, mean and deviation of a field; colours of a volume.
     void save_depth(const std::filesystem::path& file);
     void save_look(const std::filesystem::path& file);
-    /// Saves `frames` pictures of a full turn about the first view's up axis, which is that of the
-    /// data, as 0001.png, ... in `folder`.
-    void start_turntable(const std::filesystem::path& folder, int frames);
-    bool turning() const { return turntable_.has_value(); }
+    /// Saves `frames` pictures of a full turn about the up axis of the data, as 0001.png, ... in a folder, or as a
+    /// film (.mp4, .webm).
+    void start_turntable(const std::filesystem::path& output, int frames);
+    /// Saves a picture of each step in time likewise.
+    void start_time_export(const std::filesystem::path& output);
+    bool turning() const { return recording_.has_value(); }
+    OpenFilm open_film;  ///< empty: no films
 
     /// Advances loading, rendering and the turntable by one frame. shown  size of the picture
     void update(PixelSize shown);
@@ -167,11 +198,16 @@ class Session {
     double least_distance() const { return 0.05 * radius(); }
 
   private:
-    struct Turntable {
-        std::filesystem::path folder;
-        Camera start;
+    /// A turn, or all steps in time, being saved.
+    struct Recording {
+        std::filesystem::path output;  ///< folder or film
+        bool of_time = false;
+        Camera camera;         ///< before
+        std::size_t step = 0;  ///< before
         int frames = 0, next = 0;
+        std::unique_ptr<PictureSink> film;
     };
+    void start_recording(Recording recording);
     void open_json(const std::string& file);
     void update_scene();
     void update_moving_error();
@@ -189,9 +225,11 @@ class Session {
     void fit_scale();
     FieldUnit field_unit() const;
     ShadeView shade_view() const;
-    void advance_turntable();
+    void advance_recording();
+    void update_steps();
 
     SceneLoader loader_;
+    ReadFiles read_;  ///< of steps
     GlRenderers gl_;
     GlShade shade_;
     GlTimer shade_timer_;
@@ -218,7 +256,12 @@ class Session {
     int inspected_revision_ = -1;
     double moving_error_ = 0;  ///< screen-space error of the cut that keeps frames fast, pixels
     double last_change_s_ = 0;
-    std::optional<Turntable> turntable_;
+    std::optional<Recording> recording_;
+    std::unique_ptr<Steps> steps_;
+    std::size_t step_ = 0;
+    std::optional<std::size_t> shown_step_;
+    bool playing_ = false;
+    double last_step_s_ = 0;
 };
 
 }  // namespace vog::viewer

@@ -128,40 +128,75 @@ void Session::save_look(const fs::path& file) {
     show_message("wrote " + file.string());
 }
 
-void Session::start_turntable(const fs::path& folder, int frames) {
+void Session::start_turntable(const fs::path& output, int frames) {
     if (frames < 1 || frames > 9999)
         throw Error(fmt::format("turntable: {} pictures, expected 1 to 9999", frames));
-    std::error_code code;
-    fs::create_directories(folder, code);
-    if (!fs::is_directory(folder))
-        throw Error(fmt::format("{}: cannot create this folder", folder.string()));
-    turntable_ = Turntable{folder, camera, frames, 0};
+    Recording recording;
+    recording.output = output;
+    recording.frames = frames;
+    start_recording(std::move(recording));
 }
 
-void Session::advance_turntable() {
-    if (!turntable_) return;
-    Turntable& t = *turntable_;
-    // About the up axis of the first view, not of the screen: the data stay upright.
-    const auto at = [&](int frame) {
-        return turned_about(t.start, up(), 2 * std::numbers::pi * frame / t.frames);
-    };
-    const bool complete = left_.complete() && (!needs_right() || right_.complete());
-    if (complete && t.next > 0) {
+void Session::start_time_export(const fs::path& output) {
+    if (!steps_) throw Error("no steps in time are open: vog view --steps");
+    Recording recording;
+    recording.output = output;
+    recording.of_time = true;
+    recording.frames = static_cast<int>(step_count());
+    start_recording(std::move(recording));
+}
+
+void Session::start_recording(Recording recording) {
+    play(false);
+    recording.camera = camera;
+    recording.step = step_;
+    const std::string extension = recording.output.extension().string();
+    if (extension == ".mp4" || extension == ".webm") {
+        if (!open_film) throw Error("films are of `vog view`, expected a folder");
+        const double per_second = recording.of_time ? settings.steps_per_second : 30;
+        recording.film = open_film(recording.output.string(), per_second);
+    } else {
+        std::error_code code;
+        fs::create_directories(recording.output, code);
+        if (!fs::is_directory(recording.output))
+            throw Error(fmt::format("{}: cannot create this folder", recording.output.string()));
+    }
+    recording_ = std::move(recording);
+}
+
+void Session::advance_recording() {
+    if (!recording_) return;
+    Recording& r = *recording_;
+    const bool complete = left_.complete() && (!needs_right() || right_.complete()) &&
+                          (!steps_ || shown_step_ == step_);
+    if (complete && r.next > 0) {
         try {
-            write_png(t.folder / fmt::format("{:04}.png", t.next), picture_image());
+            if (r.film)
+                r.film->add(picture_image());
+            else
+                write_png(r.output / fmt::format("{:04}.png", r.next), picture_image());
+            if (r.next == r.frames && r.film) r.film->finish();
         } catch (const Error&) {
-            turntable_.reset();
+            recording_.reset();
             throw;
         }
-        show_message(fmt::format("turntable: {} of {}", t.next, t.frames));
-        if (t.next == t.frames) {
-            camera = t.start;
-            show_message(fmt::format("wrote {} pictures to {}", t.frames, t.folder.string()));
-            turntable_.reset();
+        show_message(
+            fmt::format("{}: {} of {}", r.of_time ? "steps" : "turntable", r.next, r.frames));
+        if (r.next == r.frames) {
+            camera = r.camera;
+            if (steps_) set_step(r.step);
+            show_message(fmt::format("wrote {} pictures to {}", r.frames, r.output.string()));
+            recording_.reset();
             return;
         }
     }
-    if (complete || t.next == 0) camera = at(t.next++);
+    if (!complete && r.next > 0) return;
+    // About the up axis of the data, not of the screen: they stay upright.
+    if (r.of_time)
+        set_step(static_cast<std::size_t>(r.next));
+    else
+        camera = turned_about(r.camera, up(), 2 * std::numbers::pi * r.next / r.frames);
+    ++r.next;
 }
 
 }  // namespace vog::viewer

@@ -34,6 +34,7 @@ constexpr KeyHelp kHelp[] = {
     {"G  Shift + G  J", "next, previous quantity, next field"},
     {"R  Y  K", "range of this view, light, clip box"},
     {"Ctrl + Z  Ctrl + Y", "undo, redo the transfer function of values"},
+    {"Space  ,  .", "play steps in time, step back, step on"},
     {"5  U", "parallel rays, z or y up"},
     {"M  Shift + M", "next, previous colour map"},
     {"I  B", "invert the map, blend"},
@@ -42,7 +43,7 @@ constexpr KeyHelp kHelp[] = {
     {"C", "copy the view as command-line options"},
     {"F2  F3  F4", "save screenshot, picture (PNG), optical depth T (EXR)"},
     {"Tab  O  L  T", "show or hide panels, figures, colour bar, axes and probe"},
-    {"F1 or H", "this help"},
+    {"F1 or H  F11", "this help, full screen"},
     {"Ctrl + Q", "quit"},
 };
 
@@ -211,6 +212,15 @@ void apply_quantity_keys(Session& session) {
     if (pressed(GLFW_KEY_R)) session.automatic_scale();
 }
 
+void apply_time_keys(Session& session) {
+    const std::size_t count = session.step_count();
+    if (count == 0) return;
+    const auto pressed = [](int key) { return ImGui::IsKeyPressed(key, true); };
+    if (pressed(GLFW_KEY_SPACE)) session.play(!session.playing());
+    if (pressed(GLFW_KEY_COMMA)) session.set_step((session.step() + count - 1) % count);
+    if (pressed(GLFW_KEY_PERIOD)) session.set_step((session.step() + 1) % count);
+}
+
 void change_level(Session& session, int step) {
     const int last = static_cast<int>(session.scene.levels.size()) - 1;
     if (last < 0) return;
@@ -262,6 +272,7 @@ void apply_setting_keys(Session& session, Requests& requests) {
     if (pressed(GLFW_KEY_RIGHT_BRACKET)) change_level(session, 1);
     if (pressed(GLFW_KEY_N)) next_renderer(session);
     if (pressed(GLFW_KEY_C)) session.copy_flags();
+    requests.full_screen |= pressed(GLFW_KEY_F11);
     requests.screenshot |= pressed(GLFW_KEY_F2);
     requests.picture |= pressed(GLFW_KEY_F3);
     requests.depth |= pressed(GLFW_KEY_F4);
@@ -298,6 +309,8 @@ int key_number(const std::string& name) {
         {"pagedown", GLFW_KEY_PAGE_DOWN},
         {"-", GLFW_KEY_MINUS},
         {"=", GLFW_KEY_EQUAL},
+        {",", GLFW_KEY_COMMA},
+        {".", GLFW_KEY_PERIOD},
         {"[", GLFW_KEY_LEFT_BRACKET},
         {"]", GLFW_KEY_RIGHT_BRACKET},
     };
@@ -309,7 +322,7 @@ int key_number(const std::string& name) {
         if (name == fmt::format("f{}", n)) return GLFW_KEY_F1 + n - 1;
     throw Error(fmt::format(
         "no key '{}', expected a letter, a digit, f1 to f12, space, tab, escape, enter, "
-        "home, left, right, up, down, pageup, pagedown, -, =, [ or ]",
+        "home, left, right, up, down, pageup, pagedown, -, =, \",\", \".\", [ or ]",
         name));
 }
 
@@ -329,6 +342,7 @@ void apply_input(Session& session, Drag& state, const Rect& picture, Requests& r
     if (session.scene.levels.empty()) return;
     apply_view_keys(session);
     apply_quantity_keys(session);
+    apply_time_keys(session);
 }
 
 }  // namespace vog::viewer

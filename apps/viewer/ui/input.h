@@ -29,6 +29,7 @@ struct Requests {
     bool quit = false;
     bool screenshot = false;  ///< of the whole window
     bool picture = false, depth = false;
+    bool full_screen = false;  ///< to and fro
 };
 
 /// Applies ImGui's input to camera and settings, unless a panel uses it.

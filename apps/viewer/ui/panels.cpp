@@ -123,8 +123,11 @@ void draw_camera_section(Session& session, Gui& gui, float ui) {
     bool orthographic = session.camera.orthographic();
     if (ImGui::Checkbox("orthographic", &orthographic)) session.set_orthographic(orthographic);
     mark(gui, "orthographic");
+    ImGui::SameLine(0, 12 * ui);
+    bool z_up = session.up() == Vec3d{0, 0, 1};
+    if (ImGui::Checkbox("z up", &z_up)) session.set_z_up(z_up);
+    mark(gui, "z up");
     if (orthographic) {
-        ImGui::SameLine(0, 4 * ui);
         ImGui::Text("width %.4g", session.camera.orthographic_width);
     } else {
         auto fov = static_cast<float>(session.camera.fov_degrees);
@@ -160,6 +163,15 @@ void draw_file_section(Session& session, Gui& gui, float ui, Requests& requests)
     if (ImGui::Button(session.turning() ? "turning" : "turntable") && !session.turning())
         attempt(session,
                 [&] { session.start_turntable(gui.turntable_path, gui.turntable_frames); });
+    if (session.step_count() > 0) {
+        if (ImGui::Button("save all steps") && !session.turning())
+            attempt(session, [&] { session.start_time_export(gui.turntable_path); });
+        mark(gui, "save all steps");
+    }
+    if (ImGui::IsItemHovered())
+        ImGui::SetTooltip("To a folder of PNG, or a film: NAME.mp4, NAME.webm (needs ffmpeg)");
+    ImGui::Checkbox("light window", &session.settings.light_window);
+    mark(gui, "light window");
     ImGui::InputTextWithHint("##open", "file to open, or drop one here", &gui.open_path);
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button("open") && !gui.open_path.empty())
@@ -194,12 +206,14 @@ void draw_status(const Session& session, const Layout& layout) {
 
 }  // namespace
 
-Layout layout_of(float width, float height, float ui, bool panels) {
-    if (!panels) return {{0, 0, width, height}, {}, {}, ui};
+Layout layout_of(float width, float height, float ui, bool panels, bool steps) {
+    if (!panels) return {{0, 0, width, height}, {}, {}, {}, ui};
     const float panel = std::min(350 * ui, 0.5f * width), status = 26 * ui;
-    return {{0, 0, width - panel, height - status},
-            {width - panel, 0, panel, height - status},
-            {0, height - status, width, status},
+    const float play = steps ? 34 * ui : 0, below = height - status;
+    return {{0, 0, width - panel, below - play},
+            {width - panel, 0, panel, below},
+            {0, below, width, status},
+            steps ? Rect{0, below - play, width - panel, play} : Rect{},
             ui};
 }
 
@@ -208,10 +222,13 @@ void mark(Gui& gui, const std::string& name) {
     gui.widgets[name] = {low.x, low.y, high.x - low.x, high.y - low.y};
 }
 
-void set_style(float ui) {
+void set_style(float ui, bool light) {
     ImGuiStyle& style = ImGui::GetStyle();
     style = {};
-    ImGui::StyleColorsDark(&style);
+    if (light)
+        ImGui::StyleColorsLight(&style);
+    else
+        ImGui::StyleColorsDark(&style);
     style.WindowBorderSize = 0;
     style.FrameRounding = style.GrabRounding = 3;
     style.WindowRounding = 4;
@@ -222,6 +239,7 @@ void set_style(float ui) {
 void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests) {
     gui.widgets.clear();
     draw_overlays(session, gui, layout);
+    draw_play_bar(session, gui, layout);
     if (layout.panel.width <= 0) return;
     ImGui::SetNextWindowPos({layout.panel.x, layout.panel.y});
     ImGui::SetNextWindowSize({layout.panel.width, layout.panel.height});
@@ -232,8 +250,7 @@ void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& req
         return ImGui::CollapsingHeader(name, ImGuiTreeNodeFlags_DefaultOpen);
     };
     if (section("Picture")) draw_picture_section(session, gui);
-    if (!session.scene.levels.empty() && section("Quantity"))
-        draw_quantity(session, gui, layout.ui);
+    if (!session.scene.levels.empty() && section("Quantity")) draw_quantity(session, gui);
     if (section("Colour")) {
         if (session.quantity.show == Show::volume && session.values.now())
             draw_values(session, gui, layout.ui);

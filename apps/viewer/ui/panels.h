@@ -13,10 +13,12 @@ namespace vog::viewer {
 /// Rectangles of the window, in ImGui's coordinates.
 struct Layout {
     Rect picture, panel, status;
+    Rect play;     ///< bar of steps in time; empty: none
     float ui = 1;  ///< scale of text and controls
 };
 /// Layout of a window of this size; without panels the picture fills it.
-Layout layout_of(float width, float height, float ui, bool panels);
+/// steps  whether there is a bar of steps in time
+Layout layout_of(float width, float height, float ui, bool panels, bool steps = false);
 
 /// State of the panels between frames.
 struct Gui {
@@ -31,13 +33,14 @@ struct Gui {
     double fps = 0;           ///< frames per second, smoothed
 };
 
-void set_style(float ui);
+/// light  dark text on light panels
+void set_style(float ui, bool light);
 /// Draws panel, status line, figures, colour bar, split labels and help. Errors of the user's
 /// actions become the session's message.
 void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests);
 
 /// Draws the quantity section: quantity, field, scale, light, clip box.
-void draw_quantity(Session& session, Gui& gui, float ui);
+void draw_quantity(Session& session, Gui& gui);
 /// Draws the colour section: map, opacity over the histogram, range, gamma, extinction.
 void draw_look(Session& session, Gui& gui, float ui);
 /// Draws the editor of the transfer function of values.
@@ -55,6 +58,8 @@ bool edit_background(Look& look);
 /// Selector of a named map.
 /// returns  the chosen one; empty: none
 std::string choose_map(const std::string& shown, Gui& gui);
+/// Draws the bar of steps in time.
+void draw_play_bar(Session& session, Gui& gui, const Layout& layout);
 /// Draws figures, colour bar, split labels and help over the picture.
 void draw_overlays(Session& session, Gui& gui, const Layout& layout);
 

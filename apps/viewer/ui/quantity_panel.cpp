@@ -116,15 +116,11 @@ void edit_clip(Session& session, Gui& gui) {
 
 }  // namespace
 
-void draw_quantity(Session& session, Gui& gui, float ui) {
+void draw_quantity(Session& session, Gui& gui) {
     choose_quantity(session, gui);
     if (has_scale(session.quantity.show)) edit_scale(session, gui);
     if (session.quantity.show == Show::volume) edit_light(session, gui);
     edit_clip(session, gui);
-    ImGui::SameLine(0, 12 * ui);
-    bool z_up = session.up() == Vec3d{0, 0, 1};
-    if (ImGui::Checkbox("z up", &z_up)) session.set_z_up(z_up);
-    mark(gui, "z up");
 }
 
 }  // namespace vog::viewer
