@@ -8,7 +8,7 @@
 
 #include "gl/shade_gl.h"
 #include "gl/slabs_gl.h"
-#include "session/look.h"
+#include "quantity/look.h"
 #include "support/data.h"
 #include "viewer/headless.h"
 #include "vog/compare.h"

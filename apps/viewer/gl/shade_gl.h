@@ -3,7 +3,7 @@
 
 #include "gl/gl_objects.h"
 #include "quantity/quantity.h"
-#include "session/look.h"
+#include "quantity/look.h"
 
 namespace vog::viewer {
 

@@ -9,7 +9,7 @@
 
 #include "quantity/quantity.h"
 #include "quantity/value_edit.h"
-#include "session/look.h"
+#include "quantity/look.h"
 #include "session/picture.h"
 #include "session/scene_loader.h"
 #include "session/steps.h"

@@ -195,6 +195,7 @@ void draw_axes(const Session& session, const Layout& layout) {
 /// A length at the depth of the point looked at, 1, 2 or 5 times a power of ten.
 void draw_scale_bar(const Session& session, const Layout& layout) {
     const float ui = layout.ui;
+    if (layout.picture.width < 200 * ui || layout.picture.height < 160 * ui) return;
     const double most = std::min(160.0 * double{ui}, 0.3 * double{layout.picture.width});
     const CameraFrame frame = frame_of(session.camera, static_cast<int>(layout.picture.width),
                                        static_cast<int>(layout.picture.height));

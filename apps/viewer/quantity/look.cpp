@@ -1,5 +1,5 @@
 // look.cpp: map, range, gamma, inversion and opacity points to one transfer function.
-#include "session/look.h"
+#include "quantity/look.h"
 
 #include <fmt/core.h>
 
