@@ -68,7 +68,10 @@ class Program {
         : options_(options),
           screen_(options.headless ? open_headless(options.size) : open_window(options.size)),
           session_(options.read) {
-        if (!options.script.empty()) script_.emplace(options.script);
+        if (!options.script.empty())
+            script_.emplace(options.script);
+        else
+            gui_.recent = RecentFiles(recent_files_path());
         session_.settings.scale = options.scale;
         // On software OpenGL the CPU splat is about fifty times as fast.
         if (is_software_gl()) session_.settings.renderer = WindowRenderer::splat;
@@ -146,6 +149,9 @@ class Program {
         const PixelSize shown{to_pixels(layout.picture.width), to_pixels(layout.picture.height)};
         attempt_or_throw([&] { session_.update(shown); });
         stop_if_nothing_opens();
+        if (std::exchange(opened_, session_.scene.opened) != session_.scene.opened &&
+            session_.step_count() == 0)
+            attempt(session_, [&] { gui_.recent.add(session_.opened_files); });
         set_title();
 
         const Clock::time_point gui_start = Clock::now();
@@ -216,6 +222,7 @@ class Program {
     std::optional<ScriptPlayer> script_;
     double ui_pixels_ = 0;
     bool light_ = false;
+    int opened_ = 0;  ///< Scene::opened as of the last frame
     int still_frames_ = 0;
     std::string title_;
 };

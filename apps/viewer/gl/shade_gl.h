@@ -2,8 +2,8 @@
 #pragma once
 
 #include "gl/gl_objects.h"
-#include "quantity/quantity.h"
 #include "quantity/look.h"
+#include "quantity/quantity.h"
 
 namespace vog::viewer {
 

@@ -59,6 +59,7 @@ void Session::open(const std::vector<std::string>& files) {
     steps_.reset();
     play(false);
     loader_.open(files);
+    opened_files = files;
     opening_ = true;
     // The loader's status is read with each frame, so that an error is shown once.
     loading = {true, {}, 0, {}};

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "quantity/look.h"
 #include "quantity/quantity.h"
 #include "quantity/value_edit.h"
-#include "quantity/look.h"
 #include "session/picture.h"
 #include "session/scene_loader.h"
 #include "session/steps.h"
@@ -91,9 +91,10 @@ class Session {
     std::vector<float> histogram;    ///< fraction of the pixels with T > 0 by V, equal bins
     std::vector<float>
         value_histogram;  ///< measure of the model by value over the field's range, the largest 1
-    double automatic_extinction = 1;  ///< latest value of auto_exposure()
-    std::string message;              ///< latest result or error, for the status line
-    bool failed = false;              ///< the message is an error
+    double automatic_extinction = 1;        ///< latest value of auto_exposure()
+    std::vector<std::string> opened_files;  ///< of the latest open()
+    std::string message;                    ///< latest result or error, for the status line
+    bool failed = false;                    ///< the message is an error
 
     /// Opens models as steps in time, at the first of them.
     void open_steps(std::vector<std::string> files);

@@ -172,6 +172,19 @@ void draw_file_section(Session& session, Gui& gui, float ui, Requests& requests)
         ImGui::SetTooltip("To a folder of PNG, or a film: NAME.mp4, NAME.webm (needs ffmpeg)");
     ImGui::Checkbox("light window", &session.settings.light_window);
     mark(gui, "light window");
+    if (!gui.recent.sets().empty() && ImGui::BeginCombo("##recent", "recent files")) {
+        // Names may be equal: paths tell them apart.
+        for (const std::vector<std::string>& set : gui.recent.sets()) {
+            ImGui::PushID(set.front().c_str());
+            if (ImGui::Selectable(set_name(set).c_str())) {
+                const std::vector<std::string> files = set;
+                attempt(session, [&] { session.open(files); });
+            }
+            if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", set.front().c_str());
+            ImGui::PopID();
+        }
+        ImGui::EndCombo();
+    }
     ImGui::InputTextWithHint("##open", "file to open, or drop one here", &gui.open_path);
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button("open") && !gui.open_path.empty())

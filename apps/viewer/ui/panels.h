@@ -7,6 +7,7 @@
 
 #include "session/session.h"
 #include "ui/input.h"
+#include "ui/recent_files.h"
 
 namespace vog::viewer {
 
@@ -26,6 +27,7 @@ struct Gui {
     std::string open_path, look_path = "look.json", camera_path = "camera.json";
     std::string turntable_path = "turntable";
     int turntable_frames = 120;
+    RecentFiles recent{{}};  ///< nothing is kept under a script
     int dragged_point = -1;  ///< index of the dragged opacity point; -1: none
     PointRange
         dragged_band{};  ///< of the transfer function of values, where dragged_point is one of several
