@@ -237,7 +237,9 @@ vec2 shading(vec3 gradient, vec3 towards_eye) {
 void set_light(Shape g, vec3 mean, bool wide) {
     light_at_0 = light_in(light_0), light_at_1 = light_in(light_1), light_at_2 = light_in(light_2);
     vec3 h = field_plane.yzw;
-    float spread2 = dot(h, h), within = limits.z * spread2;
+    float spread2 = dot(h, h);
+    if (!(spread2 > 4e-12)) spread2 = 0.0;  // constant, as light.vert has it
+    float within = limits.z * spread2;
     vec3 gradient = gradient_of(g, h);
     if (within > 0.0) {
         vec2 by = within / (within + field_rest.x * field_rest.x) *
