@@ -84,6 +84,7 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::
     if (arguments.value.slabs) quantity.slabs = *arguments.value.slabs;
     DrawingArguments clip;
     clip.clip_box = arguments.clip;
+    clip.clip_planes = arguments.clip_planes;
     quantity.look.clip = clip_of(clip);
     if (!given.volume()) quantity.scale = fixed_scale(given);
     return quantity;

@@ -16,6 +16,7 @@ struct PageQuantityArguments {
     QuantityArguments quantity;
     ValueArguments value;
     std::string clip;
+    std::vector<std::string> clip_planes;  ///< of the window alone
 };
 
 /// Adds --show, --field, --range, --log, --clip, and the options of volume rendering.

@@ -138,8 +138,11 @@ std::string quantity_flags(const Quantity& quantity, const ColorScale& scale) {
         if (scale.kind == ColorScale::Kind::log) flags += " --log";
     }
     if (const std::optional<Box>& box = quantity.look.clip.box)
-        flags += fmt::format(" --clip {:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", box->lower.x,
+        flags += fmt::format(" --clip={:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}", box->lower.x,
                              box->lower.y, box->lower.z, box->upper.x, box->upper.y, box->upper.z);
+    for (const ClipPlane& plane : quantity.look.clip.planes)
+        flags += fmt::format(" --clip-plane={:.9g},{:.9g},{:.9g},{:.9g}", plane.normal.x,
+                             plane.normal.y, plane.normal.z, plane.offset);
     if (quantity.show == Show::volume && quantity.look.light) {
         const Vec3d towards = quantity.look.towards_light;
         flags += length(towards) > 0

@@ -233,9 +233,9 @@ void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int
             options.hierarchy = request.hierarchy.get();
             options.cut.pixel_error = request.pixel_error;
         }
-        picture.sums = sums_of(
-            render_field_splat(model, drawn.field, request.camera, width, height, options, &report),
-            unit);
+        picture.sums = sums_of(render_field_splat(model, drawn.field, request.camera, width, height,
+                                                  options, &report, drawn.look.clip),
+                               unit);
         picture.drawn = report.drawn();
         return;
     }
