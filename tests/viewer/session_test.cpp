@@ -1,6 +1,8 @@
 // session_test.cpp: vog view driven by scripts, its pictures against vog render's, and its errors.
 #include <nlohmann/json.hpp>
 
+#include "quantity/look.h"
+#include "quantity/probe.h"
 #include "screen/screen.h"
 #include "support/command.h"
 #include "vog/compare.h"
@@ -314,6 +316,30 @@ TEST_F(view_command, clip_planes_are_the_command_lines) {
     }
     must_fail(2, "view cloud.ply --headless --script play.vog --clip-plane=1,0,0",
               "expected nx,ny,nz,d");
+}
+
+TEST_F(view_command, copied_flags_are_options_of_render) {
+    make_cloud();
+    viewer::Look look;
+    look.shading.blend = true;
+    write_value_transfer(dir_ / "LOOK.json",
+                         over_range(named_transfer_function("hot"), 0.1, 0.9, 5));
+    for (const viewer::Show show :
+         {viewer::Show::visibility, viewer::Show::column, viewer::Show::mean,
+          viewer::Show::deviation, viewer::Show::volume}) {
+        viewer::Quantity quantity;
+        quantity.show = show;
+        quantity.field.field = "density";
+        quantity.look.light = true;
+        quantity.look.towards_light = {-1, 2, 0};
+        quantity.look.clip.box = Box{{-9, -9, -9}, {9, 9, 9}};
+        quantity.look.clip.planes.push_back({{-1, 0, 0}, -4});
+        const bool volume = show == viewer::Show::volume;
+        must("render cloud.ply -o copied.png --size 32 " +
+             viewer::quantity_flags(quantity, {ColorScale::Kind::linear, -0.5, 2}) + " " +
+             viewer::look_flags(look, volume ? "LOOK.json" : look.map,
+                                show == viewer::Show::visibility));
+    }
 }
 
 TEST_F(view_command, mouse_and_keys_reach_quantities) {

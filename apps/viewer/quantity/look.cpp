@@ -66,13 +66,13 @@ bool is_plain(const Look& look) {
            look.high == 1 && look.gamma == 1 && !look.invert;
 }
 
-std::string look_flags(const Look& look, const std::string& tf_file) {
+std::string look_flags(const Look& look, const std::string& tf, bool of_depth) {
     const Rgba& c = look.shading.background;
-    std::string flags = fmt::format("--extinction {:.9g} --tf {}", look.extinction,
-                                    is_plain(look) ? look.map : tf_file);
+    std::string flags = of_depth ? fmt::format("--extinction {:.9g} ", look.extinction) : "";
+    flags += "--tf " + tf;
     flags += c.a == 0 ? std::string(" --background transparent")
                       : fmt::format(" --background {:.6g},{:.6g},{:.6g}", c.r, c.g, c.b);
-    if (look.shading.blend) flags += " --blend";
+    if (of_depth && look.shading.blend) flags += " --blend";
     return flags;
 }
 

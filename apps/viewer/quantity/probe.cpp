@@ -17,7 +17,6 @@ constexpr int kMostSteps = 20000;
 
 /// A Gaussian met by the ray.
 struct Met {
-    std::size_t index;
     double first, last;      ///< of its support, distances
     double nearest, spread;  ///< of its density along the ray: a normal distribution, distances
     double peak;             ///< largest density on the ray
@@ -52,7 +51,7 @@ std::vector<Met> met_by(const Gaussians& gaussians, const ScalarField& field, Ve
         if (first >= last) continue;
         const Vec3d gradient = vec_cast<double>(field.gradient[i]);
         const Vec3d aside = from + nearest * direction - mean;
-        all.push_back({i, first, last, nearest, spread,
+        all.push_back({first, last, nearest, spread,
                        double{gaussians.density[i]} * std::exp(-0.5 * std::max(m2, 0.0)),
                        double{field.value[i]} + dot(gradient, aside), dot(gradient, direction)});
     }
@@ -134,7 +133,7 @@ std::string quantity_flags(const Quantity& quantity, const ColorScale& scale) {
     std::string flags = fmt::format("--show {}", word_of(quantity.show));
     if (of_field(quantity.show)) flags += " --field " + text_of(quantity.field);
     if (has_scale(quantity.show)) {
-        flags += fmt::format(" --range {:.9g},{:.9g}", scale.low, scale.high);
+        flags += fmt::format(" --range={:.9g},{:.9g}", scale.low, scale.high);
         if (scale.kind == ColorScale::Kind::log) flags += " --log";
     }
     if (const std::optional<Box>& box = quantity.look.clip.box)
@@ -146,9 +145,13 @@ std::string quantity_flags(const Quantity& quantity, const ColorScale& scale) {
     if (quantity.show == Show::volume && quantity.look.light) {
         const Vec3d towards = quantity.look.towards_light;
         flags += length(towards) > 0
-                     ? fmt::format(" --light {:.6g},{:.6g},{:.6g}", towards.x, towards.y, towards.z)
+                     ? fmt::format(" --light={:.6g},{:.6g},{:.6g}", towards.x, towards.y, towards.z)
                      : " --light head";
+        const VolumeLook& look = quantity.look;
+        flags += fmt::format(" --light-weights {:.6g},{:.6g},{:.6g},{:.6g}", look.ambient,
+                             look.diffuse, look.specular, look.power);
     }
+    if (quantity.show == Show::volume) flags += fmt::format(" --slabs {}", quantity.slabs);
     return flags;
 }
 

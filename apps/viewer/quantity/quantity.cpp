@@ -104,6 +104,13 @@ std::string label_of(const Quantity& quantity, const Fields& fields) {
     return unit.empty() ? label : fmt::format("{} [{}]", label, unit);
 }
 
+DepthImage depth_of(const SumImage& sums) {
+    DepthImage depth(sums.width, sums.height);
+    const auto channels = static_cast<std::size_t>(sums.channels);
+    for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] = sums.value[n * channels];
+    return depth;
+}
+
 SumImage shrunk(SumImage image, int factor) {
     if (factor == 1) return image;
     SumImage mean{image.width / factor, image.height / factor, image.channels, {}};
@@ -178,10 +185,7 @@ ValueMap shown_map(const SumImage& sums, Show show, FieldUnit unit) {
 ColorScale fitted_scale_of(const SumImage& sums, Show show, FieldUnit unit, bool log) {
     const ColorScale none{ColorScale::Kind::linear, 0, 1};
     if (show == Show::column) {
-        DepthImage column(sums.width, sums.height);
-        const auto channels = static_cast<std::size_t>(sums.channels);
-        for (std::size_t n = 0; n < column.depth.size(); ++n)
-            column.depth[n] = sums.value[n * channels];
+        const DepthImage column = depth_of(sums);
         return automatic_scale({&column, 1}, log);
     }
     const ValueMap map = shown_map(sums, show, unit);

@@ -58,6 +58,8 @@ struct SumImage {
         return std::span(value).subspan(first, static_cast<std::size_t>(channels));
     }
 };
+/// T, or the column, in the first channel.
+DepthImage depth_of(const SumImage& sums);
 /// Image of the means over squares of factor x factor pixels.
 SumImage shrunk(SumImage image, int factor);
 

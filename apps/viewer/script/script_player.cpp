@@ -183,7 +183,7 @@ void ScriptPlayer::start(const Action& action, Stage& stage) {
     if (verb == "loop") s.loop = on(first);
     if (verb == "play") stage.session.play(on(first));
     if (verb == "step") stage.session.set_step(static_cast<std::size_t>(number(first)) - 1);
-    if (verb == "axes") s.axes = s.scale_bar = s.probe = on(first);
+    if (verb == "axes") s.axes = on(first);
     if (verb == "colorbar") s.color_bar = on(first);
     if (verb == "help") s.help = on(first);
     if (verb == "renderer") s.renderer = renderer_from(first);
@@ -328,6 +328,8 @@ bool ScriptPlayer::start_quantity(const Action& action, Stage& stage) {
         } else {
             if (w.size() < 2 || (w.size() > 2 && w[2] != "log"))
                 throw Error(fmt::format("values {}: expected LOW HIGH [log]", joined(w)));
+            if (!has_scale(session.quantity.show))
+                throw Error("values: is of column, mean and deviation, expected `show` before");
             const bool log = w.size() > 2;
             session.set_scale({log ? ColorScale::Kind::log : ColorScale::Kind::linear, number(w[0]),
                                number(w[1])});

@@ -224,21 +224,12 @@ void Session::inspect() {
 
 void Session::inspect_visibility() {
     if (exposure_open_ || settings.follow_exposure) {
-        look.extinction = automatic_extinction = vog::auto_extinction(inspected_depth());
+        look.extinction = automatic_extinction = vog::auto_extinction(depth_of(inspected_));
         shade_.set_look(look);
         // Ends when the view is left, or when all levels are there.
         exposure_open_ = exposure_open_ && at_first_view() && !(loaded() && left_.complete());
     }
     histogram = histogram_of(inspected_, look.extinction);
-}
-
-/// T of the inspected sums.
-DepthImage Session::inspected_depth() const {
-    DepthImage depth(inspected_.width, inspected_.height);
-    const auto channels = static_cast<std::size_t>(inspected_.channels);
-    for (std::size_t n = 0; n < depth.depth.size(); ++n)
-        depth.depth[n] = inspected_.value[n * channels];
-    return depth;
 }
 
 void Session::look_changed() {
@@ -251,7 +242,7 @@ void Session::look_changed() {
 void Session::auto_exposure() {
     if (!left_.has_sums() || left_.drawn_sums().kind != Drawn::Kind::depth) return;
     inspected_ = left_.read();
-    look.extinction = automatic_extinction = vog::auto_extinction(inspected_depth());
+    look.extinction = automatic_extinction = vog::auto_extinction(depth_of(inspected_));
     look_changed();
 }
 

@@ -31,7 +31,7 @@ struct Settings {
     int subframes = 64;     ///< antialiasing samples per pixel
     bool follow_exposure = false;  ///< automatic extinction whenever the picture is complete
     bool panels = true, overlay = true, help = false, color_bar = true;
-    bool axes = true, scale_bar = true, probe = true;
+    bool axes = true;           ///< of the world, with the scale bar and the probe
     bool light_window = false;  ///< dark text on light panels
     double steps_per_second = 8;
     bool loop = true;  ///< the first step follows the last
@@ -219,7 +219,6 @@ class Session {
     void shade_into(const Viewport& to, bool checker) const;
     void inspect();
     void inspect_visibility();
-    DepthImage inspected_depth() const;
     std::string probe_volume(int column, int row) const;
     void begin_values();
     void update_quantity();

@@ -64,14 +64,15 @@ int Session::level_index(const std::string& name) const {
 }
 
 void Session::copy_flags() {
-    const bool volume = quantity.show == Show::volume;
-    std::string file;
-    if (volume || !is_plain(look)) file = "LOOK.json";
-    const std::string flags = fmt::format("{} {} {}", camera_flags(camera),
-                                          quantity_flags(quantity, scale), look_flags(look, file));
+    // Maps have no range of visibility: the file of their colours differs from the map by gamma and inversion alone.
+    Look shown = look;
+    if (has_scale(quantity.show)) shown.low = 0, shown.high = 1, shown.opacity = look.base.opacity;
+    const bool plain = quantity.show != Show::volume && is_plain(shown);
+    const std::string flags = fmt::format(
+        "{} {} {}", camera_flags(camera), quantity_flags(quantity, scale),
+        look_flags(look, plain ? look.map : "LOOK.json", quantity.show == Show::visibility));
     ImGui::SetClipboardText(flags.c_str());
-    show_message(file.empty() ? "copied: " + flags
-                              : "copied; save the colours as LOOK.json: " + flags);
+    show_message(plain ? "copied: " + flags : "copied; save the colours as LOOK.json: " + flags);
 }
 
 Image Session::picture_image() {
@@ -93,8 +94,7 @@ void Session::save_depth(const fs::path& file) {
     const SumImage sums = left_.read();
     switch (left_.drawn_sums().kind) {
         case Drawn::Kind::depth: {
-            inspected_ = sums;
-            DepthImage depth = inspected_depth();
+            DepthImage depth = depth_of(sums);
             set_extinction(depth, look.extinction);
             write_exr(file, depth);
             break;
@@ -124,7 +124,8 @@ void Session::save_look(const fs::path& file) {
     if (quantity.show == Show::volume && values.now())
         write_value_transfer(file, *values.now());
     else
-        write_transfer_function(file, transfer_function(look));
+        write_transfer_function(
+            file, has_scale(quantity.show) ? map_function(look) : transfer_function(look));
     show_message("wrote " + file.string());
 }
 

@@ -262,7 +262,7 @@ void apply_setting_keys(Session& session, Requests& requests) {
     toggle(GLFW_KEY_TAB, s.panels);
     toggle(GLFW_KEY_O, s.overlay);
     toggle(GLFW_KEY_L, s.color_bar);
-    if (pressed(GLFW_KEY_T)) s.axes = s.scale_bar = s.probe = !s.axes;
+    toggle(GLFW_KEY_T, s.axes);
     toggle(GLFW_KEY_F1, s.help);
     toggle(GLFW_KEY_H, s.help);
     toggle(GLFW_KEY_V, s.split_on);

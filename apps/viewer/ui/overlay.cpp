@@ -272,9 +272,11 @@ void draw_overlays(Session& session, Gui& gui, const Layout& layout) {
     if (s.color_bar) draw_color_bar(session, layout);
     if (!session.scene.levels.empty()) {
         draw_clip_box(session, layout);
-        if (s.overlay && s.axes) draw_axes(session, layout);
-        if (s.overlay && s.scale_bar) draw_scale_bar(session, layout);
-        if (s.overlay && s.probe) draw_probe(session, layout);
+        if (s.overlay && s.axes) {
+            draw_axes(session, layout);
+            draw_scale_bar(session, layout);
+            draw_probe(session, layout);
+        }
     }
     if (session.settings.overlay) draw_figures(session, gui, layout);
     if (session.settings.help) draw_help(session, layout);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "render/by_value/value_light.h"
+
 namespace vog::by_value {
 
 std::vector<double> value_bins(const ScalarField& field, std::size_t bins, bool logarithmic) {
@@ -32,12 +34,10 @@ std::vector<float> value_histogram(const Gaussians& gaussians, const ScalarField
             after - edges.begin() - 1, 0, static_cast<std::ptrdiff_t>(bins) - 1));
     };
     for (std::size_t i = 0; i < gaussians.size(); ++i) {
-        const Vec3d g = vec_cast<double>(field.gradient[i]),
-                    s = vec_cast<double>(gaussians.scale[i]);
-        const Vec3d own =
-            gaussians.axis_aligned() ? g : transpose(matrix_from_quat(gaussians.rotation[i])) * g;
-        const double along = length(Vec3d{own.x * s.x, own.y * s.y, own.z * s.z});
-        const double deviation = std::hypot(along, double{field.deviation[i]});
+        const Vec3d s = vec_cast<double>(gaussians.scale[i]);
+        const double residual{field.deviation[i]};
+        const double deviation =
+            std::sqrt(plane_variance(gaussians, field, i) + residual * residual);
         const double mean{field.value[i]};
         const double mass = double{gaussians.density[i]} * s.x * s.y * s.z;
         // A thousandth of a bin is no width.

@@ -49,7 +49,8 @@ struct NormalBins {
     }
 };
 
-/// Variance of the field's plane over a Gaussian of the model, without its truncation.
+}  // namespace
+
 double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i) {
     const Vec3d g = vec_cast<double>(field.gradient[i]);
     const Vec3d own =
@@ -58,8 +59,6 @@ double plane_variance(const Gaussians& gaussians, const ScalarField& field, std:
     const Vec3d across{own.x * s.x, own.y * s.y, own.z * s.z};
     return dot(across, across);
 }
-
-}  // namespace
 
 ExpectedLight::ExpectedLight(const ValueTransfer& transfer, double lower, double upper,
                              bool per_value)

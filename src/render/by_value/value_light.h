@@ -55,6 +55,9 @@ inline double explained_share(const LightQuadratic& light, double deviation, dou
     return plane > 0 ? plane / (plane + deviation * deviation) : 0;
 }
 
+/// Variance of the field's plane over Gaussian i of the model, without its truncation.
+double plane_variance(const Gaussians& gaussians, const ScalarField& field, std::size_t i);
+
 /// Means of light under normal distributions, for renderers that look them up themselves.
 struct LightTable {
     std::span<const Light> light;  ///< [rows][columns]
