@@ -574,36 +574,4 @@ TEST(field_maps, of_an_empty_model_show_nothing) {
     }
 }
 
-TEST(field_maps, choose_a_field_by_its_name) {
-    const Gaussians model = model_of(3, 0.1, 0.2, 81);
-    EXPECT_EQ(field_choice("temperature", model.fields).part, FieldPart::value);
-    EXPECT_EQ(field_choice("velocity", model.fields).part, FieldPart::view);
-    EXPECT_EQ(field_choice("velocity.y", model.fields).part, FieldPart::y);
-    EXPECT_EQ(field_choice("velocity.magnitude", model.fields).part, FieldPart::magnitude);
-    EXPECT_EQ(field_label(field_choice("velocity", model.fields)), "velocity along the view");
-    EXPECT_EQ(field_label(field_choice("velocity.y", model.fields)), "velocity.y");
-    EXPECT_EQ(field_label(velocity(FieldPart::magnitude)), "rms of velocity");
-    const auto message = [](const std::string& text, const Fields& fields) {
-        try {
-            (void)field_choice(text, fields);
-        } catch (const Error& error) {
-            return std::string(error.what());
-        }
-        return std::string();
-    };
-    for (const char* wrong : {"pressure", "temperature.x", "temperature.magnitude", "velocity.w",
-                              "velocity.", ".x", ""})
-        EXPECT_NE(message(wrong, model.fields).find("expected one of temperature, velocity"),
-                  std::string::npos)
-            << wrong;
-    EXPECT_NE(message("pressure", {}).find("vog convert IN -o model.ply --field pressure"),
-              std::string::npos);
-    const Camera camera = pinhole({2, 1, 3}, {0, 0, 0}, 40);
-    EXPECT_THROW((void)render_field_splat(model, {"pressure"}, camera, 8, 8), Error);
-    EXPECT_THROW((void)render_field_trace(model, {"velocity"}, camera, 8, 8), Error);
-    EXPECT_THROW((void)render_field_splat(model, kScalar, camera, 8, 8, {.aabb_sigma = 1}), Error);
-    EXPECT_THROW(
-        (void)render_field_trace(model, kScalar, camera, 8, 8, {.anyhit = AnyHit::collect}), Error);
-}
-
 }  // namespace vog::test
