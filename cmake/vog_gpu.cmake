@@ -13,8 +13,18 @@ macro(vog_find_gpu)
         set(CMAKE_CUDA_COMPILER ${VOG_NVCC})
     endif()
     if(NOT CMAKE_CUDA_ARCHITECTURES)
-        # Code for Ada and Hopper, PTX for all others since Turing.
-        set(CMAKE_CUDA_ARCHITECTURES 75-virtual 89-real 90-real)
+        # Code for Turing, Ampere, Ada, Hopper and Blackwell, as far as the compiler knows them, and PTX of the
+        # first and the last for all others.
+        execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-code OUTPUT_VARIABLE known)
+        set(CMAKE_CUDA_ARCHITECTURES 75)
+        foreach(architecture 86 89 90)
+            if(known MATCHES "sm_${architecture}")
+                list(APPEND CMAKE_CUDA_ARCHITECTURES ${architecture}-real)
+            endif()
+        endforeach()
+        if(known MATCHES "sm_120")
+            list(APPEND CMAKE_CUDA_ARCHITECTURES 120)
+        endif()
     endif()
     set(CMAKE_CUDA_STANDARD 17)  # CMake 3.25 knows no later one
     enable_language(CUDA)
@@ -26,12 +36,12 @@ macro(vog_find_gpu)
         find_path(VOG_OPTIX_INCLUDE optix.h HINTS ${OptiX_ROOT}/include $ENV{OptiX_ROOT}/include)
         if(NOT VOG_OPTIX_INCLUDE)
             message(FATAL_ERROR "VOG_OPTIX needs OptiX's headers: set OptiX_ROOT to NVIDIA's SDK or to a clone "
-                                "of its optix-dev repository, 8.1 or newer")
+                                "of its optix-dev repository, 8.0 or newer")
         endif()
         file(STRINGS ${VOG_OPTIX_INCLUDE}/optix.h version REGEX "#define OPTIX_VERSION ")
         string(REGEX MATCH "[0-9]+" version "${version}")
-        if(version LESS 80100)
-            message(FATAL_ERROR "OptiX ${version} in ${VOG_OPTIX_INCLUDE}, expected 80100 (8.1.0) or newer")
+        if(version LESS 80000)
+            message(FATAL_ERROR "OptiX ${version} in ${VOG_OPTIX_INCLUDE}, expected 80000 (8.0.0) or newer")
         endif()
     endif()
 endmacro()
@@ -69,7 +79,7 @@ function(vog_add_gpu target)
         COMMAND ${CMAKE_COMMAND} -DIN=$<TARGET_OBJECTS:${target}_optix> -DOUT=${embedded}
                 -P ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake
         DEPENDS ${target}_optix $<TARGET_OBJECTS:${target}_optix> ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake VERBATIM)
-    target_sources(${target} PRIVATE ${embedded} ${gpu}/optix/optix_pipeline.cpp ${gpu}/optix/optix_hierarchy.cpp
+    target_sources(${target} PRIVATE ${embedded} ${gpu}/optix/optix_device.cpp ${gpu}/optix/optix_pipeline.cpp ${gpu}/optix/optix_hierarchy.cpp
                    ${gpu}/optix/optix_film.cpp ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp)
     target_compile_definitions(${target} PRIVATE VOG_OPTIX)
     target_include_directories(${target} SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE})

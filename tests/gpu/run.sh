@@ -18,7 +18,8 @@ architectures=()
 if [[ -n ${VOG_CUDA_ARCHITECTURES:-} ]]; then
     architectures=("-DCMAKE_CUDA_ARCHITECTURES=$VOG_CUDA_ARCHITECTURES")
 fi
-cmake -S tests/gpu -B "$build" -DVOG_GPU_HEADERS="$folder/include" "${optix[@]}" "${architectures[@]}"
+cmake -S tests/gpu -B "$build" -DVOG_GPU_HEADERS="$folder/include" "${optix[@]}" "${architectures[@]}" \
+      -DVOG_WERROR="${VOG_WERROR:-OFF}"
 cmake --build "$build" -j "$(nproc)"
 [[ ${VOG_BUILD_ONLY:-} ]] && exit 0
 "$build/vog_gpu_suite" "$folder" "$@"

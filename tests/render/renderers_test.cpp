@@ -8,6 +8,7 @@
 #include <ostream>
 
 #include "support/device_twin.h"
+#include "support/emulated_gpu.h"
 #include "support/scenes.h"
 #include "vog/progress.h"
 #include "vog/splat.h"
@@ -23,8 +24,8 @@ struct NamedRenderer {
 };
 
 /// The splat on every SIMD target this machine can run and with a hierarchy, the trace with either
-/// any-hit program and with a list of hits that overflows at once, and the GPU's splat compiled for
-/// the host.
+/// any-hit program and with a list of hits that overflows at once, the GPU's splat compiled for the
+/// host, and the GPU's renderers where they are emulated.
 std::vector<NamedRenderer> all_renderers() {
     std::vector<NamedRenderer> all;
     for (const std::string& target : splat_targets())
@@ -51,6 +52,8 @@ std::vector<NamedRenderer> all_renderers() {
     trace("trace_collect", {.anyhit = AnyHit::collect});
     trace("trace_collect_by_16", {.anyhit = AnyHit::collect, .hits_per_slab = 16});
     all.push_back({"tile_splat_twin", render_tile_splat_twin});
+    for (auto& [name, render] : emulated_gpu_renderers())
+        all.push_back({std::move(name), std::move(render)});
     return all;
 }
 

@@ -32,8 +32,10 @@ DepthImage render_tile_splat_twin(const Gaussians& gaussians, const Camera& came
                 const device::Double3 d =
                     frame.corner + double(x) * frame.step_x + double(y) * frame.step_y;
                 const auto slant = static_cast<float>(std::sqrt(device::dot(d, d)));
-                const float tau = splat.near ? device::near_depth(g, frame, kernel.cutoff2, x, y)
-                                             : slant * device::far_depth(splat, kernel, x, y);
+                const float tau =
+                    splat.near ? device::near_depth(device::whitened(g),
+                                                    device::whole_ray(frame, x, y), kernel.cutoff2)
+                               : slant * device::far_depth(splat, kernel, x, y);
                 sum[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
                     static_cast<std::size_t>(x)] += double{tau};
             }

@@ -74,11 +74,12 @@ VOG_HD void sift_down(CollectedHit* heap, int32_t count, int32_t at) {
 }
 
 /// Adds a hit, dropping the farthest if the list is full.
-/// returns  false if the list is full of nearer hits: traversal may end at this entry
+/// returns  false if the list is full of hits that enter before this one: traversal may end at this entry. Not of
+///          hits that enter with it, since a traversal that ends at an entry may leave out others there
 VOG_HD bool collect(HitList& list, const CollectedHit& hit) {
     if (!list.first_slab && !before(list.last, hit)) return true;  // in an earlier slab
     if (list.count == list.capacity) {
-        if (!before(hit, list.hit[0])) return false;
+        if (!before(hit, list.hit[0])) return !(hit.entry > list.hit[0].entry);
         list.hit[0] = hit;
         sift_down(list.hit, list.count, 0);
         return true;

@@ -16,7 +16,6 @@
 #define VOG_RAYGEN_VOXELS "__raygen__voxels"
 #define VOG_INTERSECTION_VOXELS "__intersection__voxels"
 #define VOG_CLOSESTHIT_VOXELS "__closesthit__voxels"
-#define VOG_MISS_VOXELS "__miss__voxels"
 
 namespace vog::device {
 
@@ -30,6 +29,11 @@ struct Film {
     double depth_unit;     ///< T of one unit of a ray's depth
     uint32_t subframe;     ///< 0: rays through pixel centres; > 0: through other points of pixels
     ColorTable colors;
+};
+
+/// Work of one ray, for reports.
+struct RayCounts {
+    uint32_t hits, slabs;
 };
 
 /// Launch parameters of both pipelines.
@@ -50,9 +54,7 @@ struct Launch {
     float cutoff2;
     int32_t boxed;
     int32_t hits_per_slab;
-    unsigned long long* hits;  ///< counters, or null
-    unsigned long long* slabs;
-    unsigned int* most_slabs;
+    RayCounts* counts;  ///< [height * width], or null
 
     // The SciVis pipeline.
     const void* grid;     ///< nanovdb::NanoGrid<float>

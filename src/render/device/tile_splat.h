@@ -408,16 +408,56 @@ VOG_HD bool project(SplatSource g, const Camera& camera, const SplatKernel& mode
     return true;
 }
 
-/// tau of a near splat at a pixel.
-VOG_HD float near_depth(const SplatGaussian& g, const Camera& camera, float cutoff2, int32_t column,
-                        int32_t row) {
+/// Planes around the rays of a rectangle of pixels: inside, dot(normal, x - point) >= 0 for all four.
+struct Frustum {
+    Double3 normal[4], point[4];
+};
+VOG_HD Frustum frustum_of(const Camera& camera, const PixelRange& pixels) {
+    const Double3 right = camera.step_x + camera.shift_x, down = camera.step_y + camera.shift_y;
+    const double columns[2] = {static_cast<double>(pixels.x0), static_cast<double>(pixels.x1)};
+    const double rows[2] = {static_cast<double>(pixels.y0), static_cast<double>(pixels.y1)};
+    Frustum out;
+    for (int n = 0; n < 2; ++n) {
+        // A column's plane holds its rays and `down`; of a row likewise.
+        const Double3 x = cross(down, camera.corner + columns[n] * camera.step_x);
+        const Double3 y = cross(right, camera.corner + rows[n] * camera.step_y);
+        const double inwards = n == 0 ? 1.0 : -1.0;
+        out.normal[n] = copysign(1.0, inwards * dot(x, right)) * x;
+        out.normal[2 + n] = copysign(1.0, inwards * dot(y, down)) * y;
+        out.point[n] = camera.eye + columns[n] * camera.shift_x;
+        out.point[2 + n] = camera.eye + rows[n] * camera.shift_y;
+    }
+    return out;
+}
+
+/// False only if the support lies outside one of the planes.
+VOG_HD bool may_meet(const Gaussian& g, const Frustum& frustum, float cutoff2) {
+    const Axes axes = axes_of(g);
+    const Double3 mean = to_double(g.mean);
+    // Slack for the whitening's floats, whose rows are at right angles within 1e-7.
+    const double largest2 =
+        dot(axes.a[0], axes.a[0]) + dot(axes.a[1], axes.a[1]) + dot(axes.a[2], axes.a[2]);
+    for (int n = 0; n < 4; ++n) {
+        const Double3 normal = frustum.normal[n], reach = apply(axes.a, normal);
+        const double reach2 = dot(reach, reach) + 1e-12 * largest2 * dot(normal, normal);
+        const double at = dot(normal, mean - frustum.point[n]);
+        if (at < 0 && at * at > (1 + 1e-4) * cutoff2 * reach2) return false;
+    }
+    return true;
+}
+
+/// tau of a near splat along the ray of a pixel.
+VOG_HD float near_depth(const Gaussian& g, const Ray& ray, float cutoff2) {
+    Hit hit;
+    return intersect(g, ray, cutoff2, hit) ? optical_depth(g, hit) : 0.0f;
+}
+/// The whole ray of a pixel, for near splats.
+VOG_HD Ray whole_ray(const Camera& camera, int32_t column, int32_t row) {
     Ray ray;
     const double far = 1e30;
     const Bounds everywhere{{-far, -far, -far}, {far, far, far}};
     camera_ray(camera, everywhere, column, row, ray);
-    Hit hit;
-    const Gaussian own = whitened(g);
-    return intersect(own, ray, cutoff2, hit) ? optical_depth(own, hit) : 0.0f;
+    return ray;
 }
 
 constexpr int kSplatTile = 16;  ///< edge of a tile, pixels: one block of 256 threads
@@ -426,6 +466,17 @@ constexpr int kSplatTile = 16;  ///< edge of a tile, pixels: one block of 256 th
 VOG_HD PixelRange tiles_of(const PixelRange& pixels) {
     return {pixels.x0 / kSplatTile, pixels.x1 / kSplatTile, pixels.y0 / kSplatTile,
             pixels.y1 / kSplatTile};
+}
+/// Pixels of a tile, inclusive; some may lie beyond the picture.
+VOG_HD PixelRange pixels_of(int32_t tile, int32_t tile_columns) {
+    const int32_t x = tile % tile_columns * kSplatTile, y = tile / tile_columns * kSplatTile;
+    return {x, x + kSplatTile - 1, y, y + kSplatTile - 1};
+}
+/// Tiles that list the splat: none for a near one, which is in a list of all tiles.
+VOG_HD int64_t tile_count(const TileSplat& splat) {
+    const PixelRange range = tiles_of(splat.pixels);
+    return splat.near ? 0
+                      : static_cast<int64_t>(range.x1 - range.x0 + 1) * (range.y1 - range.y0 + 1);
 }
 
 }  // namespace vog::device

@@ -1,7 +1,6 @@
 // cuda_memory.cpp: Error checks, allocation and timing on the GPU.
 #include "render/gpu/cuda_memory.h"
 
-#include <dlfcn.h>
 #include <fmt/core.h>
 
 #include "vog/error.h"
@@ -15,17 +14,30 @@ void check_cuda(cudaError_t code, const char* doing) {
 }
 
 void require_cuda() {
-    // The runtime is linked statically and loads the driver on first use. Without a driver its
-    // message would be that the driver is too old, hence this check.
-    void* driver = dlopen("libcuda.so.1", RTLD_LAZY);
-    if (!driver)
+    // The runtime is linked statically and loads the driver on first use. It answers 0 where there is none, and
+    // takes older drivers up to its own number before the point.
+    int driver = 0, runtime = 0, devices = 0;
+    check_cuda(cudaDriverGetVersion(&driver), "asking for the driver");
+    if (driver == 0)
         throw Error(
             "cuda: no NVIDIA driver (libcuda.so.1 cannot be loaded), expected a GPU "
             "and its driver");
-    dlclose(driver);
-    int devices = 0;
-    check_cuda(cudaGetDeviceCount(&devices), "looking for a GPU");
-    if (devices == 0) throw Error("cuda: no NVIDIA GPU, expected one");
+    check_cuda(cudaRuntimeGetVersion(&runtime), "asking for the runtime");
+    const cudaError_t counted = cudaGetDeviceCount(&devices);
+    if (counted == cudaErrorInsufficientDriver) {
+        cudaGetLastError();
+        const auto version = [](int number) {
+            return fmt::format("{}.{}", number / 1000, number % 1000 / 10);
+        };
+        throw Error(fmt::format(
+            "cuda: the NVIDIA driver is for CUDA {}, this build needs one for CUDA {} or newer",
+            version(driver), version(runtime)));
+    }
+    if (counted == cudaErrorNoDevice || (counted == cudaSuccess && devices == 0)) {
+        cudaGetLastError();
+        throw Error("cuda: no NVIDIA GPU, expected one");
+    }
+    check_cuda(counted, "looking for a GPU");
     check_cuda(cudaFree(nullptr), "starting the GPU");
 }
 

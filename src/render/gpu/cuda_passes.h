@@ -22,14 +22,16 @@ class SplatPasses {
 
   private:
     /// Bins the projected splats to tiles and adds them up.
+    /// gaussians  of which near splats are whitened; null where none is near
     void add_up(const device::SplatGaussian* gaussians, const device::SplatKernel& kernel,
                 const device::Camera& camera, float* depth);
 
     std::int32_t count_ = 0;
     GpuArray<device::TileSplat> splats_;
-    GpuArray<std::uint32_t> touched_;
-    GpuArray<std::uint64_t> offsets_, first_;
+    GpuArray<std::uint64_t> touched_, first_;
+    GpuArray<std::uint32_t> near_count_;
     GpuArray<std::uint32_t> tiles_, indices_;  ///< two halves each, for the sort
+    GpuArray<device::Gaussian> near_;
     GpuArray<std::byte> scratch_;
 };
 

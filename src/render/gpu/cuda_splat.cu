@@ -1,6 +1,8 @@
 // cuda_splat.cu: CUDA kernels of splatting. One thread a Gaussian until the entries are sorted by
 // tile, then one block a tile and one thread a pixel; splats of a tile are read into shared memory
 // in batches. No sorting by depth: T is a sum.
+#include <cuda_runtime.h>
+
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
@@ -15,47 +17,57 @@ using device::TileSplat;
 
 constexpr int kBlock = 256;
 
-int blocks_for(std::int64_t count) { return static_cast<int>((count + kBlock - 1) / kBlock); }
+/// Starts a kernel with one thread for each of `count` items, at least one block.
+template <class... Formal, class... Actual>
+void start(const char* doing, void (*kernel)(Formal...), std::int64_t count, Actual... arguments) {
+    cudaLaunchConfig_t shape = {};
+    shape.gridDim = dim3(static_cast<unsigned>((count + kBlock - 1) / kBlock));
+    shape.blockDim = dim3(kBlock);
+    check_cuda(cudaLaunchKernelEx(&shape, kernel, arguments...), doing);
+}
+
+__device__ std::int64_t thread_index() {
+    return static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+}
 
 __global__ void project_kernel(const device::SplatGaussian* gaussians, std::int32_t count,
                                device::Camera camera, device::SplatKernel kernel, TileSplat* splats,
-                               std::uint32_t* touched) {
-    const std::int32_t i = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
+                               std::uint64_t* touched, std::uint32_t* near) {
+    const std::int64_t i = thread_index();
     if (i >= count) return;
     TileSplat splat;
-    std::uint32_t tiles = 0;
-    if (device::project(device::source_of(gaussians[i]), camera, kernel, splat)) {
-        const device::PixelRange range = device::tiles_of(splat.pixels);
-        tiles = static_cast<std::uint32_t>((range.x1 - range.x0 + 1) * (range.y1 - range.y0 + 1));
-        splats[i] = splat;
-    }
-    touched[i] = tiles;
+    touched[i] = 0;
+    if (!device::project(device::source_of(gaussians[i]), camera, kernel, splat)) return;
+    splats[i] = splat;
+    touched[i] = splat.near ? 1 : static_cast<std::uint64_t>(device::tile_count(splat));
+    if (splat.near) atomicAdd(near, 1u);
 }
 
 __global__ void project_small_kernel(const device::Gaussian* gaussians, std::int32_t count,
                                      device::Camera camera, device::SplatKernel kernel,
-                                     TileSplat* splats, std::uint32_t* touched, float* shares) {
-    const std::int32_t i = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
+                                     TileSplat* splats, std::uint64_t* touched, float* shares) {
+    const std::int64_t i = thread_index();
     if (i >= count) return;
     TileSplat splat;
-    std::uint32_t tiles = 0;
-    const bool drawn = device::project(device::source_of(gaussians[i]), camera, kernel, splat);
-    if (drawn && splat.widened) {
-        const device::PixelRange range = device::tiles_of(splat.pixels);
-        tiles = static_cast<std::uint32_t>((range.x1 - range.x0 + 1) * (range.y1 - range.y0 + 1));
-        splats[i] = splat;
-    }
-    touched[i] = tiles;
+    const bool drawn =
+        device::project(device::source_of(gaussians[i]), camera, kernel, splat) && splat.widened;
+    if (drawn) splats[i] = splat;
+    touched[i] = drawn ? static_cast<std::uint64_t>(device::tile_count(splat)) : 0;
     shares[i] = splat.widened ? 0.0f : splat.share;
 }
 
 __global__ void emit_kernel(const TileSplat* splats, const std::uint64_t* offsets,
-                            std::int32_t count, std::int32_t tile_columns, std::uint32_t* tile,
-                            std::uint32_t* splat) {
-    const std::int32_t i = static_cast<std::int32_t>(blockIdx.x * blockDim.x + threadIdx.x);
+                            std::int32_t count, std::int32_t tile_columns, std::int32_t tile_rows,
+                            std::uint32_t* tile, std::uint32_t* splat) {
+    const std::int64_t i = thread_index();
     if (i >= count) return;
     std::uint64_t at = i ? offsets[i - 1] : 0;
     if (at == offsets[i]) return;
+    if (splats[i].near) {
+        tile[at] = static_cast<std::uint32_t>(tile_columns * tile_rows);
+        splat[at] = static_cast<std::uint32_t>(i);
+        return;
+    }
     const device::PixelRange range = device::tiles_of(splats[i].pixels);
     for (std::int32_t y = range.y0; y <= range.y1; ++y)
         for (std::int32_t x = range.x0; x <= range.x1; ++x) {
@@ -67,79 +79,135 @@ __global__ void emit_kernel(const TileSplat* splats, const std::uint64_t* offset
 /// Thread n writes first[t] for the tiles t after that of entry n - 1, up to that of entry n.
 __global__ void ranges_kernel(const std::uint32_t* tile, std::int64_t count, std::int32_t tiles,
                               std::uint64_t* first) {
-    const std::int64_t n = static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
+    const std::int64_t n = thread_index();
     if (n > count) return;
     const std::int64_t begin = n == 0 ? 0 : static_cast<std::int64_t>(tile[n - 1]) + 1;
     const std::int64_t end = n == count ? tiles : static_cast<std::int64_t>(tile[n]);
     for (std::int64_t t = begin; t <= end; ++t) first[t] = static_cast<std::uint64_t>(n);
 }
 
+__global__ void whiten_kernel(const device::SplatGaussian* gaussians, const std::uint32_t* splat,
+                              std::int64_t count, device::Gaussian* near) {
+    const std::int64_t n = thread_index();
+    if (n < count) near[n] = device::whitened(gaussians[splat[n]]);
+}
+
+/// Place of a thread in the picture: a block is a tile, a thread a pixel.
+struct TilePlace {
+    std::int32_t tile, thread, column, row;
+};
+__device__ TilePlace place_in(const TilePass& pass) {
+    const auto t = static_cast<std::int32_t>(blockIdx.x);
+    const auto thread = static_cast<std::int32_t>(threadIdx.x);
+    return {t, thread, t % pass.tile_columns * device::kSplatTile + thread % device::kSplatTile,
+            t / pass.tile_columns * device::kSplatTile + thread / device::kSplatTile};
+}
+
+__device__ void add_to_pixel(const TilePass& pass, const TilePlace& at, float depth, bool first) {
+    if (at.column >= pass.camera.width || at.row >= pass.camera.height) return;
+    float& pixel =
+        pass.depth[static_cast<std::size_t>(at.row) * static_cast<std::size_t>(pass.camera.width) +
+                   static_cast<std::size_t>(at.column)];
+    pixel = first ? depth : pixel + depth;
+}
+
 __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
     constexpr int kBatch = 64;  // splats of 92 bytes: 6 kB a block, so many blocks a processor
     __shared__ TileSplat batch[kBatch];
-    __shared__ std::uint32_t index[kBatch];
-    const int thread = static_cast<int>(threadIdx.x);
-    const std::int32_t t = static_cast<std::int32_t>(blockIdx.x);
-    const std::int32_t column =
-        t % pass.tile_columns * device::kSplatTile + thread % device::kSplatTile;
-    const std::int32_t row =
-        t / pass.tile_columns * device::kSplatTile + thread / device::kSplatTile;
-    const device::Double3 d = pass.camera.corner +
-                              static_cast<double>(column) * pass.camera.step_x +
-                              static_cast<double>(row) * pass.camera.step_y;
-    const float slant = static_cast<float>(sqrt(device::dot(d, d)));
-
+    const TilePlace at = place_in(pass);
     // One sum a batch: the rounding error of 10,000 terms is then that of 160.
     float total = 0;
-    for (std::uint64_t at = pass.first[t]; at < pass.first[t + 1]; at += kBatch) {
-        const int filled =
-            static_cast<int>(min(static_cast<unsigned long long>(kBatch),
-                                 static_cast<unsigned long long>(pass.first[t + 1] - at)));
+    const std::uint64_t end = pass.first[at.tile + 1];
+    for (std::uint64_t begin = pass.first[at.tile]; begin < end; begin += kBatch) {
+        const int filled = end - begin < kBatch ? static_cast<int>(end - begin) : kBatch;
         __syncthreads();
-        if (thread < filled) {
-            index[thread] = pass.splat[at + static_cast<std::uint64_t>(thread)];
-            batch[thread] = pass.splats[index[thread]];
-        }
+        if (at.thread < filled)
+            batch[at.thread] =
+                pass.splats[pass.splat[begin + static_cast<std::uint64_t>(at.thread)]];
         __syncthreads();
-        float far = 0, near = 0;
-        for (int n = 0; n < filled; ++n) {
-            if (batch[n].near)
-                near += device::near_depth(pass.gaussians[index[n]], pass.camera,
-                                           pass.kernel.cutoff2, column, row);
-            else
-                far += device::far_depth(batch[n], pass.kernel, column, row);
-        }
-        total += far * slant + near;
+        float sum = 0;
+        for (int n = 0; n < filled; ++n)
+            sum += device::far_depth(batch[n], pass.kernel, at.column, at.row);
+        total += sum;
     }
-    if (column < pass.camera.width && row < pass.camera.height)
-        pass.depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(pass.camera.width) +
-                   static_cast<std::size_t>(column)] = total;
+    const device::Double3 d = pass.camera.corner +
+                              static_cast<double>(at.column) * pass.camera.step_x +
+                              static_cast<double>(at.row) * pass.camera.step_y;
+    add_to_pixel(pass, at, total * static_cast<float>(sqrt(device::dot(d, d))), true);
+}
+
+/// Adds the near Gaussians; one thread each leaves out those that the tile's rays cannot meet.
+__global__ void __launch_bounds__(kBlock) near_kernel(TilePass pass) {
+    constexpr int kBatch = 64;
+    __shared__ device::Gaussian batch[kBatch];
+    __shared__ bool meets[kBatch];
+    const TilePlace at = place_in(pass);
+    const device::Ray ray = device::whole_ray(pass.camera, at.column, at.row);
+    float total = 0;
+    for (std::int64_t begin = 0; begin < pass.near_count; begin += kBatch) {
+        const std::int64_t left = pass.near_count - begin;
+        const int filled = left < kBatch ? static_cast<int>(left) : kBatch;
+        __syncthreads();
+        if (at.thread < filled) {
+            batch[at.thread] = pass.near[begin + at.thread];
+            meets[at.thread] = device::may_meet(
+                batch[at.thread],
+                device::frustum_of(pass.camera, device::pixels_of(at.tile, pass.tile_columns)),
+                pass.kernel.cutoff2);
+        }
+        __syncthreads();
+        float sum = 0;
+        for (int n = 0; n < filled; ++n)
+            if (meets[n]) sum += device::near_depth(batch[n], ray, pass.kernel.cutoff2);
+        total += sum;
+    }
+    add_to_pixel(pass, at, total, false);
+}
+
+/// Adds up the counts of the block's rays in shared memory, and the blocks' sums by atomics.
+__global__ void count_kernel(const device::RayCounts* counts, std::int64_t pixels,
+                             CountTotals* totals) {
+    __shared__ unsigned long long hits[kBlock], slabs[kBlock];
+    __shared__ unsigned most[kBlock];
+    const std::int64_t pixel = thread_index();
+    const int thread = static_cast<int>(threadIdx.x);
+    const device::RayCounts own = pixel < pixels ? counts[pixel] : device::RayCounts{0, 0};
+    hits[thread] = own.hits;
+    slabs[thread] = most[thread] = own.slabs;
+    for (int half = kBlock / 2; half > 0; half /= 2) {
+        __syncthreads();
+        if (thread >= half) continue;
+        hits[thread] += hits[thread + half];
+        slabs[thread] += slabs[thread + half];
+        if (most[thread + half] > most[thread]) most[thread] = most[thread + half];
+    }
+    if (thread > 0) return;
+    atomicAdd(&totals->hits, hits[0]);
+    atomicAdd(&totals->slabs, slabs[0]);
+    atomicMax(&totals->most_slabs, most[0]);
 }
 
 }  // namespace
 
 void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
                     const device::Camera& camera, const device::SplatKernel& kernel,
-                    device::TileSplat* splats, std::uint32_t* touched) {
-    project_kernel<<<blocks_for(count), kBlock>>>(gaussians, count, camera, kernel, splats,
-                                                  touched);
-    check_cuda(cudaGetLastError(), "projecting");
+                    device::TileSplat* splats, std::uint64_t* touched, std::uint32_t* near) {
+    start("projecting", project_kernel, count, gaussians, count, camera, kernel, splats, touched,
+          near);
 }
 
 void launch_project_small(const device::Gaussian* gaussians, std::int32_t count,
                           const device::Camera& camera, const device::SplatKernel& kernel,
-                          device::TileSplat* splats, std::uint32_t* touched, float* shares) {
-    project_small_kernel<<<blocks_for(count), kBlock>>>(gaussians, count, camera, kernel, splats,
-                                                        touched, shares);
-    check_cuda(cudaGetLastError(), "projecting");
+                          device::TileSplat* splats, std::uint64_t* touched, float* shares) {
+    start("projecting", project_small_kernel, count, gaussians, count, camera, kernel, splats,
+          touched, shares);
 }
 
 std::size_t scan_bytes(std::int32_t gaussians) {
     std::size_t bytes = 0;
-    check_cuda(
-        cub::DeviceScan::InclusiveSum(nullptr, bytes, static_cast<const std::uint32_t*>(nullptr),
-                                      static_cast<std::uint64_t*>(nullptr), gaussians),
-        "sizing the sum");
+    std::uint64_t* none = nullptr;
+    check_cuda(cub::DeviceScan::InclusiveSum(nullptr, bytes, none, none, gaussians),
+               "sizing the sum");
     return bytes;
 }
 
@@ -151,16 +219,16 @@ std::size_t sort_bytes(std::int64_t entries, int key_bits) {
     return bytes;
 }
 
-void launch_scan(void* scratch, std::size_t bytes, const std::uint32_t* touched,
-                 std::uint64_t* offsets, std::int32_t count) {
-    check_cuda(cub::DeviceScan::InclusiveSum(scratch, bytes, touched, offsets, count),
+void launch_scan(void* scratch, std::size_t bytes, std::uint64_t* touched, std::int32_t count) {
+    check_cuda(cub::DeviceScan::InclusiveSum(scratch, bytes, touched, touched, count),
                "summing tiles");
 }
 
 void launch_emit(const device::TileSplat* splats, const std::uint64_t* offsets, std::int32_t count,
-                 std::int32_t tile_columns, std::uint32_t* tile, std::uint32_t* splat) {
-    emit_kernel<<<blocks_for(count), kBlock>>>(splats, offsets, count, tile_columns, tile, splat);
-    check_cuda(cudaGetLastError(), "listing tiles");
+                 std::int32_t tile_columns, std::int32_t tile_rows, std::uint32_t* tile,
+                 std::uint32_t* splat) {
+    start("listing tiles", emit_kernel, count, splats, offsets, count, tile_columns, tile_rows,
+          tile, splat);
 }
 
 void launch_sort(void* scratch, std::size_t bytes, SortedEntries& entries, std::int64_t count,
@@ -174,14 +242,23 @@ void launch_sort(void* scratch, std::size_t bytes, SortedEntries& entries, std::
 
 void launch_ranges(const std::uint32_t* tile, std::int64_t count, std::int32_t tiles,
                    std::uint64_t* first) {
-    ranges_kernel<<<blocks_for(count + 1), kBlock>>>(tile, count, tiles, first);
-    check_cuda(cudaGetLastError(), "finding tiles");
+    start("finding tiles", ranges_kernel, count + 1, tile, count, tiles, first);
+}
+
+void launch_whiten(const device::SplatGaussian* gaussians, const std::uint32_t* splat,
+                   std::int64_t count, device::Gaussian* near) {
+    start("listing near Gaussians", whiten_kernel, count, gaussians, splat, count, near);
 }
 
 void launch_tiles(const TilePass& pass) {
     static_assert(device::kSplatTile * device::kSplatTile == kBlock);
-    tiles_kernel<<<pass.tile_columns * pass.tile_rows, kBlock>>>(pass);
-    check_cuda(cudaGetLastError(), "rendering tiles");
+    const std::int64_t tiles = std::int64_t{pass.tile_columns} * pass.tile_rows;
+    start("rendering tiles", tiles_kernel, tiles * kBlock, pass);
+    if (pass.near_count > 0) start("rendering near Gaussians", near_kernel, tiles * kBlock, pass);
+}
+
+void launch_count(const device::RayCounts* counts, std::int64_t pixels, CountTotals* totals) {
+    start("adding up counts", count_kernel, pixels, counts, pixels, totals);
 }
 
 }  // namespace vog::gpu

@@ -5,32 +5,37 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "render/device/launch.h"
 #include "render/device/tile_splat.h"
 
 namespace vog::gpu {
 
-/// Projects every Gaussian and counts the tiles that each touches.
+/// Projects every Gaussian and counts the tiles that each touches. One that reaches the eye plane counts once,
+/// for the list of near Gaussians, which every tile adds.
+/// touched  [count]
+/// near     number of near Gaussians is added to it
 void launch_project(const device::SplatGaussian* gaussians, std::int32_t count,
                     const device::Camera& camera, const device::SplatKernel& kernel,
-                    device::TileSplat* splats, std::uint32_t* touched);
+                    device::TileSplat* splats, std::uint64_t* touched, std::uint32_t* near);
 
-/// The same for a ray tracer: only Gaussians that rays leave out touch tiles.
+/// The same for a ray tracer: only Gaussians that rays leave out touch tiles; none is near.
 /// shares  [count] factor on tau along rays; 0: left out
 void launch_project_small(const device::Gaussian* gaussians, std::int32_t count,
                           const device::Camera& camera, const device::SplatKernel& kernel,
-                          device::TileSplat* splats, std::uint32_t* touched, float* shares);
+                          device::TileSplat* splats, std::uint64_t* touched, float* shares);
 
 /// Bytes of scratch memory for prefix sums and sorts of these sizes.
 std::size_t scan_bytes(std::int32_t gaussians);
 std::size_t sort_bytes(std::int64_t entries, int key_bits);
 
-/// offsets[i] = touched[0] + ... + touched[i].
-void launch_scan(void* scratch, std::size_t bytes, const std::uint32_t* touched,
-                 std::uint64_t* offsets, std::int32_t count);
+/// touched[i] = touched[0] + ... + touched[i], in place. 64 bits: 2^31 Gaussians touch up to 2^26 tiles each.
+void launch_scan(void* scratch, std::size_t bytes, std::uint64_t* touched, std::int32_t count);
 
-/// Writes the entries (tile, splat) in the order of splats.
+/// Writes the entries (tile, splat) in the order of splats; near splats have the tile behind the last.
+/// offsets  [count] sums by launch_scan
 void launch_emit(const device::TileSplat* splats, const std::uint64_t* offsets, std::int32_t count,
-                 std::int32_t tile_columns, std::uint32_t* tile, std::uint32_t* splat);
+                 std::int32_t tile_columns, std::int32_t tile_rows, std::uint32_t* tile,
+                 std::uint32_t* splat);
 
 /// Double buffers of keys (tiles) and values (splats).
 struct SortedEntries {
@@ -46,17 +51,32 @@ void launch_sort(void* scratch, std::size_t bytes, SortedEntries& entries, std::
 void launch_ranges(const std::uint32_t* tile, std::int64_t count, std::int32_t tiles,
                    std::uint64_t* first);
 
-/// Arguments of the last pass, which adds up the splats of every tile.
+/// Writes the near Gaussians in the form of intersect().
+/// splat  [count] their indices
+/// near   [count]
+void launch_whiten(const device::SplatGaussian* gaussians, const std::uint32_t* splat,
+                   std::int64_t count, device::Gaussian* near);
+
+/// Arguments of the last pass, which adds up the splats of every tile and the near Gaussians.
 struct TilePass {
-    const device::SplatGaussian* gaussians;
     const device::TileSplat* splats;
     const std::uint64_t* first;
     const std::uint32_t* splat;
+    const device::Gaussian* near;
+    std::int64_t near_count;
     device::Camera camera;
     device::Kernel kernel;
     std::int32_t tile_columns, tile_rows;
     float* depth;  ///< [height * width] T at extinction 1
 };
 void launch_tiles(const TilePass& pass);
+
+/// Sums over the rays of a picture.
+struct CountTotals {
+    unsigned long long hits, slabs;
+    unsigned most_slabs;
+};
+/// Adds up counts of rays; `totals` is cleared before.
+void launch_count(const device::RayCounts* counts, std::int64_t pixels, CountTotals* totals);
 
 }  // namespace vog::gpu

@@ -2,6 +2,7 @@
 #include "render/trace/splat_kernel.h"
 
 #include <algorithm>
+#include <cstdint>
 
 #include "render/kernel_polynomial.h"
 #include "render/pixel_limits.h"

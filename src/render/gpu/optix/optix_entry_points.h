@@ -21,7 +21,8 @@ inline constexpr OptixEntryPoints kAccumulateEntryPoints{VOG_RAYGEN_ACCUMULATE, 
                                                          VOG_ANYHIT_ACCUMULATE, nullptr};
 inline constexpr OptixEntryPoints kCollectEntryPoints{
     VOG_RAYGEN_COLLECT, VOG_MISS_GAUSSIAN, VOG_INTERSECTION_GAUSSIAN, VOG_ANYHIT_COLLECT, nullptr};
+/// No miss program: rays that miss the box of the grid are not traced.
 inline constexpr OptixEntryPoints kVoxelEntryPoints{
-    VOG_RAYGEN_VOXELS, VOG_MISS_VOXELS, VOG_INTERSECTION_VOXELS, nullptr, VOG_CLOSESTHIT_VOXELS};
+    VOG_RAYGEN_VOXELS, nullptr, VOG_INTERSECTION_VOXELS, nullptr, VOG_CLOSESTHIT_VOXELS};
 
 }  // namespace vog::gpu

@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "render/gpu/cuda_passes.h"
+#include "render/gpu/cuda_splat.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
 #include "render/trace/trace_options.h"
@@ -18,14 +19,15 @@ using namespace trace;
 struct OptixModel::State {
     TraceModel model;  ///< without its arrays, which are on the GPU
     std::size_t count = 0;
-    OptixContext context;
-    OptixRayPipeline accumulate{context, kAccumulateEntryPoints};
-    OptixRayPipeline collect{context, kCollectEntryPoints};
+    std::shared_ptr<OptixDevice> device = optix_device();
+    OptixRayPipeline accumulate{device, kAccumulateEntryPoints};
+    OptixRayPipeline collect{device, kCollectEntryPoints};
     GpuArray<device::Gaussian> gaussians;
     SplatPasses passes;
     GpuArray<float> shares, splatted;  ///< of the current picture
     std::unique_ptr<OptixHierarchy> hierarchy;
-    GpuArray<unsigned long long> counters{3, "counters"};
+    GpuArray<device::RayCounts> counts;  ///< of the last picture with a report
+    GpuArray<CountTotals> totals;
     OptixFilm film;
     GpuTimer timer;
 
@@ -35,7 +37,8 @@ struct OptixModel::State {
         draw_small(launch);
         (anyhit == AnyHit::collect ? collect : accumulate).run(launch);
     }
-    TraceReport report() const;
+    /// Adds up the counts; not within the time of the picture.
+    TraceReport report(std::int64_t pixels);
 };
 
 OptixModel::OptixModel(const Gaussians& gaussians, const TraceSceneOptions& options) {
@@ -44,13 +47,15 @@ OptixModel::OptixModel(const Gaussians& gaussians, const TraceSceneOptions& opti
     State& s = *state_;
     s.model = std::move(model);
     s.count = s.model.gaussians.size();
+    if (const std::size_t most = most_primitives(*s.device); s.count > most)
+        throw Error(fmt::format("optix: {} Gaussians, expected at most {}", s.count, most));
     s.film.set_depth_unit(s.model.depth_unit);
     s.gaussians = GpuArray(s.model.gaussians, "Gaussians");
     if (!s.model.boxed) {
         s.passes = SplatPasses(static_cast<std::int32_t>(s.count));
         s.shares = GpuArray<float>(s.count, "shares of Gaussians");
     }
-    if (s.count > 0) s.hierarchy = std::make_unique<OptixHierarchy>(s.context, s.model.boxes);
+    if (s.count > 0) s.hierarchy = std::make_unique<OptixHierarchy>(s.device, s.model.boxes);
     s.model.gaussians = {};
     s.model.boxes = {};
 }
@@ -95,11 +100,13 @@ void OptixModel::State::draw_small(device::Launch& launch) {
     launch.splatted = splatted.data();
 }
 
-TraceReport OptixModel::State::report() const {
-    unsigned long long numbers[3] = {};
-    counters.copy_to(numbers, 3, "fetching counters");
-    // The third counter has 32 bits, the lower half of its word.
-    return {numbers[0], numbers[1], static_cast<int>(numbers[2])};
+TraceReport OptixModel::State::report(std::int64_t pixels) {
+    totals.reserve(1, "counters");
+    check_cuda(cudaMemset(totals.data(), 0, sizeof(CountTotals)), "clearing counters");
+    launch_count(counts.data(), pixels, totals.data());
+    CountTotals sum{};
+    totals.copy_to(&sum, 1, "fetching counters");
+    return {sum.hits, sum.slabs, static_cast<int>(sum.most_slabs)};
 }
 
 DepthImage OptixModel::render(const Camera& camera, int width, int height,
@@ -112,17 +119,15 @@ DepthImage OptixModel::render(const Camera& camera, int width, int height,
     s.film.load(width, height);
     device::Launch launch = s.launch_for(frame, options);
     launch.film = s.film.film(0);
+    const std::int64_t pixels = std::int64_t{width} * height;
     if (report) {
-        check_cuda(cudaMemset(s.counters.data(), 0, 3 * sizeof(unsigned long long)),
-                   "clearing counters");
-        launch.hits = s.counters.data();
-        launch.slabs = s.counters.data() + 1;
-        launch.most_slabs = reinterpret_cast<unsigned*>(s.counters.data() + 2);
+        s.counts.reserve(static_cast<std::size_t>(pixels), "counts of rays");
+        launch.counts = s.counts.data();
     }
     s.timer.start();
     s.run(launch, options.anyhit);
     s.timer.stop();
-    if (report) *report = s.report();
+    if (report) *report = s.report(pixels);
     return s.film.depth();
 }
 

@@ -1,10 +1,8 @@
-// optix_pipeline.h: Host side of OptiX: device context, module, programs, shader binding table,
-// acceleration structures. OptiX's driver library is loaded at run time, by optixInit.
+// optix_pipeline.h: OptiX as the renderers see it: the device, pipelines of programs, hierarchies of boxes. No
+// OptiX headers here: those are for the sources behind it (optix_host.h).
 #pragma once
 
-#include <optix.h>
-
-#include <array>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -17,70 +15,43 @@ namespace vog::gpu {
 
 using namespace trace;
 
-/// throws vog::Error "optix: <doing>: <OptiX's message>" unless `code` is success
-void check_optix(OptixResult code, const char* doing);
+/// Context and compiled device module on the current CUDA device.
+struct OptixDevice;
 
-/// OptiX device context on the current CUDA device.
-class OptixContext {
-  public:
-    /// throws vog::Error with one line naming the missing part: driver, GPU, OptiX in the driver
-    OptixContext();
-    ~OptixContext();
-    OptixContext(const OptixContext&) = delete;
-    OptixContext& operator=(const OptixContext&) = delete;
-    OptixDeviceContext get() const { return context_; }
+/// The device of this process: made when first asked for, shared by all models and volumes, and ended with the
+/// last of them. With the environment variable VOG_OPTIX_DEBUG set, OptiX validates what it is given and its
+/// messages go to the standard error.
+/// throws  vog::Error with one line naming the missing part: driver, GPU, OptiX in the driver
+std::shared_ptr<OptixDevice> optix_device();
 
-  private:
-    OptixDeviceContext context_ = nullptr;
-};
+/// Most primitives that one hierarchy may have: 2^29 on every device so far.
+std::size_t most_primitives(const OptixDevice& device);
 
-/// Deleter of OptiX's objects.
-struct OptixDestroy {
-    void operator()(OptixModule module) const;
-    void operator()(OptixProgramGroup group) const;
-    void operator()(OptixPipeline pipeline) const;
-};
-template <class Handle>
-using OptixOwned = std::unique_ptr<std::remove_pointer_t<Handle>, OptixDestroy>;
-
-/// Module, program groups, pipeline and shader binding table of one set of entry points.
+/// Program groups, pipeline and shader binding table of one set of entry points.
 class OptixRayPipeline {
   public:
-    OptixRayPipeline(const OptixContext& context, const OptixEntryPoints& entry_points);
+    OptixRayPipeline(std::shared_ptr<OptixDevice> device, const OptixEntryPoints& entry_points);
+    ~OptixRayPipeline();
 
     /// Launches one ray a pixel of launch.camera on the default stream, asynchronously.
     void run(const device::Launch& launch);
 
   private:
-    struct alignas(OPTIX_SBT_RECORD_ALIGNMENT) Record {
-        std::array<char, OPTIX_SBT_RECORD_HEADER_SIZE> header;
-    };
-    void make_groups(const OptixContext& context, const OptixEntryPoints& entry_points);
-    void link(const OptixContext& context);
-    void bind();
-
-    OptixOwned<OptixModule> module_;
-    std::array<OptixOwned<OptixProgramGroup>, 3> groups_;  ///< ray generation, miss, hit
-    OptixOwned<OptixPipeline> pipeline_;
-    GpuArray<Record> records_;
-    OptixShaderBindingTable table_{};
-    GpuArray<device::Launch> launch_;
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 /// Compacted geometry acceleration structure over boxes, under an instance acceleration structure of
 /// one instance.
 class OptixHierarchy {
   public:
-    OptixHierarchy(const OptixContext& context, const std::vector<FloatBox>& boxes);
-    OptixTraversableHandle handle() const { return top_; }
+    OptixHierarchy(std::shared_ptr<OptixDevice> device, const std::vector<FloatBox>& boxes);
+    ~OptixHierarchy();
+    std::uint64_t handle() const;  ///< Launch::traversable
 
   private:
-    /// Builds one acceleration structure.
-    /// compact  copy it to a buffer of its compacted size
-    OptixTraversableHandle build(const OptixContext& context, const OptixBuildInput& input,
-                                 bool compact, GpuArray<std::byte>& out);
-    GpuArray<std::byte> bottom_nodes_, top_nodes_;
-    OptixTraversableHandle bottom_ = 0, top_ = 0;
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace vog::gpu

@@ -61,11 +61,9 @@ __device__ double splatted_depth(unsigned pixel) {
     return launch.splatted ? static_cast<double>(launch.splatted[pixel]) : 0;
 }
 
-__device__ void count(unsigned hits, unsigned slabs) {
-    if (!launch.hits) return;
-    atomicAdd(launch.hits, static_cast<unsigned long long>(hits));
-    atomicAdd(launch.slabs, static_cast<unsigned long long>(slabs));
-    atomicMax(launch.most_slabs, slabs);
+/// Writes what a report asks for.
+__device__ void count(unsigned pixel, unsigned hits, unsigned slabs) {
+    if (launch.counts) launch.counts[pixel] = {hits, slabs};
 }
 
 }  // namespace
@@ -74,7 +72,7 @@ extern "C" __global__ void __raygen__accumulate() {
     unsigned pixel;
     GaussianRay data{};
     if (pixel_ray(pixel, data.ray)) trace(data, 0);
-    count(data.hits, 0);
+    count(pixel, data.hits, 0);
     expose(launch.film, pixel, splatted_depth(pixel) + data.sum.depth());
 }
 
@@ -99,7 +97,7 @@ extern "C" __global__ void __raygen__collect() {
         more = integrate(list, launch.gaussians, launch.shares, data.ray, launch.cutoff2,
                          launch.stop_depth - splatted, launch.rounding, data.sum);
     }
-    count(data.hits, slabs);
+    count(pixel, data.hits, slabs);
     expose(launch.film, pixel, splatted + data.sum.depth());
 }
 
@@ -174,5 +172,3 @@ extern "C" __global__ void __closesthit__voxels() {
     data.sum = walk_voxels(*static_cast<const nanovdb::NanoGrid<float>*>(launch.grid), data.origin,
                            data.direction);
 }
-
-extern "C" __global__ void __miss__voxels() {}

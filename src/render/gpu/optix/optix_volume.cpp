@@ -49,8 +49,8 @@ Affine world_from_index(const nanovdb::NanoGrid<float>& grid) {
 }  // namespace
 
 struct OptixVolume::State {
-    OptixContext context;
-    OptixRayPipeline pipeline{context, kVoxelEntryPoints};
+    std::shared_ptr<OptixDevice> device = optix_device();
+    OptixRayPipeline pipeline{device, kVoxelEntryPoints};
     GpuArray<std::byte> grid;
     std::unique_ptr<OptixHierarchy> hierarchy;
     Affine index_from_world;
@@ -89,7 +89,7 @@ OptixVolume::OptixVolume(std::span<const std::byte> grid) {
         around.lower[axis] = static_cast<float>(-half);
         around.upper[axis] = static_cast<float>(half);
     }
-    s.hierarchy = std::make_unique<OptixHierarchy>(s.context, std::vector<FloatBox>{around});
+    s.hierarchy = std::make_unique<OptixHierarchy>(s.device, std::vector<FloatBox>{around});
 }
 
 OptixVolume::~OptixVolume() = default;

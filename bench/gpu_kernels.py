@@ -1,0 +1,78 @@
+#!/usr/bin/env python3
+"""Registers, shared memory and occupancy of the CUDA kernels, by the compiler, without a GPU.
+
+usage: bench/gpu_kernels.py [--nvcc NVCC] [ARCHITECTURE ...]     default: 75 86 89 90 120
+
+Occupancy is the share of a multiprocessor's threads that fit beside each other, limited by registers, shared
+memory, blocks and threads (CUDA C++ Programming Guide, "Technical Specifications per Compute Capability").
+"""
+import argparse
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+SOURCE = ROOT / "src/render/gpu/cuda_splat.cu"
+THREADS = 256  # of a block, kBlock
+# Threads, blocks and bytes of shared memory of a multiprocessor; all have 65,536 registers.
+PROCESSORS = {75: (1024, 16, 64 << 10), 86: (1536, 16, 100 << 10), 89: (1536, 24, 100 << 10),
+              90: (2048, 32, 228 << 10), 120: (1536, 24, 100 << 10)}
+REGISTERS = 65536
+
+
+def occupancy(architecture, registers, shared):
+    threads, blocks, memory = PROCESSORS[architecture]
+    # Registers are given out by 256 a warp, shared memory with 1 KB of the system's a block from 8.0 on.
+    per_warp = (registers * 32 + 255) // 256 * 256
+    reserved = 0 if architecture < 80 else 1024
+    fit = min(threads // THREADS, blocks, REGISTERS // (per_warp * (THREADS // 32)), memory // max(shared + reserved, 1))
+    return fit * THREADS / threads
+
+
+def kernels(nvcc, architecture):
+    """{kernel: (registers, bytes of shared memory, bytes of spills)}"""
+    with tempfile.TemporaryDirectory() as folder:
+        made = subprocess.run([nvcc, "-std=c++17", "-O3", f"-I{ROOT}/src", f"-I{ROOT}/include",
+                               f"-gencode=arch=compute_{architecture},code=sm_{architecture}", "-Xptxas", "-v", "-c",
+                               str(SOURCE), "-o", f"{folder}/object.o"], capture_output=True, text=True)
+    if made.returncode:
+        sys.exit(f"{SOURCE.name} for sm_{architecture}: {made.stderr.strip().splitlines()[-1]}")
+    found, name, spills = {}, None, 0
+    for line in made.stderr.splitlines():
+        if "Compiling entry function" in line:
+            # An anonymous namespace's name ends in eight digits of a hash; the length of the kernel's follows.
+            match = re.search(r"_cu_[0-9a-f]{8}\d+([a-z_]+_kernel)", line)
+            name = match and match[1]
+        elif match := re.search(r"(\d+) bytes spill stores", line):
+            spills = int(match[1])
+        elif name and (match := re.search(r"Used (\d+) registers", line)):
+            shared = re.search(r"(\d+) bytes smem", line)
+            found[name] = (int(match[1]), int(shared[1]) if shared else 0, spills)
+            name = None
+    return found
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    options.add_argument("--nvcc", default="nvcc")
+    options.add_argument("architectures", nargs="*", type=int, default=sorted(PROCESSORS))
+    arguments = options.parse_args()
+    unknown = [a for a in arguments.architectures if a not in PROCESSORS]
+    if unknown:
+        sys.exit(f"architecture {unknown[0]}, expected {', '.join(map(str, sorted(PROCESSORS)))}")
+    rows = {a: kernels(arguments.nvcc, a) for a in arguments.architectures}
+    print("| kernel | " + " | ".join(f"sm_{a}" for a in rows) + " |")
+    print("|---|" + "---|" * len(rows))
+    for kernel in sorted({k for found in rows.values() for k in found}):
+        cells = []
+        for architecture, found in rows.items():
+            registers, shared, spills = found[kernel]
+            cells.append(f"{registers} registers, {shared / 1024:.1f} kB, {occupancy(architecture, registers, shared):.0%}"
+                         + (f", {spills} B spilled" if spills else ""))
+        print(f"| `{kernel}` | " + " | ".join(cells) + " |")
+
+
+if __name__ == "__main__":
+    main()

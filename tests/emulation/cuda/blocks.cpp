@@ -1,0 +1,157 @@
+// blocks.cpp: Kernels on the host: a fiber a thread, blocks one after another, threads of a block in an order that
+// changes at every barrier.
+#include <cuda_runtime.h>
+#include <ucontext.h>
+
+#include <cstring>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "emulation.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#include <sanitizer/common_interface_defs.h>
+#endif
+
+thread_local uint3 threadIdx, blockIdx;
+thread_local dim3 blockDim, gridDim;
+
+// First and last byte of shared memory, by the linker; none in a program without kernels that share.
+extern "C" __attribute__((weak)) std::byte __start_vog_shared[], __stop_vog_shared[];
+
+namespace vog::emulation {
+
+namespace {
+
+constexpr std::size_t kStackBytes = 256 * 1024;
+
+enum class State { ready, waiting, ended };
+
+struct Fiber {
+    ucontext_t context;
+    std::unique_ptr<std::byte[]> stack = std::make_unique_for_overwrite<std::byte[]>(kStackBytes);
+    State state = State::ended;
+    void* sanitizer_stack = nullptr;
+};
+
+/// Threads of the block that runs. One block at a time in the process: shared memory exists once.
+class Block {
+  public:
+    static Block& get() {
+        static Block block;
+        return block;
+    }
+
+    void run(unsigned threads, const std::function<void()>& body) {
+        body_ = &body;
+        if (fibers_.size() < threads) fibers_.resize(threads);
+        for (unsigned n = 0; n < threads; ++n) begin(fibers_[n]);
+        if (__start_vog_shared)
+            std::memset(__start_vog_shared, 0xff,
+                        static_cast<std::size_t>(__stop_vog_shared - __start_vog_shared));
+        for (unsigned phase = 0; resume_all(threads, phase); ++phase) {
+        }
+    }
+
+    /// Called on a fiber: back to the scheduler until all threads have come here.
+    void wait() {
+        current_->state = State::waiting;
+        leave(*current_, false);
+    }
+
+    std::mutex running;
+
+  private:
+    static void enter() {
+        Block& block = get();
+        block.arrived();
+        (*block.body_)();
+        block.current_->state = State::ended;
+        block.leave(*block.current_, true);
+    }
+
+    void begin(Fiber& fiber) {
+        getcontext(&fiber.context);
+        fiber.context.uc_stack.ss_sp = fiber.stack.get();
+        fiber.context.uc_stack.ss_size = kStackBytes;
+        fiber.context.uc_link = nullptr;
+        makecontext(&fiber.context, enter, 0);
+        fiber.state = State::ready;
+        fiber.sanitizer_stack = nullptr;
+    }
+
+    /// Runs every thread to its next barrier or its end.
+    /// returns  true if all wait at a barrier, false if all have ended
+    bool resume_all(unsigned threads, unsigned phase) {
+        // An odd step visits every thread of a power of two; others are visited in turn.
+        const unsigned step = threads & (threads - 1) ? 1 : 2 * (phase * 37 + 48) + 1;
+        unsigned ended = 0;
+        for (unsigned k = 0; k < threads; ++k) {
+            const unsigned n = (k * step + 13 * phase + 7) % threads;
+            threadIdx = {n, 0, 0};
+            current_ = &fibers_[n];
+            resume(*current_);
+            ended += current_->state == State::ended;
+        }
+        if (ended > 0 && ended < threads)
+            refuse("a barrier that some threads of a block do not reach");
+        return ended == 0;
+    }
+
+#if defined(__SANITIZE_ADDRESS__)
+    void resume(Fiber& fiber) {
+        void* own = nullptr;
+        __sanitizer_start_switch_fiber(&own, fiber.stack.get(), kStackBytes);
+        swapcontext(&scheduler_, &fiber.context);
+        __sanitizer_finish_switch_fiber(own, nullptr, nullptr);
+    }
+    void leave(Fiber& fiber, bool for_good) {
+        __sanitizer_start_switch_fiber(for_good ? nullptr : &fiber.sanitizer_stack,
+                                       scheduler_stack_, scheduler_bytes_);
+        swapcontext(&fiber.context, &scheduler_);
+        arrived();
+    }
+    void arrived() {
+        __sanitizer_finish_switch_fiber(current_->sanitizer_stack, &scheduler_stack_,
+                                        &scheduler_bytes_);
+    }
+    const void* scheduler_stack_ = nullptr;
+    std::size_t scheduler_bytes_ = 0;
+#else
+    void resume(Fiber& fiber) { swapcontext(&scheduler_, &fiber.context); }
+    void leave(Fiber& fiber, bool) { swapcontext(&fiber.context, &scheduler_); }
+    void arrived() {}
+#endif
+
+    std::vector<Fiber> fibers_;
+    ucontext_t scheduler_{};
+    Fiber* current_ = nullptr;
+    const std::function<void()>* body_ = nullptr;
+};
+
+}  // namespace
+
+cudaError_t run_blocks(const cudaLaunchConfig_t& shape, const std::function<void()>& body) {
+    constexpr unsigned kMostThreads = 1024, kMostBlocks = 0x7fffffff;
+    const unsigned threads = shape.blockDim.x, blocks = shape.gridDim.x;
+    if (shape.blockDim.y != 1 || shape.blockDim.z != 1 || shape.gridDim.y != 1 ||
+        shape.gridDim.z != 1)
+        refuse("only launches of one dimension are emulated");
+    if (threads == 0 || threads > kMostThreads || blocks == 0 || blocks > kMostBlocks)
+        return cudaErrorInvalidConfiguration;
+    Block& block = Block::get();
+    const std::lock_guard lock(block.running);
+    blockDim = shape.blockDim;
+    gridDim = shape.gridDim;
+    // From the last block to the first: no kernel may count on the order.
+    for (unsigned n = blocks; n-- > 0;) {
+        blockIdx = {n, 0, 0};
+        block.run(threads, body);
+    }
+    return cudaSuccess;
+}
+
+}  // namespace vog::emulation
+
+void __syncthreads() { vog::emulation::Block::get().wait(); }

@@ -1,0 +1,223 @@
+// traversal.cpp: Every box of a hierarchy in a scrambled order; no tree, since any order is within what OptiX
+// promises.
+#include "device/traversal.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+#include "emulation.h"
+#include "render/gpu/optix/optix_entry_points.h"
+
+extern "C" {
+extern vog::device::Launch launch;
+void __raygen__accumulate();
+void __raygen__collect();
+void __intersection__gaussian();
+void __anyhit__accumulate();
+void __anyhit__collect();
+void __miss__gaussian();
+void __raygen__voxels();
+void __intersection__voxels();
+void __closesthit__voxels();
+}
+
+namespace vog::emulation {
+
+namespace {
+
+constexpr std::uint64_t kHierarchy = 0x5eed0b0c5ull, kInstance = 0x5eed11572ull;
+
+/// Head of a hierarchy's memory; the boxes follow.
+struct Hierarchy {
+    std::uint64_t kind, boxes;
+    std::uint64_t single_anyhit;
+};
+struct Instance {
+    std::uint64_t kind;
+    const Hierarchy* hierarchy;
+    std::uint32_t mask, record_offset;
+};
+
+const PrimitiveBox* boxes_of(const Hierarchy& hierarchy) {
+    return reinterpret_cast<const PrimitiveBox*>(&hierarchy + 1);
+}
+
+/// Constant during a launch.
+struct LaunchState {
+    Programs programs{};
+    unsigned hit_records = 0;
+    Traversal mode = Traversal::plain;
+};
+LaunchState running;
+
+thread_local RayState state;
+thread_local bool any_accepted = false;
+thread_local bool anyhit_done = false;  ///< once for the current box, where that is asked for
+thread_local unsigned ray_flags = 0;
+
+constexpr unsigned kDisableAnyhit = 1, kDisableClosesthit = 8;
+
+std::uint32_t scrambled(std::uint64_t value) {
+    value = (value ^ value >> 31) * 0x9e3779b97f4a7c15ull;
+    return static_cast<std::uint32_t>((value ^ value >> 29) * 0xbf58476d1ce4e5b9ull >> 32);
+}
+
+/// Narrows [enter, leave] to the part of the ray in the box.
+void clip(const PrimitiveBox& box, const Ray& ray, float& enter, float& leave) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const float o = ray.origin[axis], d = ray.direction[axis];
+        if (d == 0) {
+            if (o < box.lower[axis] || o > box.upper[axis]) leave = -1;
+            continue;
+        }
+        const float a = (box.lower[axis] - o) / d, b = (box.upper[axis] - o) / d;
+        enter = std::max(enter, std::min(a, b));
+        leave = std::min(leave, std::max(a, b));
+    }
+}
+
+/// Calls of the intersection program for a box.
+int calls(const PrimitiveBox& box, const Ray& ray, std::uint32_t chance) {
+    float enter = state.begin, leave = state.end;
+    clip(box, ray, enter, leave);
+    switch (running.mode) {
+        case Traversal::plain:
+            return enter <= leave;
+        case Traversal::strict:
+            return enter < leave;
+        default:
+            return enter <= leave ? 1 + (chance % 4 == 0) : chance % 16 == 0;
+    }
+}
+
+void check(const Ray& ray, const Instance& instance) {
+    if (instance.kind != kInstance) refuse("optixTrace through something else than a hierarchy");
+    if (instance.hierarchy->kind != kHierarchy) refuse("an instance of a hierarchy that is gone");
+    if (!(ray.begin >= 0 && ray.end >= ray.begin)) refuse("optixTrace with tmin beyond tmax");
+    if ((instance.mask & ray.mask) == 0) refuse("optixTrace with a mask that hides everything");
+    if (ray.record_stride != 1 || ray.miss_record != 0 ||
+        ray.record_offset + instance.record_offset >= running.hit_records)
+        refuse("optixTrace with records beyond the shader binding table");
+}
+
+}  // namespace
+
+Program find_program(const char* name) {
+    static const std::pair<const char*, Program> table[] = {
+        {VOG_RAYGEN_ACCUMULATE, __raygen__accumulate},
+        {VOG_RAYGEN_COLLECT, __raygen__collect},
+        {VOG_INTERSECTION_GAUSSIAN, __intersection__gaussian},
+        {VOG_ANYHIT_ACCUMULATE, __anyhit__accumulate},
+        {VOG_ANYHIT_COLLECT, __anyhit__collect},
+        {VOG_MISS_GAUSSIAN, __miss__gaussian},
+        {VOG_RAYGEN_VOXELS, __raygen__voxels},
+        {VOG_INTERSECTION_VOXELS, __intersection__voxels},
+        {VOG_CLOSESTHIT_VOXELS, __closesthit__voxels},
+    };
+    for (const auto& [entry, program] : table)
+        if (std::strcmp(entry, name) == 0) return program;
+    return nullptr;
+}
+
+std::size_t hierarchy_bytes(std::size_t boxes) {
+    return sizeof(Hierarchy) + boxes * sizeof(PrimitiveBox);
+}
+
+void write_hierarchy(void* memory, std::span<const PrimitiveBox> boxes, bool single_anyhit) {
+    for (const PrimitiveBox& box : boxes)
+        for (int axis = 0; axis < 3; ++axis)
+            if (!(box.lower[axis] <= box.upper[axis])) refuse("a box that is inside out");
+    auto* hierarchy = static_cast<Hierarchy*>(memory);
+    *hierarchy = {kHierarchy, boxes.size(), single_anyhit};
+    std::memcpy(hierarchy + 1, boxes.data(), boxes.size_bytes());
+}
+
+void move_hierarchy(void* from, void* to) {
+    auto* hierarchy = static_cast<Hierarchy*>(from);
+    if (hierarchy->kind != kHierarchy) refuse("something else than a hierarchy is compacted");
+    const std::size_t bytes = hierarchy_bytes(hierarchy->boxes);
+    std::memcpy(to, from, bytes);
+    std::memset(from, 0xee, bytes);
+}
+
+std::size_t instance_bytes() { return sizeof(Instance); }
+
+void write_instance(void* memory, const void* hierarchy, unsigned mask, unsigned record_offset) {
+    const auto* of = static_cast<const Hierarchy*>(hierarchy);
+    if (of->kind != kHierarchy) refuse("an instance of something else than a hierarchy");
+    *static_cast<Instance*>(memory) = {kInstance, of, mask, record_offset};
+}
+
+void run_programs(const Programs& programs, unsigned hit_records, const device::Launch& parameters,
+                  unsigned width, unsigned height) {
+    constexpr std::uint64_t kMostRays = 1u << 30;
+    if (std::uint64_t{width} * height > kMostRays) refuse("a launch of more than 2^30 rays");
+    running = {programs, hit_records, traversal()};
+    launch = parameters;
+    const std::uint64_t rays = std::uint64_t{width} * height;
+    // An odd step that shares no divisor with the rays visits each once.
+    std::uint64_t step = 7919;
+    while (std::gcd(step, rays) != 1) step += 2;
+    tbb::parallel_for(std::uint64_t{0}, rays, [&](std::uint64_t n) {
+        const std::uint64_t pixel = n * step % rays;
+        state = {};
+        state.column = static_cast<unsigned>(pixel % width);
+        state.row = static_cast<unsigned>(pixel / width);
+        programs.raygen();
+    });
+}
+
+RayState& ray_state() { return state; }
+
+void trace(std::uint64_t handle, const Ray& ray, std::span<unsigned> payload) {
+    const auto& instance = *reinterpret_cast<const Instance*>(handle);
+    check(ray, instance);
+    if (payload.size() != device::kPayloadWords) refuse("another payload than the pipeline's");
+    const Hierarchy& hierarchy = *instance.hierarchy;
+
+    std::copy(payload.begin(), payload.end(), state.payload);
+    state.begin = ray.begin, state.end = ray.end;
+    ray_flags = ray.flags;
+    any_accepted = false;
+    const std::uint64_t seed = (std::uint64_t{state.row} << 32) + state.column;
+    const std::size_t count = hierarchy.boxes,
+                      start = scrambled(seed) % std::max<std::size_t>(count, 1);
+    const bool backwards = seed & 1;
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t n = (start + (backwards ? count - 1 - k : k)) % count;
+        const int repeats = calls(boxes_of(hierarchy)[n], ray, scrambled((seed << 20) + seed + n));
+        state.primitive = static_cast<unsigned>(n);
+        for (int call = 0; call < repeats; ++call) {
+            anyhit_done = call > 0 && hierarchy.single_anyhit;
+            running.programs.intersection();
+        }
+    }
+    const Program last = !any_accepted                    ? running.programs.miss
+                         : ray_flags & kDisableClosesthit ? nullptr
+                                                          : running.programs.closesthit;
+    if (last) last();
+    std::copy(std::begin(state.payload), std::end(state.payload), payload.begin());
+}
+
+bool report(float t, std::initializer_list<unsigned> attributes) {
+    const bool beyond = running.mode == Traversal::strict ? t >= state.end : t > state.end;
+    if (!(t >= state.begin) || beyond || anyhit_done) return false;
+    if (attributes.size() > device::kAttributeWords) refuse("more attributes than the pipeline's");
+    const float end = state.end;
+    std::copy(attributes.begin(), attributes.end(), state.attribute);
+    state.end = t;
+    state.ignored = false;
+    if (running.programs.anyhit && !(ray_flags & kDisableAnyhit)) running.programs.anyhit();
+    if (state.ignored) {
+        state.end = end;
+        return false;
+    }
+    any_accepted = true;
+    return true;
+}
+
+}  // namespace vog::emulation

@@ -1,0 +1,44 @@
+# vog_add_emulated_gpu(TARGET): adds the GPU renderers to TARGET, on a GPU in host memory (tests/emulation). With
+# OptiX's headers (OptiX_ROOT) the host's calls of OptiX run too, through the function table of a library that
+# takes the driver's place; without them, everything but these calls.
+function(vog_add_emulated_gpu target)
+    set(gpu ${PROJECT_SOURCE_DIR}/src/render/gpu)
+    set(emulation ${PROJECT_SOURCE_DIR}/tests/emulation)
+    add_library(${target}_gpu OBJECT ${gpu}/cuda_memory.cpp ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp
+                ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu ${gpu}/optix/optix_film.cpp
+                ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp ${emulation}/cuda/memory.cpp
+                ${emulation}/cuda/blocks.cpp ${emulation}/device/traversal.cpp)
+    # The compiler does not know .cu: as C++, with the qualifiers of tests/emulation/cuda. Their executed lines are
+    # counted, for tests/emulation/coverage.py; without weak symbols inline functions of src/render/device are
+    # theirs alone, and not the linker's choice among those of other sources.
+    set_source_files_properties(${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu PROPERTIES
+                                LANGUAGE CXX COMPILE_OPTIONS "-x;c++;--coverage;-fprofile-update=atomic;-fno-weak;-Wno-conversion")
+    set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
+    set_target_properties(${target}_gpu PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_include_directories(${target}_gpu PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src
+                               ${emulation} ${emulation}/cuda)
+    target_include_directories(${target}_gpu SYSTEM PRIVATE ${VOG_NANOVDB_INCLUDE})
+    target_link_libraries(${target}_gpu PRIVATE vog_flags fmt::fmt TBB::tbb)
+    find_path(VOG_OPTIX_INCLUDE optix.h HINTS ${OptiX_ROOT}/include $ENV{OptiX_ROOT}/include NO_DEFAULT_PATH)
+    if(VOG_OPTIX_INCLUDE)
+        message(STATUS "Emulated GPU: OptiX's headers in ${VOG_OPTIX_INCLUDE}, its function table too")
+        target_sources(${target}_gpu PRIVATE ${gpu}/optix/optix_device.cpp ${gpu}/optix/optix_pipeline.cpp
+                       ${gpu}/optix/optix_hierarchy.cpp ${emulation}/host/module.cpp)
+        add_library(nvoptix SHARED ${emulation}/host/function_table.cpp)
+        set_target_properties(nvoptix PROPERTIES SOVERSION 1)
+        target_include_directories(nvoptix PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src
+                                   ${emulation} ${emulation}/cuda)
+        target_link_libraries(nvoptix PRIVATE ${target} vog_flags)
+        foreach(part ${target}_gpu nvoptix)
+            target_include_directories(${part} SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE})
+        endforeach()
+        # optixInit looks for the driver's library by name.
+        set_target_properties(${target} PROPERTIES BUILD_RPATH ${CMAKE_CURRENT_BINARY_DIR})
+    else()
+        message(STATUS "Emulated GPU: no OptiX headers (OptiX_ROOT), so OptiX's function table is not emulated")
+        target_sources(${target}_gpu PRIVATE ${emulation}/device/pipeline.cpp)
+    endif()
+    target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_gpu>)
+    target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})
+    target_link_options(${target} PRIVATE --coverage)
+endfunction()

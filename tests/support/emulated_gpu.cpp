@@ -1,0 +1,46 @@
+// emulated_gpu.cpp: The renderers of vog/gpu.h over every way of traversing a hierarchy.
+#include "support/emulated_gpu.h"
+
+#ifdef VOG_EMULATED_GPU
+
+#include "emulation/emulation.h"
+#include "vog/gpu.h"
+
+namespace vog::test {
+
+std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers() {
+    using emulation::Traversal;
+    std::vector<std::pair<std::string, GpuRender>> all;
+    all.emplace_back("cuda",
+                     [](const Gaussians& model, const Camera& camera, int width, int height) {
+                         return CudaSplat(model).render(camera, width, height);
+                     });
+    for (const auto& [mode, mode_name] : {std::pair{Traversal::plain, "plain"},
+                                          {Traversal::strict, "strict"},
+                                          {Traversal::noisy, "noisy"}}) {
+        const auto optix = [&](const std::string& name, const TraceOptions& options) {
+            all.emplace_back(name + "_" + mode_name,
+                             [options, mode = mode](const Gaussians& model, const Camera& camera,
+                                                    int width, int height) {
+                                 emulation::set_traversal(mode);
+                                 return OptixModel(model).render(camera, width, height, options);
+                             });
+        };
+        optix("optix_accumulate", {});
+        optix("optix_collect", {.anyhit = AnyHit::collect});
+        optix("optix_collect_by_16", {.anyhit = AnyHit::collect, .hits_per_slab = 16});
+    }
+    return all;
+}
+
+}  // namespace vog::test
+
+#else
+
+namespace vog::test {
+
+std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers() { return {}; }
+
+}  // namespace vog::test
+
+#endif

@@ -1,0 +1,21 @@
+// emulated_gpu.h: The GPU renderers in builds with VOG_EMULATED_GPU; none in others.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "vog/camera.h"
+#include "vog/gaussians.h"
+#include "vog/image.h"
+
+namespace vog::test {
+
+using GpuRender = std::function<DepthImage(const Gaussians&, const Camera&, int, int)>;
+
+/// CUDA's splat, and OptiX's ray tracer with either any-hit program and with a list of hits that overflows at
+/// once, in every way of traversing a hierarchy.
+std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers();
+
+}  // namespace vog::test
