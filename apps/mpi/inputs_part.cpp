@@ -21,7 +21,7 @@ VolumePart this_part(const Ranks& ranks, int align_voxels) {
 }
 
 void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options,
-               const VolumePart& part, bool by_arrangement, ValueNotes& notes,
+               const VolumePart& part, bool by_arrangement, ValueNotes& notes, bool beside,
                VolumesPart& result) {
     std::vector<VolumeReader> volumes, masks;
     for (const auto& [file, grid, mask] : sources)
@@ -39,18 +39,23 @@ void read_mesh(std::span<const LevelSource> sources, const LevelOptions& options
         result.box.include(volume.world_box());
         result.active_voxels += volume.active_voxels();
     }
-    for (Levels& levels : read_level_parts(volumes, masks, part, &notes))
+    std::vector<Levels> around;
+    for (Levels& levels :
+         read_level_parts(volumes, masks, part, &notes, beside ? &around : nullptr))
         result.sets.push_back({std::move(levels), Overlap::hide});
+    for (Levels& levels : around) result.beside.push_back({std::move(levels), Overlap::hide});
     // Every rank has counted the whole, and the counts are summed later: the root's is kept.
     if (part.index > 0) result.active_voxels = 0;
 }
 
 void read_sums(std::span<const LevelSource> sources, const LevelOptions& options,
-               const Ranks& ranks, int align_voxels, ValueNotes& notes, VolumesPart& result) {
+               const Ranks& ranks, int align_voxels, ValueNotes& notes, bool beside,
+               VolumesPart& result) {
     std::vector<std::string> files;
     for (const LevelSource& source : sources) files.push_back(source.file.string());
     const auto shares = shares_of(files, ranks);
     result.sets.emplace_back();
+    if (beside) result.beside.emplace_back();
     for (std::size_t n = 0; n < sources.size(); ++n) {
         if (!shares[n]) continue;
         VolumeReader reader(sources[n].file, {sources[n].grid, options.level_set_to_fog, false,
@@ -58,6 +63,9 @@ void read_sums(std::span<const LevelSource> sources, const LevelOptions& options
         VolumePart part = *shares[n];
         part.align_voxels = align_voxels;
         result.sets.front().volumes.push_back(reader.read(part, &notes));
+        if (beside)
+            result.beside.front().volumes.push_back(
+                part.whole() ? Volume{} : read_beside(reader, result.sets.front().volumes.back()));
         result.sources.push_back(n);
         result.by_files |= part.whole() && ranks.count() > 1;
         result.box.include(reader.world_box());
@@ -82,7 +90,7 @@ void require_one_cutoff(const Gaussians& model, const Ranks& ranks) {
 
 VolumesPart read_volumes_part(const std::vector<std::string>& files,
                               const cli::VolumeInputOptions& options, const Ranks& ranks,
-                              int align_voxels) {
+                              int align_voxels, bool beside) {
     const bool whole = are_many(files.size(), ranks) &&
                        cli::combination_of(files.size(), options).overlap == Overlap::add;
     const SameFiles same(files, ranks, !whole);
@@ -97,9 +105,9 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     ValueNotes notes;
     if (part.is_mesh())
         read_mesh(sources, level_options, this_part(ranks, align_voxels),
-                  combination.by_arrangement, notes, part);
+                  combination.by_arrangement, notes, beside, part);
     else
-        read_sums(sources, level_options, ranks, align_voxels, notes, part);
+        read_sums(sources, level_options, ranks, align_voxels, notes, beside, part);
     same.check_unchanged();
     part.box = ranks.box_union(part.box);
     part.active_voxels = ranks.sum(part.active_voxels);
@@ -112,6 +120,30 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     for (const std::string& text : part.notes)
         if (ranks.first()) cli::note(text);
     return part;
+}
+
+cli::DividedVolumes read_divided_volumes(const std::vector<std::string>& files,
+                                         const cli::VolumeInputOptions& options, bool beside,
+                                         const Ranks& ranks) {
+    cli::DividedVolumes read;
+    try {
+        try {
+            VolumesPart part = read_volumes_part(files, options, ranks, kLeafEdge, beside);
+            ranks.agree();
+            read = {part.is_mesh(),
+                    std::move(part.sets),
+                    std::move(part.beside),
+                    part.volumes,
+                    part.box,
+                    std::move(part.notes),
+                    nullptr};
+        } catch (const Error& error) {
+            ranks.agree({1, cli::failure_text(error)});
+        }
+    } catch (const Ended&) {
+        read.failure = std::current_exception();
+    }
+    return read;
 }
 
 Gaussians read_particles_part(const std::vector<std::string>& files,

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "fields/divided_volumes.h"
 #include "ranks.h"
 #include "shared/inputs.h"
 
@@ -15,6 +16,8 @@ struct VolumesPart {
     /// No mesh: one set, of one part of each volume this rank has a share in. A mesh: for each
     /// level, finest first, this rank's part of it as read_level_parts has it.
     std::vector<VolumeSet> sets;
+    /// Voxels beside those of `sets`, likewise; of no mesh, [volumes of the set].
+    std::vector<VolumeSet> beside{};
     std::vector<std::size_t> sources;  ///< no mesh: index of each volume here among all volumes
     bool by_files = false;             ///< no mesh: volumes go to ranks whole
     // Figures of the whole, the same on every rank.
@@ -27,9 +30,14 @@ struct VolumesPart {
 };
 /// Reads this rank's part; parts are aligned to cubes of `align_voxels`. Notes about replaced
 /// values go to the root's standard error.
+/// beside  whether voxels beside the part are read
 VolumesPart read_volumes_part(const std::vector<std::string>& files,
                               const cli::VolumeInputOptions& options, const Ranks& ranks,
-                              int align_voxels = kLeafEdge);
+                              int align_voxels = kLeafEdge, bool beside = false);
+/// The same for pictures of fields and by value, with a failure on any rank as one of all.
+cli::DividedVolumes read_divided_volumes(const std::vector<std::string>& files,
+                                         const cli::VolumeInputOptions& options, bool beside,
+                                         const Ranks& ranks);
 
 /// This rank's part of the particles, one Gaussian each, with the box of the whole. Every rank
 /// reads all particles, as adaptive widths depend on neighbours.

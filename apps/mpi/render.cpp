@@ -110,6 +110,10 @@ void add_render(CLI::App& app, const Ranks& ranks) {
     hooks.load_models = [&ranks](const std::vector<std::string>& files) {
         return read_models_part(files, ranks);
     };
+    hooks.load_volumes = [&ranks](const DrawingArguments& drawing,
+                                  const cli::VolumeInputOptions& options, bool beside) {
+        return read_divided_volumes(drawing.inputs, options, beside, ranks);
+    };
     hooks.collective = ranks.collective();
     hooks.is_root = ranks.first();
     // Pictures of a sequence: each is rendered by one rank alone.

@@ -129,9 +129,15 @@ std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> fi
 /// masks     none, or one for each volume (Levels::masks)
 /// part      applied to each level by itself
 /// notes     as in VolumeReader::read
+/// beside    receives for each result the same of its level's nodes beside the part (read_beside); null: not read
 /// throws    vog::Error as the readers do
 std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<VolumeReader> masks,
-                                     const VolumePart& part, ValueNotes* notes = nullptr);
+                                     const VolumePart& part, ValueNotes* notes = nullptr,
+                                     std::vector<Levels>* beside = nullptr);
+/// Reads the nodes of a volume that share a face with a leaf of a part of it: differences between neighbouring voxels
+/// need those of other parts. Some nodes of the part are among them.
+/// throws    vog::Error as VolumeReader::read does
+Volume read_beside(VolumeReader& reader, const Volume& part);
 
 /// Part of a model: run `index` of `count` runs with about the same number of Gaussians.
 struct ModelPart {

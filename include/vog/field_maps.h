@@ -103,6 +103,13 @@ void render_field_splat(const Gaussians& gaussians, const FieldChoice& choice, c
                                                const Camera& camera, int width, int height,
                                                const ReferenceOptions& options = {},
                                                const VoxelGridOptions& voxels = {});
+/// The same of parts of levels, which add up: of each level as read_level_parts in vog/distributed.h has it.
+/// fields  [parts][levels of the part]
+[[nodiscard]] FieldMaps render_field_reference(std::span<const Levels> parts,
+                                               std::span<const std::vector<VoxelField>> fields,
+                                               FieldPart part, const Camera& camera, int width,
+                                               int height, const ReferenceOptions& options = {},
+                                               const VoxelGridOptions& voxels = {});
 
 /// Values that count for a color scale: where the column is at least a thousandth of the largest. Others are
 /// the rims of supports, often of extreme values.

@@ -18,6 +18,8 @@
 
 namespace vog {
 
+struct Collective;
+
 /// Field between voxel centres.
 enum class Interpolation {
     constant,  ///< each active voxel fills its box [i-1/2, i+1/2]^3 with its value
@@ -89,6 +91,9 @@ struct ReferenceOptions {
     /// [1, 64]. 1: the ray through its centre.
     int samples = 1;
     Clipping clip{};  ///< space that counts; exact on every ray
+    /// Processes that each have a part of the voxels and make the same calls (vog-mpi), for maps of fields, maxima and
+    /// pictures by value, which are complete on the root; T adds without it. Null: this process has all voxels.
+    const Collective* collective = nullptr;
 };
 
 /// Optical depth T per pixel at extinction 1, summed over the grids.

@@ -101,6 +101,15 @@ class SlabRenderer {
                                               const TraceOptions& options = {},
                                               const TraceSceneOptions& scene = {},
                                               const VolumeLook& look = {});
+/// Voxels of other processes (ReferenceOptions::collective), as far as one knows of them.
+struct OtherVoxels {
+    /// Whether volumes may overlap those of other processes: extinctions then add up, and all pieces of a ray are sent
+    /// in place of runs of them.
+    bool overlap = true;
+    /// [volumes] voxels next to this process's, on the same lattice, for light by gradients; empty: none
+    std::span<const Volume> beside{};
+    std::span<const VoxelField> field{};  ///< [beside]
+};
 /// The voxels' own picture: constant in each voxel, exponentials per cell.
 /// volumes  the measures; one, or the parts of a mesh, which do not overlap
 /// fields   [volumes] a scalar field at the voxels of each; a component with neither leaves nor tiles is the
@@ -108,15 +117,14 @@ class SlabRenderer {
 /// Where several volumes overlap, their extinctions add up. options.clip and look.clip both cut.
 /// voxels   Interpolation::linear: of one volume; values are interpolated, then classified (post-classification), at
 ///          the middles of steps of step_voxels > 0; light is by the gradient of the interpolated field
+/// others   of several processes, which must have the same transfer function, and constant voxels
 /// returns  constant voxels: within 1e-6 of the exact picture; the same bytes for any number of threads
 /// throws   vog::Error as render_field_reference, validate(look) and validate(transfer) do
 /// cost     O(pixels * samples^2 * voxels on a ray), about 10 ns for each that absorbs
-[[nodiscard]] VolumeImage render_volume_reference(std::span<const Volume> volumes,
-                                                  std::span<const VoxelField> fields,
-                                                  const ValueTransfer& transfer,
-                                                  const Camera& camera, int width, int height,
-                                                  const ReferenceOptions& options = {},
-                                                  const VolumeLook& look = {},
-                                                  const VoxelGridOptions& voxels = {});
+[[nodiscard]] VolumeImage render_volume_reference(
+    std::span<const Volume> volumes, std::span<const VoxelField> fields,
+    const ValueTransfer& transfer, const Camera& camera, int width, int height,
+    const ReferenceOptions& options = {}, const VolumeLook& look = {},
+    const VoxelGridOptions& voxels = {}, const OtherVoxels& others = {});
 
 }  // namespace vog

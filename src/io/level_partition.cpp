@@ -1,4 +1,6 @@
-// level_partition.cpp: one process's part of AMR levels, with the finer leaves that overlap it.
+// level_partition.cpp: one process's part of AMR levels, with the finer leaves that overlap it, and the voxels beside it.
+#include <algorithm>
+#include <tuple>
 #include <utility>
 
 #include "data/levels/arrangement.h"
@@ -30,16 +32,55 @@ std::vector<Volume> empty_volumes(std::span<VolumeReader> readers) {
     return empty;
 }
 
+/// Leaves of a volume, for neighbours that share a face with one.
+class LeafFaces {
+  public:
+    explicit LeafFaces(const Volume& volume) {
+        for (const Leaf& leaf : volume.leaves) origins_.push_back(leaf.origin);
+        std::ranges::sort(origins_, before);
+    }
+    /// Whether a node shares a face with a leaf. Of nodes of 4096 voxels, which cost a tile each at most: always.
+    bool touch(Vec3i origin, std::int32_t edge) const {
+        if (edge > kMostEdge) return true;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            for (std::int32_t a = 0; a < edge; a += kLeafEdge)
+                for (std::int32_t b = 0; b < edge; b += kLeafEdge) {
+                    Vec3i below = origin;
+                    below[u] += a, below[v] += b, below[axis] -= kLeafEdge;
+                    Vec3i above = below;
+                    above[axis] += edge + kLeafEdge;
+                    if (holds(below) || holds(above)) return true;
+                }
+        }
+        return false;
+    }
+
+  private:
+    static constexpr std::int32_t kMostEdge = 128;
+    static bool before(Vec3i a, Vec3i b) {
+        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    }
+    bool holds(Vec3i origin) const { return std::ranges::binary_search(origins_, origin, before); }
+
+    std::vector<Vec3i> origins_;
+};
+
 }  // namespace
 
+Volume read_beside(VolumeReader& reader, const Volume& part) {
+    const LeafFaces faces(part);
+    return reader.read_where(
+        [&](Vec3i origin, std::int32_t edge) { return faces.touch(origin, edge); });
+}
+
 std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<VolumeReader> masks,
-                                     const VolumePart& part, ValueNotes* notes) {
+                                     const VolumePart& part, ValueNotes* notes,
+                                     std::vector<Levels>* beside) {
     const std::vector<Volume> empty = empty_volumes(volumes);
     const std::vector<std::size_t> order = finest_first(empty);
     std::vector<Levels> parts;
-    for (std::size_t k = 0; k < order.size(); ++k) {
-        Volume own = volumes[order[k]].read(part, notes);
-        if (own.empty()) continue;
+    const auto with_finer = [&](std::size_t k, Volume own) {
         const NodeOccupancy occupied(own);
         Levels levels;
         for (std::size_t finer = 0; finer < k; ++finer) {
@@ -55,7 +96,13 @@ std::vector<Levels> read_level_parts(std::span<VolumeReader> volumes, std::span<
         }
         if (!masks.empty()) levels.masks.push_back(read_overlap(masks[order[k]], occupied));
         levels.volumes.push_back(std::move(own));
-        parts.push_back(std::move(levels));
+        return levels;
+    };
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        Volume own = volumes[order[k]].read(part, notes);
+        if (own.empty()) continue;
+        if (beside) beside->push_back(with_finer(k, read_beside(volumes[order[k]], own)));
+        parts.push_back(with_finer(k, std::move(own)));
     }
     return parts;
 }

@@ -66,10 +66,15 @@ void require_addable(const RenderArguments& arguments, const Drawing& drawing,
                      const RenderRanks& ranks) {
     if (!ranks.divided()) return;
     const std::string show = "--show " + arguments.quantity.show;
-    if (drawing.kind == FileKind::volume)
+    const DrawingArguments& given = arguments.drawing;
+    const bool samples = !arguments.quantity.of_field() || given.step_voxels > 0;
+    if (drawing.kind == FileKind::volume && given.interpolation == "linear" && samples)
         throw CLI::ValidationError(fmt::format(
-            "{}: of volumes is of one process, expected a model (vog-mpi convert), or vog render",
-            show));
+            "{} with --interpolation linear: samples begin where a ray enters the whole volume, of "
+            "which a rank holds a part; expected {}, or one process (vog render)",
+            show,
+            !arguments.quantity.of_field() ? "--interpolation constant"
+                                           : "--step 0 (exact, cell by cell)"));
     if (drawing.renderer == Renderer::trace && !arguments.quantity.of_field())
         throw CLI::ValidationError(fmt::format(
             "--renderer trace: {} needs all Gaussians of a ray in their order, of which a rank "

@@ -146,6 +146,31 @@ std::size_t part_length(const std::string& text) {
     return 0;
 }
 
+/// The choice among the parts of a field.
+/// text  of --field
+FieldChoice choice_of(const std::string& text, const std::string& name, bool is_vector) {
+    Fields names;
+    if (is_vector)
+        names.vector.emplace_back().name = name;
+    else
+        names.scalar.emplace_back().name = name;
+    return field_choice(name + text.substr(text.size() - part_length(text)), names);
+}
+
+/// Options of the reference by those of the command.
+struct FieldReference {
+    ReferenceOptions options;
+    VoxelGridOptions voxels;
+};
+FieldReference reference_of(const DrawingArguments& given) {
+    FieldReference made;
+    made.options.samples = given.samples;
+    made.options.clip = clip_of(given);
+    if (given.interpolation == "linear") made.voxels.interpolation = Interpolation::linear;
+    made.voxels.step_voxels = given.step_voxels;
+    return made;
+}
+
 FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing) {
     const DrawingArguments& given = arguments.drawing;
     const auto data = std::make_shared<VolumesWithField>(load_volumes(given.inputs, given.volume));
@@ -161,24 +186,14 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
         read_volume_fields({{grid}, given.volume.grid, given.inputs}, volumes, drawing.notes)
             .front());
     print_notes(drawing.notes);
-    Fields names;
     const VoxelField& field = data->field.front();
-    if (field.is_vector())
-        names.vector.emplace_back().name = field.name;
-    else
-        names.scalar.emplace_back().name = field.name;
-    const FieldChoice choice = field_choice(field.name + text.substr(grid.size()), names);
+    const FieldChoice choice = choice_of(text, field.name, field.is_vector());
     FieldDrawing made;
     made.unit = field.unit;
     made.label = field_label(choice);
     set_primitives_text(drawing, data->set.is_mesh() ? volumes.size() : 0);
-    ReferenceOptions options;
-    options.samples = given.samples;
-    options.clip = clip_of(given);
-    VoxelGridOptions voxels;
-    if (given.interpolation == "linear") voxels.interpolation = Interpolation::linear;
-    voxels.step_voxels = given.step_voxels;
-    made.draw = [=](const Camera& camera, Size size, const Progress& progress) mutable {
+    made.draw = [=, options = reference_of(given).options, voxels = reference_of(given).voxels](
+                    const Camera& camera, Size size, const Progress& progress) mutable {
         options.progress = progress;
         const int width = size.width, height = size.height;
         return data->set.is_mesh()
@@ -186,6 +201,114 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
                                             height, options, voxels)
                    : render_field_reference(data->set.volumes, data->field, choice.part, camera,
                                             width, height, options, voxels);
+    };
+    made.drawing = std::move(drawing);
+    return made;
+}
+
+/// This rank's part of volumes with their field.
+struct DividedWithField {
+    std::vector<Volume> volumes;  ///< no mesh: with field
+    std::vector<VoxelField> field;
+    std::vector<Levels> levels;  ///< a mesh: its fields
+    std::vector<std::vector<VoxelField>> fields;
+};
+
+/// Any field with values at the nodes of a volume without density: one within the range of another field, which keeps
+/// its digits in units of the range of both.
+VoxelField any_field(const Volume& volume, const Volume& of_other, const VoxelField& other) {
+    VoxelField field;
+    field.component.resize(other.component.size());
+    for (std::size_t c = 0; c < field.component.size(); ++c) {
+        const VoxelValues& from = other.component[c];
+        VoxelValues& values = field.component[c];
+        float value = static_cast<float>(other.lower);
+        if (!from.tile.empty()) {
+            value = from.tile.front();
+        } else if (!from.leaf.empty()) {
+            int n = 0;
+            while (n + 1 < kLeafVoxels && !of_other.leaves.front().active(n)) ++n;
+            value = from.leaf.front()[static_cast<std::size_t>(n)];
+        }
+        values.leaf.resize(volume.leaves.size());
+        for (auto& leaf : values.leaf) leaf.fill(value);
+        values.tile.assign(volume.tiles.size(), value);
+    }
+    return field;
+}
+
+/// Levels of this rank's part, each with the field of its last volume.
+/// volumes  the last volume of each
+void take_levels(std::vector<VolumeSet> sets, std::vector<Volume> volumes,
+                 std::vector<VoxelField> field, DividedWithField& data) {
+    for (std::size_t n = 0; n < sets.size(); ++n) {
+        Levels& levels = data.levels.emplace_back(std::move(sets[n]));
+        levels.volumes.back() = std::move(volumes[n]);
+        std::vector<VoxelField>& fields = data.fields.emplace_back();
+        for (std::size_t finer = 0; finer + 1 < levels.volumes.size(); ++finer)
+            fields.push_back(any_field(levels.volumes[finer], levels.volumes.back(), field[n]));
+        fields.push_back(std::move(field[n]));
+    }
+}
+
+/// As load_volume_field, of this rank's part; maps are joint on every rank.
+FieldDrawing load_divided_field(const RenderArguments& arguments, Drawing drawing,
+                                const RenderRanks& ranks) {
+    const DrawingArguments& given = arguments.drawing;
+    DividedVolumes part = ranks.load_volumes(given, given.volume, false);
+    if (part.failure) std::rethrow_exception(part.failure);
+    if (part.is_mesh && given.interpolation == "linear")
+        throw CLI::ValidationError(
+            "--interpolation linear: at the edge of a part, levels of a mesh need values that "
+            "other ranks hold; expected --interpolation constant, or one process (vog render)");
+    std::vector<Volume> volumes;
+    for (VolumeSet& set : part.sets) {
+        if (part.is_mesh)
+            volumes.push_back(std::move(set.volumes.back()));
+        else
+            std::ranges::move(set.volumes, std::back_inserter(volumes));
+    }
+    std::erase_if(volumes, [](const Volume& volume) { return volume.empty(); });
+    double voxels = 0;
+    for (const Volume& volume : volumes) voxels += static_cast<double>(active_voxels(volume));
+    ranks.collective.sum(voxels);
+    drawing.active_voxels = static_cast<std::uint64_t>(voxels);
+    drawing.box = part.box;
+    drawing.notes = part.notes;
+    const std::string& text = arguments.quantity.field;
+    const std::string grid = text.substr(0, text.size() - part_length(text));
+    std::vector<FieldCoverage> coverage(1);
+    std::vector<VoxelField> field;
+    std::vector<std::string> notes;
+    if (!volumes.empty())
+        field = std::move(
+            read_volume_fields({{grid}, given.volume.grid, given.inputs}, volumes, notes, &coverage)
+                .front());
+    notes.clear();
+    const SharedField shared = shared_field(volumes, field, coverage.front(), ranks, notes);
+    if (ranks.is_root) print_notes(notes);
+    drawing.notes.insert(drawing.notes.end(), notes.begin(), notes.end());
+    const FieldChoice choice = choice_of(text, shared.name, shared.is_vector);
+    FieldDrawing made;
+    made.unit = shared.unit;
+    made.label = field_label(choice);
+    set_primitives_text(drawing, part.is_mesh ? part.volumes : 0);
+    const auto data = std::make_shared<DividedWithField>();
+    if (part.is_mesh)
+        take_levels(std::move(part.sets), std::move(volumes), std::move(field), *data);
+    else
+        data->volumes = std::move(volumes), data->field = std::move(field);
+    FieldReference reference = reference_of(given);
+    reference.options.collective = &ranks.collective;
+    made.draw = [=, mesh = part.is_mesh](const Camera& camera, Size size,
+                                         const Progress& progress) mutable {
+        const auto& [options, grids] = reference;
+        reference.options.progress = progress;
+        const int width = size.width, height = size.height;
+        return mesh ? render_field_reference(data->levels, data->fields, choice.part, camera, width,
+                                             height, options, grids)
+                    : render_field_reference(data->volumes, data->field, choice.part, camera, width,
+                                             height, options, grids);
     };
     made.drawing = std::move(drawing);
     return made;
@@ -219,9 +342,10 @@ std::vector<RenderedPicture> render_field(const RenderArguments& arguments, cons
     return render_map(arguments, command, ranks, [&] {
         Drawing drawing = begin_drawing(arguments.drawing, command);
         check(arguments, drawing, ranks);
-        FieldDrawing field = drawing.kind == FileKind::model
-                                 ? load_model(arguments, std::move(drawing), ranks)
-                                 : load_volume_field(arguments, std::move(drawing));
+        FieldDrawing field =
+            drawing.kind == FileKind::model ? load_model(arguments, std::move(drawing), ranks)
+            : ranks.divided() ? load_divided_field(arguments, std::move(drawing), ranks)
+                              : load_volume_field(arguments, std::move(drawing));
         const bool is_mean = arguments.quantity.show == "mean";
         const auto maps = std::make_shared<FieldMaps>();
         MapDrawing made;

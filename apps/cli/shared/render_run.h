@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "fields/divided_volumes.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "options/memory_options.h"
@@ -99,6 +100,9 @@ struct RenderRanks {
         load = load_drawing;
     /// Reads this rank's part of models, with the box of the whole, for pictures of fields.
     std::function<Gaussians(const std::vector<std::string>&)> load_models{};
+    /// Reads this rank's part of volumes, and the voxels beside it if wanted, for pictures of fields and by value.
+    std::function<DividedVolumes(const DrawingArguments&, const VolumeInputOptions&, bool beside)>
+        load_volumes{};
     Collective collective{};  ///< operations between the ranks
     bool is_root = true;      ///< the rank that shades, writes and reports
     /// Inputs of a sequence that this rank renders alone: one flag per input. Empty: all of them.

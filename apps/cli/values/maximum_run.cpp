@@ -22,12 +22,14 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, const ValueInputs
     const DrawingArguments& given = arguments.drawing;
     const Clipping clip = clip_of(given);
     const std::string field = inputs.label;
-    if (inputs.volumes)
-        return
-            [=, data = inputs.volumes](const Camera& camera, Size size, const Progress& progress) {
-                return render_maximum_reference(data->volumes, data->field, camera, size.width,
-                                                size.height, {progress, given.samples, clip});
-            };
+    if (inputs.volumes) {
+        const Collective* processes = ranks.divided() ? &ranks.collective : nullptr;
+        return [=, data = inputs.volumes, samples = given.samples](const Camera& camera, Size size,
+                                                                   const Progress& progress) {
+            return render_maximum_reference(data->volumes, data->field, camera, size.width,
+                                            size.height, {progress, samples, clip, processes});
+        };
+    }
     if (inputs.drawing.renderer == Renderer::trace) {
         if (arguments.value.slabs)
             throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");

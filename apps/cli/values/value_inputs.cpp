@@ -62,16 +62,17 @@ void set_range(const Volume& volume, VoxelField& field) {
 }
 
 /// Reads the field of --field: "temperature", or "velocity.x" of a vector field.
+/// coverage  of a part of volumes, as read_volume_fields has it; null: whole volumes
 std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
-                                      std::vector<Volume>& volumes,
-                                      std::vector<std::string>& notes) {
+                                      std::vector<Volume>& volumes, std::vector<std::string>& notes,
+                                      std::vector<FieldCoverage>* coverage = nullptr) {
     const std::string& text = arguments.quantity.field;
     if (text.empty()) return own_values(volumes);
     const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
     const std::string grid = part ? text.substr(0, text.size() - 2) : text;
     std::vector<VoxelField> fields = std::move(
         read_volume_fields({{grid}, arguments.drawing.volume.grid, arguments.drawing.inputs},
-                           volumes, notes)
+                           volumes, notes, coverage)
             .front());
     for (VoxelField& field : fields) {
         if (field.is_vector() != part)
@@ -90,11 +91,20 @@ std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
     return fields;
 }
 
+bool may_be_signed(const VolumeInputOptions& options) {
+    return !options.values.clip_negative && !options.level_set_to_fog;
+}
+std::string signed_note(const std::string& input, double lower, double upper) {
+    return fmt::format(
+        "{}: values from {:.6g} to {:.6g}: no density, every active voxel counts alike", input,
+        lower, upper);
+}
+
 /// A volume with values below 0, which are no densities: every active voxel counts as 1, and the values are a field.
 /// returns  nothing for other volumes
 std::optional<std::pair<LoadedVolumes, VoxelField>> load_signed(const RenderArguments& arguments) {
     const DrawingArguments& given = arguments.drawing;
-    if (given.volume.values.clip_negative || given.volume.level_set_to_fog) return std::nullopt;
+    if (!may_be_signed(given.volume)) return std::nullopt;
     VolumeInputOptions options = given.volume;
     options.ones = true;
     LoadedVolumes set = load_volumes(given.inputs, options);
@@ -104,9 +114,7 @@ std::optional<std::pair<LoadedVolumes, VoxelField>> load_signed(const RenderArgu
         return std::nullopt;
     VoxelField field = read_field({.file = volume.source, .grid = volume.name}, volume);
     if (!(field.lower < 0) || field.is_vector()) return std::nullopt;
-    set.notes.push_back(
-        fmt::format("{}: values from {:.6g} to {:.6g}: no density, every active voxel counts alike",
-                    given.inputs.front(), field.lower, field.upper));
+    set.notes.push_back(signed_note(given.inputs.front(), field.lower, field.upper));
     return std::pair{std::move(set), std::move(field)};
 }
 
@@ -123,7 +131,7 @@ ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing
             return std::move(loaded->first);
         }
     }();
-    const auto data = std::make_shared<VolumesByValue>();
+    const auto data = std::make_shared<PartsWithField>();
     if (set.is_mesh()) {
         Composite mesh = composite(set);
         drawing.box = mesh.box;
@@ -150,6 +158,97 @@ ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing
     return made;
 }
 
+/// Fields at this rank's volumes and those beside them.
+/// read(volumes, coverage)  reads it at some volumes, none of them empty
+template <class Read>
+void read_divided_field(PartsWithField& data, FieldCoverage& coverage, const Read& read) {
+    std::vector<FieldCoverage> counted(1);
+    if (!data.volumes.empty()) data.field = read(data.volumes, counted);
+    coverage = counted.front();
+    data.beside_field.resize(data.beside.size());
+    for (std::size_t n = 0; n < data.beside.size(); ++n) {
+        data.beside_field[n].component.resize(1);
+        if (data.beside[n].empty()) continue;
+        std::vector<Volume> one;
+        one.push_back(std::move(data.beside[n]));
+        data.beside_field[n] = std::move(read(one, counted).front());
+        data.beside[n] = std::move(one.front());
+    }
+}
+
+/// As load_signed, of parts.
+/// returns  the range of the values
+std::optional<SharedField> load_divided_signed(const RenderArguments& arguments, bool beside,
+                                               const RenderRanks& ranks, PartsWithField& data,
+                                               DividedVolumes& part) {
+    const DrawingArguments& given = arguments.drawing;
+    if (!may_be_signed(given.volume)) return std::nullopt;
+    VolumeInputOptions options = given.volume;
+    options.ones = true;
+    part = ranks.load_volumes(given, options, beside);
+    if (part.failure) std::rethrow_exception(part.failure);
+    if (part.volumes > 1 || part.is_mesh) return std::nullopt;
+    data = visible_volumes(part);
+    const std::string& text = arguments.quantity.field;
+    double other = 0;
+    for (const Volume& volume : data.volumes) other = !(text.empty() || text == volume.name);
+    ranks.collective.max(std::span(&other, 1));
+    if (other > 0) return std::nullopt;
+    FieldCoverage coverage;
+    read_divided_field(
+        data, coverage, [](std::vector<Volume>& volumes, std::vector<FieldCoverage>& counts) {
+            std::vector<VoxelField> fields;
+            for (Volume& volume : volumes)
+                fields.push_back(read_field({.file = volume.source, .grid = volume.name}, volume,
+                                            {}, nullptr, &counts.front()));
+            return fields;
+        });
+    const SharedField field = shared_field(data.volumes, data.field, coverage, ranks, part.notes);
+    if (!(field.lower < 0) || field.is_vector) return std::nullopt;
+    const std::string text_of_range = signed_note(given.inputs.front(), field.lower, field.upper);
+    if (ranks.is_root) print_notes({text_of_range});
+    part.notes.push_back(text_of_range);
+    return field;
+}
+
+/// As load_volume_values, of this rank's part; the range is that of all ranks.
+ValueInputs load_divided_values(const RenderArguments& arguments, Drawing drawing,
+                                const RenderRanks& ranks) {
+    const DrawingArguments& given = arguments.drawing;
+    const bool beside = arguments.quantity.volume() && look_of(arguments.value).light;
+    DividedVolumes part = ranks.load_volumes(given, given.volume, beside);
+    const auto data = std::make_shared<PartsWithField>();
+    std::optional<SharedField> field;
+    if (const std::exception_ptr failure = part.failure) {
+        field = load_divided_signed(arguments, beside, ranks, *data, part);
+        if (!field) std::rethrow_exception(failure);
+    } else {
+        *data = visible_volumes(part);
+        FieldCoverage coverage;
+        std::vector<std::string> notes;
+        read_divided_field(*data, coverage,
+                           [&](std::vector<Volume>& volumes, std::vector<FieldCoverage>& counts) {
+                               return read_field_of(arguments, volumes, notes, &counts);
+                           });
+        notes.clear();
+        field = shared_field(data->volumes, data->field, coverage, ranks, notes);
+        if (ranks.is_root) print_notes(notes);
+        part.notes.insert(part.notes.end(), notes.begin(), notes.end());
+    }
+    // Of parts of a mesh: some may overlap where its lattices do not fit.
+    double figures[1] = {data->overlap ? 1.0 : 0.0};
+    ranks.collective.max(figures);
+    data->overlap = figures[0] > 0;
+    double voxels = 0;
+    for (const Volume& volume : data->volumes) voxels += static_cast<double>(active_voxels(volume));
+    ranks.collective.sum(voxels);
+    drawing.active_voxels = static_cast<std::uint64_t>(voxels);
+    drawing.box = part.box;
+    drawing.notes = part.notes;
+    set_primitives_text(drawing, part.is_mesh ? part.volumes : 0);
+    return {std::move(drawing), field->name, field->unit, field->lower, field->upper, {}, data};
+}
+
 }  // namespace
 
 const ScalarField& scalar_field_of(const Fields& fields, const std::string& name,
@@ -173,8 +272,10 @@ ValueInputs load_values(const RenderArguments& arguments, const CLI::App& comman
                         const RenderRanks& ranks) {
     Drawing drawing = begin_drawing(arguments.drawing, command);
     check_by_value(arguments, command, drawing, ranks);
-    return drawing.kind == FileKind::model ? load_model_values(arguments, std::move(drawing), ranks)
-                                           : load_volume_values(arguments, std::move(drawing));
+    if (drawing.kind == FileKind::model)
+        return load_model_values(arguments, std::move(drawing), ranks);
+    return ranks.divided() ? load_divided_values(arguments, std::move(drawing), ranks)
+                           : load_volume_values(arguments, std::move(drawing));
 }
 
 }  // namespace vog::cli

@@ -5,16 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "fields/divided_volumes.h"
 #include "shared/render_run.h"
 #include "vog/voxel_field.h"
 
 namespace vog::cli {
-
-/// Volumes with a scalar field at every voxel.
-struct VolumesByValue {
-    std::vector<Volume> volumes;
-    std::vector<VoxelField> field;  ///< [volumes]
-};
 
 /// Inputs with a scalar field.
 struct ValueInputs {
@@ -23,7 +18,7 @@ struct ValueInputs {
     std::string unit;                          ///< of the field
     double lower = 0, upper = 0;               ///< least and largest value of the data
     std::shared_ptr<const Gaussians> model{};  ///< or
-    std::shared_ptr<const VolumesByValue> volumes{};
+    std::shared_ptr<const PartsWithField> volumes{};
 };
 /// The field of this name, else the model's density, else its only scalar field.
 /// input, show  file and quantity, for messages

@@ -59,8 +59,10 @@ DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& i
     };
 }
 
-DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& inputs) {
+DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& inputs,
+                           const RenderRanks& ranks) {
     ReferenceOptions options;
+    if (ranks.divided()) options.collective = &ranks.collective;
     options.samples = arguments.drawing.samples;
     VoxelGridOptions voxels;
     if (arguments.drawing.interpolation == "linear") {
@@ -82,7 +84,8 @@ DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& 
                                       VolumeImage& picture) mutable {
         options.progress = progress;
         picture = render_volume_reference(data->volumes, data->field, transfer, camera, width,
-                                          height, options, look, voxels);
+                                          height, options, look, voxels,
+                                          {data->overlap, data->beside, data->beside_field});
     };
 }
 
@@ -130,7 +133,7 @@ std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
     Stages stages(arguments.verbose && ranks.is_root);
     ValueInputs volume = stages.run("load", [&] { return load_values(arguments, command, ranks); });
     const DrawVolume drawn = volume.model ? model_renderer(arguments, volume, ranks)
-                                          : volume_renderer(arguments, volume);
+                                          : volume_renderer(arguments, volume, ranks);
     Drawing& drawing = volume.drawing;
     const Box box = arguments.box.value_or(drawing.box);
     const Camera first =

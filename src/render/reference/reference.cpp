@@ -98,15 +98,21 @@ std::span<const std::byte> VoxelGrid::bytes() const {
     return {data_->tree.buffer.data(), data_->tree.buffer.size()};
 }
 
-void VoxelGrid::Data::set_tree(NanoTree made) {
+void VoxelGrid::Data::set_tree(NanoTree made, bool of_part) {
     tree = std::move(made);
     const auto& box = tree.root().bbox();
     corner = {};
     if (!box.empty()) corner = {double(box.min()[0]), double(box.min()[1]), double(box.min()[2])};
+    constexpr double kSpacing = 1 << 20;
+    if (of_part)
+        for (int axis = 0; axis < 3; ++axis)
+            corner[axis] = kSpacing * std::round(corner[axis] / kSpacing);
     root_cells = RootCells(tree.root(), corner);
 }
 
-VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
+namespace {
+
+VoxelGrid grid_of(const Volume& volume, const VoxelGridOptions& options, bool of_part) {
     // Shorter steps change no digit of a float, and would take hours.
     constexpr double kLeastStep = 1e-3;
     const double step = options.step_voxels;
@@ -116,11 +122,19 @@ VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
     validate(volume);
     auto data = std::make_shared<VoxelGrid::Data>();
     data->options = options;
-    data->set_tree(nano_tree(volume, options.interpolation == Interpolation::linear));
+    data->set_tree(nano_tree(volume, options.interpolation == Interpolation::linear), of_part);
     data->world_corner = volume.world_from_index(data->corner);
     data->local_from_world = inverse(volume.world_from_index.linear);
     return VoxelGrid(std::move(data));
 }
+
+}  // namespace
+
+VoxelGrid voxel_grid(const Volume& volume, const VoxelGridOptions& options) {
+    return grid_of(volume, options, false);
+}
+
+VoxelGrid reference::voxel_grid_of_part(const Volume& volume) { return grid_of(volume, {}, true); }
 
 double optical_depth(const VoxelGrid& grid, Vec3d origin, Vec3d direction) {
     check_ray(origin, direction);

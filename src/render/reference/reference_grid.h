@@ -10,13 +10,14 @@ namespace vog {
 struct VoxelGrid::Data {
     VoxelGridOptions options;
     reference::NanoTree tree;
-    Vec3d corner;  ///< index of the local origin: the lower corner of the active box
+    Vec3d corner;  ///< index of the local origin: the lower corner of the active box, or of_part's
     reference::RootCells root_cells;
     Vec3d world_corner;     ///< the same point in world space
     Mat3 local_from_world;  ///< linear part, for directions
 
     /// Sets the tree, the corner and the cells of the root.
-    void set_tree(reference::NanoTree made);
+    /// of_part  the corner is the same for all parts of a volume
+    void set_tree(reference::NanoTree made, bool of_part = false);
 
     /// The ray in local coordinates in which voxel i covers [i, i + 1) (voxel_ray), or has its centre
     /// at i (center_ray). Both have the same t as the ray in world space.
@@ -35,6 +36,9 @@ struct VoxelGrid::Data {
 
 namespace vog::reference {
 
+/// As voxel_grid, of constant voxels, with local coordinates that all parts of a volume share, up to indices of 2^19: a
+/// ray within a face then lies in the same voxel whichever part has it.
+VoxelGrid voxel_grid_of_part(const Volume& volume);
 /// throws vog::Error unless samples is in [1, 64]
 void check_samples(int samples);
 /// Part of a ray that a clip leaves.

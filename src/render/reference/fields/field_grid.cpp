@@ -58,7 +58,11 @@ void check_fields(std::span<const Volume> volumes, std::span<const VoxelField> f
 }
 
 FieldGrid::FieldGrid(const Volume& volume, const VoxelField& field, FieldPart part)
-    : volume_(volume), field_(field), part_(part), own_(is_own(field)), grid_(voxel_grid(volume)) {
+    : volume_(volume),
+      field_(field),
+      part_(part),
+      own_(is_own(field)),
+      grid_(voxel_grid_of_part(volume)) {
     // NanoVDB has the leaves in an order of its own.
     const auto& tree = grid_.data().tree.grid().tree();
     const std::uint32_t count = tree.nodeCount(0);
@@ -85,6 +89,7 @@ double FieldGrid::tile_value(Vec3d towards, Vec3i origin, double density) const 
 double FieldGrid::neighbour(Vec3i index, double otherwise) const {
     const nanovdb::Coord coord(index.x, index.y, index.z);
     const auto& tree = grid_.data().tree.grid().tree();
+    if (beside_ && !tree.isActive(coord)) return beside_->neighbour(index, otherwise);
     if (own_) return double{tree.getValue(coord)};
     if (!tree.isActive(coord)) return otherwise;
     const std::size_t leaf = place_of(volume_.leaves, aligned(index, kLeafEdge));

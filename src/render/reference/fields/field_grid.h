@@ -37,6 +37,8 @@ class FieldGrid {
     /// Whether the field is the volume's own values.
     bool own() const { return own_; }
     const VoxelGrid::Data& data() const { return grid_.data(); }
+    /// Voxels on the same lattice that are not this grid's, for gradients at its own. They must outlive the grid.
+    void set_beside(const FieldGrid& others) { beside_ = &others; }
 
     /// Calls visit(FieldCell) for the active voxels on a ray within a segment of it, front to back, until visit
     /// returns false.
@@ -164,6 +166,7 @@ class FieldGrid {
     FieldPart part_;
     bool own_;
     VoxelGrid grid_;
+    const FieldGrid* beside_ = nullptr;
     const NanoLeaf* leaves_ = nullptr;
     std::vector<std::size_t> leaf_index_;  ///< [NanoVDB's leaves] in volume_.leaves
 };

@@ -8,26 +8,38 @@
 
 namespace vog::reference {
 
-MomentUnits moment_units(std::span<const Volume> volumes, std::span<const VoxelField> fields,
-                         FieldPart part) {
-    MomentUnits units;
-    units.component = {part == FieldPart::y ? 1 : part == FieldPart::z ? 2 : 0};
-    if (part == FieldPart::view) units.component = {0, 1, 2};
-    for (std::size_t n = 0; n < units.component.size(); ++n) {
-        double low = std::numeric_limits<double>::infinity(), high = -low;
-        const auto include = [&](float value) {
-            low = std::min(low, double{value});
-            high = std::max(high, double{value});
+ComponentRanges::ComponentRanges(FieldPart part)
+    : component_{part == FieldPart::y   ? 1
+                 : part == FieldPart::z ? 2
+                                        : 0} {
+    if (part == FieldPart::view) component_ = {0, 1, 2};
+    ends_.assign(2 * component_.size(), -std::numeric_limits<double>::infinity());
+}
+
+void ComponentRanges::include(std::span<const Volume> volumes, std::span<const VoxelField> fields) {
+    for (std::size_t n = 0; n < component_.size(); ++n) {
+        const auto include_value = [&](float value) {
+            ends_[2 * n] = std::max(ends_[2 * n], -double{value});
+            ends_[2 * n + 1] = std::max(ends_[2 * n + 1], double{value});
         };
         for (std::size_t v = 0; v < volumes.size(); ++v) {
-            const auto component = static_cast<std::size_t>(units.component[n]);
-            const VoxelValues& values = fields[v].component[component];
+            const VoxelValues& values =
+                fields[v].component[static_cast<std::size_t>(component_[n])];
             for (std::size_t leaf = 0; leaf < values.leaf.size(); ++leaf)
                 for (int i = 0; i < kLeafVoxels; ++i)
                     if (volumes[v].leaves[leaf].active(i))
-                        include(values.leaf[leaf][static_cast<std::size_t>(i)]);
-            for (const float value : values.tile) include(value);
+                        include_value(values.leaf[leaf][static_cast<std::size_t>(i)]);
+            for (const float value : values.tile) include_value(value);
         }
+    }
+}
+
+MomentUnits ComponentRanges::units(const Collective* processes) {
+    if (processes) processes->max(ends_);
+    MomentUnits units;
+    units.component = component_;
+    for (std::size_t n = 0; n < component_.size(); ++n) {
+        const double low = -ends_[2 * n], high = ends_[2 * n + 1];
         const int axis = static_cast<int>(n);
         if (low <= high) units.lower[axis] = low;
         if (low < high) units.unit[axis] = high - low;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "render/shown_field.h"
+#include "vog/distributed.h"
 #include "vog/reference.h"
 
 namespace vog::reference {
@@ -15,8 +16,19 @@ struct MomentUnits {
     std::vector<int> component;  ///< of the field: one, or the three of a component along rays
     Vec3d lower, unit{1, 1, 1};  ///< [components]
 };
-MomentUnits moment_units(std::span<const Volume> volumes, std::span<const VoxelField> fields,
-                         FieldPart part);
+
+/// Least and largest components of a field, for these units.
+class ComponentRanges {
+  public:
+    explicit ComponentRanges(FieldPart part);
+    void include(std::span<const Volume> volumes, std::span<const VoxelField> fields);
+    /// processes  whose ranges count as well; null: this one's alone
+    MomentUnits units(const Collective* processes);
+
+  private:
+    std::vector<int> component_;
+    std::vector<double> ends_;  ///< [components][2] minus the least, the largest
+};
 
 /// The volume with its density times u_a, or times u_a u_b.
 /// a, b  places in units.component; b -1: none
@@ -27,6 +39,33 @@ Volume moment_volume(const Volume& volume, const VoxelField& field, const Moment
 struct RayMoments {
     RaySums sums;
     double reference = 0;
+};
+
+/// Sums of a measure over one ray, or the rays of a pixel, with the field relative to its first value on
+/// them: a field that hardly varies keeps its digits.
+struct FirstRelative {
+    RaySums sums{};
+    double reference = 0;
+    bool met = false;
+
+    void add(double weight, double value) {
+        if (!(weight > 0)) return;
+        if (!met) reference = value, met = true;
+        const double difference = value - reference;
+        sums.column += weight;
+        sums.first += weight * difference;
+        sums.second += weight * difference * difference;
+    }
+    /// Adds a whole ray.
+    void add(const RayMoments& ray) {
+        if (!(ray.sums.column > 0)) return;
+        if (!met) reference = ray.reference, met = true;
+        const double shift = ray.reference - reference;
+        sums.column += ray.sums.column;
+        sums.first += ray.sums.first + shift * ray.sums.column;
+        sums.second +=
+            ray.sums.second + 2 * shift * ray.sums.first + shift * shift * ray.sums.column;
+    }
 };
 
 /// Grids of w, w u_a and w u_a u_b, a <= b.

@@ -1,7 +1,10 @@
 // field_reference.cpp: Maps of a field through the voxels themselves: constant in each voxel, or by grids of its
 // moments, interpolated or of levels.
 #include <algorithm>
+#include <iterator>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "render/pixel_tiles.h"
@@ -9,6 +12,7 @@
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/field_moments.h"
 #include "render/reference/fields/visible_parts.h"
+#include "render/reference/parts/joint_pixels.h"
 #include "render/shown_field.h"
 #include "vog/error.h"
 
@@ -17,33 +21,6 @@ namespace vog {
 using namespace reference;
 
 namespace {
-
-/// Sums of a measure over one ray, or the rays of a pixel, with the field relative to its first value on
-/// them: a field that hardly varies keeps its digits.
-struct FirstRelative {
-    RaySums sums{};
-    double reference = 0;
-    bool met = false;
-
-    void add(double weight, double value) {
-        if (!(weight > 0)) return;
-        if (!met) reference = value, met = true;
-        const double difference = value - reference;
-        sums.column += weight;
-        sums.first += weight * difference;
-        sums.second += weight * difference * difference;
-    }
-    /// Adds a whole ray.
-    void add(const RayMoments& ray) {
-        if (!(ray.sums.column > 0)) return;
-        if (!met) reference = ray.reference, met = true;
-        const double shift = ray.reference - reference;
-        sums.column += ray.sums.column;
-        sums.first += ray.sums.first + shift * ray.sums.column;
-        sums.second +=
-            ray.sums.second + 2 * shift * ray.sums.first + shift * shift * ray.sums.column;
-    }
-};
 
 /// Fields with values, for grids of moments.
 /// throws vog::Error as check_fields does
@@ -62,6 +39,28 @@ void require_no_clip(const ReferenceOptions& options) {
             "constant value");
 }
 
+/// Maps of the voxels of several processes, a band of rows at a time.
+/// draw  called with the first row of a band, its number of rows and its pixels, which receive this process's sums
+template <class Draw>
+FieldMaps joint_maps(const CameraFrame& frame, const ReferenceOptions& options,
+                     const Collective& processes, const Draw& draw) {
+    FieldMaps maps = empty_maps(frame.width, frame.height);
+    constexpr int kMostPixels = 1 << 16;
+    const auto width = static_cast<std::size_t>(frame.width);
+    const int rows = std::max(kMostPixels / frame.width, BoxTile::kHeight);
+    for_each_run(static_cast<std::size_t>(frame.height), static_cast<std::size_t>(rows),
+                 options.progress, [&](std::size_t top, std::size_t height) {
+                     std::vector<FirstRelative> pixels(height * width);
+                     draw(static_cast<int>(top), static_cast<int>(height), std::span(pixels));
+                     join(pixels, processes);
+                     for (std::size_t n = 0; n < pixels.size(); ++n)
+                         set_pixel(maps, top * width + n, pixels[n].sums,
+                                   pixels[n].sums.column / (options.samples * options.samples),
+                                   pixels[n].reference, 1);
+                 });
+    return maps;
+}
+
 /// Sums over the rays of every pixel.
 /// add  called with a ray and the sums that receive it
 template <class Add>
@@ -70,9 +69,8 @@ FieldMaps maps_of(const Camera& camera, int width, int height, const ReferenceOp
     check_samples(options.samples);
     validate(options.clip);
     const CameraFrame frame = frame_of(camera, width, height);
-    FieldMaps maps = empty_maps(width, height);
     const int samples = options.samples;
-    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+    const auto sums_of = [&](int column, int row) {
         check_interrupt();
         FirstRelative pixel;
         for (int y = 0; y < samples; ++y)
@@ -81,9 +79,24 @@ FieldMaps maps_of(const Camera& camera, int width, int height, const ReferenceOp
                 const double at_y = row + sample_offset(y, samples);
                 add(frame.origin(at_x, at_y), frame.direction(at_x, at_y), pixel);
             }
-        const std::size_t n = static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
-                              static_cast<std::size_t>(column);
-        set_pixel(maps, n, pixel.sums, pixel.sums.column / (samples * samples), pixel.reference, 1);
+        return pixel;
+    };
+    const auto place = [&](int column, int row) {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+               static_cast<std::size_t>(column);
+    };
+    if (const Collective* processes = processes_of(options))
+        return joint_maps(frame, options, *processes,
+                          [&](int top, int rows, std::span<FirstRelative> pixels) {
+                              for_each_pixel(width, rows, {}, [&](int column, int row) {
+                                  pixels[place(column, row)] = sums_of(column, top + row);
+                              });
+                          });
+    FieldMaps maps = empty_maps(width, height);
+    for_each_pixel(width, height, options.progress, [&](int column, int row) {
+        const FirstRelative pixel = sums_of(column, row);
+        set_pixel(maps, place(column, row), pixel.sums, pixel.sums.column / (samples * samples),
+                  pixel.reference, 1);
     });
     return maps;
 }
@@ -119,15 +132,17 @@ DividedGrids divided(const std::vector<FieldGrid>& grids, const CameraFrame& fra
     return all;
 }
 
-/// Sums over one ray a pixel, with boxes in some grids.
-FieldMaps maps_with_boxes(const DividedGrids& grids, const CameraFrame& frame,
-                          const Progress& progress) {
-    FieldMaps maps = empty_maps(frame.width, frame.height);
-    const auto draw = [&](int left, int top) {
+/// Sums over one ray a pixel of some rows, with boxes in some grids.
+/// take  called with the column and row of each pixel and its sums, in parallel
+template <class Take>
+void for_each_pixel_with_boxes(const DividedGrids& grids, const CameraFrame& frame, int first_row,
+                               int rows, const Progress& progress, const Take& take) {
+    const auto draw = [&](int left, int below) {
+        const int top = first_row + below;
         const auto tile = std::make_unique<BoxTile>();
         for (const BoxView& boxes : grids.boxes) boxes.add_to(*tile, left, top);
         const int width = std::min(BoxTile::kWidth, frame.width - left);
-        const int height = std::min(BoxTile::kHeight, frame.height - top);
+        const int height = std::min(BoxTile::kHeight, first_row + rows - top);
         for (int y = 0; y < height; ++y)
             for (int x = 0; x < width; ++x) {
                 check_interrupt();
@@ -138,15 +153,33 @@ FieldMaps maps_with_boxes(const DividedGrids& grids, const CameraFrame& frame,
                 for (const FieldGrid* grid : grids.rays)
                     add_ray(*grid, frame.origin(left + x, top + y),
                             frame.direction(left + x, top + y), {}, pixel);
-                const auto n =
-                    static_cast<std::size_t>(top + y) * static_cast<std::size_t>(frame.width) +
-                    static_cast<std::size_t>(left + x);
-                set_pixel(maps, n, pixel.sums, pixel.sums.column, pixel.reference, 1);
+                take(left + x, top + y, pixel);
             }
         return true;
     };
-    for_each_tile({frame.width, frame.height, BoxTile::kWidth, BoxTile::kHeight}, progress, draw,
+    for_each_tile({frame.width, rows, BoxTile::kWidth, BoxTile::kHeight}, progress, draw,
                   [](bool) {});
+}
+FieldMaps maps_with_boxes(const DividedGrids& grids, const CameraFrame& frame,
+                          const ReferenceOptions& options) {
+    const auto place = [&](int column, int row) {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(frame.width) +
+               static_cast<std::size_t>(column);
+    };
+    if (const Collective* processes = processes_of(options))
+        return joint_maps(
+            frame, options, *processes, [&](int top, int rows, std::span<FirstRelative> pixels) {
+                for_each_pixel_with_boxes(grids, frame, top, rows, {},
+                                          [&](int column, int row, const FirstRelative& pixel) {
+                                              pixels[place(column, row - top)] = pixel;
+                                          });
+            });
+    FieldMaps maps = empty_maps(frame.width, frame.height);
+    for_each_pixel_with_boxes(grids, frame, 0, frame.height, options.progress,
+                              [&](int column, int row, const FirstRelative& pixel) {
+                                  set_pixel(maps, place(column, row), pixel.sums, pixel.sums.column,
+                                            pixel.reference, 1);
+                              });
     return maps;
 }
 
@@ -163,7 +196,7 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
                                  const Camera& camera, int width, int height,
                                  const ReferenceOptions& options, const VoxelGridOptions& voxels) {
     const auto of = [&](const Progress& progress) {
-        return ReferenceOptions{progress, options.samples, options.clip};
+        return ReferenceOptions{progress, options.samples, options.clip, options.collective};
     };
     const auto constant = [&](FieldPart shown, const Progress& progress) {
         check_samples(options.samples);
@@ -171,7 +204,7 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
         const std::vector<FieldGrid> grids = field_grids(volumes, fields, shown);
         const CameraFrame frame = frame_of(camera, width, height);
         const DividedGrids parts = divided(grids, frame, options);
-        if (!parts.boxes.empty()) return maps_with_boxes(parts, frame, progress);
+        if (!parts.boxes.empty()) return maps_with_boxes(parts, frame, of(progress));
         return maps_of(camera, width, height, of(progress),
                        [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
                            const Segment seen = visible_segment(options.clip, origin, direction);
@@ -182,7 +215,9 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
     const auto linear = [&](FieldPart shown, const Progress& progress) {
         require_no_clip(options);
         const std::vector<VoxelField> valued = with_values(volumes, fields, shown);
-        const MomentUnits units = moment_units(volumes, valued, shown);
+        ComponentRanges ranges(shown);
+        ranges.include(volumes, valued);
+        const MomentUnits units = ranges.units(processes_of(options));
         std::vector<MomentGrids<VoxelGrid>> grids;
         for (std::size_t n = 0; n < volumes.size(); ++n)
             grids.push_back(moment_grids<VoxelGrid>(units, [&](int a, int b) {
@@ -199,29 +234,62 @@ FieldMaps render_field_reference(std::span<const Volume> volumes,
                : of_part(part, options.progress, linear);
 }
 
+FieldMaps render_field_reference(std::span<const Levels> parts,
+                                 std::span<const std::vector<VoxelField>> fields, FieldPart part,
+                                 const Camera& camera, int width, int height,
+                                 const ReferenceOptions& options, const VoxelGridOptions& voxels) {
+    std::vector<std::vector<VoxelField>> valued;
+    for (std::size_t n = 0; n < parts.size(); ++n)
+        valued.push_back(with_values(parts[n].volumes, fields[n], part));
+    if (voxels.interpolation == Interpolation::constant) {
+        std::optional<VisibleParts> all{std::in_place};
+        for (std::size_t n = 0; n < parts.size() && all; ++n) {
+            auto one = visible_parts(parts[n], valued[n]);
+            if (!one) {
+                all.reset();
+                break;
+            }
+            std::ranges::move(one->volumes, std::back_inserter(all->volumes));
+            std::ranges::move(one->fields, std::back_inserter(all->fields));
+        }
+        double unfit = all ? 0 : 1;  // one way for all processes
+        if (const Collective* processes = processes_of(options))
+            processes->max(std::span(&unfit, 1));
+        if (unfit == 0)
+            return render_field_reference(all->volumes, all->fields, part, camera, width, height,
+                                          options, voxels);
+    }
+    require_no_clip(options);
+    return of_part(part, options.progress, [&](FieldPart shown, const Progress& progress) {
+        ComponentRanges ranges(shown);
+        for (std::size_t n = 0; n < parts.size(); ++n) ranges.include(parts[n].volumes, valued[n]);
+        const MomentUnits units = ranges.units(processes_of(options));
+        std::vector<MomentGrids<LevelGrids>> grids;
+        for (std::size_t n = 0; n < parts.size(); ++n) {
+            grids.push_back(moment_grids<LevelGrids>(units, [&](int a, int b) {
+                Levels moments{{}, parts[n].masks};
+                // Without masks the active voxels are the domain, which all moments share.
+                for (std::size_t v = 0; v < valued[n].size(); ++v)
+                    moments.volumes.push_back(
+                        moment_volume(parts[n].volumes[v], valued[n][v], units, a, b));
+                return level_grids(moments, voxels);
+            }));
+        }
+        return maps_of(camera, width, height,
+                       ReferenceOptions{progress, options.samples, {}, options.collective},
+                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
+                           for (const auto& one : grids)
+                               to.add(one.along(origin, normalized(direction)));
+                       });
+    });
+}
+
 FieldMaps render_field_reference(const Levels& levels, std::span<const VoxelField> fields,
                                  FieldPart part, const Camera& camera, int width, int height,
                                  const ReferenceOptions& options, const VoxelGridOptions& voxels) {
-    const std::vector<VoxelField> valued = with_values(levels.volumes, fields, part);
-    if (voxels.interpolation == Interpolation::constant)
-        if (const auto parts = visible_parts(levels, valued))
-            return render_field_reference(parts->volumes, parts->fields, part, camera, width,
-                                          height, options, voxels);
-    require_no_clip(options);
-    return of_part(part, options.progress, [&](FieldPart shown, const Progress& progress) {
-        const MomentUnits units = moment_units(levels.volumes, valued, shown);
-        const auto grids = moment_grids<LevelGrids>(units, [&](int a, int b) {
-            Levels moments{{}, levels.masks};
-            // Without masks the active voxels are the domain, which all moments share.
-            for (std::size_t n = 0; n < valued.size(); ++n)
-                moments.volumes.push_back(moment_volume(levels.volumes[n], valued[n], units, a, b));
-            return level_grids(moments, voxels);
-        });
-        return maps_of(camera, width, height, ReferenceOptions{progress, options.samples, {}},
-                       [&](Vec3d origin, Vec3d direction, FirstRelative& to) {
-                           to.add(grids.along(origin, normalized(direction)));
-                       });
-    });
+    const std::vector<VoxelField> of_levels(fields.begin(), fields.end());
+    return render_field_reference(std::span(&levels, 1), std::span(&of_levels, 1), part, camera,
+                                  width, height, options, voxels);
 }
 
 }  // namespace vog

@@ -9,6 +9,9 @@
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/linear_volume.h"
+#include "render/reference/fields/ray_light.h"
+#include "render/reference/parts/joint_pixels.h"
+#include "render/reference/parts/ray_exchange.h"
 #include "shade/values/value_pieces.h"
 #include "vog/error.h"
 #include "vog/volume_picture.h"
@@ -19,23 +22,6 @@ using namespace by_value;
 using namespace reference;
 
 namespace {
-
-/// Light along a ray, front to back.
-struct Compositor {
-    // A ray ends at a ten-thousandth of a display step: less than the promised 1e-6.
-    static constexpr double kOpaque = 1e-4 / 255;
-
-    double r = 0, g = 0, b = 0, transmittance = 1;
-
-    bool opaque() const { return transmittance < kOpaque; }
-    /// Adds a piece of constant extinction and colour.
-    /// depth  its extinction times its length
-    void add(double depth, double red, double green, double blue) {
-        const double passed = std::exp(-depth), weight = transmittance * (1 - passed);
-        r += weight * red, g += weight * green, b += weight * blue;
-        transmittance *= passed;
-    }
-};
 
 /// Light of a voxel: extinction per world unit and colour.
 class VoxelLight {
@@ -67,41 +53,6 @@ class VoxelLight {
     shading::ValuePieces pieces_;
     Lighting lighting_;
 };
-
-/// Piece of a ray in one of several volumes.
-struct LitPiece {
-    Segment segment;
-    ValueLight light;
-};
-
-/// Composites the pieces of several volumes; where they overlap, extinctions add up.
-/// stretch  world units of one t
-void composite(std::vector<LitPiece>& pieces, double stretch, Compositor& to) {
-    std::sort(pieces.begin(), pieces.end(), [](const LitPiece& a, const LitPiece& b) {
-        return a.segment.first < b.segment.first;
-    });
-    thread_local std::vector<LitPiece> active;
-    active.clear();
-    double at = 0;
-    for (std::size_t next = 0; (next < pieces.size() || !active.empty()) && !to.opaque();) {
-        if (active.empty()) at = pieces[next].segment.first;
-        while (next < pieces.size() && pieces[next].segment.first <= at)
-            active.push_back(pieces[next++]);
-        double until = next < pieces.size() ? pieces[next].segment.first
-                                            : std::numeric_limits<double>::infinity();
-        double extinction = 0, r = 0, g = 0, b = 0;
-        for (const LitPiece& piece : active) {
-            const ValueLight& light = piece.light;
-            until = std::min(until, piece.segment.last);
-            extinction += light.extinction;
-            r += light.extinction * light.r, g += light.extinction * light.g;
-            b += light.extinction * light.b;
-        }
-        to.add(extinction * (until - at) * stretch, r / extinction, g / extinction, b / extinction);
-        at = until;
-        std::erase_if(active, [&](const LitPiece& piece) { return piece.segment.last <= at; });
-    }
-}
 
 /// The light along one ray.
 Compositor light_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
@@ -151,6 +102,60 @@ Segment both(Segment a, Segment b) {
     return {std::max(a.first, b.first), std::min(a.last, b.last)};
 }
 
+/// This process's pieces of a ray.
+std::vector<LitPiece> pieces_along(const std::vector<FieldGrid>& grids, const VoxelLight& lighting,
+                                   Vec3d origin, Vec3d direction, Segment within, bool joined) {
+    RayPieces pieces(joined);
+    const double stretch = length(direction);
+    const Vec3d towards_eye = (-1 / stretch) * direction;
+    for (const FieldGrid& grid : grids) {
+        pieces.begin();
+        grid.walk(origin, direction, within, [&](const FieldCell& cell) {
+            if (cell.segment.empty()) return true;
+            const ValueLight light = lighting(grid, cell, towards_eye);
+            const double span = cell.segment.last - cell.segment.first;
+            return pieces.add(cell.segment, light.extinction * span * stretch, light);
+        });
+    }
+    return pieces.finish();
+}
+
+/// The picture of several processes' voxels, complete on the root.
+/// most_rays  at a time, of this process
+/// pieces_of(origin, direction, within)  returns this process's pieces of a ray
+template <class PiecesOf>
+VolumeImage joint_picture(const Camera& camera, int width, int height,
+                          const ReferenceOptions& options, const Clipping& clip,
+                          const Collective& processes, std::size_t most_rays,
+                          const PiecesOf& pieces_of) {
+    const CameraFrame frame = frame_of(camera, width, height);
+    VolumeImage image{width, height, {}};
+    image.pixel.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    const int samples = options.samples;
+    const auto rays_per_pixel = static_cast<std::size_t>(samples * samples);
+    const auto trace = [&](std::size_t pixel, int ray) -> std::vector<LitPiece> {
+        const int column = static_cast<int>(pixel) % width, row = static_cast<int>(pixel) / width;
+        const double x = column + sample_offset(ray % samples, samples);
+        const double y = row + sample_offset(ray / samples, samples);
+        const Vec3d origin = frame.origin(x, y), direction = frame.direction(x, y);
+        const Segment within = both(visible_segment(options.clip, origin, direction),
+                                    visible_segment(clip, origin, direction));
+        if (within.empty()) return {};
+        return pieces_of(origin, direction, within);
+    };
+    for_each_run(image.pixel.size(), std::max<std::size_t>(most_rays / rays_per_pixel, 1),
+                 options.progress, [&](std::size_t first, std::size_t count) {
+                     std::vector<std::vector<LitPiece>> rays(count * rays_per_pixel);
+                     vog::parallel_for(std::size_t{0}, rays.size(), [&](std::size_t n) {
+                         rays[n] = trace(first + n / rays_per_pixel,
+                                         static_cast<int>(n % rays_per_pixel));
+                     });
+                     std::ranges::copy(composite_parts(rays, rays_per_pixel, processes),
+                                       image.pixel.begin() + static_cast<std::ptrdiff_t>(first));
+                 });
+    return image;
+}
+
 /// Averages rays over pixels.
 /// light_of(origin, direction, within)  returns a Compositor
 template <class LightOf>
@@ -191,7 +196,8 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
                                     std::span<const VoxelField> fields,
                                     const ValueTransfer& transfer, const Camera& camera, int width,
                                     int height, const ReferenceOptions& options,
-                                    const VolumeLook& look, const VoxelGridOptions& voxels) {
+                                    const VolumeLook& look, const VoxelGridOptions& voxels,
+                                    const OtherVoxels& others) {
     check_samples(options.samples);
     validate(options.clip);
     validate(look);
@@ -203,6 +209,23 @@ VolumeImage render_volume_reference(std::span<const Volume> volumes,
                               return light_along(grid, lighting, origin, direction, within);
                           });
     };
+    const Collective* processes = processes_of(options);
+    if (processes && voxels.interpolation != Interpolation::constant)
+        throw Error("reference: interpolated voxels of several processes, expected constant ones");
+    if (processes) {
+        std::vector<FieldGrid> grids = field_grids(volumes, fields, FieldPart::value);
+        const std::vector<FieldGrid> beside =
+            field_grids(others.beside, others.field, FieldPart::value);
+        for (std::size_t n = 0; n < beside.size(); ++n)
+            if (!others.beside[n].empty()) grids.at(n).set_beside(beside[n]);
+        constexpr std::size_t kMostRays = std::size_t{1} << 15, kMostVoxelByVoxel = kMostRays / 4;
+        return joint_picture(camera, width, height, options, look.clip, *processes,
+                             others.overlap ? kMostVoxelByVoxel : kMostRays,
+                             [&](Vec3d origin, Vec3d direction, Segment within) {
+                                 return pieces_along(grids, lighting, origin, direction, within,
+                                                     !others.overlap);
+                             });
+    }
     if (voxels.interpolation == Interpolation::constant)
         return drawn(field_grids(volumes, fields, FieldPart::value));
     if (volumes.size() != 1)
