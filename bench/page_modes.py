@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Times of the page's modes against each other: visibility, column density, mean of a field, volume by value.
+"""Times of the page's modes against each other: visibility, column density, mean of a field, volume by value without and with light.
 
 usage: bench/page_modes.py VOG MODEL.ply [--size 640x480] [--rounds 5] [--frames 3]
 

@@ -30,7 +30,7 @@ Named named_models(const py::object& models, const std::string& title) {
 /// Quantity of the page's first picture.
 struct QuantityArguments {
     const std::string &show, &field;
-    const py::object &range, &clip, &light, &unit_distance;
+    const py::object &range, &clip, &clip_planes, &light, &unit_distance;
     bool log;
 };
 
@@ -71,7 +71,7 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
         (void)scale_position(*quantity.scale, range[0]);  // checks the range
     }
     quantity.transfer = transfer_of(given, tf, model);
-    quantity.look = look_of("export_html", given.light, given.clip);
+    quantity.look = look_of("export_html", given.light, given.clip, given.clip_planes);
     return quantity;
 }
 
@@ -81,7 +81,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
                      const py::object& tf, const py::object& background, bool blend,
                      const std::string& show, const std::string& field, const py::object& range,
                      bool log, const py::object& unit_distance, const py::object& light,
-                     const py::object& clip, bool steps) {
+                     const py::object& clip, const py::object& clip_planes, bool steps) {
     const Named named = named_models(models, title);
     if (named.empty()) throw Error("export_html: no model, expected at least one");
     if (levels < 1)
@@ -91,8 +91,9 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
     options.description = description;
     options.camera = camera;
     options.extinction = extinction_of(extinction);
-    options.quantity = quantity_of({show, field, range, clip, light, unit_distance, log}, tf,
-                                   *named.front().second);
+    options.quantity =
+        quantity_of({show, field, range, clip, clip_planes, light, unit_distance, log}, tf,
+                    *named.front().second);
     // A file of values is of volume; the other quantities then have the default colours.
     if (!options.quantity.transfer) options.tf = transfer_function_of(tf);
     options.steps = steps;
@@ -123,7 +124,7 @@ void bind_web(py::module_& m) {
         py::arg("background") = "black", py::arg("blend") = false, py::arg("show") = "T",
         py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = false,
         py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
-        py::arg("clip") = py::none(), py::arg("steps") = false,
+        py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(), py::arg("steps") = false,
         R"(Writes models to one self-contained HTML page, which needs no server, network or other file.
 
 file         page to write
@@ -143,6 +144,7 @@ log          True: logarithmic colours of column, mean or deviation with a range
 unit_distance  of volume: length that opacities refer to, world units; None: found by the page
 light        of volume: 'head', or the direction towards the light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all
+clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at most 10
 steps        True: the models are steps in time, with a play bar and one extinction
 
 Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.)");

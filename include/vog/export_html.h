@@ -24,6 +24,9 @@ struct HtmlModel {
     std::vector<Gaussians> levels;  ///< levels of detail for the slider, at least 1, finest first
 };
 
+/// Largest number of clip planes beside a box.
+inline constexpr std::size_t kMostHtmlPlanes = 10;
+
 /// Quantity that a page shows first; its reader can select every other that the models have.
 struct HtmlQuantity {
     std::string show = "T";  ///< T, column, mean, deviation or volume
@@ -34,7 +37,7 @@ struct HtmlQuantity {
     std::optional<ColorScale> scale{};
     /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
     std::optional<ValueTransfer> transfer{};
-    VolumeLook look{};  ///< light of volume, and the clip of all quantities: a box, no planes
+    VolumeLook look{};  ///< light of volume, and the clip of all quantities
     int slabs = 32;     ///< depth slabs of volume, 1 to 1024; rounded up to a multiple of 4
 };
 

@@ -612,5 +612,6 @@ def export_html(
     unit_distance: Union[float, None] = ...,
     light: Union[str, _Vector, None] = ...,
     clip: Union[Sequence[Sequence[float]], NDArray[Any], None] = ...,
+    clip_planes: Union[Sequence[Sequence[float]], NDArray[Any], None] = ...,
     steps: bool = ...,
 ) -> dict[str, int]: ...

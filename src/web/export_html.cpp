@@ -33,11 +33,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Modules in the order of their dependencies.
-constexpr const char* kModules[] = {"vectors.js", "camera.js", "gaussians.js", "fields.js",
-                                    "decoder.js", "colors.js", "transfer.js",  "renderer.js",
-                                    "slabs.js",   "probe.js",  "quantity.js",  "link.js",
-                                    "input.js",   "editor.js", "controls.js",  "overlay.js",
-                                    "handles.js", "player.js", "main.js"};
+constexpr const char* kModules[] = {
+    "vectors.js",  "camera.js", "gaussians.js", "fields.js",        "decoder.js",  "colors.js",
+    "transfer.js", "clip.js",   "renderer.js",  "slabs.js",         "probe.js",    "quantity.js",
+    "link.js",     "input.js",  "editor.js",    "clip_controls.js", "controls.js", "overlay.js",
+    "handles.js",  "player.js", "readout.js",   "main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"gaussians.js", "fields.js", "worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "chord.glsl",  "field.frag",
@@ -235,7 +235,9 @@ void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
     if (quantity.slabs < 1 || quantity.slabs > 1024)
         throw Error(fmt::format("page: {} depth slabs, expected 1 to 1024", quantity.slabs));
     vog::validate(quantity.look);
-    if (!quantity.look.clip.planes.empty()) throw Error("page: a clip plane, expected a box");
+    if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
+        throw Error(fmt::format("page: {} clip planes, expected at most {}",
+                                quantity.look.clip.planes.size(), kMostHtmlPlanes));
     if (quantity.transfer) vog::validate(*quantity.transfer);
     if (show == "T" || show == "column") return;
     if (model.fields.empty() || (show == "volume" && model.fields.scalar.empty()))
@@ -282,6 +284,9 @@ Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
     out["light"] = {{"on", look.light},
                     {"towards", json_of(look.towards_light)},
                     {"weights", {look.ambient, look.diffuse, look.specular, look.power}}};
+    out["planes"] = Json::array();
+    for (const ClipPlane& plane : look.clip.planes)
+        out["planes"].push_back({{"normal", json_of(plane.normal)}, {"offset", plane.offset}});
     if (look.clip.box)
         out["clip"] = {{"lower", json_of(look.clip.box->lower)},
                        {"upper", json_of(look.clip.box->upper)}};

@@ -185,7 +185,9 @@ class Browser:
     def key(self, key, code="", modifiers=0):
         code = code or (f"Key{key.upper()}" if key.isalpha() and len(key) == 1 else key)
         for kind in ("keyDown", "keyUp"):
-            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, modifiers=modifiers)
+            # Buttons act on the text of Enter.
+            text = {"text": "\r"} if key == "Enter" and kind == "keyDown" else {}
+            self.call("Input.dispatchKeyEvent", type=kind, key=key, code=code, modifiers=modifiers, **text)
 
 
 def main():

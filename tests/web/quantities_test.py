@@ -76,8 +76,9 @@ class Quantities(PageTest):
     def expect_map_is(self, model, *options):
         """The same for a map of a field, which has no colour below a thousandth of the picture's largest column."""
         width, height = self.write_camera()
+        clips = [option for option in options if option.startswith("--clip-plane=")]
         vog("render", model, "--show", "column", "--values-out", "column.npy", "--camera", "camera.json",
-            "--size", f"{width}x{height}")
+            "--size", f"{width}x{height}", *clips)
         column = array.array("f", (self.folder / "column.npy").read_bytes()[-4 * width * height:])
         # The page's bound is 1e-4 of this number.
         self.value(f"vog.page.models[0].mostColumn = {10 * max(column)!r}; vog.change({{}})")
@@ -133,6 +134,112 @@ class Quantities(PageTest):
         self.expect_page_is("smoke.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")), *clip)
         self.change(show="volume", transfers={"0": RAMP})
         self.volume(RAMP, *clip)
+
+    def plane_through(self, normal, share):
+        """Offset of a plane at a share of the half extent of the model's box from its centre."""
+        box = self.value("vog.page.models[0].box")
+        return sum(n * c for n, c in zip(normal, box["center"])) + share * sum(abs(n) * h for n, h in zip(normal, box["half"]))
+
+    def test_clip_planes_of_every_quantity_are_vog_renders(self):
+        self.start("smoke.html")
+        slanted, flat = (2, 0.5, -1), (0, -1, 0)
+        places = [self.plane_through(slanted, -0.1), self.plane_through(flat, -0.3)]
+        planes = ["--clip-plane=" + ",".join(map(repr, (*normal, place))) for normal, place in zip((slanted, flat), places)]
+        # The export's planes are the page's first ones.
+        vog("export", "smoke.ply", "-o", "planes.html", "--levels", 1, *planes)
+        whole = self.bytes()
+        self.start("planes.html")
+        extinction = repr(self.value("vog.page.models[0].extinction"))
+        self.expect_page_is("smoke.ply", "--extinction", extinction, *planes)
+        cut = self.bytes()
+        self.change(show="column", scale={"low": 0, "high": 30, "log": False})
+        self.expect_page_is("smoke.ply", "--show", "column", "--range", "0,30", *planes)
+        for show, ends in (("mean", (0, 2)), ("deviation", (0, 0.5))):
+            self.change(show=show, field=0, part="", scale={"low": ends[0], "high": ends[1], "log": False})
+            self.expect_map_is("smoke.ply", "--show", show, "--field", "density", "--range", f"{ends[0]},{ends[1]}", *planes)
+        self.change(show="volume", transfers={"0": RAMP})
+        self.volume(RAMP, *planes)
+        # Beside a box, under parallel rays, from inside.
+        box = self.value("vog.page.models[0].box")
+        lower = [c - 0.6 * h for c, h in zip(box["center"], box["half"])]
+        self.change(clip={"lower": lower, "upper": [c + h for c, h in zip(box["center"], box["half"])]},
+                    camera={**self.value("vog.state.camera"), "span": 80})
+        self.volume(RAMP, "--clip", ",".join(map(repr, [*lower, *(c + h for c, h in zip(box["center"], box["half"]))])), *planes)
+        # Each can be switched off.
+        self.start("planes.html")
+        self.value("[...document.querySelectorAll('#planes input[type=checkbox]')].forEach((box) => box.click())")
+        self.browser.settle()
+        self.assertEqual(self.bytes(), whole)
+        self.value("document.querySelector('#planes input').click()")
+        self.browser.settle()
+        self.expect_page_is("smoke.ply", "--extinction", extinction, planes[0])
+        self.assertNotEqual(self.bytes(), cut)
+        # Ten at most.
+        self.assertIn("11 planes, expected at most 10", self.refused("export", "smoke.ply", "-o", "x.html", *planes[:1] * 11))
+        self.assertIn("expected nx,ny,nz,d", self.refused("export", "smoke.ply", "-o", "x.html", "--clip-plane", "1,2,3"))
+        vog("export", "smoke.ply", "-o", "ten.html", "--levels", 1, *(f"--clip-plane={x},1,0,{-200 - x}" for x in range(10)),
+            "--clip=-100,-100,-100,100,100,100")
+
+    def test_planes_are_added_moved_turned_and_removed_by_keys(self):
+        self.browser.viewport(1000, 800)
+        self.open("smoke.html", "#subframes=1")
+        whole = self.bytes()
+        self.value("document.getElementById('clip-row').open = true; document.getElementById('add-plane').focus()")
+        self.browser.key("Enter")
+        self.assertEqual(self.value("document.activeElement.getAttribute('aria-label')"), "Place of plane 1")
+        camera, box = self.value("vog.state.camera"), self.value("vog.page.models[0].box")
+        view = [a - e for a, e in zip(camera["at"], camera["eye"])]
+        axis = max(range(3), key=lambda k: abs(view[k]))
+        (plane,) = self.value("vog.state.planes")
+        self.assertEqual(plane["normal"], [(k == axis) * math.copysign(1, view[k]) for k in range(3)], "what is in front is cut off")
+        self.assertAlmostEqual(plane["offset"], plane["normal"][axis] * box["center"][axis])
+        before = plane["offset"]
+        self.browser.key("ArrowRight")
+        self.browser.settle()
+        (plane,) = self.value("vog.state.planes")
+        self.assertAlmostEqual(plane["offset"] - before, 0.01 * box["half"][axis], delta=1e-6)
+        shown = self.value("document.querySelector('#planes output').textContent")
+        self.assertAlmostEqual(float(shown), plane["offset"], delta=1e-3 * abs(plane["offset"]) + 1e-6)
+        self.expect_page_is("smoke.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")),
+                            "--clip-plane=" + ",".join(map(repr, [*plane["normal"], plane["offset"]])))
+        # The other side of the same plane, then the one behind what is seen.
+        choose = ("(() => { const side = document.querySelector('#planes select'); side.value = '%s';"
+                  " side.dispatchEvent(new Event('change')); })()")
+        opposite = ("towards " + ("−" if plane["normal"][axis] > 0 else "") + "xyz"[axis])
+        self.value(choose % opposite)
+        self.assertEqual(self.value("vog.state.planes[0].normal"), [-n if n else 0 for n in plane["normal"]])
+        self.assertAlmostEqual(self.value("vog.state.planes[0].offset"), -plane["offset"])
+        self.value(choose % "view")
+        normal, length = self.value("vog.state.planes[0].normal"), math.hypot(*view)
+        for k in range(3):
+            self.assertAlmostEqual(normal[k], view[k] / length)
+        self.assertEqual(self.value("document.querySelector('#planes select').value"), "tilted")
+        # Links hold planes, those that are off, and that there is none.
+        self.browser.settle()
+        self.value("vog.change({planes: [...vog.state.planes, {normal: [0, 3, 0], offset: 1, on: false}]})")
+        self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
+        self.browser.settle()
+        before, planes = self.bytes(), self.value("vog.state.planes")
+        self.value("picture.focus()")
+        self.browser.key("c")
+        link = self.value("window.copied")
+        self.open("smoke.html", "#" + link.split("#")[1] + "&subframes=1")
+        self.assertEqual([plane["on"] for plane in self.value("vog.state.planes")], [True, False])
+        for got, wanted in zip(self.value("vog.state.planes"), planes):
+            for a, b in zip([*got["normal"], got["offset"]], [*wanted["normal"], wanted["offset"]]):
+                self.assertAlmostEqual(a, b, delta=1e-6 * (1 + abs(b)))
+        (self.folder / "before.png").write_bytes(before)
+        self.assertGreater(self.psnr("before.png", self.picture()), 70)
+        self.value("document.getElementById('clip-row').open = true")
+        for left in (1, 0):
+            self.value("document.querySelector('#planes button').click()")
+            self.assertEqual(len(self.value("vog.state.planes")), left)
+        self.browser.settle()
+        (self.folder / "whole.png").write_bytes(whole)
+        self.assertGreater(self.psnr("whole.png", self.picture()), 70)
+        for wrong in ("planes=1,2", "planes=0,0,0,1", "planes=a,b,c,d", "planes=" + ";".join(["1,0,0,0"] * 11)):
+            self.open("smoke.html", f"#subframes=1&{wrong}")
+            self.assertEqual(self.value("vog.state.planes"), [])
 
     def test_tall_pictures_are_drawn_in_strips(self):
         self.start("smoke.html")

@@ -207,12 +207,6 @@ void add_view(CLI::App& app) {
     add_view_options(*command, arguments->view);
     add_color_options(*command, arguments->color);
     add_page_quantity_options(*command, arguments->quantity, "Quantity");
-    command
-        ->add_option("--clip-plane", arguments->quantity.clip_planes,
-                     "Show only the side of a plane where nx x + ny y + nz z >= d, nx,ny,nz,d; at "
-                     "most two")
-        ->expected(1, 2)
-        ->group("Quantity");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(non_negative_number())
         ->capture_default_str();

@@ -59,6 +59,14 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
         .add_option("--clip", arguments.clip,
                     "Box of the world that is shown first, x0,y0,z0,x1,y1,z1")
         ->group(group);
+    command
+        .add_option("--clip-plane", arguments.clip_planes,
+                    fmt::format("Plane nx,ny,nz,d that first cuts off its side behind: a point x "
+                                "of the world is shown where n.x >= d; may be given again, {} "
+                                "times at most",
+                                kMostHtmlPlanes))
+        ->allow_extra_args(false)
+        ->group(group);
     add_value_options(command, arguments.value);
 }
 
@@ -86,6 +94,9 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::
     clip.clip_box = arguments.clip;
     clip.clip_planes = arguments.clip_planes;
     quantity.look.clip = clip_of(clip);
+    if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
+        throw CLI::ValidationError(fmt::format("--clip-plane: {} planes, expected at most {}",
+                                               quantity.look.clip.planes.size(), kMostHtmlPlanes));
     if (!given.volume()) quantity.scale = fixed_scale(given);
     return quantity;
 }

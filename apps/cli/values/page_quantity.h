@@ -16,10 +16,10 @@ struct PageQuantityArguments {
     QuantityArguments quantity;
     ValueArguments value;
     std::string clip;
-    std::vector<std::string> clip_planes;  ///< of the window alone
+    std::vector<std::string> clip_planes;  ///< nx,ny,nz,d
 };
 
-/// Adds --show, --field, --range, --log, --clip, and the options of volume rendering.
+/// Adds --show, --field, --range, --log, --clip, --clip-plane, and the options of volume rendering.
 void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
                                const std::string& group);
 

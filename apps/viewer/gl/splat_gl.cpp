@@ -16,7 +16,7 @@ struct Instance {
     float mean[3], density, scale[3], rotation[4];
 };
 constexpr std::size_t kInstanceFloats = sizeof(Instance) / sizeof(float);
-constexpr std::size_t kMostPlanes = 8;  // chord.glsl
+constexpr std::size_t kMostPlanes = 16;  // chord.glsl
 
 /// Planes of a clip, normal and offset along the camera's axes from the eye, in the model's unit.
 std::vector<std::array<float, 4>> clip_planes(const GlModel& model, const CameraFrame& frame,
@@ -28,7 +28,7 @@ std::vector<std::array<float, 4>> clip_planes(const GlModel& model, const Camera
         planes.push_back({along, clip.box->lower[axis]});
         planes.push_back({-1.0 * along, -clip.box->upper[axis]});
     }
-    if (planes.size() > kMostPlanes) throw Error("OpenGL: expected at most 2 planes beside a box");
+    if (planes.size() > kMostPlanes) throw Error("OpenGL: expected at most 10 planes beside a box");
     std::vector<std::array<float, 4>> out;
     for (const ClipPlane& plane : planes) {
         const Vec3d n = (1 / length(plane.normal)) * plane.normal;

@@ -44,7 +44,7 @@ struct Jitter {
 Jitter jitter_of(int subframe);
 
 /// Sets the uniforms of a camera in splat.vert and the fragments that follow it; the program is in use.
-/// clip  a box and up to two planes
+/// clip  a box and up to ten planes
 /// throws  vog::Error for more planes
 void set_view(const GlProgram& program, const GlModel& model, const CameraFrame& frame,
               Jitter jitter, const Clipping& clip = {});

@@ -1,6 +1,7 @@
 // controls.js: panel, colour bar and notices. Stateless: show() receives the state.
 import { drawColorBar, reversed } from './picture/colors.js';
 import { keyHelp } from './input.js';
+import { ClipControls } from './clip_controls.js';
 import { Editor, presets, remapped } from './editor.js';
 import { choices, label, numberText, shows, ticks } from './quantity.js';
 import { transferJson } from './picture/transfer.js';
@@ -54,7 +55,7 @@ export class Controls {
     on('log', 'change', () => this.setScale());
     on('fit-scale', 'click', () => change({ scale: null }));
     this.attachTransfer(on, commands);
-    this.attachClip(on);
+    this.clip = new ClipControls(change);
     for (const name of ['home', 'save', 'link', 'help']) on(name, 'click', commands[name]);
     on('toggle', 'click', commands.panel);
     on('notice', 'click', () => say(''));
@@ -88,25 +89,6 @@ export class Controls {
     });
   }
 
-  /** Six sliders: the lower and the upper end along each axis. */
-  attachClip(on) {
-    this.ends = ['x', 'y', 'z'].map((axis) => {
-      find('clip-ends').append(element('span', axis));
-      return ['from', 'to'].map((word, end) => {
-        const slider = element('input', '', { type: 'range', min: 0, max: 1, step: 0.005, value: end, 'aria-label': `Clip ${axis} ${word}` });
-        slider.addEventListener('input', () => this.setClip());
-        find('clip-ends').append(slider);
-        return slider;
-      });
-    });
-    on('clip-none', 'click', () => this.change({ clip: null }));
-  }
-  setClip() {
-    const { center, half } = this.page.models[this.model].box;
-    const at = (end) => [0, 1, 2].map((axis) => center[axis] + half[axis] * (2 * this.ends[axis][end].valueAsNumber - 1));
-    const [lower, upper] = [at(0), at(1)];
-    if (lower.every((v, axis) => v < upper[axis])) this.change({ clip: { lower, upper } });
-  }
   setScale() {
     const low = Number(find('low').value), high = Number(find('high').value), log = find('log').checked;
     const wrong = !(low < high) || (log && !(low > 0));
@@ -156,11 +138,7 @@ export class Controls {
     } else {
       this.middleUnit = 0;
     }
-    const { center, half } = model.box;
-    this.ends.forEach((pair, axis) => pair.forEach((slider, end) => {
-      const value = state.clip ? (end ? state.clip.upper : state.clip.lower)[axis] : center[axis] + (end ? 1 : -1) * half[axis];
-      slider.value = half[axis] > 0 ? 0.5 + (0.5 * (value - center[axis])) / half[axis] : end;
-    }));
+    this.clip.show(state, model.box);
     find('of-visibility').hidden = !visibility;
     find('of-quantity').textContent = label(model, state);
   }

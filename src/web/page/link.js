@@ -1,6 +1,7 @@
 // link.js: settings in the address behind #, as in #embed&map=viridis&eye=1,2,3&at=0,0,0. The page
 // never changes its own address.
 import { isUsable } from './camera.js';
+import { mostOwnPlanes } from './picture/clip.js';
 import { length, sub } from './vectors.js';
 
 const vectors = (text, count) => {
@@ -13,6 +14,13 @@ const points = (text, count) => {
   const all = (text ?? '').split(';').map((point) => vectors(point, count));
   return all.length > 0 && all.every((p, n) => p && (n === 0 || p[0] >= all[n - 1][0])) ? all : null;
 };
+/** Planes of a clip, nx,ny,nz,d;... and 0 behind d for one that is off; '': none. */
+function planes(text) {
+  if (text === null) return null;
+  const all = text.split(';').filter(Boolean).map((plane) => vectors(plane, 5) ?? vectors(`${plane},1`, 5));
+  if (all.length > mostOwnPlanes || !all.every((p) => p && length(p.slice(0, 3)) > 0)) return null;
+  return all.map(([x, y, z, offset, on]) => ({ normal: [x, y, z], offset, on: on !== 0 }));
+}
 const number = (text, low, high) => {
   const v = text === null || text.trim() === '' ? NaN : Number(text);
   return v >= low && v <= high ? v : null;
@@ -54,6 +62,7 @@ export function readLink(hash, camera) {
     logAxis: flag('logaxis'),
     clip: clip && [0, 1, 2].every((axis) => clip[axis] < clip[3 + axis])
       ? { lower: clip.slice(0, 3), upper: clip.slice(3) } : null,
+    planes: planes(words.get('planes')),
     map: words.get('map'),
     exposure: number(words.get('exposure'), 1 / 64, 64),
     reverse: flag('reverse'),
@@ -64,7 +73,7 @@ export function readLink(hash, camera) {
 
 /**
  * Address suffix of a view, for readLink.
- * shown  {field: name, scale, transfer} of the quantity, each null where the first one holds
+ * shown  {field: name, scale, transfer} of the quantity, each null where the first one holds; planes: whether to name them
  */
 export function writeLink(state, shown) {
   const { eye, at, up, fov, span } = state.camera;
@@ -91,6 +100,7 @@ export function writeLink(state, shown) {
   if (state.light.on) words.push('light');
   if (state.logAxis && state.show === 'volume') words.push('logaxis');
   if (state.clip) words.push(`clip=${digits([...state.clip.lower, ...state.clip.upper])}`);
+  if (shown.planes) words.push(`planes=${state.planes.map(({ normal, offset, on }) => digits([...normal, offset]) + (on ? '' : ',0')).join(';')}`);
   if (span) words.push(`span=${digits([span])}`);
   return `#${words.join('&')}`;
 }

@@ -8,13 +8,14 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fittedUnit, label, numberText, quantityNumbers, shownOf } from './quantity.js';
+import { automaticScale, automaticTransfer, fieldKey, fittedUnit, quantityNumbers, shownOf } from './quantity.js';
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
 import { Handles } from './handles.js';
 import { Player } from './player.js';
+import { Readout } from './readout.js';
 import { remapped } from './editor.js';
 
 const find = (id) => document.getElementById(id);
@@ -32,6 +33,7 @@ const state = {
   scale: page.quantity.scale,  // null: the first view's
   transfers: {},               // edited ones, by field
   light: page.quantity.light, clip: page.quantity.clip,
+  planes: page.quantity.planes.map((plane) => ({ ...plane, on: true })),
   logAxis: false,              // of the values in the editor
 };
 if (page.quantity.transfer) state.transfers[state.field] = page.quantity.transfer;
@@ -43,6 +45,7 @@ const mapNow = () => {
   const map = page.maps.find(({ name }) => name === state.map);
   return state.reverse ? reversed(map) : map;
 };
+const clipNow = () => ({ box: state.clip, planes: state.planes });
 const scaleNow = () => state.scale ?? automaticScale(comparable(), state);
 let automatic = null;  // [key, transfer function] without edits
 /** The transfer function of the shown field; its unit is 0 until it has been found. */
@@ -112,7 +115,7 @@ const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, 
 /** Adds one sub-frame of the shown quantity. */
 function addSums(level, transfer = transferShown()) {
   const model = page.models[state.model], there = level >= 0 ? uploaded(level) : undefined;
-  const key = fieldKey(state), { camera, clip } = state;
+  const key = fieldKey(state), { camera } = state, clip = clipNow();
   if (state.show === 'volume') {
     const source = model.fields[state.field];
     slabs ??= new Slabs(renderer);
@@ -161,7 +164,7 @@ function drawNow() {
   const level = levelNow();
   renderer.resize(width, height);
   if (state.show === 'volume' && complete && level >= 0 && !(transferNow().unit > 0)) fitUnit(level);
-  const now = [state.camera, state.model, level, width, height, fieldKey(state), state.show === 'volume', state.clip,
+  const now = [state.camera, state.model, level, width, height, fieldKey(state), state.show === 'volume', state.clip, state.planes,
     state.show === 'volume' && transferNow(), state.show === 'volume' && state.light];
   if (!drawn || now.some((part, n) => part !== drawn[n])) renderer.restart();
   drawn = now;
@@ -352,7 +355,7 @@ function showControls() {
   find('z-up').checked = page.upright[2] > 0.5;
   controls.show(state, { scale: scaleNow(), transfer: transferShown() });
   player?.show(state.model, page.models[state.model].name);
-  showProbe();
+  readout.show();
 }
 
 /** Another map in an edited transfer function: its colours over the same values. */
@@ -391,45 +394,19 @@ function windowed(rightwards, upwards) {
 
 // --- Probe: the numbers under the pointer. ---
 
-let probed = null;  // pixel of the canvas
 const probe = new Probe();
-/** Lines on the volume picture under the pointer. */
-function volumeLines() {
-  const level = levelNow(), model = page.models[state.model], source = model.fields[state.field];
-  if (level < 0 || !(transferNow().unit > 0)) return [];
+/** Probe's answer for the ray of a pixel; null: none to be had now. */
+function probed(pixel) {
+  const level = levelNow(), model = page.models[state.model];
+  if (!renderer || lost || moving || player?.playing || level < 0 || !(transferNow().unit > 0)) return null;
   const { instances, fields } = levelsOf(state.model)[level];
-  const { opacity, value, depth } = probe.probe({ instances, data: fields.get(state.field) }, model,
-    rayOf(state.camera, probed, canvas.width, canvas.height), { transfer: transferNow(), source: rangeOf(source), clip: state.clip });
-  if (!(opacity > 1e-3)) return [];
-  const lines = [`opacity ${numberText(Number(opacity.toFixed(3)))}`];
-  return value === null ? lines : [`${label(model, state)} ${numberText(value)}`, `depth ${numberText(depth)}`, ...lines];
+  return probe.probe({ instances, data: fields.get(state.field) }, model, rayOf(state.camera, pixel, canvas.width, canvas.height),
+                     { transfer: transferNow(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
 }
-function showProbe() {
-  const out = find('probe');
-  if (state.show === 'volume') {
-    const lines = probed && renderer && !lost && !moving && !player?.playing && !state.embed ? volumeLines() : [];
-    out.hidden = lines.length === 0;
-    out.textContent = lines.join('\n');
-    return;
-  }
-  const sums = probed && renderer && !lost && drawn && renderer.sumsAt(...probed);
-  out.hidden = !sums || !(sums[0] > 0) || state.embed;
-  if (out.hidden) return;
-  const model = page.models[state.model], source = model.fields[state.field];
-  const lines = [state.show === 'T' ? `T ${numberText(sums[0] * state.exposure)}` : `column ${numberText(sums[0] / model.extinction)}`];
-  if (state.show === 'mean' || state.show === 'deviation') {
-    const mean = sums[1] / sums[0], deviation = Math.sqrt(Math.max(sums[2] / sums[0] - mean * mean, 0));
-    lines.push(`${label(model, { ...state, show: 'mean' })} ${numberText(source.reference + source.scale * mean)}`,
-      `deviation ${numberText(source.scale * deviation)}`);
-  }
-  out.textContent = lines.join('\n');
-}
-canvas.addEventListener('pointermove', (event) => {
-  const box = canvas.getBoundingClientRect(), scale = canvas.width / box.width;
-  probed = [Math.floor((event.clientX - box.left) * scale), Math.floor((event.clientY - box.top) * scale)];
-  if (!moving && !inFlight) showProbe();
+const readout = new Readout(canvas, find('probe'), {
+  now: () => ({ model: page.models[state.model], state }), busy: () => moving || inFlight, ray: probed,
+  sums: (pixel) => (renderer && !lost && drawn ? renderer.sumsAt(...pixel) : null),
 });
-canvas.addEventListener('pointerleave', () => { probed = null; showProbe(); });
 
 function move(camera) {
   clearTimeout(moving);
@@ -451,7 +428,7 @@ const firstView = () => (page.chosenView
 function follow() {
   const link = readLink(location.hash, firstView());
   const part = { embed: link.embed, still: link.still };
-  for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip'])
+  for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip', 'planes'])
     if (link[key] !== null) part[key] = link[key];
   if (link.logAxis !== null) part.logAxis = link.logAxis;
   if (link.light !== null) part.light = { ...state.light, on: link.light };
@@ -483,6 +460,7 @@ async function copyLink() {
   const source = fieldKey(state) === null ? null : page.models[state.model].fields[state.field];
   const text = location.href.replace(/#.*$/, '') + writeLink(state, {
     field: source?.name, scale: state.scale, transfer: state.show === 'volume' ? state.transfers[state.field] : null,
+    planes: state.planes.length + page.quantity.planes.length > 0,
   });
   try {
     await navigator.clipboard.writeText(text);

@@ -15,7 +15,7 @@ uniform float pixels_per_unit;
 uniform float cutoff;
 uniform float parallel;         // 1: parallel rays
 uniform int clip_planes;        // number of planes
-uniform vec4 clip_plane[8];     // normal along right, up and forward, offset: what stays has n.x >= offset from the eye
+uniform vec4 clip_plane[16];    // normal along right, up and forward, offset: what stays has n.x >= offset from the eye
 
 const float kTwoPi = 6.28318530717958647;
 

@@ -5,6 +5,7 @@ import { axesOf, halfTangent } from '../camera.js';
 import { instanceFloats } from './gaussians.js';
 import { scalarFloats } from './fields.js';
 import { expectedLight } from './transfer.js';
+import { kept } from './clip.js';
 
 const opaque = 0.5, coarse = 512, fine = 64;  // steps along the ray, then in the one that passes
 
@@ -16,17 +17,6 @@ export function rayOf(camera, [column, row], width, height) {
   if (camera.span) return { origin: add(camera.eye, aside), direction: forward };
   const along = add(forward, aside);
   return { origin: camera.eye, direction: mul(1 / length(along), along) };
-}
-
-/** Part of a ray inside a clip {lower, upper}, null: all. */
-function kept({ origin, direction }, clip) {
-  let [from, to] = [0, Infinity];
-  for (let axis = 0; clip && axis < 3; ++axis) {
-    const ends = [clip.lower[axis], clip.upper[axis]].map((v) => (v - origin[axis]) / direction[axis]);
-    if (direction[axis] === 0 && !(origin[axis] >= clip.lower[axis] && origin[axis] <= clip.upper[axis])) return [0, 0];
-    if (direction[axis] !== 0) [from, to] = [Math.max(from, Math.min(...ends)), Math.min(to, Math.max(...ends))];
-  }
-  return [from, to];
 }
 
 /** Error function: Abramowitz and Stegun 7.1.26, of absolute error below 1.5e-7. */
@@ -118,7 +108,7 @@ export class Probe {
   /**
    * Probes a ray.
    * level   {instances, data: of the field}
-   * what    {transfer, source: {reference, unit, isMeasure}, clip}
+   * what    {transfer, source: {reference, unit, isMeasure}, clip of clip.js}
    * returns {opacity: of the whole ray, value, depth: from the eye in world units; null: nothing is opaque}
    */
   probe(level, model, ray, { transfer, source, clip }) {

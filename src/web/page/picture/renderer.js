@@ -5,11 +5,11 @@ import { axesOf, halfTangent } from '../camera.js';
 import { instanceFloats } from './gaussians.js';
 import { scalarFloats, vectorFloats } from './fields.js';
 import { sampled } from './colors.js';
+import { planesOf } from './clip.js';
 
 // Replaces OpenGL 3.3's header, "#version 330 core".
 const header = '#version 300 es\nprecision highp float;\nprecision highp int;\n';
 const transferSize = 4096;
-const mostPlanes = 8;  // of clips: chord.glsl
 
 function compiled(gl, kind, name, source) {
   const shader = gl.createShader(kind);
@@ -60,16 +60,6 @@ function sumFormat(gl, wantHalf) {
 function jitterOf(n) {
   const centred = (v) => v - Math.floor(v + 0.5);
   return [centred(n * 0.7548776662466927), centred(n * 0.5698402909980532)];
-}
-
-/** Planes [normal, offset] of a clip {lower, upper}, world units: what stays has normal . x >= offset. */
-function planesOf(clip) {
-  const planes = [];
-  for (let axis = 0; clip && axis < 3; ++axis) {
-    const along = [0, 1, 2].map((k) => (k === axis ? 1 : 0));
-    planes.push([along, clip.lower[axis]], [mul(-1, along), -clip.upper[axis]]);
-  }
-  return planes;
 }
 
 export class Renderer {
@@ -249,7 +239,7 @@ export class Renderer {
     used.set('cutoff', model.cutoff);
     used.set('limits', ...(this.subframes === 0 ? model.limits : model.subframeLimits));
     used.set('first_row', 0);
-    const planes = planesOf(clip).slice(0, mostPlanes);
+    const planes = planesOf(clip);
     used.setInteger('clip_planes', planes.length);
     if (planes.length > 0)
       used.setList('clip_plane[0]', planes.flatMap(([normal, offset]) =>
@@ -279,11 +269,11 @@ export class Renderer {
   /**
    * Adds one sub-frame of sums; the instances include the extinction.
    * level  undefined: nothing is there yet
-   * what   {field: key of uploadField or null, view: of a vector field along the rays, clip}
+   * what   {field: key of uploadField or null, view: of a vector field along the rays, clip of clip.js}
    */
   addSums(level, model, camera, what) {
-    const gl = this.gl;
-    this.wantChannels(what.field || what.clip ? 4 : 1);
+    const gl = this.gl, exact = what.field || planesOf(what.clip).length > 0;
+    this.wantChannels(exact ? 4 : 1);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
     gl.viewport(0, 0, this.width, this.height);
     if (this.subframes === 0) {
@@ -291,7 +281,7 @@ export class Renderer {
       gl.clear(gl.COLOR_BUFFER_BIT);
     }
     if (level && level.count > 0) {
-      const used = what.field || what.clip
+      const used = exact
         ? this.program('splat.vert', ['chord.glsl', 'field.frag'], what.view ? 'VECTOR' : 'SCALAR')
         : this.program('splat.vert', ['splat.frag']);
       this.setView(used, model, camera, what.clip);

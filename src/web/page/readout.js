@@ -1,0 +1,54 @@
+// readout.js: the numbers under the pointer.
+import { label, numberText } from './quantity.js';
+
+/** Lines on the sums of one pixel. */
+function linesOfSums(sums, model, state) {
+  if (!sums || !(sums[0] > 0)) return [];
+  const lines = [state.show === 'T' ? `T ${numberText(sums[0] * state.exposure)}` : `column ${numberText(sums[0] / model.extinction)}`];
+  if (state.show !== 'mean' && state.show !== 'deviation') return lines;
+  const { reference, scale } = model.fields[state.field];
+  const mean = sums[1] / sums[0], deviation = Math.sqrt(Math.max(sums[2] / sums[0] - mean * mean, 0));
+  return [...lines, `${label(model, { ...state, show: 'mean' })} ${numberText(reference + scale * mean)}`,
+    `deviation ${numberText(scale * deviation)}`];
+}
+
+/** Lines on one ray of a volume: Probe's answer. */
+function linesOfRay({ opacity, value, depth }, model, state) {
+  if (!(opacity > 1e-3)) return [];
+  const lines = [`opacity ${numberText(Number(opacity.toFixed(3)))}`];
+  return value === null ? lines : [`${label(model, state)} ${numberText(value)}`, `depth ${numberText(depth)}`, ...lines];
+}
+
+export class Readout {
+  /**
+   * canvas  of the picture
+   * out     element of the numbers
+   * view    {now(): {model, state}; sums(pixel), ray(pixel): null where there is none to be had; busy(): a frame is under way}
+   */
+  constructor(canvas, out, view) {
+    [this.out, this.view, this.pixel] = [out, view, null];
+    canvas.addEventListener('pointermove', (event) => {
+      const box = canvas.getBoundingClientRect(), scale = canvas.width / box.width;
+      this.pixel = [Math.floor((event.clientX - box.left) * scale), Math.floor((event.clientY - box.top) * scale)];
+      if (!view.busy()) this.show();
+    });
+    canvas.addEventListener('pointerleave', () => {
+      this.pixel = null;
+      this.show();
+    });
+  }
+
+  lines() {
+    const { model, state } = this.view.now();
+    if (!this.pixel || state.embed) return [];
+    if (state.show !== 'volume') return linesOfSums(this.view.sums(this.pixel), model, state);
+    const found = this.view.ray(this.pixel);
+    return found ? linesOfRay(found, model, state) : [];
+  }
+
+  show() {
+    const lines = this.lines();
+    this.out.hidden = lines.length === 0;
+    this.out.textContent = lines.join('\n');
+  }
+}
