@@ -81,7 +81,8 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
                      const py::object& tf, const py::object& background, bool blend,
                      const std::string& show, const std::string& field, const py::object& range,
                      bool log, const py::object& unit_distance, const py::object& light,
-                     const py::object& clip, const py::object& clip_planes, bool steps) {
+                     const py::object& clip, const py::object& clip_planes, bool steps,
+                     bool precise) {
     const Named named = named_models(models, title);
     if (named.empty()) throw Error("export_html: no model, expected at least one");
     if (levels < 1)
@@ -97,6 +98,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
     // A file of values is of volume; the other quantities then have the default colours.
     if (!options.quantity.transfer) options.tf = transfer_function_of(tf);
     options.steps = steps;
+    options.precise = precise;
     options.system_background =
         py::isinstance<py::str>(background) && background.cast<std::string>() == "system";
     if (!options.system_background) options.shading.background = background_of(background);
@@ -125,6 +127,7 @@ void bind_web(py::module_& m) {
         py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = false,
         py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
         py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(), py::arg("steps") = false,
+        py::arg("precise") = false,
         R"(Writes models to one self-contained HTML page, which needs no server, network or other file.
 
 file         page to write
@@ -146,6 +149,7 @@ light        of volume: 'head', or the direction towards the light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all
 clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at most 10
 steps        True: the models are steps in time, with a play bar and one extinction
+precise      True: means, scales and rotations eight times as fine, for 4 bytes more a Gaussian
 
 Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.)");
 }

@@ -614,4 +614,5 @@ def export_html(
     clip: Union[Sequence[Sequence[float]], NDArray[Any], None] = ...,
     clip_planes: Union[Sequence[Sequence[float]], NDArray[Any], None] = ...,
     steps: bool = ...,
+    precise: bool = ...,
 ) -> dict[str, int]: ...

@@ -186,10 +186,12 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
     std::vector<WebShapes> shapes;
     for (std::size_t n = 0; n < model.levels.size(); ++n) {
         shapes.push_back(web_shapes(model.levels[n], frame));
-        const WebLevel level = web_level(shapes.back());
+        const WebLevel level =
+            web_level(shapes.back(), options.precise ? kPreciseWords : WebPrecision{});
         levels.push_back({{"count", level.count},
                           {"rotated", level.rotated},
                           {"chunks", level.chunks.size()},
+                          {"rotationWords", level.rotation_words},
                           {"scale", {level.scale.low, level.scale.step}},
                           {"density", {level.density.low, level.density.step}}});
         data += data_element(fmt::format("model-{}-{}", index, n), model.name, level.compressed());

@@ -19,8 +19,6 @@ namespace vog::web {
 namespace {
 
 constexpr double kMaxWord = 65535;
-/// Quantisation steps of a mean per smallest standard deviation: errors are at most half of 1/256.
-constexpr double kStepsPerDeviation = 256;
 /// Largest chunk. Longer chunks have larger words, shorter ones more corners: the size of smoke
 /// varies by 1 % between 64 and 1024.
 constexpr std::uint32_t kMaxChunk = 256;
@@ -102,9 +100,8 @@ Shape smallest_rotation(Vec3d scale, Quat q) {
     return shape;
 }
 
-WebLogarithm logarithm_for(double smallest, double largest) {
-    // 2^step >= 1 + 1/1024: relative errors of 1/2048, as for half floats.
-    const double finest = std::log2(1 + 1.0 / 1024);
+WebLogarithm logarithm_for(double smallest, double largest, double steps_per_unit) {
+    const double finest = std::log2(1 + 1 / steps_per_unit);
     return {smallest, std::max(finest, (largest - smallest) / kMaxWord)};
 }
 std::uint16_t word_of(double value, double low, double step) {
@@ -118,17 +115,17 @@ struct LogRange {
         low = std::min(low, value);
         high = std::max(high, value);
     }
-    WebLogarithm logarithm() const {
-        return low <= high ? logarithm_for(low, high) : WebLogarithm{};
+    WebLogarithm logarithm(double steps_per_unit) const {
+        return low <= high ? logarithm_for(low, high, steps_per_unit) : WebLogarithm{};
     }
 };
 
 /// Divides the means into chunks, each with a step fine enough for its narrowest Gaussian and a box
 /// that 16 bits of that step span.
-void write_means(const WebShapes& sorted, WebLevel& level) {
+void write_means(const WebShapes& sorted, double steps_per_deviation, WebLevel& level) {
     const auto step_for = [&](std::size_t n) {
         const Vec3d s = sorted.log_scale[n];
-        return std::exp2(std::min({s.x, s.y, s.z})) / kStepsPerDeviation;
+        return std::exp2(std::min({s.x, s.y, s.z})) / steps_per_deviation;
     };
     std::size_t begin = 0;
     while (begin < level.count) {
@@ -198,17 +195,18 @@ WebShapes web_shapes(const Gaussians& model, const WebFrame& frame) {
     return sorted;
 }
 
-WebLevel web_level(const WebShapes& sorted) {
+WebLevel web_level(const WebShapes& sorted, const WebPrecision& precision) {
     WebLevel level;
     level.count = sorted.mean.size();
     level.rotated = sorted.rotated;
+    level.rotation_words = precision.rotation_words;
     level.words.resize(level.columns() * level.count);
-    write_means(sorted, level);
+    write_means(sorted, precision.steps_per_deviation, level);
 
     LogRange scales, densities;
     for (const Vec3d s : sorted.log_scale)
         for (int axis = 0; axis < 3; ++axis) scales.include(s[axis]);
-    level.scale = scales.logarithm();
+    level.scale = scales.logarithm(precision.steps_per_unit);
     std::uint16_t* column = level.words.data() + 3 * level.count;
     std::vector<double> log_density(level.count);
     for (std::size_t n = 0; n < level.count; ++n) {
@@ -224,16 +222,16 @@ WebLevel web_level(const WebShapes& sorted) {
     }
     column += 3 * level.count;
     if (level.rotated) {
-        constexpr double kStep = 2 * kWebRotationLimit / kWebRotationWords;
+        const double step = 2 * kWebRotationLimit / precision.rotation_words;
         for (std::size_t n = 0; n < level.count; ++n) {
             const Quat q = sorted.rotation[n];
-            column[n] = word_of(q.x, -kWebRotationLimit, kStep);
-            column[level.count + n] = word_of(q.y, -kWebRotationLimit, kStep);
-            column[2 * level.count + n] = word_of(q.z, -kWebRotationLimit, kStep);
+            column[n] = word_of(q.x, -kWebRotationLimit, step);
+            column[level.count + n] = word_of(q.y, -kWebRotationLimit, step);
+            column[2 * level.count + n] = word_of(q.z, -kWebRotationLimit, step);
         }
         column += 3 * level.count;
     }
-    level.density = densities.logarithm();
+    level.density = densities.logarithm(precision.steps_per_unit);
     for (std::size_t n = 0; n < level.count; ++n)
         column[n] = word_of(log_density[n], level.density.low, level.density.step);
     return level;

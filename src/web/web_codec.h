@@ -33,6 +33,18 @@ struct WebLogarithm {
     double low = 0, step = 1;
 };
 
+/// Fineness of a page's words.
+struct WebPrecision {
+    /// Steps of a mean per smallest standard deviation: errors are at most half of one.
+    double steps_per_deviation = 256;
+    /// Scales and densities have steps of 2^step = 1 + 1 / this, or the finest that 65,535 of them allow: relative errors of
+    /// half of it.
+    double steps_per_unit = 1024;
+    int rotation_words = 3000;  ///< steps from -kWebRotationLimit to kWebRotationLimit
+};
+/// Eight times as fine in as many words, which compress less.
+inline constexpr WebPrecision kPreciseWords{2048, 8192, 24000};
+
 /// One level as 16-bit words in columns: x y z, three scales, x y z of the rotation (if rotated),
 /// density. The bytes of a column are split into all low bytes, then all high bytes: the latter
 /// have few distinct values, which deflate compresses well.
@@ -40,6 +52,7 @@ struct WebLevel {
     std::size_t count = 0;
     bool rotated = false;
     WebLogarithm scale, density;
+    int rotation_words = 0;
     /// Run of Gaussians with a common origin and step of their means: mean = corner + step * word.
     struct Chunk {
         float corner[3], step;
@@ -53,18 +66,18 @@ struct WebLevel {
     std::string compressed() const;
 };
 
-/// Quantisation of x, y, z of rotations: -kWebRotationLimit at word 0 to +kWebRotationLimit at word
-/// kWebRotationWords. An ellipsoid is unchanged if its axes are permuted; of the 24 equivalent
+/// Quantisation of x, y, z of rotations: -kWebRotationLimit at word 0 to +kWebRotationLimit at the last
+/// word. An ellipsoid is unchanged if its axes are permuted; of the 24 equivalent
 /// rotations the smallest has w >= 0.853 (62.8 degrees, the largest angle between two orientations
 /// of a cube), and no other component above sin(22.5 degrees) = 0.3827, half the angle between two
-/// of them about one axis. An error of half a step in all three components is 0.00044 rad.
+/// of them about one axis. An error of half a step of 3000 in all three components is 0.00044 rad.
 inline constexpr double kWebRotationLimit = 0.383;
-inline constexpr int kWebRotationWords = 3000;
 
-WebLevel web_level(const WebShapes& shapes);
+WebLevel web_level(const WebShapes& shapes, const WebPrecision& precision = {});
 /// Of all Gaussians with density > 0.
-inline WebLevel web_level(const Gaussians& model, const WebFrame& frame) {
-    return web_level(web_shapes(model, frame));
+inline WebLevel web_level(const Gaussians& model, const WebFrame& frame,
+                          const WebPrecision& precision = {}) {
+    return web_level(web_shapes(model, frame), precision);
 }
 
 /// zlib stream of bytes.

@@ -57,7 +57,7 @@ Gaussians decoded(const web::WebLevel& level, const web::WebFrame& frame, float 
             if (!level.rotated) continue;
             const auto part = [&](std::size_t column) {
                 return static_cast<float>(word(column, n) * 2 * web::kWebRotationLimit /
-                                              web::kWebRotationWords -
+                                              level.rotation_words -
                                           web::kWebRotationLimit);
             };
             Quat q{0, part(6), part(7), part(8)};

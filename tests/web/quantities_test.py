@@ -135,6 +135,28 @@ class Quantities(PageTest):
         self.change(show="volume", transfers={"0": RAMP})
         self.volume(RAMP, *clip)
 
+    def test_precise_pages_are_within_2_of_255(self):
+        vog("export", "smoke.ply", "-o", "precise.html", "--levels", 1, "--precise")
+        usual, precise = ((self.folder / name).stat().st_size for name in ("smoke.html", "precise.html"))
+        self.start("precise.html")
+        box, lens, light = self.value("vog.page.models[0].box"), self.value("vog.state.camera"), self.value("vog.state.light")
+        count = self.value("vog.page.models[0].levels[0].count")
+        self.assertLess(precise - usual, 5 * count)
+        extinction = repr(self.value("vog.page.models[0].extinction"))
+        step = ("--show", "volume", "--tf", self.write_transfer(STEP))
+        beside = {"eye": [c + f * h for c, f, h in zip(box["center"], (0, 0, 1.2), box["half"])], "at": box["center"]}
+        within = {"eye": [c + 0.1 * h for c, h in zip(box["center"], box["half"])],
+                  "at": [c + f * h for c, f, h in zip(box["center"], (0.3, -1, 0.2), box["half"])]}
+        for part in ({}, beside, within):
+            self.change(show="T", map="gray", camera={**lens, **part}, light=light)
+            self.expect_page_is("smoke.ply", "--tf", "gray", "--extinction", extinction, off=2)
+            self.change(show="column", scale={"low": 0, "high": 100, "log": False})
+            self.expect_page_is("smoke.ply", "--show", "column", "--range", "0,100", "--tf", "gray", off=2)
+            self.change(show="volume", transfers={"0": STEP})
+            self.expect_page_is("smoke.ply", *step, off=2)
+            self.change(light={**light, "on": True})
+            self.expect_page_is("smoke.ply", *step, "--light", "head", off=2)
+
     def plane_through(self, normal, share):
         """Offset of a plane at a share of the half extent of the model's box from its centre."""
         box = self.value("vog.page.models[0].box")

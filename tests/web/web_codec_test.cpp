@@ -31,11 +31,16 @@ Mat3 shape(const Gaussians& model, std::size_t i) {
     return scaled * transpose(scaled);
 }
 
-void expect_within_bounds(const Gaussians& model) {
+/// finer  factor on the bounds of the usual words
+void expect_within_bounds(const Gaussians& model, const WebPrecision& precision = {},
+                          double finer = 1) {
     const WebFrame frame = web_frame(model);
-    const WebLevel level = web_level(model, frame);
+    const WebLevel level = web_level(model, frame, precision);
     const Gaussians back = decoded(level, frame, model.cutoff);
     ASSERT_EQ(back.size(), model.size());
+    // Half a step, which a wide range of densities makes coarser than 1 / steps_per_unit, and roundings of floats.
+    const double density_bound = std::exp2(0.5 * level.density.step) - 1 + 1e-6;
+    EXPECT_LT(density_bound, 1.0 / 2000);
     for (std::size_t i = 0; i < back.size(); ++i) {
         const std::size_t j = nearest(model, back.mean[i]);
         const Vec3f s = model.scale[j];
@@ -43,13 +48,15 @@ void expect_within_bounds(const Gaussians& model) {
         // Half a step of 1/256, and float rounding of both means.
         const double rounding = 2e-7 * (frame.unit + length(frame.center));
         for (int axis = 0; axis < 3; ++axis)
-            EXPECT_NEAR(back.mean[i][axis], model.mean[j][axis], smallest / 500 + rounding);
-        EXPECT_NEAR(mass(back, i), mass(model, j), mass(model, j) / 2000);
+            EXPECT_NEAR(back.mean[i][axis], model.mean[j][axis],
+                        smallest / (500 * finer) + rounding);
+        EXPECT_NEAR(mass(back, i), mass(model, j), mass(model, j) * density_bound);
         // Relative errors of 1/2048 in scales and 0.0005 rad in axes: twice that in variances.
         const Mat3 a = shape(back, i), b = shape(model, j);
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
-                EXPECT_NEAR(a(r, c), b(r, c), 0.0022 * largest * largest) << i << " " << r << c;
+                EXPECT_NEAR(a(r, c), b(r, c), (0.0022 / finer + 1e-6) * largest * largest)
+                    << i << " " << r << c;
     }
 }
 
@@ -57,9 +64,11 @@ void expect_within_bounds(const Gaussians& model) {
 
 TEST(web_codec, every_part_is_within_its_bound) {
     expect_within_bounds(random_gaussians(700, 0.005, 0.3, 1));
+    expect_within_bounds(random_gaussians(700, 0.005, 0.3, 1), kPreciseWords, 8);
     Gaussians aligned = random_gaussians(700, 0.005, 0.3, 2);
     aligned.rotation.clear();
     expect_within_bounds(aligned);
+    expect_within_bounds(aligned, kPreciseWords, 8);
     for (const float unit : {1e-12f, 1e-3f, 1e7f}) {
         Gaussians model = random_gaussians(100, 0.01, 0.2, 3);
         for (std::size_t i = 0; i < model.size(); ++i) {
@@ -107,6 +116,7 @@ TEST(web_codec, narrow_gaussians_far_apart_keep_their_places) {
         add(model, place + Vec3f{n % 2 ? 1.0f : -1.0f, 0, 0}, {s, s, 2 * s}, 1, random.rotation());
     }
     expect_within_bounds(model);
+    expect_within_bounds(model, kPreciseWords, 8);
 }
 
 TEST(web_codec, eight_decades_of_scale_and_density) {
@@ -136,9 +146,9 @@ TEST(web_codec, rotations_never_need_more_than_their_words) {
         largest = std::max(largest, level.words[n]);
     }
     EXPECT_GT(smallest, 0);
-    EXPECT_LT(largest, kWebRotationWords);
+    EXPECT_LT(largest, level.rotation_words);
     EXPECT_LT(smallest, 100);  // the range is used
-    EXPECT_GT(largest, kWebRotationWords - 100);
+    EXPECT_GT(largest, level.rotation_words - 100);
 }
 
 TEST(web_codec, empty_single_and_massless_models) {

@@ -42,6 +42,7 @@ struct ExportArguments {
     std::size_t budget = 0, levels = 8;
     int threads = 0;
     bool json = false, verbose = false, no_fields = false;
+    bool precise = false;                ///< whether words are finer
     bool steps = false;                  ///< whether models are steps in time
     std::optional<HtmlQuantity> chosen;  ///< of a sequence's first page
     std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
@@ -175,6 +176,7 @@ HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& comma
     HtmlOptions options;
     options.title = command.count("--title") ? arguments.title : first.name;
     options.description = arguments.description;
+    options.precise = arguments.precise;
     // A file of values is of volume; the other quantities then have the default colours.
     const bool by_value = arguments.quantity.quantity.volume() &&
                           !std::ranges::count(transfer_function_names(), arguments.color.tf);
@@ -308,6 +310,12 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
         "Gaussians each time; 1: the model alone")
         ->check(CLI::Range(1, 32))
         ->capture_default_str();
+    command
+        .add_flag(
+            "--precise", arguments.precise,
+            "Means, scales and rotations eight times as fine, for 4 bytes more a Gaussian: rims "
+            "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10")
+        ->group(kPageGroup);
     add_page_quantity_options(command, arguments.quantity, kPageGroup);
     command
         .add_flag("--steps,!--no-steps", arguments.steps,

@@ -2,7 +2,6 @@
 
 const chunkBytes = 20;             // corner x y z, step: float32; count: uint32
 const rotationLimit = 0.383;       // kWebRotationLimit
-const rotationStep = (2 * rotationLimit) / 3000;
 /** Floats per instance: mean x y z, density, three scales, rotation w x y z (splat.vert). */
 export const instanceFloats = 11;
 
@@ -17,7 +16,7 @@ export async function inflated(base64) {
 
 /**
  * Instances of one level, relative to the model's centre in its unit.
- * level   {count, rotated, chunks, scale: [low, step], density: [low, step]}
+ * level   {count, rotated, chunks, rotationWords, scale: [low, step], density: [low, step]}
  * factor  of density: the extinction
  */
 export async function decodeLevel(base64, level, factor) {
@@ -43,6 +42,7 @@ export async function decodeLevel(base64, level, factor) {
   }
   if (n !== count) throw new Error('the page is damaged');
 
+  const rotationStep = (2 * rotationLimit) / level.rotationWords;
   const logarithm = ([low, step], w) => Math.pow(2, low + step * w);
   for (n = 0; n < count; ++n) {
     const at = n * instanceFloats;
