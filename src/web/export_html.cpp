@@ -251,8 +251,8 @@ void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
     const FieldChoice choice = field_choice(quantity.field, model.fields);
     if (show == "volume" && choice.part != FieldPart::value)
         throw Error(fmt::format("page: volume of '{}', expected a scalar field", quantity.field));
-    if (choice.part == FieldPart::magnitude)
-        throw Error(fmt::format("page: '{}', expected a component: {}, .x, .y or .z",
+    if (choice.part == FieldPart::magnitude && show != "mean")
+        throw Error(fmt::format("page: {} of '{}', expected a component: {}, .x, .y or .z", show,
                                 quantity.field, choice.field));
 }
 

@@ -86,7 +86,8 @@ Json fields_json(
         for (const auto& [name, part] : {std::pair{"view", FieldPart::view},
                                          {"x", FieldPart::x},
                                          {"y", FieldPart::y},
-                                         {"z", FieldPart::z}})
+                                         {"z", FieldPart::z},
+                                         {"magnitude", FieldPart::magnitude}})
             entry["ranges"][name] = maps_json(finest, {field.name, part}, view);
         add_levels(entry, [&](const Fields& fields) -> const VectorField& {
             return *fields.find_vector(field.name);

@@ -113,6 +113,8 @@ class Quantities(PageTest):
                 self.expect_map_is("flow.ply", "--show", show, "--field", "velocity", "--range=-20,20")
             self.change(show="mean", part="y", scale={"low": -20, "high": 20, "log": False})
             self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.y", "--range=-20,20")
+            self.change(part="magnitude", scale={"low": 0, "high": 60, "log": False})
+            self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.magnitude", "--range", "0,60")
 
     def test_volume_pictures_are_vog_renders(self):
         self.start("smoke.html")
@@ -279,6 +281,32 @@ class Quantities(PageTest):
             "--range=-40,40", "--tf", "viridis")
         self.start("first.html")
         self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.x", "--range=-40,40", "--tf", "viridis")
+
+    def test_root_mean_squares_come_first_have_a_number_and_are_of_means_alone(self):
+        vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis")
+        self.start("first.html", "#subframes=1")
+        self.assertEqual(self.value("document.getElementById('of-quantity').textContent"), "root mean square of velocity [km/s]")
+        ends = self.value("[low.value, high.value]")
+        self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis",
+                           "--range", ",".join(map(repr, self.value("vog.page.models[0].fields[1].ranges.magnitude.mean"))))
+        self.assertLess(float(ends[0]), float(ends[1]))
+        self.browser.viewport(1000, 800)
+        self.browser.settle()
+        width, height = self.write_camera()
+        x, y = width // 2, height // 2
+        self.browser.mouse("mouseMoved", x, y)
+        vog("render", "flow.ply", "--show", "mean", "--field", "velocity.magnitude", "--values-out", "rms.npy", "--camera", "camera.json",
+            "--size", f"{width}x{height}")
+        rms = array.array("f", (self.folder / "rms.npy").read_bytes()[-4 * width * height:])
+        shown = self.value("document.getElementById('probe').textContent").splitlines()
+        self.assertEqual(len(shown), 2, shown)
+        self.assertTrue(shown[1].startswith("root mean square of velocity [km/s] "), shown)
+        self.assertAlmostEqual(float(shown[1].split()[-1]), rms[y * width + x], delta=0.05)
+        # Deviations have components.
+        self.change(show="deviation")
+        self.assertEqual(self.value("vog.state.part"), "view")
+        self.assertIn("expected a component", self.refused("export", "flow.ply", "-o", "x.html", "--show", "deviation",
+                                                           "--field", "velocity.magnitude"))
 
     # --- Edits. ---
 

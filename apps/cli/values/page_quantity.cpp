@@ -45,7 +45,9 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
     command
         .add_option("--field", quantity.field,
                     "Field that mean, deviation and volume show first: temperature, velocity (the "
-                    "component along the view), velocity.x, .y or .z; default: the first one; "
+                    "component along the view), velocity.x, .y or .z, velocity.magnitude (root "
+                    "mean square, mean "
+                    "alone); default: the first one; "
                     "of volume the density itself where the model has it")
         ->group(group);
     command

@@ -8,7 +8,7 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fittedUnit, quantityNumbers, shownOf } from './quantity.js';
+import { automaticScale, automaticTransfer, fieldKey, fittedUnit, quantityNumber, shownOf } from './quantity.js';
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
@@ -124,7 +124,7 @@ function addSums(level, transfer = transferShown()) {
       source: rangeOf(source),
     });
   } else {
-    renderer.addSums(there, model, camera, { field: key, view: state.part === 'view', clip });
+    renderer.addSums(there, model, camera, { field: key, part: key && state.part, clip });
   }
 }
 
@@ -177,7 +177,7 @@ function drawNow() {
 function shade() {
   const model = page.models[state.model], source = model.fields[state.field];
   renderer.shade({
-    quantity: quantityNumbers[state.show], scale: scaleNow(), fade: state.fade, background: page.background,
+    quantity: quantityNumber(state), scale: scaleNow(), fade: state.fade, background: page.background,
     factor: state.show === 'T' ? state.exposure : state.show === 'volume' ? 1 : 1 / model.extinction,
     unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: 1e-4 * model.mostColumn,
   });

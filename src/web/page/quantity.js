@@ -1,8 +1,9 @@
 // quantity.js: what the picture shows, its scale, its words: T, column, mean and deviation of a field, volume.
 import { overRange } from './picture/transfer.js';
 
-/** Numbers of shade.frag. */
-export const quantityNumbers = { T: 0, column: 1, mean: 2, deviation: 3, volume: 4 };
+const numbers = { T: 0, column: 1, mean: 2, deviation: 3, volume: 4 };
+/** Number of shade.frag. A root mean square is the deviation about the mean 0, which field.frag makes it. */
+export const quantityNumber = ({ show, part }) => (part === 'magnitude' && show === 'mean' ? numbers.deviation : numbers[show]);
 const names = {
   T: 'Visibility', column: 'Column density', mean: 'Mean on rays', deviation: 'Deviation on rays',
   volume: 'Volume, by value',
@@ -16,14 +17,15 @@ export function shows(model) {
   return Object.entries(names).filter(([show]) => can(show));
 }
 
+const partName = ({ name }, part) => ({ '': name, view: `${name} along the view`, magnitude: `root mean square of ${name}` }[part] ?? `${name}.${part}`);
+
 /** Fields and parts for a quantity: [{field, part, name}, ...]. */
 export function choices(model, show) {
   if (!ofField(show)) return [];
   return model.fields.flatMap((source, field) => {
     if (!source.vector) return [{ field, part: '', name: source.name }];
     if (show === 'volume') return [];
-    return ['view', 'x', 'y', 'z'].map((part) => (
-      { field, part, name: part === 'view' ? `${source.name} along the view` : `${source.name}.${part}` }));
+    return ['view', 'x', 'y', 'z', ...(show === 'mean' ? ['magnitude'] : [])].map((part) => ({ field, part, name: partName(source, part) }));
   });
 }
 
@@ -106,6 +108,5 @@ export function label(model, { show, field, part }) {
   if (show === 'column') return 'column density';
   const source = model.fields[field], unit = source?.unit ? ` [${source.unit}]` : '';
   if (show === 'T' || !source) return '';
-  const name = part === 'view' ? `${source.name} along the view` : part ? `${source.name}.${part}` : source.name;
-  return `${show === 'deviation' ? 'deviation of ' : show === 'mean' ? 'mean ' : ''}${name}${unit}`;
+  return `${show === 'deviation' ? 'deviation of ' : show === 'mean' && part !== 'magnitude' ? 'mean ' : ''}${partName(source, part)}${unit}`;
 }

@@ -7,6 +7,8 @@ function linesOfSums(sums, model, state) {
   const lines = [state.show === 'T' ? `T ${numberText(sums[0] * state.exposure)}` : `column ${numberText(sums[0] / model.extinction)}`];
   if (state.show !== 'mean' && state.show !== 'deviation') return lines;
   const { reference, scale } = model.fields[state.field];
+  if (state.part === 'magnitude')
+    return [...lines, `${label(model, state)} ${numberText(scale * Math.sqrt(Math.max(sums[2] / sums[0], 0)))}`];
   const mean = sums[1] / sums[0], deviation = Math.sqrt(Math.max(sums[2] / sums[0] - mean * mean, 0));
   return [...lines, `${label(model, { ...state, show: 'mean' })} ${numberText(reference + scale * mean)}`,
     `deviation ${numberText(scale * deviation)}`];

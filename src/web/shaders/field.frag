@@ -6,6 +6,7 @@ flat in float rest;
 #else
 flat in vec4 plane_r, plane_u, plane_f;
 flat in vec3 rest_r, rest_uf;
+uniform int magnitude;  // 1: no mean, and the mean square of the whole vector
 #endif
 
 layout(location = 0) out vec4 sums;
@@ -41,10 +42,14 @@ void main() {
     // The component along the ray.
     vec3 d = chord.direction / slant;
     mat3 gradient = mat3(plane_r.xyz, plane_u.xyz, plane_f.xyz);
-    float value = dot(d, vec3(plane_r.w, plane_u.w, plane_f.w) + at * gradient);
-    float rate = dot(d, chord.direction * gradient);
+    vec3 values = vec3(plane_r.w, plane_u.w, plane_f.w) + at * gradient, rates = chord.direction * gradient;
+    float value = dot(d, values), rate = dot(d, rates);
     float variance = d.x * (rest_r.x * d.x + 2.0 * (rest_r.y * d.y + rest_r.z * d.z)) +
                      d.y * (rest_uf.x * d.y + 2.0 * rest_uf.y * d.z) + rest_uf.z * d.z * d.z;
+    if (magnitude == 1) {
+        variance = dot(values, values) + dot(rates, rates) * chord.deviation * chord.deviation * along.y + rest_r.x + rest_uf.x + rest_uf.z;
+        value = rate = 0.0;
+    }
 #endif
     variance += rate * rate * chord.deviation * chord.deviation * along.y;
     float tau = chord.peak * slant * max(mass, 0.0);

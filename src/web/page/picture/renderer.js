@@ -173,14 +173,14 @@ export class Renderer {
 
   /**
    * Copies a field of a level to the GPU.
-   * part  of a vector field 'view', 'x', 'y' or 'z'; else ''
+   * part  of a vector field 'view', 'x', 'y', 'z' or 'magnitude'; else ''
    */
   uploadField(level, key, data, vector, part) {
     const gl = this.gl, array = gl.createVertexArray(), buffer = this.filled(data);
     gl.bindVertexArray(array);
     this.attributes(level.buffer, instanceFloats, [[0, 4, 0], [1, 3, 4], [2, 4, 7]]);
     if (!vector) this.attributes(buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]]);
-    else if (part === 'view')
+    else if (part === 'view' || part === 'magnitude')
       this.attributes(buffer, vectorFloats, [[3, 4, 0], [4, 4, 4], [5, 4, 8], [6, 4, 12], [7, 2, 16]]);
     else {
       const axis = 'xyz'.indexOf(part);
@@ -269,7 +269,7 @@ export class Renderer {
   /**
    * Adds one sub-frame of sums; the instances include the extinction.
    * level  undefined: nothing is there yet
-   * what   {field: key of uploadField or null, view: of a vector field along the rays, clip of clip.js}
+   * what   {field: key of uploadField or null, part: of uploadField, clip of clip.js}
    */
   addSums(level, model, camera, what) {
     const gl = this.gl, exact = what.field || planesOf(what.clip).length > 0;
@@ -282,9 +282,10 @@ export class Renderer {
     }
     if (level && level.count > 0) {
       const used = exact
-        ? this.program('splat.vert', ['chord.glsl', 'field.frag'], what.view ? 'VECTOR' : 'SCALAR')
+        ? this.program('splat.vert', ['chord.glsl', 'field.frag'], what.part === 'view' || what.part === 'magnitude' ? 'VECTOR' : 'SCALAR')
         : this.program('splat.vert', ['splat.frag']);
       this.setView(used, model, camera, what.clip);
+      if (exact) used.setInteger('magnitude', what.part === 'magnitude' ? 1 : 0);
       // Without a field: the value 0.
       gl.vertexAttrib4f(3, 0, 0, 0, 0);
       gl.vertexAttrib4f(4, 0, 0, 0, 0);
