@@ -430,7 +430,12 @@ class Quantities(PageTest):
         whole = (self.folder / "smoke.html").read_bytes()
         (self.folder / "half.html").write_bytes(whole[:len(whole) // 2])
         self.browser.open(self.folder / "half.html")
-        self.value("new Promise((done) => setTimeout(done, 1700))")
+        # 1.5 s by the page's clock of frames, which is late on a busy machine.
+        self.value("""new Promise((done) => {
+            const line = document.getElementById('loading'), end = Date.now() + 20000;
+            const poll = () => (getComputedStyle(line).visibility === 'visible' || Date.now() > end ? done() : setTimeout(poll, 50));
+            setTimeout(poll, 1000);
+        })""")
         self.assertIn("not whole", self.value("document.getElementById('loading').textContent"))
         self.assertEqual(self.value("getComputedStyle(document.getElementById('loading')).visibility"), "visible")
         self.open("smoke.html")
