@@ -11,7 +11,6 @@
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
-#include "vog/shade.h"
 #include "vog/trace.h"
 
 namespace vog {
@@ -39,13 +38,6 @@ class CudaSplat {
     std::unique_ptr<State> state_;
 };
 
-/// Shading of progressive pictures, whose colours are averaged over subframes.
-struct GpuShading {
-    TransferFunction tf;     ///< colours of V
-    ShadeOptions options{};  ///< background and blend
-    double extinction = 1;   ///< factor on density, > 0
-};
-
 /// The paper's Gaussian renderer: custom primitives in a compacted geometry acceleration structure
 /// under an instance acceleration structure, with any-hit programs that accumulate or collect.
 class OptixModel {
@@ -56,12 +48,10 @@ class OptixModel {
     OptixModel(OptixModel&&) noexcept;
     OptixModel& operator=(OptixModel&&) noexcept;
 
-    /// As render_trace. options.progress is not called: a picture is one launch.
+    /// As render_trace. options.progress is not called.
+    /// samples  ReferenceOptions::samples: T is the mean over samples x samples launches
     DepthImage render(const Camera& camera, int width, int height, const TraceOptions& options = {},
-                      TraceReport* report = nullptr);
-    /// Mean colour over `subframes` launches, each with other sample points within the pixels.
-    Image render_progressive(const Camera& camera, int width, int height, const GpuShading& shading,
-                             int subframes, const TraceOptions& options = {});
+                      TraceReport* report = nullptr, int samples = 1);
     double gpu_ms() const;  ///< device time of the last picture, milliseconds by CUDA events
 
   private:
@@ -82,10 +72,8 @@ class OptixVolume {
     OptixVolume& operator=(OptixVolume&&) noexcept;
 
     /// Optical depth T per pixel at extinction 1.
-    DepthImage render(const Camera& camera, int width, int height);
-    /// Mean colour over `subframes` launches, as OptixModel::render_progressive.
-    Image render_progressive(const Camera& camera, int width, int height, const GpuShading& shading,
-                             int subframes);
+    /// samples  as of OptixModel::render
+    DepthImage render(const Camera& camera, int width, int height, int samples = 1);
     double gpu_ms() const;  ///< as OptixModel::gpu_ms
 
   private:

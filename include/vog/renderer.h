@@ -70,7 +70,7 @@ struct RenderOptions {
     /// Any-hit program, hits per slab and end of rays of trace and optix; progress is not used.
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
-    int samples = 1;            ///< ReferenceOptions::samples
+    int samples = 1;            ///< ReferenceOptions::samples; for reference and optix
     Clipping clip{};            ///< space that counts; for reference, splat and trace
 };
 
@@ -127,7 +127,7 @@ class DepthRenderer {
     DepthRenderer& operator=(DepthRenderer&&) noexcept;
 
     /// depth     T per pixel at extinction 1
-    /// progress  not called by cuda and optix: a picture is one launch
+    /// progress  not called by cuda and optix: a picture is a launch
     /// throws    vog::Error for an unusable camera or size
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress& progress = {});
@@ -139,6 +139,8 @@ class DepthRenderer {
     const std::optional<CutReport>& cut() const;
     /// Hits of the last picture's rays; nothing unless a model was traced.
     const std::optional<TraceReport>& traced() const;
+    /// Device time of the last picture, milliseconds; nothing unless a GPU drew it.
+    std::optional<double> gpu_ms() const;
 
     struct State;
 

@@ -11,6 +11,7 @@ struct DepthRenderer::State {
     Renderer renderer{};
     std::optional<CutReport> cut{};
     std::optional<TraceReport> traced{};
+    std::optional<double> gpu_ms{};
 
     virtual ~State() = default;
     virtual void render(const Camera& camera, int width, int height, DepthImage& depth,
@@ -112,6 +113,7 @@ class CudaState : public State {
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress&) override {
         depth = splat_.render(camera, width, height);
+        gpu_ms = splat_.gpu_ms();
     }
 
   private:
@@ -121,16 +123,20 @@ class CudaState : public State {
 class OptixModelState : public State {
   public:
     OptixModelState(const Gaussians& model, const RenderOptions& options)
-        : model_(model, {options.aabb_sigma, options.kappa}), options_(options.trace) {}
+        : model_(model, {options.aabb_sigma, options.kappa}),
+          options_(options.trace),
+          samples_(options.samples) {}
 
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress&) override {
-        depth = model_.render(camera, width, height, options_, &traced.emplace());
+        depth = model_.render(camera, width, height, options_, &traced.emplace(), samples_);
+        gpu_ms = model_.gpu_ms();
     }
 
   private:
     OptixModel model_;
     TraceOptions options_;
+    int samples_;
 };
 
 std::vector<VoxelGrid> voxel_grids(std::span<const Volume> volumes,
@@ -142,21 +148,24 @@ std::vector<VoxelGrid> voxel_grids(std::span<const Volume> volumes,
 
 class OptixVolumesState : public State {
   public:
-    explicit OptixVolumesState(std::span<const Volume> volumes) {
+    OptixVolumesState(std::span<const Volume> volumes, int samples) : samples_(samples) {
         for (const VoxelGrid& grid : voxel_grids(volumes, {})) volumes_.emplace_back(grid.bytes());
     }
 
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress&) override {
         depth = DepthImage(width, height);
+        gpu_ms = 0;
         for (OptixVolume& volume : volumes_) {
-            const DepthImage part = volume.render(camera, width, height);
+            const DepthImage part = volume.render(camera, width, height, samples_);
             for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] += part.depth[n];
+            *gpu_ms += volume.gpu_ms();
         }
     }
 
   private:
     std::vector<OptixVolume> volumes_;
+    int samples_;
 };
 
 /// Grids  LevelGrids or std::vector<VoxelGrid>
@@ -219,7 +228,7 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
                              const RenderOptions& options) {
     check(renderer, RenderInput::volumes, options);
     if (renderer == Renderer::optix)
-        state_ = std::make_unique<OptixVolumesState>(volumes);
+        state_ = std::make_unique<OptixVolumesState>(volumes, options.samples);
     else
         state_ = std::make_unique<ReferenceState<std::vector<VoxelGrid>>>(
             voxel_grids(volumes, options.voxels), options);
@@ -253,5 +262,6 @@ void DepthRenderer::set_pixel_error(double pixel_error) { state_->set_pixel_erro
 Renderer DepthRenderer::renderer() const { return state_->renderer; }
 const std::optional<CutReport>& DepthRenderer::cut() const { return state_->cut; }
 const std::optional<TraceReport>& DepthRenderer::traced() const { return state_->traced; }
+std::optional<double> DepthRenderer::gpu_ms() const { return state_->gpu_ms; }
 
 }  // namespace vog

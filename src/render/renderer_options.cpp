@@ -41,7 +41,7 @@ const std::vector<OptionRow>& option_table() {
         {RenderOption::kappa, "--kappa", "kappa", {splat, trace, optix, cuda}},
         {RenderOption::interpolation, "--interpolation", "interpolation", {reference}},
         {RenderOption::step, "--step", "step", {reference}},
-        {RenderOption::samples, "--samples", "samples", {reference}},
+        {RenderOption::samples, "--samples", "samples", {reference, optix}},
         {RenderOption::clip, "--clip", "clip", {reference, splat, trace}},
     };
     return table;

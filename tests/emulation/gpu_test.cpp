@@ -1,5 +1,5 @@
-// gpu_test.cpp: GPU renderers beyond the scenes of renderers_test: reports, lists of near Gaussians, progressive
-// pictures, volumes, limits, and what is said where memory, drivers or devices fall short.
+// gpu_test.cpp: GPU renderers beyond the scenes of renderers_test: reports, lists of near Gaussians, samples,
+// volumes, limits, and what is said where memory, drivers or devices fall short.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,7 +14,6 @@
 #include "vog/gpu.h"
 #include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/shade.h"
 
 namespace vog::test {
 
@@ -174,43 +173,29 @@ TEST_F(gpu, pictures_of_other_sizes_follow_each_other) {
     }
 }
 
-TEST_F(gpu, progressive_pictures_are_means_over_points_of_the_pixels) {
+TEST_F(gpu, samples_are_means_over_the_centres_of_parts_of_pixels) {
     const Gaussians model = random_gaussians(60, 0.1, 0.4, 10);
-    const Camera camera = looking({0, 0, 4}, {0, 0, 0}, 45);
-    GpuShading shading;
-    shading.tf = named_transfer_function("inferno");
-    shading.extinction = 3;
+    for (const double width : {0.0, 2.0}) {
+        Camera camera = looking({0, 0, 4}, {0, 0, 0}, 45);
+        camera.orthographic_width = width;
+        // Rays through the centres of 5 x 5 parts are those of a picture five times as wide.
+        const DepthImage fine = render_trace(trace_scene(model), camera, 5 * 40, 5 * 30);
+        DepthImage mean(40, 30);
+        for (int y = 0; y < 5 * 30; ++y)
+            for (int x = 0; x < 5 * 40; ++x) mean.at(x / 5, y / 5) += fine.at(x, y) / 25;
+        TraceReport report, once;
+        OptixModel optix(model);
+        EXPECT_LT(worst(optix.render(camera, 40, 30, {}, &report, 5), mean), 2e-6);
+        EXPECT_GT(worst(optix.render(camera, 40, 30, {}, &once), mean), 1e-3);
+        EXPECT_NEAR(double(report.hits), 25.0 * double(once.hits), 2.5 * double(once.hits));
+    }
     OptixModel optix(model);
-    const auto shaded = [&](int width, int height) {
-        DepthImage depth = render_trace(trace_scene(model), camera, width, height);
-        set_extinction(depth, shading.extinction);
-        return shade(depth, shading.tf, shading.options);
-    };
-    const auto worst_color = [](const Image& a, const Image& b) {
-        double most = 0;
-        for (std::size_t n = 0; n < a.pixel.size(); ++n)
-            for (const auto channel : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
-                most = std::max(
-                    most, std::abs(double{a.pixel[n].*channel} - double{b.pixel[n].*channel}));
-        return most;
-    };
-    const Image once = optix.render_progressive(camera, 48, 48, shading, 1);
-    EXPECT_LT(worst_color(once, shaded(48, 48)), 2e-3);
-    // 16 x 16 points a pixel in place of 256 of a sequence.
-    const Image fine = shaded(48 * 16, 48 * 16);
-    Image mean(48, 48);
-    for (int y = 0; y < 48; ++y)
-        for (int x = 0; x < 48; ++x) {
-            Rgba sum{};
-            for (int n = 0; n < 256; ++n) {
-                const Rgba c = fine.at(16 * x + n % 16, 16 * y + n / 16);
-                sum = {sum.r + c.r, sum.g + c.g, sum.b + c.b, sum.a + c.a};
-            }
-            mean.at(x, y) = {sum.r / 256, sum.g / 256, sum.b / 256, sum.a / 256};
-        }
-    const Image many = optix.render_progressive(camera, 48, 48, shading, 256);
-    EXPECT_LT(worst_color(many, mean), 0.01);
-    EXPECT_GT(worst_color(once, mean), 0.02);
+    for (const int samples : {0, 65})
+        EXPECT_EQ(refusal([&] {
+                      (void)optix.render(looking({0, 0, 4}, {0, 0, 0}), 8, 8, {}, nullptr, samples);
+                  }),
+                  std::to_string(samples) + " x " + std::to_string(samples) +
+                      " rays a pixel, expected 1 to 64");
 }
 
 TEST_F(gpu, volumes_have_the_references_depth) {
@@ -229,10 +214,9 @@ TEST_F(gpu, volumes_have_the_references_depth) {
                 const DepthImage expected = render_reference({&grid, 1}, camera, 64, 48);
                 EXPECT_LT(worst(optix.render(camera, 64, 48), expected), 1e-5) << skew;
             }
-            GpuShading shading;
-            shading.tf = named_transfer_function("grey");
-            const Image image = optix.render_progressive(paper_view(box), 32, 32, shading, 4);
-            EXPECT_GT(std::ranges::count_if(image.pixel, [](Rgba c) { return c.a > 0.01f; }), 50);
+            const DepthImage mean =
+                render_reference({&grid, 1}, paper_view(box), 32, 32, {.samples = 3});
+            EXPECT_LT(worst(optix.render(paper_view(box), 32, 32, 3), mean), 1e-5);
         }
     }
 }

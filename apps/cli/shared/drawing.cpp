@@ -133,9 +133,10 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         ->check(non_negative_number())
         ->capture_default_str();
     command
-        .add_option("--samples", arguments.samples,
-                    "Rays of the reference: N for the mean of N x N in each pixel; 1: the ray "
-                    "through its centre")
+        .add_option(
+            "--samples", arguments.samples,
+            "Rays of reference and optix: N for the mean T of N x N in each pixel; 1: the ray "
+            "through its centre")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
     const auto clipping = "Clipping";
@@ -203,6 +204,7 @@ std::optional<CutReport> Drawing::cut() const { return reports ? reports->cut() 
 std::optional<TraceReport> Drawing::traced() const {
     return reports ? reports->traced() : std::nullopt;
 }
+std::optional<double> Drawing::gpu_ms() const { return reports ? reports->gpu_ms() : std::nullopt; }
 
 void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing) {
     for (const Volume& volume : set.volumes) {

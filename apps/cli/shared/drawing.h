@@ -48,6 +48,7 @@ struct Drawing {
 
     std::optional<CutReport> cut() const;       ///< DepthRenderer::cut
     std::optional<TraceReport> traced() const;  ///< DepthRenderer::traced
+    std::optional<double> gpu_ms() const;       ///< DepthRenderer::gpu_ms
 };
 
 /// Reads the inputs and prepares them for --renderer, or for the default one of their kind.

@@ -115,6 +115,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& draw
     picture.render_ms = std::move(render_ms);
     picture.cut = drawing.cut();
     picture.traced = drawing.traced();
+    picture.gpu_ms = drawing.gpu_ms();
     picture.stage_ms = stages.times();
     picture.peak_memory = peak_memory();
     picture.notes = drawing.notes;
@@ -196,6 +197,7 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
         json["slabs"] = picture.traced->slabs;
         json["most_slabs"] = picture.traced->most_slabs;
     }
+    if (picture.gpu_ms) json["gpu_ms"] = *picture.gpu_ms;
     for (const auto& [name, ms] : picture.stage_ms) json["ms"][name] = ms;
     json["peak_memory"] = picture.peak_memory;
     if (!picture.notes.empty()) json["notes"] = picture.notes;

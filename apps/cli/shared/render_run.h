@@ -66,6 +66,7 @@ struct RenderedPicture {
     double mean_opacity = 0;              ///< of a volume picture, over the pixels it covers
     std::optional<CutReport> cut;         ///< renders through a hierarchy
     std::optional<TraceReport> traced;    ///< renders by rays
+    std::optional<double> gpu_ms;         ///< device time of the last picture
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran
     std::uint64_t peak_memory = 0;                         ///< bytes
     std::vector<std::string> notes;                        ///< printed about the inputs

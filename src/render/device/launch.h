@@ -4,7 +4,6 @@
 
 #include "render/device/any_hit.h"
 #include "render/device/camera_ray.h"
-#include "render/device/color_table.h"
 #include "render/device/gaussian_hit.h"
 
 #define VOG_RAYGEN_ACCUMULATE "__raygen__accumulate"
@@ -22,13 +21,13 @@ namespace vog::device {
 constexpr int kPayloadWords = 2;    ///< a pointer to the ray's own data
 constexpr int kAttributeWords = 4;  ///< Hit
 
-/// Output of a launch, for both pipelines.
+/// Output of a launch, for both pipelines: a picture of one launch, or of several, each with other points of pixels.
 struct Film {
-    float* depth;          ///< [height * width] T at extinction 1 through pixel centres
-    Float4* accumulation;  ///< [height * width] colours summed over subframes, or null
-    double depth_unit;     ///< T of one unit of a ray's depth
-    uint32_t subframe;     ///< 0: rays through pixel centres; > 0: through other points of pixels
-    ColorTable colors;
+    float* depth;       ///< [height * width] T at extinction 1, mean over the launches so far
+    double* sum;        ///< [height * width] sum over launches, or null for a picture of one
+    double depth_unit;  ///< T of one unit of a ray's depth
+    double x, y;        ///< point of the pixel, [-1/2, 1/2]; 0: its centre
+    int32_t earlier;    ///< number of launches before this one
 };
 
 /// Work of one ray, for reports.
@@ -61,23 +60,15 @@ struct Launch {
     Camera index_camera;  ///< in index space plus 1/2: the same t as `camera`
 };
 
-/// Sample point of a subframe in its pixel, [-1/2, 1/2]²: the centre, then the low-discrepancy R2
-/// sequence (M. Roberts, 2018).
-VOG_HD void pixel_point(uint32_t subframe, double& x, double& y) {
-    const double step_x = 0.7548776662466927, step_y = 0.5698402909980532;
-    x = 0.5 + subframe * step_x, y = 0.5 + subframe * step_y;
-    x = x - floor(x) - 0.5, y = y - floor(y) - 0.5;
-}
-
-/// Writes T of one ray, and adds its colour to the progressive sum.
+/// Writes T of one ray.
 /// depth  in film.depth_unit
 VOG_HD void expose(const Film& film, uint32_t pixel, double depth) {
-    const float total = static_cast<float>(depth * film.depth_unit);
-    film.depth[pixel] = total;
-    if (!film.accumulation) return;
-    const Float4 color = shade(film.colors, total);
-    const Float4 sum = film.subframe ? film.accumulation[pixel] : Float4{0, 0, 0, 0};
-    film.accumulation[pixel] = {sum.x + color.x, sum.y + color.y, sum.z + color.z, sum.w + color.w};
+    double total = depth * film.depth_unit;
+    if (film.sum) {
+        if (film.earlier) total += film.sum[pixel];
+        film.sum[pixel] = total;
+    }
+    film.depth[pixel] = static_cast<float>(total / (film.earlier + 1));
 }
 
 }  // namespace vog::device

@@ -28,11 +28,7 @@ OptixModel::OptixModel(const Gaussians&, const TraceSceneOptions&) { no_optix();
 OptixModel::~OptixModel() = default;
 OptixModel::OptixModel(OptixModel&&) noexcept = default;
 OptixModel& OptixModel::operator=(OptixModel&&) noexcept = default;
-DepthImage OptixModel::render(const Camera&, int, int, const TraceOptions&, TraceReport*) {
-    return {};
-}
-Image OptixModel::render_progressive(const Camera&, int, int, const GpuShading&, int,
-                                     const TraceOptions&) {
+DepthImage OptixModel::render(const Camera&, int, int, const TraceOptions&, TraceReport*, int) {
     return {};
 }
 double OptixModel::gpu_ms() const { return 0; }
@@ -42,10 +38,7 @@ OptixVolume::OptixVolume(std::span<const std::byte>) { no_optix(); }
 OptixVolume::~OptixVolume() = default;
 OptixVolume::OptixVolume(OptixVolume&&) noexcept = default;
 OptixVolume& OptixVolume::operator=(OptixVolume&&) noexcept = default;
-DepthImage OptixVolume::render(const Camera&, int, int) { return {}; }
-Image OptixVolume::render_progressive(const Camera&, int, int, const GpuShading&, int) {
-    return {};
-}
+DepthImage OptixVolume::render(const Camera&, int, int, int) { return {}; }
 double OptixVolume::gpu_ms() const { return 0; }
 #endif
 

@@ -1,10 +1,9 @@
-// device_test.cpp: Device code that only the GPU uses, run on the host: traversal of voxels, colours,
-// subframes, lists of hits.
+// device_test.cpp: Device code that only the GPU uses, run on the host: traversal of voxels, lists of
+// hits, sums.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <vector>
 
 #include "render/device/any_hit.h"
@@ -14,7 +13,6 @@
 #include "support/scenes.h"
 #include "vog/reference.h"
 #include "vog/sample.h"
-#include "vog/shade.h"
 
 namespace vog::test {
 
@@ -67,52 +65,6 @@ TEST(device, voxels_of_a_skewed_transform_are_walked_to_the_references_depth) {
     skewed.row = {Vec3d{0.3, 0.1, 0}, Vec3d{-0.1, 0.5, 0.05}, Vec3d{0, 0.02, 0.2}};
     volume.world_from_index = {skewed, {100, -7, 3}};
     expect_the_references_depth(volume, 3);
-}
-
-TEST(device, colours_are_those_of_shade) {
-    const TransferFunction tf = named_transfer_function("inferno");
-    constexpr int kEntries = 4096;
-    std::vector<device::Float4> table;
-    for (int n = 0; n < kEntries; ++n) {
-        const Rgba c = color_at(tf, static_cast<float>(n) / (kEntries - 1));
-        table.push_back({c.r, c.g, c.b, c.a});
-    }
-    for (const auto& [blend, clear] : {std::pair{false, 1.0f}, {true, 1.0f}, {true, 0.0f}}) {
-        const Rgba background{0.2f, 0.4f, 0.1f, clear};
-        const device::ColorTable colors{
-            table.data(), kEntries, 0.5f, {0.2f, 0.4f, 0.1f, clear}, blend ? 1 : 0};
-        DepthImage depth(200, 1);
-        for (int n = 0; n < 200; ++n) depth.at(n, 0) = n == 0 ? 0 : std::ldexp(1.0f, n / 8 - 15);
-        DepthImage extinct = depth;
-        set_extinction(extinct, 0.5);
-        const Image expected = shade(extinct, tf, {background, blend});
-        for (int n = 0; n < 200; ++n) {
-            const device::Float4 c = device::shade(colors, depth.at(n, 0));
-            EXPECT_NEAR(c.x, expected.at(n, 0).r, 1e-3) << n;
-            EXPECT_NEAR(c.y, expected.at(n, 0).g, 1e-3) << n;
-            EXPECT_NEAR(c.z, expected.at(n, 0).b, 1e-3) << n;
-            EXPECT_NEAR(c.w, expected.at(n, 0).a, 1e-5) << n;
-        }
-    }
-}
-
-TEST(device, subframes_start_at_the_centre_and_fill_the_pixel_evenly) {
-    double x, y;
-    device::pixel_point(0, x, y);
-    EXPECT_EQ(x, 0);
-    EXPECT_EQ(y, 0);
-    std::set<std::pair<int, int>> cells;
-    double mean_x = 0, mean_y = 0;
-    constexpr int kSubframes = 256;
-    for (std::uint32_t n = 0; n < kSubframes; ++n) {
-        device::pixel_point(n, x, y);
-        ASSERT_TRUE(x >= -0.5 && x < 0.5 && y >= -0.5 && y < 0.5);
-        cells.insert({static_cast<int>(8 * (x + 0.5)), static_cast<int>(8 * (y + 0.5))});
-        mean_x += x / kSubframes, mean_y += y / kSubframes;
-    }
-    EXPECT_EQ(cells.size(), 64u);
-    EXPECT_NEAR(mean_x, 0, 0.01);
-    EXPECT_NEAR(mean_y, 0, 0.01);
 }
 
 TEST(device, a_list_hands_out_every_hit_once_and_in_order) {

@@ -1,35 +1,31 @@
-// optix_film.h: Output buffers of OptiX pictures: T, and the sum of colours over subframes.
+// optix_film.h: Output buffers of OptiX pictures.
 #pragma once
-
-#include <vector>
 
 #include "render/device/launch.h"
 #include "render/gpu/cuda_memory.h"
-#include "vog/gpu.h"
+#include "vog/image.h"
 
 namespace vog::gpu {
 
+/// T of a picture of one launch or of samples x samples, through the centres of equal parts of each pixel.
 class OptixFilm {
   public:
-    /// Allocates the buffer of a picture of T alone.
-    void load(int width, int height);
+    /// Allocates the buffers of a picture.
+    /// throws  vog::Error for samples out of range: ReferenceOptions::samples
+    void load(int width, int height, int samples);
     /// T of one unit of a ray's depth, for later pictures; 1 unless set.
     void set_depth_unit(double unit) { depth_unit_ = unit; }
-    /// Allocates the buffers of a progressive picture, with the colours as a table over V.
-    void load(int width, int height, const GpuShading& shading);
 
-    device::Film film(std::uint32_t subframe) const;
+    int launches() const { return samples_ * samples_; }
+    /// Film of launch n.
+    device::Film film(int n) const;
     DepthImage depth() const;
-    /// Mean colour over `subframes`.
-    Image mean(int subframes) const;
 
   private:
-    int width_ = 0, height_ = 0;
-    bool progressive_ = false;
+    int width_ = 0, height_ = 0, samples_ = 1;
     double depth_unit_ = 1;
-    device::ColorTable colors_{};
     GpuArray<float> depth_;
-    GpuArray<device::Float4> accumulation_, table_;
+    GpuArray<double> sum_;
 };
 
 }  // namespace vog::gpu

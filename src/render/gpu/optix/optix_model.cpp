@@ -8,8 +8,10 @@
 #include "render/gpu/cuda_splat.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
+#include "render/pixel_limits.h"
 #include "render/trace/trace_options.h"
 #include "vog/error.h"
+#include "vog/gpu.h"
 
 namespace vog {
 
@@ -83,19 +85,22 @@ device::Launch OptixModel::State::launch_for(const CameraFrame& frame,
     return launch;
 }
 
-/// Splats the Gaussians smaller than a pixel (render/trace/small_gaussians.h) through the rays of the
-/// launch's subframe.
+/// Splats the Gaussians smaller than a pixel (render/trace/small_gaussians.h) through the rays of the launch.
 void OptixModel::State::draw_small(device::Launch& launch) {
     if (model.boxed) return;
     device::Camera camera = launch.camera;
-    double dx, dy;
-    device::pixel_point(launch.film.subframe, dx, dy);
-    camera.corner = camera.corner + dx * camera.step_x + dy * camera.step_y;
-    camera.eye = camera.eye + dx * camera.shift_x + dy * camera.shift_y;
+    const double x = launch.film.x, y = launch.film.y;
+    camera.corner = camera.corner + x * camera.step_x + y * camera.step_y;
+    camera.eye = camera.eye + x * camera.shift_x + y * camera.shift_y;
     splatted.reserve(
         static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height),
         "the splatted picture");
-    passes.draw_small(gaussians.data(), model.kernel, camera, shares.data(), splatted.data());
+    device::SplatKernel kernel = model.kernel;
+    if (film.launches() > 1) {
+        const PixelLimits limits = subframe_limits(kernel.cutoff);
+        kernel.least2 = limits.least2, kernel.sampled2 = limits.sampled2;
+    }
+    passes.draw_small(gaussians.data(), kernel, camera, shares.data(), splatted.data());
     launch.shares = shares.data();
     launch.splatted = splatted.data();
 }
@@ -110,48 +115,27 @@ TraceReport OptixModel::State::report(std::int64_t pixels) {
 }
 
 DepthImage OptixModel::render(const Camera& camera, int width, int height,
-                              const TraceOptions& options, TraceReport* report) {
+                              const TraceOptions& options, TraceReport* report, int samples) {
     check_trace_options(options);
     State& s = *state_;
     const CameraFrame frame = frame_of(camera, width, height);
     if (report) *report = {};
     if (s.count == 0) return DepthImage(width, height);
-    s.film.load(width, height);
+    s.film.load(width, height, samples);
     device::Launch launch = s.launch_for(frame, options);
-    launch.film = s.film.film(0);
     const std::int64_t pixels = std::int64_t{width} * height;
     if (report) {
         s.counts.reserve(static_cast<std::size_t>(pixels), "counts of rays");
         launch.counts = s.counts.data();
     }
     s.timer.start();
-    s.run(launch, options.anyhit);
-    s.timer.stop();
-    if (report) *report = s.report(pixels);
-    return s.film.depth();
-}
-
-Image OptixModel::render_progressive(const Camera& camera, int width, int height,
-                                     const GpuShading& shading, int subframes,
-                                     const TraceOptions& options) {
-    check_trace_options(options);
-    if (subframes < 1) throw Error(fmt::format("{} subframes, expected at least 1", subframes));
-    State& s = *state_;
-    const CameraFrame frame = frame_of(camera, width, height);
-    if (s.count == 0) {
-        Image image(width, height);
-        for (Rgba& pixel : image.pixel) pixel = shading.options.background;
-        return image;
-    }
-    s.film.load(width, height, shading);
-    device::Launch launch = s.launch_for(frame, options);
-    s.timer.start();
-    for (int n = 0; n < subframes; ++n) {
-        launch.film = s.film.film(static_cast<std::uint32_t>(n));
+    for (int n = 0; n < s.film.launches(); ++n) {
+        launch.film = s.film.film(n);
         s.run(launch, options.anyhit);
     }
     s.timer.stop();
-    return s.film.mean(subframes);
+    if (report) *report = s.report(pixels);
+    return s.film.depth();
 }
 
 }  // namespace vog

@@ -51,9 +51,8 @@ __device__ void trace(GaussianRay& data, float from) {
 __device__ bool pixel_ray(unsigned& pixel, Ray& ray) {
     const uint3 at = optixGetLaunchIndex();
     pixel = at.y * static_cast<unsigned>(launch.camera.width) + at.x;
-    double dx, dy;
-    pixel_point(launch.film.subframe, dx, dy);
-    return camera_ray(launch.camera, launch.bounds, at.x + dx, at.y + dy, ray);
+    return camera_ray(launch.camera, launch.bounds, at.x + launch.film.x, at.y + launch.film.y,
+                      ray);
 }
 
 /// T of the Gaussians that rays leave out.
@@ -63,7 +62,9 @@ __device__ double splatted_depth(unsigned pixel) {
 
 /// Writes what a report asks for.
 __device__ void count(unsigned pixel, unsigned hits, unsigned slabs) {
-    if (launch.counts) launch.counts[pixel] = {hits, slabs};
+    if (!launch.counts) return;
+    const RayCounts before = launch.film.earlier ? launch.counts[pixel] : RayCounts{0, 0};
+    launch.counts[pixel] = {before.hits + hits, before.slabs + slabs};
 }
 
 }  // namespace
@@ -140,11 +141,10 @@ extern "C" __global__ void __raygen__voxels() {
     VoxelRay data{};
     if (pixel_ray(pixel, ray)) {
         const uint3 at = optixGetLaunchIndex();
-        double dx, dy;
-        pixel_point(launch.film.subframe, dx, dy);
+        const double x = at.x + launch.film.x, y = at.y + launch.film.y;
         const Camera& camera = launch.index_camera;
-        data.origin = camera.eye + (at.x + dx) * camera.shift_x + (at.y + dy) * camera.shift_y;
-        data.direction = camera.corner + (at.x + dx) * camera.step_x + (at.y + dy) * camera.step_y;
+        data.origin = camera.eye + x * camera.shift_x + y * camera.shift_y;
+        data.direction = camera.corner + x * camera.step_x + y * camera.step_y;
         const Float3 origin = to_float(ray.origin - launch.center);
         const Float3 direction = to_float(ray.direction);
         unsigned high, low;
@@ -154,8 +154,8 @@ extern "C" __global__ void __raygen__voxels() {
                    0.0f, OptixVisibilityMask(255), OPTIX_RAY_FLAG_DISABLE_ANYHIT, 0, 1, 0, high,
                    low);
         // A unit of t is |D| world units long, D the camera's direction of this pixel.
-        const Double3 along = launch.camera.corner + (at.x + dx) * launch.camera.step_x +
-                              (at.y + dy) * launch.camera.step_y;
+        const Double3 along =
+            launch.camera.corner + x * launch.camera.step_x + y * launch.camera.step_y;
         data.sum *= sqrt(dot(along, along));
     }
     expose(launch.film, pixel, data.sum);

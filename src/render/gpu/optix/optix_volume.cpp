@@ -10,6 +10,7 @@
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
 #include "vog/error.h"
+#include "vog/gpu.h"
 
 namespace vog {
 
@@ -119,38 +120,19 @@ device::Launch OptixVolume::State::launch_for(const CameraFrame& frame) const {
     return launch;
 }
 
-DepthImage OptixVolume::render(const Camera& camera, int width, int height) {
+DepthImage OptixVolume::render(const Camera& camera, int width, int height, int samples) {
     State& s = *state_;
     const CameraFrame frame = frame_of(camera, width, height);
     if (!s.hierarchy) return DepthImage(width, height);
-    s.film.load(width, height);
-    device::Launch launch = s.launch_for(frame);
-    launch.film = s.film.film(0);
-    s.timer.start();
-    s.pipeline.run(launch);
-    s.timer.stop();
-    return s.film.depth();
-}
-
-Image OptixVolume::render_progressive(const Camera& camera, int width, int height,
-                                      const GpuShading& shading, int subframes) {
-    if (subframes < 1) throw Error(fmt::format("{} subframes, expected at least 1", subframes));
-    State& s = *state_;
-    const CameraFrame frame = frame_of(camera, width, height);
-    if (!s.hierarchy) {
-        Image image(width, height);
-        for (Rgba& pixel : image.pixel) pixel = shading.options.background;
-        return image;
-    }
-    s.film.load(width, height, shading);
+    s.film.load(width, height, samples);
     device::Launch launch = s.launch_for(frame);
     s.timer.start();
-    for (int n = 0; n < subframes; ++n) {
-        launch.film = s.film.film(static_cast<std::uint32_t>(n));
+    for (int n = 0; n < s.film.launches(); ++n) {
+        launch.film = s.film.film(n);
         s.pipeline.run(launch);
     }
     s.timer.stop();
-    return s.film.mean(subframes);
+    return s.film.depth();
 }
 
 }  // namespace vog
