@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 """Registers, shared memory and occupancy of the CUDA kernels, by the compiler, without a GPU.
 
-usage: bench/gpu_kernels.py [--nvcc NVCC] [ARCHITECTURE ...]     default: 75 86 89 90 120
+usage: bench/gpu_kernels.py [--nvcc NVCC] [--optix OPTIX_ROOT] [ARCHITECTURE ...]     default: 75 86 89 90 120
+
+With --optix, the operations and loads of each OptiX program in its PTX instead: the driver compiles them, so registers are
+known on a card alone.
 
 Occupancy is the share of a multiprocessor's threads that fit beside each other, limited by registers, shared
 memory, blocks and threads (CUDA C++ Programming Guide, "Technical Specifications per Compute Capability").
@@ -54,11 +57,35 @@ def kernels(nvcc, architecture):
     return found
 
 
+def programs(nvcc, optix):
+    """{OptiX program: (double operations, float operations, loads of 16 bytes, other loads of global memory)}"""
+    nanovdb = ["-I/usr/include"] if pathlib.Path("/usr/include/nanovdb").exists() else []
+    made = subprocess.run([nvcc, "-std=c++17", "-O3", f"-I{ROOT}/src", f"-I{ROOT}/include", f"-I{optix}/include", *nanovdb,
+                           "-arch=compute_75", "--ptx", str(ROOT / "src/render/gpu/optix/optix_programs.cu"), "-o", "-"],
+                          capture_output=True, text=True)
+    if made.returncode:
+        sys.exit(f"optix_programs.cu: {made.stderr.strip().splitlines()[-1]}")
+    found = {}
+    for match in re.finditer(r"\.entry (\w+)\(.*?\n}\n", made.stdout, re.S):
+        def count(pattern):
+            return len(re.findall(pattern, match[0]))
+        wide = count(r"\tld\.global\S*\.v4")
+        found[match[1]] = (count(r"\t(?:fma|add|mul|sub|div|sqrt)\S*\.f64"), count(r"\t(?:fma|add|mul|sub|div|sqrt)\S*\.f32"),
+                           wide, count(r"\tld\.global") - wide)
+    return found
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--nvcc", default="nvcc")
+    options.add_argument("--optix", help="folder of OptiX's headers: count operations of its programs")
     options.add_argument("architectures", nargs="*", type=int, default=sorted(PROCESSORS))
     arguments = options.parse_args()
+    if arguments.optix:
+        print("| program | operations, double | float | loads of 16 bytes | other loads |\n|---|---|---|---|---|")
+        for name, counts in programs(arguments.nvcc, arguments.optix).items():
+            print(f"| `{name}` | " + " | ".join(map(str, counts)) + " |")
+        return
     unknown = [a for a in arguments.architectures if a not in PROCESSORS]
     if unknown:
         sys.exit(f"architecture {unknown[0]}, expected {', '.join(map(str, sorted(PROCESSORS)))}")

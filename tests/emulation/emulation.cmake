@@ -13,6 +13,9 @@ function(vog_add_emulated_gpu target)
     # theirs alone, and not the linker's choice among those of other sources.
     set_source_files_properties(${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu PROPERTIES
                                 LANGUAGE CXX COMPILE_OPTIONS "-x;c++;--coverage;-fprofile-update=atomic;-fno-weak;-Wno-conversion")
+    # GCC 12 vectorizes float_pair.h wrongly (-O2 and up; right with -O1, with Clang, and with this option).
+    set_property(SOURCE ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu APPEND PROPERTY
+                 COMPILE_OPTIONS "-DVOG_FLOAT_PAIRS;-fno-tree-slp-vectorize")
     set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
     set_target_properties(${target}_gpu PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_gpu PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src

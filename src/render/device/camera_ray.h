@@ -5,6 +5,7 @@
 // is made once and intersected thousands of times.
 #pragma once
 
+#include "render/device/float_pair.h"
 #include "render/device/vector.h"
 
 namespace vog::device {
@@ -28,11 +29,22 @@ struct Ray {
     Double3 direction;  ///< unit length
     Double3 inverse;    ///< 1 / direction; a zero component counts as 1e-300
     float length;
+    Exact3 from, along;  ///< origin and direction
 };
 
 VOG_HD double slab_inverse(double component) {
     const double tiny = 1e-300;  // decides rightly for every face but one that holds the origin
     return 1 / (fabs(component) < tiny ? copysign(tiny, component) : component);
+}
+
+/// Sets the ray but for its length.
+/// direction  unit length
+VOG_HD void set_ray(Double3 origin, Double3 direction, Ray& ray) {
+    ray.origin = origin;
+    ray.direction = direction;
+    ray.inverse = {slab_inverse(direction.x), slab_inverse(direction.y), slab_inverse(direction.z)};
+    ray.from = exact(origin);
+    ray.along = exact(direction);
 }
 
 /// Narrows [enter, leave] to the part of the ray t / inverse in a box; empty if enter > leave.
@@ -52,12 +64,12 @@ VOG_HD bool camera_ray(const Camera& camera, const Bounds& bounds, double column
                        Ray& ray) {
     const Double3 along = camera.corner + column * camera.step_x + row * camera.step_y;
     const Double3 from = camera.eye + column * camera.shift_x + row * camera.shift_y;
-    ray.direction = (1 / sqrt(dot(along, along))) * along;
-    ray.inverse = {slab_inverse(ray.direction.x), slab_inverse(ray.direction.y),
-                   slab_inverse(ray.direction.z)};
+    const Double3 direction = (1 / sqrt(dot(along, along))) * along;
+    const Double3 inverse{slab_inverse(direction.x), slab_inverse(direction.y),
+                          slab_inverse(direction.z)};
     double enter = 0, leave = HUGE_VAL;
-    clip_to_box(bounds.lower - from, bounds.upper - from, ray.inverse, enter, leave);
-    ray.origin = from + enter * ray.direction;
+    clip_to_box(bounds.lower - from, bounds.upper - from, inverse, enter, leave);
+    set_ray(from + enter * direction, direction, ray);
     ray.length = static_cast<float>(leave - enter);
     return enter <= leave;
 }

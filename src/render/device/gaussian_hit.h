@@ -1,10 +1,10 @@
 // gaussian_hit.h: Intersection of a ray with a truncated Gaussian: entry, exit and optical depth
 // between them (docs/method.md, "One Gaussian along a ray").
 //
-// Single precision but for nine operations: the vector from the mean to the nearest point of the
-// ray (in the Gaussian's own metric) is formed in double precision and only then whitened. In
-// float this difference cancels: at a distance of 1000 standard deviations the error is 1e-4 of a
-// standard deviation, and larger in tau. All later values are of the size of the Gaussian itself.
+// Single precision. The vector from the mean to the nearest point of the ray (in the Gaussian's own metric) is formed in
+// pairs of floats (on a CPU in doubles) and only then whitened. In single floats this difference cancels: at a distance of 1000 standard
+// deviations the error is 1e-4 of a standard deviation, and larger in tau. All later values are of the size of the
+// Gaussian itself.
 #pragma once
 
 #include "render/device/camera_ray.h"
@@ -14,12 +14,14 @@ namespace vog::device {
 
 /// One Gaussian of the model, 64 bytes, in scene units. |W (x - mean)| is the distance from the
 /// mean in standard deviations.
-struct Gaussian {
+struct alignas(16) Gaussian {  // four loads of 16 bytes
     Float3 mean;
     float density;  ///< peak, units of depth (TraceModel::depth_unit) per scene unit
     Float3 w[3];    ///< rows of the whitening W
     Float3 half;    ///< half edges of the paper's bounding box; unused without boxes
 };
+
+static_assert(sizeof(Gaussian) == 64, "four loads");
 
 /// Segment of a ray inside a support: the attributes that OptiX passes from __intersection__ to
 /// __anyhit__.
@@ -46,21 +48,20 @@ VOG_HD Float3 whiten(const Gaussian& g, Float3 v) {
 /// returns  true if the ray meets the support at some t > 0
 VOG_HD bool intersect(const Gaussian& g, const Ray& ray, float cutoff2, Hit& hit) {
     // d = W direction, scaled to a largest component of 1: no square of it over- or underflows.
-    const Float3 d = whiten(g, to_float(ray.direction));
+    const Float3 d = whiten(g, rounded(ray.along));
     const float per_unit = 1 / fmaxf(fabsf(d.x), fmaxf(fabsf(d.y), fabsf(d.z)));
     const Float3 u = per_unit * d;
     const float per_c = 1 / dot(u, u);
 
     // The nearest point, to the precision of a float at this distance, ...
-    const Double3 to_mean = to_double(g.mean) - ray.origin;
-    const double guess =
-        static_cast<double>(dot(whiten(g, to_float(to_mean)), u) * per_c * per_unit);
+    const Exact3 to_mean = difference(g.mean, ray.from);
+    const float guess = dot(whiten(g, rounded(to_mean)), u) * per_c * per_unit;
     // ... and its offset from the mean, to the precision of a float at the Gaussian's own size.
-    const Float3 e = whiten(g, to_float(to_mean - guess * ray.direction));
+    const Float3 e = whiten(g, less_multiple(to_mean, guess, ray.along));
     const Float3 offset = cross(e, u);
     hit.m2 = dot(offset, offset) * per_c;
     if (!(hit.m2 < cutoff2)) return false;
-    hit.nearest = static_cast<float>(guess) + dot(e, u) * per_c * per_unit;
+    hit.nearest = guess + dot(e, u) * per_c * per_unit;
     hit.half = sqrtf((cutoff2 - hit.m2) * per_c) * per_unit;
     hit.width = sqrtf(2 * per_c) * per_unit;
     return hit.nearest + hit.half > 0;

@@ -258,7 +258,7 @@ void trace_sums(const Gaussians& gaussians, const ScalarField& values, const Tra
             // Beside the bounds a pixel can still have a share of a splat.
             const Vec3d direction = normalized(frame.direction(column, row));
             const Vec3d origin = (1 / model.unit) * frame.origin(column, row);
-            ray.direction = plain(direction), ray.origin = plain(origin);
+            device::set_ray(plain(origin), plain(direction), ray);
         }
         const RayInterval seen = all.seen(ray);
         if (!(seen.first < seen.last)) return;

@@ -105,7 +105,7 @@ extern "C" __global__ void __raygen__collect() {
 extern "C" __global__ void __intersection__gaussian() {
     const GaussianRay& data = payload<GaussianRay>();
     if (share_of(launch.shares, optixGetPrimitiveIndex()) == 0) return;
-    const Gaussian& g = launch.gaussians[optixGetPrimitiveIndex()];
+    const Gaussian g = launch.gaussians[optixGetPrimitiveIndex()];
     Hit hit;
     if (!intersect(g, data.ray, launch.cutoff2, hit)) return;
     if (launch.boxed && !meets_box(g, data.ray, launch.scene)) return;
