@@ -8,14 +8,19 @@ set(VOG_GPU_ROOT ${CMAKE_CURRENT_LIST_DIR}/..)
 
 # nvcc, CUDA's runtime and OptiX's headers, before the language is enabled.
 macro(vog_find_gpu)
-    if(NOT CMAKE_CUDA_COMPILER AND NOT DEFINED ENV{CUDACXX})
+    if(NOT CMAKE_CUDA_COMPILER AND DEFINED ENV{CUDACXX})
+        set(CMAKE_CUDA_COMPILER $ENV{CUDACXX})
+    elseif(NOT CMAKE_CUDA_COMPILER)
         find_program(VOG_NVCC nvcc HINTS $ENV{CUDA_HOME}/bin $ENV{CUDA_PATH}/bin /usr/local/cuda/bin REQUIRED)
         set(CMAKE_CUDA_COMPILER ${VOG_NVCC})
     endif()
     if(NOT CMAKE_CUDA_ARCHITECTURES)
         # Code for Turing, Ampere, Ada, Hopper and Blackwell, as far as the compiler knows them, and PTX of the
         # first and the last for all others.
-        execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-code OUTPUT_VARIABLE known)
+        execute_process(COMMAND ${CMAKE_CUDA_COMPILER} --list-gpu-code OUTPUT_VARIABLE known RESULT_VARIABLE failed)
+        if(failed)
+            message(FATAL_ERROR "${CMAKE_CUDA_COMPILER} --list-gpu-code: ${failed}, expected nvcc of CUDA 12 or newer")
+        endif()
         set(CMAKE_CUDA_ARCHITECTURES 75)
         foreach(architecture 86 89 90)
             if(known MATCHES "sm_${architecture}")

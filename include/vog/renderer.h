@@ -127,7 +127,7 @@ class DepthRenderer {
     DepthRenderer& operator=(DepthRenderer&&) noexcept;
 
     /// depth     T per pixel at extinction 1
-    /// progress  not called by cuda and optix: a picture is a launch
+    /// progress  not called by cuda and optix
     /// throws    vog::Error for an unusable camera or size
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress& progress = {});

@@ -23,7 +23,9 @@ def counts(build):
         sys.exit(f"{build}: no counts of device code; configure with -DVOG_EMULATED_GPU=ON and run the tests")
     for data in objects:
         made = subprocess.run([os.environ.get("GCOV", "gcov"), "--json-format", "--stdout", str(data.name)],
-                              cwd=data.parent, capture_output=True, text=True, check=True)
+                              cwd=data.parent, capture_output=True, text=True)
+        if made.returncode:
+            sys.exit(f"{data}: {made.stderr.strip()} (GCOV names the gcov of the compiler)")
         for text in made.stdout.splitlines():
             for file in json.loads(text)["files"]:
                 path = (build / file["file"]).resolve()
@@ -41,6 +43,9 @@ def main():
     if len(sys.argv) != 2:
         sys.exit("usage: tests/emulation/coverage.py BUILD")
     lines = counts(pathlib.Path(sys.argv[1]).resolve())
+    absent = [file for file in DEVICE[1:] if not lines.get(file)]
+    if absent:
+        sys.exit(f"{sys.argv[1]}: no counts of {absent[0]}")
     missing = 0
     for file in sorted(lines):
         text = (ROOT / file).read_text().splitlines()

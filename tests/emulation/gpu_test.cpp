@@ -56,8 +56,10 @@ Camera looking(Vec3d eye, Vec3d at, double fov = 60) {
 }
 
 double worst(const DepthImage& a, const DepthImage& b) {
+    EXPECT_EQ(a.depth.size(), b.depth.size());
     double largest = 0, difference = 0;
     for (std::size_t n = 0; n < a.depth.size(); ++n) {
+        if (!std::isfinite(a.depth[n]) || !std::isfinite(b.depth[n])) return HUGE_VAL;
         largest = std::max(largest, double{b.depth[n]});
         difference = std::max(difference, std::abs(double{a.depth[n]} - double{b.depth[n]}));
     }
@@ -81,10 +83,14 @@ TEST_F(gpu, near_gaussians_take_one_list_and_not_one_a_tile) {
     const Gaussians model = random_gaussians(100, 0.3, 0.4, 5);
     CudaSplat splat(model);
     const std::size_t before = emulation::allocated();
-    (void)splat.render(looking({0, 0, 0}, {0, 0, -1}), 512, 512);
+    const Camera camera = looking({0, 0, 0}, {0, 0, -1});
+    const DepthImage drawn = splat.render(camera, 512, 512);
     const std::size_t picture = 512 * 512 * sizeof(float);
     const std::size_t listed_in_every_tile = 100 * 1024 * 4 * sizeof(std::uint32_t);
     EXPECT_LT(emulation::allocated() - before - picture, listed_in_every_tile / 10);
+    // With the eye among them, at least half are cut by its plane: a list of 64 bytes each.
+    EXPECT_GT(emulation::allocated() - before - picture, 50 * 64u);
+    EXPECT_LT(worst(drawn, render_trace(trace_scene(model), camera, 512, 512)), 1e-5);
 }
 
 TEST_F(gpu, near_gaussians_beside_the_view_are_left_out_of_tiles_only_where_no_ray_meets_them) {
@@ -174,7 +180,7 @@ TEST_F(gpu, pictures_of_other_sizes_follow_each_other) {
 }
 
 TEST_F(gpu, samples_are_means_over_the_centres_of_parts_of_pixels) {
-    const Gaussians model = random_gaussians(60, 0.1, 0.4, 10);
+    const Gaussians model = random_gaussians(60, 0.3, 0.5, 10);
     for (const double width : {0.0, 2.0}) {
         Camera camera = looking({0, 0, 4}, {0, 0, 0}, 45);
         camera.orthographic_width = width;
@@ -188,6 +194,13 @@ TEST_F(gpu, samples_are_means_over_the_centres_of_parts_of_pixels) {
         EXPECT_LT(worst(optix.render(camera, 40, 30, {}, &report, 5), mean), 2e-6);
         EXPECT_GT(worst(optix.render(camera, 40, 30, {}, &once), mean), 1e-3);
         EXPECT_NEAR(double(report.hits), 25.0 * double(once.hits), 2.5 * double(once.hits));
+        TraceOptions collect;
+        collect.anyhit = AnyHit::collect;
+        collect.hits_per_slab = 4;
+        (void)optix.render(camera, 40, 30, collect, &once);
+        (void)optix.render(camera, 40, 30, collect, &report, 3);
+        EXPECT_GT(report.slabs, 7 * once.slabs);
+        EXPECT_LE(report.most_slabs, once.most_slabs + 2) << "of one ray, not of nine";
     }
     OptixModel optix(model);
     for (const int samples : {0, 65})
@@ -196,6 +209,28 @@ TEST_F(gpu, samples_are_means_over_the_centres_of_parts_of_pixels) {
                   }),
                   std::to_string(samples) + " x " + std::to_string(samples) +
                       " rays a pixel, expected 1 to 64");
+}
+
+TEST_F(gpu, samples_conserve_the_mass_of_gaussians_below_a_pixel) {
+    for (const double width : {0.0, 3.0}) {
+        Camera camera = looking({0, 0, 4}, {0, 0, 0}, 45);
+        camera.orthographic_width = width;
+        for (const double deviation : {0.002, 0.01, 0.03}) {  // 0.02 to 0.3 pixels
+            const Gaussians model = random_gaussians(9, deviation, 1.01 * deviation, 11);
+            const auto sum = [](const DepthImage& image) {
+                double total = 0;
+                for (const float t : image.depth) total += double{t};
+                return total;
+            };
+            // The same Gaussians many pixels wide.
+            const double exact = sum(render_trace(trace_scene(model), camera, 4000, 3000)) / 1e4;
+            OptixModel optix(model);
+            for (const int samples : {1, 2, 3, 5})
+                EXPECT_NEAR(sum(optix.render(camera, 40, 30, {}, nullptr, samples)), exact,
+                            0.01 * exact)
+                    << deviation << " " << samples << " " << width;
+        }
+    }
 }
 
 TEST_F(gpu, volumes_have_the_references_depth) {

@@ -8,13 +8,13 @@ cd "$(dirname "$0")/../.."
 
 folder=$(realpath "${1:-gpu-data}")
 shift || true
-build=build/gpu-suite
-optix=(-DVOG_OPTIX=ON "-DOptiX_ROOT=${OptiX_ROOT:-}")
+build=${VOG_GPU_BUILD:-build/gpu-suite}
+optix=(-UVOG_OPTIX_INCLUDE -DVOG_OPTIX=ON "-DOptiX_ROOT=${OptiX_ROOT:-}")
 if [[ ! -f ${OptiX_ROOT:-}/include/optix.h ]]; then
     echo "tests/gpu/run.sh: no OptiX headers in '${OptiX_ROOT:-}' (OptiX_ROOT): the CUDA renderer alone"
     optix=(-DVOG_OPTIX=OFF)
 fi
-architectures=()
+architectures=(-UCMAKE_CUDA_ARCHITECTURES)
 if [[ -n ${VOG_CUDA_ARCHITECTURES:-} ]]; then
     architectures=("-DCMAKE_CUDA_ARCHITECTURES=$VOG_CUDA_ARCHITECTURES")
 fi

@@ -32,7 +32,8 @@ struct Film {
 
 /// Work of one ray, for reports.
 struct RayCounts {
-    uint32_t hits, slabs;
+    uint64_t hits;               ///< over all launches of a picture
+    uint32_t slabs, most_slabs;  ///< over all launches, and the largest of one
 };
 
 /// Launch parameters of both pipelines.

@@ -17,7 +17,7 @@ using device::TileSplat;
 
 constexpr int kBlock = 256;
 
-/// Starts a kernel with one thread for each of `count` items, at least one block.
+/// Starts a kernel with one thread for each of `count` items, count >= 1.
 template <class... Formal, class... Actual>
 void start(const char* doing, void (*kernel)(Formal...), std::int64_t count, Actual... arguments) {
     cudaLaunchConfig_t shape = {};
@@ -112,7 +112,7 @@ __device__ void add_to_pixel(const TilePass& pass, const TilePlace& at, float de
 }
 
 __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
-    constexpr int kBatch = 64;  // splats of 92 bytes: 6 kB a block, so many blocks a processor
+    constexpr int kBatch = 64;  // splats of 84 bytes: 5 kB a block, so many blocks a processor
     __shared__ TileSplat batch[kBatch];
     const TilePlace at = place_in(pass);
     // One sum a batch: the rounding error of 10,000 terms is then that of 160.
@@ -171,9 +171,10 @@ __global__ void count_kernel(const device::RayCounts* counts, std::int64_t pixel
     __shared__ unsigned most[kBlock];
     const std::int64_t pixel = thread_index();
     const int thread = static_cast<int>(threadIdx.x);
-    const device::RayCounts own = pixel < pixels ? counts[pixel] : device::RayCounts{0, 0};
+    const device::RayCounts own = pixel < pixels ? counts[pixel] : device::RayCounts{0, 0, 0};
     hits[thread] = own.hits;
-    slabs[thread] = most[thread] = own.slabs;
+    slabs[thread] = own.slabs;
+    most[thread] = own.most_slabs;
     for (int half = kBlock / 2; half > 0; half /= 2) {
         __syncthreads();
         if (thread >= half) continue;

@@ -28,7 +28,7 @@ void launch_project_small(const device::Gaussian* gaussians, std::int32_t count,
 std::size_t scan_bytes(std::int32_t gaussians);
 std::size_t sort_bytes(std::int64_t entries, int key_bits);
 
-/// touched[i] = touched[0] + ... + touched[i], in place. 64 bits: 2^31 Gaussians touch up to 2^26 tiles each.
+/// touched[i] = touched[0] + ... + touched[i], in place. 64 bits: 2^31 Gaussians touch up to 2^24 tiles each.
 void launch_scan(void* scratch, std::size_t bytes, std::uint64_t* touched, std::int32_t count);
 
 /// Writes the entries (tile, splat) in the order of splats; near splats have the tile behind the last.

@@ -171,6 +171,11 @@ cudaError_t cudaGetDeviceCount(int* count) {
     return cudaSuccess;
 }
 
+cudaError_t cudaGetDevice(int* device) {
+    *device = 0;
+    return cudaSuccess;
+}
+
 cudaError_t cudaMalloc(void** data, std::size_t bytes) {
     *data = Memory::get().allocate(bytes);
     return result(*data ? cudaSuccess : cudaErrorMemoryAllocation);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 
 #include "render/gpu/optix/optix_host.h"
@@ -44,7 +45,6 @@ void log(unsigned level, const char* tag, const char* message, void*) {
 }
 
 OptixOwned<OptixDeviceContext> make_context() {
-    require_cuda();
     const OptixResult loaded = optixInit();
     if (loaded == OPTIX_ERROR_LIBRARY_NOT_FOUND)
         throw Error("optix: the NVIDIA driver has no OptiX (libnvoptix.so.1 cannot be loaded)");
@@ -86,8 +86,12 @@ OptixOwned<OptixModule> compile(OptixDeviceContext context) {
 
 std::shared_ptr<OptixDevice> optix_device() {
     static std::mutex making;
-    static std::weak_ptr<OptixDevice> made;
+    static std::map<int, std::weak_ptr<OptixDevice>> all;
     const std::lock_guard lock(making);
+    require_cuda();
+    int current = 0;
+    check_cuda(cudaGetDevice(&current), "asking for the device");
+    std::weak_ptr<OptixDevice>& made = all[current];
     if (std::shared_ptr<OptixDevice> device = made.lock()) return device;
     auto device = std::make_shared<OptixDevice>();
     device->context = make_context();

@@ -7,11 +7,14 @@
 
 namespace vog::gpu {
 
-void OptixFilm::load(int width, int height, int samples) {
+void check_samples(int samples) {
     constexpr int kMostSamples = 64;
     if (samples < 1 || samples > kMostSamples)
         throw Error(
             fmt::format("{} x {} rays a pixel, expected 1 to {}", samples, samples, kMostSamples));
+}
+
+void OptixFilm::load(int width, int height, int samples) {
     width_ = width, height_ = height, samples_ = samples;
     const auto pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     depth_.reserve(pixels, "the picture");

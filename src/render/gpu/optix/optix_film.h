@@ -7,11 +7,13 @@
 
 namespace vog::gpu {
 
+/// throws  vog::Error for samples out of range: ReferenceOptions::samples
+void check_samples(int samples);
+
 /// T of a picture of one launch or of samples x samples, through the centres of equal parts of each pixel.
 class OptixFilm {
   public:
     /// Allocates the buffers of a picture.
-    /// throws  vog::Error for samples out of range: ReferenceOptions::samples
     void load(int width, int height, int samples);
     /// T of one unit of a ray's depth, for later pictures; 1 unless set.
     void set_depth_unit(double unit) { depth_unit_ = unit; }

@@ -45,7 +45,7 @@ Built build(OptixDeviceContext context, const OptixBuildInput& input, bool compa
                 "sizing the hierarchy");
     Built built;
     built.nodes = GpuArray<std::byte>(sizes.outputSizeInBytes, "nodes of the hierarchy");
-    const GpuArray<std::byte> scratch(sizes.tempSizeInBytes, "scratch of the hierarchy");
+    GpuArray<std::byte> scratch(sizes.tempSizeInBytes, "scratch of the hierarchy");
     const GpuArray<std::size_t> compacted_bytes(1, "the size of the hierarchy");
     OptixAccelEmitDesc emitted{};
     emitted.type = OPTIX_PROPERTY_TYPE_COMPACTED_SIZE;
@@ -57,6 +57,7 @@ Built build(OptixDeviceContext context, const OptixBuildInput& input, bool compa
                         &built.handle, compacted ? &emitted : nullptr, compacted ? 1 : 0),
         "building the hierarchy");
     check_cuda(cudaDeviceSynchronize(), "building the hierarchy");
+    scratch = GpuArray<std::byte>();
     if (compacted) {
         std::size_t bytes = 0;
         compacted_bytes.copy_to(&bytes, 1, "sizing the hierarchy");

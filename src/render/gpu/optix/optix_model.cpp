@@ -8,7 +8,6 @@
 #include "render/gpu/cuda_splat.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
-#include "render/pixel_limits.h"
 #include "render/trace/trace_options.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
@@ -95,12 +94,8 @@ void OptixModel::State::draw_small(device::Launch& launch) {
     splatted.reserve(
         static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height),
         "the splatted picture");
-    device::SplatKernel kernel = model.kernel;
-    if (film.launches() > 1) {
-        const PixelLimits limits = subframe_limits(kernel.cutoff);
-        kernel.least2 = limits.least2, kernel.sampled2 = limits.sampled2;
-    }
-    passes.draw_small(gaussians.data(), kernel, camera, shares.data(), splatted.data());
+    // Each launch has the whole mass of Gaussians below a pixel, and so their mean over the launches.
+    passes.draw_small(gaussians.data(), model.kernel, camera, shares.data(), splatted.data());
     launch.shares = shares.data();
     launch.splatted = splatted.data();
 }
@@ -120,6 +115,7 @@ DepthImage OptixModel::render(const Camera& camera, int width, int height,
     State& s = *state_;
     const CameraFrame frame = frame_of(camera, width, height);
     if (report) *report = {};
+    check_samples(samples);
     if (s.count == 0) return DepthImage(width, height);
     s.film.load(width, height, samples);
     device::Launch launch = s.launch_for(frame, options);

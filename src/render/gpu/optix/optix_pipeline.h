@@ -18,8 +18,8 @@ using namespace trace;
 /// Context and compiled device module on the current CUDA device.
 struct OptixDevice;
 
-/// The device of this process: made when first asked for, shared by all models and volumes, and ended with the
-/// last of them. With the environment variable VOG_OPTIX_DEBUG set, OptiX validates what it is given and its
+/// OptiX on the current CUDA device: made when first asked for, shared by all models and volumes there, and ended with
+/// the last of them. With the environment variable VOG_OPTIX_DEBUG set, OptiX validates what it is given and its
 /// messages go to the standard error.
 /// throws  vog::Error with one line naming the missing part: driver, GPU, OptiX in the driver
 std::shared_ptr<OptixDevice> optix_device();

@@ -63,8 +63,9 @@ __device__ double splatted_depth(unsigned pixel) {
 /// Writes what a report asks for.
 __device__ void count(unsigned pixel, unsigned hits, unsigned slabs) {
     if (!launch.counts) return;
-    const RayCounts before = launch.film.earlier ? launch.counts[pixel] : RayCounts{0, 0};
-    launch.counts[pixel] = {before.hits + hits, before.slabs + slabs};
+    const RayCounts before = launch.film.earlier ? launch.counts[pixel] : RayCounts{0, 0, 0};
+    launch.counts[pixel] = {before.hits + hits, before.slabs + slabs,
+                            slabs > before.most_slabs ? slabs : before.most_slabs};
 }
 
 }  // namespace

@@ -123,6 +123,7 @@ device::Launch OptixVolume::State::launch_for(const CameraFrame& frame) const {
 DepthImage OptixVolume::render(const Camera& camera, int width, int height, int samples) {
     State& s = *state_;
     const CameraFrame frame = frame_of(camera, width, height);
+    check_samples(samples);
     if (!s.hierarchy) return DepthImage(width, height);
     s.film.load(width, height, samples);
     device::Launch launch = s.launch_for(frame);
