@@ -13,7 +13,7 @@ function(vog_add_emulated_gpu target)
     # theirs alone, and not the linker's choice among those of other sources.
     set_source_files_properties(${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu PROPERTIES
                                 LANGUAGE CXX COMPILE_OPTIONS "-x;c++;--coverage;-fprofile-update=atomic;-fno-weak;-Wno-conversion")
-    # GCC 12 vectorizes float_pair.h wrongly (-O2 and up; right with -O1, with Clang, and with this option).
+    # GCC 12 takes (double)(float)v for v where it vectorizes exact() of float_pair.h (-O2 and up).
     set_property(SOURCE ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu APPEND PROPERTY
                  COMPILE_OPTIONS "-DVOG_FLOAT_PAIRS;-fno-tree-slp-vectorize")
     set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
