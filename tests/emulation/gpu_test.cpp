@@ -9,8 +9,8 @@
 #include <set>
 
 #include "emulation/emulation.h"
+#include "support/refusal.h"
 #include "support/scenes.h"
-#include "vog/error.h"
 #include "vog/gpu.h"
 #include "vog/reference.h"
 #include "vog/sample.h"
@@ -36,16 +36,6 @@ class gpu : public testing::Test {
     std::size_t memory_ = emulation::memory(), most_ = emulation::most_primitives();
     int driver_ = emulation::driver_version();
 };
-
-template <class Make>
-std::string refusal(const Make& make) {
-    try {
-        make();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 Camera looking(Vec3d eye, Vec3d at, double fov = 60) {
     Camera camera;

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "support/random_volume.h"
+#include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 #include "vog/renderer.h"
@@ -18,16 +19,6 @@ namespace vog::test {
 namespace {
 
 const Camera kView = paper_view({{-1, -1, -1}, {1, 1, 1}});
-
-template <class Make>
-std::string refusal(const Make& make) {
-    try {
-        make();
-    } catch (const Error& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 DepthImage draw(DepthRenderer renderer, const Camera& camera = kView) {
     DepthImage image;
