@@ -16,6 +16,10 @@ function(vog_add_emulated_gpu target)
     # GCC 12 takes (double)(float)v for v where it vectorizes exact() of float_pair.h (-O2 and up).
     set_property(SOURCE ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu APPEND PROPERTY
                  COMPILE_OPTIONS "-DVOG_FLOAT_PAIRS;-fno-tree-slp-vectorize")
+    # Lines are counted one by one only without optimisation.
+    if(VOG_SANITIZE)
+        set_property(SOURCE ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu APPEND PROPERTY COMPILE_OPTIONS "-O0")
+    endif()
     set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
     set_target_properties(${target}_gpu PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_gpu PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src
