@@ -6,12 +6,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <utility>
 
+#include "compare/error_shares.h"
 #include "compare/view_boxes.h"
-#include "core/parallel.h"
 #include "shade/named_extinction.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -234,34 +233,8 @@ double ErrorViews::visible_rms(const Gaussians& model) const {
 std::vector<float> ErrorViews::error_of_each_gaussian(const Gaussians& model) const {
     std::vector<float> errors(model.size());
     for_each_picture(model, [&](std::size_t view, const DepthImage& image) {
-        const CameraFrame frame = frame_of(cameras_[view], kSize_px, kSize_px);
-        vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
-            const Vec3d to = world_mean(model, i) - frame.eye;
-            const double depth = dot(to, frame.forward);
-            if (depth <= 0) return;
-            const double pixels = frame.pixels_at(depth);
-            const double column = 0.5 * (kSize_px - 1) + pixels * dot(to, frame.right);
-            const double row = 0.5 * (kSize_px - 1) - pixels * dot(to, frame.up);
-            const Vec3d scale = vec_cast<double>(model.scale[i]);
-            const double sigma = std::sqrt(dot(scale, scale) / 3);
-            // Narrower footprints could fall between pixel centres.
-            const double sigma_px = std::max(0.4, pixels * sigma), reach = 2 * sigma_px;
-            const double peak =
-                static_cast<double>(model.density[i]) * sigma * std::sqrt(2 * std::numbers::pi);
-            const auto clamped = [](double pixel) {
-                return static_cast<int>(std::clamp(pixel, 0.0, kSize_px - 1.0));
-            };
-            double sum = 0;
-            for (int y = clamped(std::ceil(row - reach)); y <= clamped(row + reach); ++y)
-                for (int x = clamped(std::ceil(column - reach)); x <= clamped(column + reach);
-                     ++x) {
-                    const double t = image.at(x, y), dx = x - column, dy = y - row;
-                    const double from2 = (dx * dx + dy * dy) / (2 * sigma_px * sigma_px);
-                    if (t <= 0 || from2 > 2) continue;
-                    const double share = std::min(1.0, peak * std::exp(-from2) / t);
-                    sum += share * squared_error(t, reference_[view].at(x, y));
-                }
-            errors[i] += static_cast<float>(sum);
+        add_error_shares(errors, model, cameras_[view], image, [&](int x, int y) {
+            return squared_error(image.at(x, y), reference_[view].at(x, y));
         });
     });
     return errors;

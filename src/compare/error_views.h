@@ -83,10 +83,9 @@ class ErrorViews {
     /// Root mean square over all pixels of the visible error, dV^2 + kDepthErrorWeight dT^2, under
     /// the automatic extinction of the first view.
     double visible_rms(const Gaussians& model) const;
-    /// Squared visible error attributed to each Gaussian [N]: every pixel's error is divided among
-    /// the Gaussians by their share of T. Footprints are approximated by circles with the mean
-    /// variance.
+    /// Squared visible error attributed to each Gaussian [N] (compare/error_shares.h).
     std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
+    const std::vector<Camera>& cameras() const { return cameras_; }
     /// Mass that the views leave out, in words; empty: none.
     const std::string& note() const { return note_; }
 
