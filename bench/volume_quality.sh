@@ -1,7 +1,8 @@
 #!/bin/sh
 # volume_quality.sh: the table of docs/volume_rendering.md: models rendered by value against the voxels themselves,
 # PSNR of RGB over black under three transfer functions (a ramp, three narrow bands, an opaque step) from seven views
-# three radii away at 384x384, and the depth slabs against exact order.
+# three radii away at 384x384, and the depth slabs against exact order; the voxels interpolated against constant ones likewise:
+# two honest readings of the data.
 #
 # usage: bench/volume_quality.sh VOG DATA_FOLDER
 set -eu
@@ -44,6 +45,17 @@ picture() {  # input, function, view, output, options
 }
 psnr() { "$vog" compare "$1" "$2" --json | python3 -c 'import json,sys; print(json.load(sys.stdin)["psnr_rgb_db"])'; }
 
+row() {  # data, Gaussians, function: the row of the figures of seven views and, of models, of slabs
+    python3 - "$1" "$2" "$3" "$folder/figures" << 'PYTHON'
+import sys
+volume, count, tf, file = sys.argv[1:]
+figures = [float(line) for line in open(file)]
+views, slabs = figures[:7], [f"{figure:.1f} dB" for figure in figures[7:]]
+print(f"| {volume} | {int(count) if count.isdigit() else count:{',' if count.isdigit() else ''}} | {tf} | {views[0]:.1f} dB | "
+      f"{sum(views) / len(views):.1f} dB | {min(views):.1f} dB | {slabs[0] if slabs else ''} |", flush=True)
+PYTHON
+}
+
 echo "| data | Gaussians | function | paper | mean of seven views | worst | 32 slabs against exact order, paper |"
 echo "|---|---|---|---|---|---|---|"
 while read -r volume high radius counts; do
@@ -51,7 +63,10 @@ while read -r volume high radius counts; do
     for tf in ramp bands step; do
         for view in paper +x -x +y -y +z -z; do
             picture "$data/$volume.vdb" $tf $view "$folder/$tf$view.png"
-        done
+            picture "$data/$volume.vdb" $tf $view "$folder/linear.png" --interpolation linear
+            psnr "$folder/$tf$view.png" "$folder/linear.png"
+        done > "$folder/figures"
+        row "$volume" "interpolated voxels" "$tf"
     done
     for count in $counts; do
         "$vog" convert "$data/$volume.vdb" -o "$folder/m.ply" --budget "$count" --no-hierarchy > /dev/null 2>&1
@@ -63,13 +78,7 @@ while read -r volume high radius counts; do
             done > "$folder/figures"
             picture "$folder/m.ply" $tf paper "$folder/exact.png" --renderer trace
             psnr "$folder/exact.png" "$folder/slabs.png" >> "$folder/figures"
-            python3 - "$volume" "$count" "$tf" "$folder/figures" << 'PYTHON'
-import sys
-volume, count, tf, file = sys.argv[1:]
-*views, slabs = [float(line) for line in open(file)]
-print(f"| {volume} | {int(count):,} | {tf} | {views[0]:.1f} dB | {sum(views) / len(views):.1f} dB | "
-      f"{min(views):.1f} dB | {slabs:.1f} dB |", flush=True)
-PYTHON
+            row "$volume" "$count" "$tf"
         done
     done
 done << 'VOLUMES'

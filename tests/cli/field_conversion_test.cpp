@@ -149,6 +149,32 @@ TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
     must_fail(2, "convert p.csv -o m.ply --for volume", "--for does not go with particles");
 }
 
+/// With --for, --error and --refine are of pictures by value.
+TEST_F(field_conversion_command, for_a_field_errors_are_by_value) {
+    const auto joint = [&](const std::string& options) {
+        const auto json = nlohmann::json::parse(
+            must("convert cloud.vdb -o fitted.ply --no-hierarchy --json --for volume " + options)
+                .out);
+        return json["joint"];
+    };
+    EXPECT_FALSE(joint("--block 8").contains("value_error"));
+    const auto met = joint("--error 0.5");
+    EXPECT_LE(met["value_error"], 0.5);
+    const Gaussians few = read_ply(dir_ / "fitted.ply");
+    EXPECT_NE(few.options.find("--error 0.5"), std::string::npos) << few.options;
+    EXPECT_NE(few.summary.find("error by value 0."), std::string::npos) << few.summary;
+    const double refined = joint("--budget 40 --refine 2")["value_error"];
+    EXPECT_LT(refined, joint("--budget 40 --refine 1e-9")["value_error"]);
+    const std::string flags = read_ply(dir_ / "fitted.ply").options;
+    EXPECT_NE(flags.find("--refine 1e-09 --for volume"), std::string::npos) << flags;
+    const Result missed = run("convert cloud.vdb -o m.ply --for volume --error 1e-6");
+    EXPECT_EQ(missed.exit_code, 0);
+    EXPECT_NE(missed.error.find("cloud.vdb density: error by value "), std::string::npos);
+    EXPECT_NE(missed.error.find("above --error 1e-06: the least of all cuts that were tried"),
+              std::string::npos)
+        << missed.error;
+}
+
 /// Levels have one field: the values of each, under a name that all share.
 TEST_F(field_conversion_command, levels_carry_their_own_values) {
     Volume coarse = small_volume(), fine = coarse;

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "compare/values/value_functions.h"
 #include "evaluate/evaluation_json.h"
-#include "evaluate/values/value_functions.h"
 #include "support/command.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
@@ -88,9 +88,42 @@ TEST_F(evaluate_values, scale_with_a_percentile) {
     volume.tiles.push_back({{8, 0, 0}, 8, 2});
     volume.tiles.push_back({{128, 0, 0}, 128, 3});
     // The tile of 128^3 voxels has 99.95 % of them.
-    EXPECT_NEAR(evaluation::high_value({&volume, 1}, 100), 3, 100.0 / 65536);
+    const auto range = [&] {
+        VoxelField own = measure_field(volume);
+        return comparison::value_range({&volume, 1}, {&own, 1});
+    };
     leaf.set(0, 100);
-    EXPECT_NEAR(evaluation::high_value({&volume, 1}, 100), 3, 100.0 / 65536);
+    EXPECT_NEAR(range().upper, 3, 100.0 / 65536);
+    EXPECT_EQ(range().lower, 0);
+    // Signed values have a lower end too.
+    volume.tiles[1].value = -3;
+    EXPECT_NEAR(range().lower, -3, 103.0 / 65536);
+    EXPECT_NEAR(range().upper, -3, 2 * 103.0 / 65536);
+    leaf.set(0, -500);
+    EXPECT_NEAR(range().lower, -3, 503.0 / 65536);
+}
+
+/// A field other than the measure has its own percentiles.
+TEST_F(evaluate_values, of_a_field_scale_with_two_percentiles) {
+    Volume volume;
+    Leaf& leaf = volume.leaves.emplace_back();
+    VoxelField field;
+    VoxelValues& values = field.component.emplace_back();
+    auto& of_leaf = values.leaf.emplace_back();
+    for (int n = 0; n < kLeafVoxels; ++n)
+        leaf.set(n, 1), of_leaf[static_cast<std::size_t>(n)] = 200;
+    volume.tiles.push_back({{128, 0, 0}, 128, 3});
+    values.tile.push_back(1000);
+    of_leaf[0] = 5000;
+    field.lower = 200, field.upper = 5000;
+    const comparison::ValueRange range = comparison::value_range({&volume, 1}, {&field, 1});
+    EXPECT_NEAR(range.lower, 1000, 4800.0 / 65536);
+    EXPECT_NEAR(range.upper, 1000, 4800.0 / 65536);
+    const auto functions = comparison::value_functions({200, 1000}, 12);
+    EXPECT_EQ(functions[0].color.front().value, 200);
+    EXPECT_EQ(functions[1].color.back().value, 1000);
+    EXPECT_EQ(most_opacity(functions[2], 200, 439), 0);
+    EXPECT_EQ(most_opacity(functions[2], 441, 1000), kMostOpacity);
 }
 
 TEST_F(evaluate_values, by_the_command_with_models_beside_volumes) {

@@ -205,6 +205,14 @@ def test_gaussians_are_fitted_to_a_field(volume):
     ):
         with pytest.raises(vog.Error, match=message):
             vog.convert(volume, block=4, **options)
+    assert report["joint"]["value_error"] is None
+    calls = []
+    few = vog.convert(volume, error=0.5, joint_field="volume", report=report, progress=calls.append)
+    assert 0 < report["joint"]["value_error"] <= 0.5
+    assert calls == sorted(calls) and calls[-1] == 1
+    with pytest.warns(UserWarning, match="error by value .* the least of all cuts"):
+        finest = vog.convert(volume, error=1e-6, joint_field="volume")
+    assert len(few) < len(finest)
     calls = []
     with pytest.raises(vog.Error, match="no field 'heat'"):
         vog.convert(volume, block=4, joint_field="heat", progress=calls.append)

@@ -67,6 +67,14 @@ void note_missed(const std::string& input, double measured, double target) {
         input, measured, target, 1.25 * measured));
 }
 
+/// The same of the error by value.
+void note_missed_by_value(const std::string& input, double measured, double target) {
+    note(
+        fmt::format("{}: error by value {:.4g} in the worst view, above --error {}: the least of "
+                    "all cuts that were tried",
+                    input, measured, target));
+}
+
 /// Note where the default stopped before its error.
 void note_stopped(const std::string& input, double measured) {
     note(fmt::format(
@@ -184,38 +192,49 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         if (!one.view_note.empty())
             view_notes.push_back(fmt::format("{}: {}", part.source, one.view_note));
         if (one.stopped_by_count) note_stopped(part.source, one.measured_error);
-        if (moments.error > 0 && one.measured_error > moments.error && !moments.block_voxels &&
-            !moments.budget)
+        if (joint_field.empty() && moments.error > 0 && one.measured_error > moments.error &&
+            !moments.block_voxels && !moments.budget)
             note_missed(part.source, one.measured_error, moments.error);
         parts.push_back(std::move(part));
         cells.push_back(one.cells);
     };
+    JointReport joint;
+    std::vector<std::string> field_notes;
+    const auto convert_for = [&](std::span<Volume> levels) {
+        MomentReport one;
+        JointReport of_one;
+        const double part_mass = set.is_mesh() ? volume_mass : mass(levels.front());
+        add(convert_for_field_of(texts, levels, set.is_mesh() ? &mesh : nullptr, moments,
+                                 {{}, joint_field, arguments.joint_steps, &of_one}, one,
+                                 field_notes),
+            one, part_mass);
+        if (moments.error > 0 && of_one.value_error > moments.error)
+            note_missed_by_value(parts.back().source, of_one.value_error, moments.error);
+        add_joint(joint, of_one);
+    };
     stages.run("convert", [&] {
         MomentReport one;
+        if (!joint_field.empty() && set.is_mesh()) return convert_for(volumes);
         if (by_moments && set.is_mesh())
             return add(convert_moments(mesh, moments, &one), one, volume_mass);
         if (set.is_mesh()) return add(convert_paper(mesh, paper), one, volume_mass);
-        for (const Volume& volume : volumes)
-            add(by_moments ? convert_moments(volume, moments, &one) : convert_paper(volume, paper),
-                one, mass(volume));
+        for (Volume& volume : volumes)
+            if (!joint_field.empty())
+                convert_for({&volume, 1});
+            else
+                add(by_moments ? convert_moments(volume, moments, &one)
+                               : convert_paper(volume, paper),
+                    one, mass(volume));
     });
-    JointReport joint;
-    if (!arguments.no_fields && !own_alone) {
-        std::vector<std::string> field_notes;
+    if (!arguments.no_fields && !own_alone && joint_field.empty())
         stages.run("fields", [&] {
-            for (std::size_t n = 0; n < parts.size(); ++n) {
-                JointReport one;
-                FieldOptions options{cells[n], joint_field, arguments.joint_steps};
-                if (!joint_field.empty()) options.joint_report = &one;
-                add_fields_of(texts, options,
+            for (std::size_t n = 0; n < parts.size(); ++n)
+                add_fields_of(texts, {cells[n]},
                               set.is_mesh() ? std::span(volumes) : std::span(volumes).subspan(n, 1),
                               parts[n], field_notes);
-                add_joint(joint, one);
-            }
         });
-        print_notes(field_notes);
-        set.notes.insert(set.notes.end(), field_notes.begin(), field_notes.end());
-    }
+    print_notes(field_notes);
+    set.notes.insert(set.notes.end(), field_notes.begin(), field_notes.end());
     Gaussians model = std::move(parts.front());
     for (std::size_t n = 1; n < parts.size(); ++n) append(model, parts[n]);
     if (model.size() == 0)
@@ -397,11 +416,13 @@ nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,
         }
         for (const auto& [name, ms] : moments.stage_ms) json["convert_ms"][name] = ms;
     }
-    if (!arguments.joint_field.empty())
+    if (!arguments.joint_field.empty()) {
         json["joint"] = {{"field", arguments.joint_field},
                          {"error_before", made.joint.error_before},
                          {"error_after", made.joint.error_after},
                          {"removed", made.joint.removed}};
+        if (made.joint.value_error >= 0) json["joint"]["value_error"] = made.joint.value_error;
+    }
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     json["peak_memory"] = peak_memory();
     if (!made.notes.empty()) json["notes"] = made.notes;
@@ -452,7 +473,9 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
         "--for", arguments->joint_field,
         "Fit the Gaussians to pictures of one field, by steps of expectation-maximisation in the "
         "joint space of position and value: volume (the volume's own values, as for vog render "
-        "--show volume) or the name of a --field. T is less exact; by how much is reported");
+        "--show volume) or the name of a --field. T is less exact; by how much is reported. "
+        "--error "
+        "and --refine then judge pictures by value");
     command
         ->add_option("--joint-steps", arguments->joint_steps,
                      "Steps of --for; more serve narrow bands of values, and cost T")

@@ -43,12 +43,14 @@ void check_fields(const ConvertArguments& arguments, const CLI::App& command, Fi
 void add_joint(JointReport& all, const JointReport& one) {
     all.error_before = std::max(all.error_before, one.error_before);
     all.error_after = std::max(all.error_after, one.error_after);
+    all.value_error = std::max(all.value_error, one.value_error);
     all.removed += one.removed;
 }
 
 std::string joint_text(const std::string& field, const JointReport& report) {
     std::string text = fmt::format("fitted to {}: measured error {:.4g} before, {:.4g} after",
                                    field, report.error_before, report.error_after);
+    if (report.value_error >= 0) text += fmt::format("; error by value {:.4g}", report.value_error);
     if (report.removed)
         text += fmt::format(", {} Gaussians without voxels removed", report.removed);
     return text;
@@ -75,6 +77,15 @@ void add_fields_of(const FieldTexts& texts, const FieldOptions& options, std::sp
     if (model.size() == 0) return;
     const auto fields = read_volume_fields(texts, volumes, notes);
     add_fields(model, volumes, fields, options);
+}
+
+Gaussians convert_for_field_of(const FieldTexts& texts, std::span<Volume> levels,
+                               const Composite* mesh, const MomentOptions& moments,
+                               const FieldOptions& options, MomentReport& report,
+                               std::vector<std::string>& notes) {
+    const auto fields = read_volume_fields(texts, levels, notes);
+    return mesh ? convert_for_field(*mesh, fields, moments, options, &report)
+                : convert_for_field(levels.front(), fields, moments, options, &report);
 }
 
 }  // namespace vog::cli

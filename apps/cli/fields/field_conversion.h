@@ -35,13 +35,22 @@ FieldTexts field_texts(const ConvertArguments& arguments, const std::string& own
 std::string joint_field_of(const ConvertArguments& arguments, const FieldTexts& texts,
                            std::span<const Volume> volumes);
 
-/// Reads the fields of --field and adds them, and the volumes' own values, to a model; with --for fits the model to
-/// one of them.
+/// Reads the fields of --field and adds them, and the volumes' own values, to a model.
 /// volumes  one, or parts of a mesh: what the model was made of; tiles inside which a field varies are
 ///          divided
-/// options  cells of the model (MomentReport::cells), field of --for
+/// options  cells of the model (MomentReport::cells)
 /// notes    receives a line for each field that covers only a part of the volumes
 void add_fields_of(const FieldTexts& texts, const FieldOptions& options, std::span<Volume> volumes,
                    Gaussians& model, std::vector<std::string>& notes);
+
+/// Reads the fields of --field and the volumes' own values, and makes the model of them by convert_for_field.
+/// levels  one volume, or the parts of `mesh`; tiles inside which a field varies are divided
+/// mesh    null: one volume
+/// options field of --for
+/// notes   as for add_fields_of
+Gaussians convert_for_field_of(const FieldTexts& texts, std::span<Volume> levels,
+                               const Composite* mesh, const MomentOptions& moments,
+                               const FieldOptions& options, MomentReport& report,
+                               std::vector<std::string>& notes);
 
 }  // namespace vog::cli

@@ -157,7 +157,8 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         fmt::format(
             "Find the smallest model with at most this error: relative L2 of optical depth T "
             "against the voxels, in the worst of {} views. Default for volumes: {}, but at "
-            "most one Gaussian to {} voxels. Particles become one Gaussian each unless "
+            "most one Gaussian to {} voxels. With --for: of pictures by value under three transfer "
+            "functions. Particles become one Gaussian each unless "
             "--error, --budget, --block or --lod is given",
             error_views(Box{}).size(), kDefaultError, kVoxelsPerGaussian))
         ->check(CLI::Range(1e-9, 0.999999));
@@ -178,7 +179,8 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         ->check(CLI::Range(0, 1000));
     add("--refine", moments.refine_seconds,
         "Refine for up to this many seconds: Gaussians are split where pictures have the largest "
-        "error and as many merged elsewhere. The result depends on the machine's speed")
+        "error, with --for pictures by value, and as many merged elsewhere. The result depends on "
+        "the machine's speed")
         ->check(CLI::Range(0.0, 1e6));
     add("--spread", moments.spread, "Factor on every standard deviation, at constant mass")
         ->check(CLI::Range(0.5, 2.0))

@@ -10,7 +10,7 @@
 #include "compare/error_views.h"
 #include "convert/fields/cell_fields.h"
 #include "convert/fields/field_entries.h"
-#include "convert/fields/joint_steps.h"
+#include "convert/fields/joint/joint_steps.h"
 #include "convert/fields/share_sums.h"
 #include "core/paging.h"
 #include "vog/convert_fields.h"
@@ -38,20 +38,6 @@ void add_by_shares(const Gaussians& model, std::span<const Volume> levels,
         entries.set(i, &found.planes[layout.parts.size() * i], &residuals[layout.residual_sums * i],
                     found.positions[i].mass);
     }
-}
-
-/// Removes Gaussians of density 0.
-/// returns  how many
-std::size_t remove_empty(Gaussians& model) {
-    std::vector<std::size_t> kept;
-    for (std::size_t i = 0; i < model.size(); ++i)
-        if (model.density[i] > 0) kept.push_back(i);
-    const std::size_t removed = model.size() - kept.size();
-    if (removed == 0) return 0;
-    Gaussians rest = select(model, kept);
-    rest.source_voxels = model.source_voxels, rest.summary = model.summary;
-    model = std::move(rest);
-    return removed;
 }
 
 /// Fits the Gaussians to a field and sets all fields.

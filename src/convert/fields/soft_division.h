@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "convert/fields/joint/value_likelihood.h"
 #include "convert/fields/joint_sums.h"
-#include "convert/fields/value_likelihood.h"
 #include "convert/moments/em/em_step.h"
 #include "vog/gaussians.h"
 

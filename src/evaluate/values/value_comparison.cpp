@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "evaluate/values/value_functions.h"
+#include "compare/values/value_functions.h"
 #include "vog/compare.h"
 #include "vog/convert_fields.h"
 #include "vog/error.h"
@@ -50,9 +50,10 @@ ValueComparison::ValueComparison(std::span<const Volume> volumes, const Box& box
     if (!(upper > 0))
         throw Error(fmt::format("{}: no value above 0, expected some for pictures by value",
                                 volumes.front().source));
-    functions_ = functions_of(options.value_functions,
-                              value_functions(high_value(volumes, upper), box.radius()), lower,
-                              upper, box.radius());
+    functions_ = functions_of(
+        options.value_functions,
+        comparison::value_functions(comparison::value_range(volumes, values_), box.radius()), lower,
+        upper, box.radius());
     for (const char* view : kValueViews) {
         Orbit orbit;
         orbit.distance_radii = kPaperDistanceRadii;

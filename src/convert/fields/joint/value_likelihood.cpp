@@ -1,5 +1,5 @@
 // value_likelihood.cpp: the loop over the samples of each kernel's runs.
-#include "convert/fields/value_likelihood.h"
+#include "convert/fields/joint/value_likelihood.h"
 
 #include <algorithm>
 #include <array>

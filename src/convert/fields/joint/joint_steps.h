@@ -7,6 +7,7 @@
 #include <span>
 
 #include "convert/fields/field_entries.h"
+#include "convert/fields/joint/joint_cells.h"
 #include "vog/gaussians.h"
 #include "vog/progress.h"
 #include "vog/voxel_field.h"
@@ -17,6 +18,9 @@ namespace vog::joint {
 struct JointSteps {
     std::size_t field = 0;  ///< place among the fields
     int steps = 1;          ///< >= 1
+    /// [Gaussians] distributions of values that the first step divides voxels by. Empty: those of the voxels near
+    /// each Gaussian.
+    std::span<const ValueDistribution> start{};
 };
 
 /// Moves the Gaussians and sets all fields, by the division of the last step.
@@ -24,5 +28,9 @@ struct JointSteps {
 void add_by_joint_steps(Gaussians& model, std::span<const Volume> levels,
                         std::span<const std::vector<VoxelField>> fields, const Layout& layout,
                         const JointSteps& joint, const Progress& progress, FieldEntries& entries);
+
+/// Removes Gaussians of density 0.
+/// returns  how many
+std::size_t remove_empty(Gaussians& model);
 
 }  // namespace vog::joint

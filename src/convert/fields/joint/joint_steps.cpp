@@ -1,5 +1,5 @@
 // joint_steps.cpp: likelihoods from planes and residuals, sums over shares, new moments.
-#include "convert/fields/joint_steps.h"
+#include "convert/fields/joint/joint_steps.h"
 
 #include <algorithm>
 #include <array>
@@ -14,10 +14,6 @@
 namespace vog::joint {
 
 namespace {
-
-/// Least standard deviation of a value's distribution, share of the field's over all voxels. Without it Gaussians
-/// of nearly constant value would take no other voxel.
-constexpr double kLeastDeviation = 0.1;
 
 /// Mean square residual of a component of a field.
 /// residuals  the Gaussian's sums
@@ -48,6 +44,24 @@ struct Distributions {
 
     explicit Distributions(const SharedFields& shared) : found(find_planes(shared)) {
         residuals = find_residuals(shared, found.planes);
+    }
+    /// Of the Gaussians of a model, whose part of the voxels is its own mass.
+    Distributions(const Gaussians& model, const Layout& one,
+                  std::span<const ValueDistribution> start) {
+        const double within = variance_within(double{model.cutoff});
+        resize_kept(residuals, one.residual_sums * model.size());
+        for (std::size_t i = 0; i < model.size(); ++i) {
+            WorldSums sums;
+            sums.mass = mass(model, i);
+            const auto c = moments::kernel_covariance(model, i);
+            const double w = sums.mass * within;
+            sums.second = {{Vec3d{w * c[0], w * c[1], w * c[2]},
+                            Vec3d{w * c[1], w * c[3], w * c[4]},
+                            Vec3d{w * c[2], w * c[4], w * c[5]}}};
+            found.positions.push_back(sums);
+            found.planes.push_back(start[i].plane);
+            residuals[one.residual_sums * i] = sums.mass * start[i].variance;
+        }
     }
 };
 
@@ -141,8 +155,11 @@ void add_by_joint_steps(Gaussians& model, std::span<const Volume> levels,
     const auto one = fields.subspan(joint.field, 1);
     const Layout own(one);
     std::deque<SoftDivision> divisions;
-    for (const Volume& volume : levels) divisions.emplace_back(model, volume);
-    Distributions values({model, levels, divisions, one, own});
+    if (joint.start.empty())
+        for (const Volume& volume : levels) divisions.emplace_back(model, volume);
+    Distributions values = joint.start.empty()
+                               ? Distributions(SharedFields{model, levels, divisions, one, own})
+                               : Distributions(model, own, joint.start);
     std::vector<double> least = whole_deviations(values, own);
     for (double& deviation : least)
         // A constant field: all distributions alike.
@@ -163,6 +180,18 @@ void add_by_joint_steps(Gaussians& model, std::span<const Volume> levels,
                         &all.residuals[layout.residual_sums * i], all.found.positions[i].mass);
         }
     }
+}
+
+std::size_t remove_empty(Gaussians& model) {
+    std::vector<std::size_t> kept;
+    for (std::size_t i = 0; i < model.size(); ++i)
+        if (model.density[i] > 0) kept.push_back(i);
+    const std::size_t removed = model.size() - kept.size();
+    if (removed == 0) return 0;
+    Gaussians rest = select(model, kept);
+    rest.source_voxels = model.source_voxels, rest.summary = model.summary;
+    model = std::move(rest);
+    return removed;
 }
 
 }  // namespace vog::joint

@@ -1,0 +1,45 @@
+// value_views.h: errors of a model's pictures by value over views around the data.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compare/error_views.h"
+#include "vog/value_transfer.h"
+#include "vog/volume_picture.h"
+#include "vog/voxel_field.h"
+
+namespace vog::comparison {
+
+/// Pictures of the data by value from several directions, under the functions of compare/values/value_functions.h, and
+/// the errors of models against them: relative L2 of premultiplied colour and alpha,
+/// sqrt(sum |c - c_ref|^2 / sum |c_ref|^2) over pixels and functions.
+class ValueViews {
+  public:
+    /// Pictures of voxels, constant in each.
+    /// volumes  one, or the parts of a mesh
+    /// field    [volumes] a scalar field; must not be constant
+    /// cameras  of ErrorViews
+    /// radius   of the data's box, world units
+    /// throws   vog::Error for a constant field
+    /// memory   1 MB a picture, three for each camera
+    ValueViews(std::span<const Volume> volumes, std::span<const VoxelField> field,
+               std::vector<Camera> cameras, double radius);
+    /// model  with the field, by its name
+    RelativeError relative_l2(const Gaussians& model) const;
+    /// Squared error attributed to each Gaussian [N] (compare/error_shares.h).
+    std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
+
+  private:
+    /// Calls take(view, function, picture) for the model's pictures.
+    template <class Take>
+    void for_each_picture(const Gaussians& model, const Take& take) const;
+
+    std::string field_;
+    std::vector<ValueTransfer> functions_;
+    std::vector<Camera> cameras_;
+    std::vector<std::vector<VolumeImage>> reference_;  ///< [views][functions]
+};
+
+}  // namespace vog::comparison

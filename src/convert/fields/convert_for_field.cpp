@@ -1,0 +1,171 @@
+// convert_for_field.cpp: models for pictures of a field by value, whose errors choose their number and refine them.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "compare/error_views.h"
+#include "compare/values/value_views.h"
+#include "convert/fields/joint/value_rounds.h"
+#include "vog/convert_fields.h"
+#include "vog/distributed.h"
+#include "vog/error.h"
+#include "vog/text.h"
+
+namespace vog {
+
+using namespace joint;
+
+namespace {
+
+/// What is converted, and for what.
+struct ForField {
+    std::function<Gaussians(const MomentOptions&, MomentReport*)> convert;  ///< without fields
+    Box box;
+    FittedData data;
+    const MomentOptions& moments;
+    const FieldOptions& options;
+
+    bool has_error() const { return moments.error > 0 && !moments.budget && !moments.block_voxels; }
+    bool is_judged() const { return has_error() || moments.refine_seconds > 0; }
+};
+
+/// Progress of a part of the call, its fractions from `first` to `last` of the whole.
+Progress progress_part(const Progress& whole, double first, double last) {
+    if (!whole) return {};
+    return [=](double fraction) { whole(first + fraction * (last - first)); };
+}
+
+/// A model with its fields, and the errors of T before and after it got them.
+struct Fitted {
+    Gaussians model;
+    MomentReport report;
+    JointReport joint;
+};
+
+Fitted fitted(const ForField& job, const MomentOptions& moments,
+              const comparison::ErrorViews& depths) {
+    Fitted made;
+    made.model = job.convert(moments, &made.report);
+    made.joint.error_before = depths.relative_l2(made.model).worst;
+    FieldOptions options = job.options;
+    options.joint_report = nullptr, options.progress = {};
+    const std::size_t count = made.model.size();
+    add_fields(made.model, job.data.levels, job.data.fields, options);
+    made.joint.removed = count - made.model.size();
+    return made;
+}
+
+/// The smallest model whose error by value is low enough; where none is, that of the least error.
+Fitted search(const ForField& job, MomentOptions moments, const comparison::ErrorViews& depths,
+              const comparison::ValueViews& values) {
+    const double target = std::exchange(moments.error, 0);
+    if (moments.soft_steps < 0) moments.soft_steps = kSearchSoftSteps;
+    const Progress progress = std::exchange(moments.progress, {});
+    std::size_t finest = 0;
+    for (const Volume& volume : job.data.levels) finest += active_voxels(volume);
+    Fitted best;
+    double best_error = std::numeric_limits<double>::infinity(), left = 1;
+    smallest_budget(target, finest, [&](std::size_t budget) {
+        moments.budget = budget;
+        Fitted made = fitted(job, moments, depths);
+        // Flags of the whole call, in place of this try's budget.
+        std::string& flags = made.model.options;
+        flags.replace(0, flags.find(" --"), fmt::format("--error {}", target));
+        const double error = values.relative_l2(made.model).worst;
+        if (error <= target || error < best_error) best = std::move(made), best_error = error;
+        constexpr double kLeft = 0.85;  // of the work after a try, which are up to a dozen
+        left *= kLeft;
+        if (progress) progress(1 - left);
+        return error;
+    });
+    return best;
+}
+
+/// The model, by the error of pictures by value.
+Fitted judged(const ForField& job) {
+    using Clock = std::chrono::steady_clock;
+    const std::vector<VoxelField>& field = job.data.fields[job.data.field];
+    if (field.front().is_vector())
+        throw Error(fmt::format(
+            "field {}: a vector, expected a scalar one for an error or refinement by value",
+            printable(field.front().name)));
+    const Progress& whole = job.moments.progress;
+    const double converted = job.moments.refine_seconds > 0 ? 0.3 : 0.95;
+    const comparison::ErrorViews depths(job.data.levels, job.box);
+    const comparison::ValueViews values(job.data.levels, field, depths.cameras(), job.box.radius());
+    MomentOptions moments = job.moments;
+    moments.progress = progress_part(whole, 0, converted);
+    const double seconds = std::exchange(moments.refine_seconds, 0);
+    Fitted made =
+        job.has_error() ? search(job, moments, depths, values) : fitted(job, moments, depths);
+    if (seconds > 0) {
+        const auto start = Clock::now();
+        const Progress progress = progress_part(whole, converted, 1);
+        refine_by_value(made.model, job.data, values, [&] {
+            const double passed = std::chrono::duration<double>(Clock::now() - start).count();
+            if (progress) progress(std::min(1.0, passed / seconds));
+            return passed < seconds;
+        });
+        made.model.options += fmt::format(" --refine {}", seconds);
+    }
+    made.joint.error_after = depths.relative_l2(made.model).worst;
+    made.joint.value_error = values.relative_l2(made.model).worst;
+    if (whole) whole(1);
+    return made;
+}
+
+Gaussians run(const ForField& job, MomentReport* report) {
+    MomentReport unwanted;
+    MomentReport& of_cells = report ? *report : unwanted;
+    if (job.is_judged()) {
+        Fitted made = judged(job);
+        of_cells = std::move(made.report);
+        if (job.options.joint_report) *job.options.joint_report = made.joint;
+        return std::move(made.model);
+    }
+    constexpr double kConverted = 0.6;
+    MomentOptions moments = job.moments;
+    moments.progress = progress_part(job.moments.progress, 0, kConverted);
+    Gaussians model = job.convert(moments, &of_cells);
+    FieldOptions options = job.options;
+    options.progress = progress_part(job.moments.progress, kConverted, 1);
+    add_fields(model, job.data.levels, job.data.fields, options);
+    return model;
+}
+
+FittedData fitted_data(std::span<const Volume> levels,
+                       std::span<const std::vector<VoxelField>> fields,
+                       const FieldOptions& options) {
+    return {levels, fields, find_joint_field(options.joint_field, field_names(fields))};
+}
+
+}  // namespace
+
+Gaussians convert_for_field(const Volume& volume, std::span<const std::vector<VoxelField>> fields,
+                            const MomentOptions& moments, const FieldOptions& options,
+                            MomentReport* report) {
+    const auto convert = [&](const MomentOptions& with, MomentReport* of) {
+        return convert_moments(volume, with, of);
+    };
+    return run(
+        {convert, world_box(volume), fitted_data({&volume, 1}, fields, options), moments, options},
+        report);
+}
+
+Gaussians convert_for_field(const Composite& mesh, std::span<const std::vector<VoxelField>> fields,
+                            const MomentOptions& moments, const FieldOptions& options,
+                            MomentReport* report) {
+    const auto convert = [&](const MomentOptions& with, MomentReport* of) {
+        return convert_moments(mesh, with, of);
+    };
+    return run({convert, mesh.box, fitted_data(mesh.parts, fields, options), moments, options},
+               report);
+}
+
+}  // namespace vog
