@@ -17,7 +17,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-SOURCE = ROOT / "src/render/gpu/cuda_splat.cu"
+SOURCES = [ROOT / "src/render/gpu/cuda_splat.cu", ROOT / "src/render/gpu/chords/chord_kernels.cu"]
 THREADS = 256  # of a block, kBlock
 # Threads, blocks and bytes of shared memory of a multiprocessor; all have 65,536 registers.
 PROCESSORS = {75: (1024, 16, 64 << 10), 86: (1536, 16, 100 << 10), 89: (1536, 24, 100 << 10),
@@ -36,24 +36,25 @@ def occupancy(architecture, registers, shared):
 
 def kernels(nvcc, architecture):
     """{kernel: (registers, bytes of shared memory, bytes of spills)}"""
-    with tempfile.TemporaryDirectory() as folder:
-        made = subprocess.run([nvcc, "-std=c++17", "-O3", f"-I{ROOT}/src", f"-I{ROOT}/include",
-                               f"-gencode=arch=compute_{architecture},code=sm_{architecture}", "-Xptxas", "-v", "-c",
-                               str(SOURCE), "-o", f"{folder}/object.o"], capture_output=True, text=True)
-    if made.returncode:
-        sys.exit(f"{SOURCE.name} for sm_{architecture}: {made.stderr.strip().splitlines()[-1]}")
     found, name, spills = {}, None, 0
-    for line in made.stderr.splitlines():
-        if "Compiling entry function" in line:
-            # An anonymous namespace's name ends in eight digits of a hash; the length of the kernel's follows.
-            match = re.search(r"_cu_[0-9a-f]{8}\d+([a-z_]+_kernel)", line)
-            name = match and match[1]
-        elif match := re.search(r"(\d+) bytes spill stores", line):
-            spills = int(match[1])
-        elif name and (match := re.search(r"Used (\d+) registers", line)):
-            shared = re.search(r"(\d+) bytes smem", line)
-            found[name] = (int(match[1]), int(shared[1]) if shared else 0, spills)
-            name = None
+    for source in SOURCES:
+        with tempfile.TemporaryDirectory() as folder:
+            made = subprocess.run([nvcc, "-std=c++17", "-O3", f"-I{ROOT}/src", f"-I{ROOT}/include",
+                                   f"-gencode=arch=compute_{architecture},code=sm_{architecture}", "-Xptxas", "-v", "-c",
+                                   str(source), "-o", f"{folder}/object.o"], capture_output=True, text=True)
+        if made.returncode:
+            sys.exit(f"{source.name} for sm_{architecture}: {made.stderr.strip().splitlines()[-1]}")
+        for line in made.stderr.splitlines():
+            if "Compiling entry function" in line:
+                # An anonymous namespace's name ends in eight digits of a hash; the length of the kernel's follows.
+                match = re.search(r"_cu_[0-9a-f]{8}\d+([a-z_]+_kernel)", line)
+                name = match and match[1]
+            elif match := re.search(r"(\d+) bytes spill stores", line):
+                spills = int(match[1])
+            elif name and (match := re.search(r"Used (\d+) registers", line)):
+                shared = re.search(r"(\d+) bytes smem", line)
+                found[name] = (int(match[1]), int(shared[1]) if shared else 0, spills)
+                name = None
     return found
 
 

@@ -59,13 +59,13 @@ function(vog_add_gpu target)
         list(APPEND cuda_options -Werror=all-warnings -Xcompiler=-Werror)
     endif()
 
-    # The tile renderer's kernels, for real devices.
-    add_library(${target}_cuda OBJECT ${gpu}/cuda_splat.cu)
+    # The kernels, for real devices.
+    add_library(${target}_cuda OBJECT ${gpu}/cuda_splat.cu ${gpu}/chords/chord_kernels.cu)
     set_target_properties(${target}_cuda PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_cuda PRIVATE ${own_include})
     target_compile_options(${target}_cuda PRIVATE ${cuda_options})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_cuda> ${gpu}/cuda_memory.cpp
-                   ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp)
+                   ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp ${gpu}/chords/gpu_pictures.cpp)
     target_compile_definitions(${target} PRIVATE VOG_CUDA)
     target_link_libraries(${target} PRIVATE CUDA::cudart_static)
     target_include_directories(${target} SYSTEM PRIVATE ${CUDAToolkit_INCLUDE_DIRS})
@@ -85,7 +85,8 @@ function(vog_add_gpu target)
                 -P ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake
         DEPENDS ${target}_optix $<TARGET_OBJECTS:${target}_optix> ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake VERBATIM)
     target_sources(${target} PRIVATE ${embedded} ${gpu}/optix/optix_device.cpp ${gpu}/optix/optix_pipeline.cpp ${gpu}/optix/optix_hierarchy.cpp
-                   ${gpu}/optix/optix_film.cpp ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp)
+                   ${gpu}/optix/optix_film.cpp ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp
+                   ${gpu}/optix/optix_chords.cpp)
     target_compile_definitions(${target} PRIVATE VOG_OPTIX)
     target_include_directories(${target} SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE})
     target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})

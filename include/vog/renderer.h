@@ -71,7 +71,7 @@ struct RenderOptions {
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
     int samples = 1;            ///< ReferenceOptions::samples; for reference and optix
-    Clipping clip{};            ///< space that counts; for reference, splat and trace
+    Clipping clip{};            ///< space that counts; for all renderers, of optix for models
 };
 
 /// One member of RenderOptions that some renderers have and others lack.

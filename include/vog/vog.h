@@ -22,6 +22,7 @@
 //   render   splat.h            T of Gaussians on the CPU, the default
 //            trace.h            T of Gaussians on the CPU by ray tracing
 //            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
+//            gpu_pictures.h     fields, values and clips of Gaussians on the GPU
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
 //            maximum_picture.h  maximum intensity projections
@@ -57,6 +58,7 @@
 #include "vog/fields.h"
 #include "vog/gaussians.h"
 #include "vog/gpu.h"
+#include "vog/gpu_pictures.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/linear.h"

@@ -2,6 +2,7 @@
 #include "render/by_value/clipped_depth.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
+#include "vog/gpu_pictures.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
 
@@ -86,10 +87,18 @@ class ClippedState : public State {
         if (options.pixel_error) refuse("a largest error of nodes");
         if (options.trace.stop_transmittance > 0) refuse("an end of rays by transmittance");
         if (options.trace.anyhit == AnyHit::collect) refuse("collected hits");
+        if (options.samples != 1) refuse("several rays a pixel");
+        if (by == Renderer::cuda || by == Renderer::optix)
+            pictures_.emplace(by, *model_, TraceSceneOptions{0, options.kappa});
     }
 
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress& progress) override {
+        if (pictures_) {
+            depth = pictures_->depth(camera, width, height, options_.clip);
+            gpu_ms = pictures_->gpu_ms();
+            return;
+        }
         TraceOptions trace;
         trace.progress = progress;
         depth = by_ == Renderer::trace
@@ -103,6 +112,7 @@ class ClippedState : public State {
     Renderer by_;
     std::shared_ptr<const Gaussians> model_;
     RenderOptions options_;
+    std::optional<GpuPictures> pictures_{};
 };
 
 class CudaState : public State {

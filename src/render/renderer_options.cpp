@@ -42,7 +42,7 @@ const std::vector<OptionRow>& option_table() {
         {RenderOption::interpolation, "--interpolation", "interpolation", {reference}},
         {RenderOption::step, "--step", "step", {reference}},
         {RenderOption::samples, "--samples", "samples", {reference, optix}},
-        {RenderOption::clip, "--clip", "clip", {reference, splat, trace}},
+        {RenderOption::clip, "--clip", "clip", {reference, splat, trace, optix, cuda}},
     };
     return table;
 }
@@ -169,6 +169,9 @@ void require_options(Renderer renderer, RenderInput input, std::span<const Rende
             std::ranges::find(row.renderers, Renderer::reference) == row.renderers.end())
             throw Error(
                 fmt::format("{} is for Gaussians, not for voxels", spelled(row.option, spelling)));
+    if (renderer == Renderer::optix && contains(given, RenderOption::clip))
+        throw Error(fmt::format("{} of volumes is not for optix, expected reference",
+                                spelled(RenderOption::clip, spelling)));
 }
 
 }  // namespace vog

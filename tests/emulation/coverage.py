@@ -12,7 +12,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-DEVICE = ("src/render/device/", "src/render/gpu/cuda_splat.cu", "src/render/gpu/optix/optix_programs.cu")
+DEVICE = ("src/render/device/", "src/render/gpu/cuda_splat.cu", "src/render/gpu/chords/chord_kernels.cu",
+          "src/render/gpu/optix/optix_programs.cu")
 
 
 def counts(build):

@@ -4,21 +4,23 @@
 function(vog_add_emulated_gpu target)
     set(gpu ${PROJECT_SOURCE_DIR}/src/render/gpu)
     set(emulation ${PROJECT_SOURCE_DIR}/tests/emulation)
+    set(kernels ${gpu}/cuda_splat.cu ${gpu}/chords/chord_kernels.cu ${gpu}/optix/optix_programs.cu)
     add_library(${target}_gpu OBJECT ${gpu}/cuda_memory.cpp ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp
-                ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu ${gpu}/optix/optix_film.cpp
+                ${kernels} ${gpu}/chords/gpu_pictures.cpp
+                ${gpu}/optix/optix_chords.cpp ${gpu}/optix/optix_film.cpp
                 ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp ${emulation}/cuda/memory.cpp
                 ${emulation}/cuda/blocks.cpp ${emulation}/device/traversal.cpp)
     # The compiler does not know .cu: as C++, with the qualifiers of tests/emulation/cuda. Their executed lines are
     # counted, for tests/emulation/coverage.py; without weak symbols inline functions of src/render/device are
     # theirs alone, and not the linker's choice among those of other sources.
-    set_source_files_properties(${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu PROPERTIES
+    set_source_files_properties(${kernels} PROPERTIES
                                 LANGUAGE CXX COMPILE_OPTIONS "-x;c++;--coverage;-fprofile-update=atomic;-fno-weak;-Wno-conversion")
     # GCC 12 takes (double)(float)v for v where it vectorizes exact() of float_pair.h (-O2 and up).
-    set_property(SOURCE ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu APPEND PROPERTY
+    set_property(SOURCE ${kernels} APPEND PROPERTY
                  COMPILE_OPTIONS "-DVOG_FLOAT_PAIRS;-fno-tree-slp-vectorize")
     # Lines are counted one by one only without optimisation.
     if(VOG_SANITIZE)
-        set_property(SOURCE ${gpu}/cuda_splat.cu ${gpu}/optix/optix_programs.cu APPEND PROPERTY COMPILE_OPTIONS "-O0")
+        set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS "-O0")
     endif()
     set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
     set_target_properties(${target}_gpu PROPERTIES POSITION_INDEPENDENT_CODE ON)

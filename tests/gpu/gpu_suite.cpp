@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "option_checks.h"
 #include "pfm.h"
 #include "support/scenes.h"
 #include "vog/gpu.h"
@@ -78,14 +79,6 @@ double worst_of(const std::vector<double>& expected, const DepthImage& image) {
     return largest > 0 ? worst / largest : worst > 0 ? HUGE_VAL : 0;
 }
 
-/// Prints one check. returns true if it failed
-bool check(const std::string& renderer, const std::string& what, double worst, double tolerance) {
-    const bool failed = !(worst <= tolerance);
-    fmt::print("{} {:<20} {:<26} {:.2e} of {:.0e}\n", failed ? "FAILED" : "ok    ", renderer, what,
-               worst, tolerance);
-    return failed;
-}
-
 const std::vector<std::string> kModels{"lod1", "lod2",     "lod3",     "lod4",
                                        "lod5", "moments2", "moments4", "moments8"};
 
@@ -144,14 +137,17 @@ int accuracy(const std::filesystem::path& folder) {
                                                                cpu.width, cpu.height)),
                               kOfTheCpu);
     }
+    failures += check_options(folder);
 #ifdef VOG_OPTIX
-    const VoxelFile voxels(folder / "voxels.nvdb");
-    const DepthImage cpu = read_pfm(folder / "voxels.pfm");
-    const std::vector<double> expected(cpu.depth.begin(), cpu.depth.end());
-    OptixVolume volume(voxels.bytes());
-    const Camera camera = read_camera(folder / "voxels.json");
-    failures += check("optix_volume", "voxels",
-                      worst_of(expected, volume.render(camera, cpu.width, cpu.height)), 1e-5);
+    for (const std::string name : {"voxels", "skewed"}) {
+        const VoxelFile voxels(folder / (name + ".nvdb"));
+        const DepthImage cpu = read_pfm(folder / (name + ".pfm"));
+        const std::vector<double> expected(cpu.depth.begin(), cpu.depth.end());
+        OptixVolume volume(voxels.bytes());
+        const Camera camera = read_camera(folder / (name + ".json"));
+        failures += check("optix_volume", name,
+                          worst_of(expected, volume.render(camera, cpu.width, cpu.height)), 1e-5);
+    }
 #endif
     fmt::print("{} failures\n", failures);
     return failures;

@@ -3,13 +3,19 @@
 #include <fmt/core.h>
 #include <nanovdb/util/IO.h>
 
+#include <algorithm>
 #include <cstring>
+#include <fstream>
 
+#include "option_scene.h"
 #include "pfm.h"
 #include "vog/convert_moments.h"
 #include "vog/convert_paper.h"
+#include "vog/field_maps.h"
+#include "vog/maximum_picture.h"
 #include "vog/ply.h"
 #include "vog/reference.h"
+#include "vog/renderer.h"
 #include "vog/trace.h"
 #include "vog/volume_io.h"
 
@@ -27,16 +33,85 @@ void write_model(const std::filesystem::path& folder, const std::string& name,
     fmt::print("{}: {} Gaussians\n", name, model.size());
 }
 
-void write_voxels(const std::filesystem::path& folder, const Volume& volume) {
+void write_voxels(const std::filesystem::path& folder, const std::string& name,
+                  const Volume& volume) {
     const VoxelGrid grid = voxel_grid(volume);
     const std::span<const std::byte> bytes = grid.bytes();
     auto buffer = nanovdb::HostBuffer::create(bytes.size());
     std::memcpy(buffer.data(), bytes.data(), bytes.size());
     nanovdb::GridHandle<nanovdb::HostBuffer> handle(std::move(buffer));
-    nanovdb::io::writeGrid((folder / "voxels.nvdb").string(), handle, nanovdb::io::Codec::NONE);
+    nanovdb::io::writeGrid((folder / (name + ".nvdb")).string(), handle, nanovdb::io::Codec::NONE);
     const Camera camera = paper_view(world_box(volume));
-    write_pfm(folder / "voxels.pfm", render_reference({&grid, 1}, camera, kSize, kSize));
-    write_camera(folder / "voxels.json", camera);
+    write_pfm(folder / (name + ".pfm"), render_reference({&grid, 1}, camera, kSize, kSize));
+    write_camera(folder / (name + ".json"), camera);
+}
+
+DepthImage as_picture(const std::vector<float>& values) {
+    DepthImage image(kOptionWidth, kOptionHeight);
+    image.depth = values;
+    return image;
+}
+
+/// Pictures of options: option_checks.cpp.
+void write_options(const std::filesystem::path& folder, const Gaussians& model) {
+    write_ply(folder / "options.ply", model);
+    const Camera camera = option_camera(model);
+    const int width = kOptionWidth, height = kOptionHeight;
+    const auto write = [&](const std::string& name, const DepthImage& image) {
+        write_pfm(folder / (name + ".pfm"), image);
+    };
+    write("boxes", render_trace(trace_scene(model, {kBoxSigma, 0}), camera, width, height));
+    write("kappa", render_trace(trace_scene(model, {0, kKappa}), camera, width, height));
+    const TraceScene scene = trace_scene(model);
+    write("stop", render_trace(scene, camera, width, height, stopping_rays()));
+    // Rays through the centres of equal parts of pixels are those of a picture that much finer.
+    const DepthImage fine = render_trace(scene, camera, kSamples * width, kSamples * height);
+    std::vector<double> mean(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
+    for (int y = 0; y < fine.height; ++y)
+        for (int x = 0; x < fine.width; ++x)
+            mean[static_cast<std::size_t>(y / kSamples * width + x / kSamples)] +=
+                double{fine.at(x, y)} / (kSamples * kSamples);
+    write("samples", as_picture({mean.begin(), mean.end()}));
+    TraceOptions collect;
+    collect.anyhit = AnyHit::collect;
+    collect.hits_per_slab = 8;
+    TraceReport report;
+    (void)render_trace(scene, camera, width, height, collect, &report);
+    std::ofstream counts(folder / "counts.json");
+    counts << fmt::format("{{\"hits\": {}, \"slabs\": {}, \"most_slabs\": {}}}\n", report.hits,
+                          report.slabs, report.most_slabs);
+    if (!counts.flush()) throw Error((folder / "counts.json").string() + ": cannot write");
+
+    const Clipping clip = option_clip(model);
+    DepthImage clipped;
+    DepthRenderer(Renderer::trace, std::make_shared<Gaussians>(model), {.clip = clip})
+        .render(camera, width, height, clipped);
+    write("clip", clipped);
+    const ScalarField& field = model.fields.scalar.front();
+    for (const bool cut : {false, true}) {
+        const FieldMaps maps = render_field_trace(model, {field.name, FieldPart::value}, camera,
+                                                  width, height, {}, {}, cut ? clip : Clipping{});
+        const std::string of = cut ? "clipped_" : "";
+        write(of + "column", as_picture(maps.column));
+        // Where only the rims of supports are, means have no digits in floats.
+        const double least = 1e-3;
+        write(of + "mean", as_picture(visible_values(maps, maps.mean, least).value));
+        write(of + "deviation", as_picture(visible_values(maps, maps.deviation, least).value));
+    }
+    const ValueTransfer transfer = option_transfer(field, view_box(model).radius() / 50);
+    for (const int slabs : {32, 70}) {
+        const VolumeImage picture =
+            render_volume_splat(model, field.name, transfer, camera, width, height,
+                                {.slabs = slabs, .look = option_look(model)});
+        for (const auto& [name, channel] :
+             {std::pair{"r", &Rgba::r}, {"g", &Rgba::g}, {"b", &Rgba::b}, {"a", &Rgba::a}}) {
+            DepthImage image(width, height);
+            std::ranges::transform(picture.pixel, image.depth.begin(), channel);
+            write(fmt::format("volume{}_{}", slabs, name), image);
+        }
+    }
+    write("maximum",
+          as_picture(render_maximum_splat(model, field.name, camera, width, height).value));
 }
 
 void prepare(const std::filesystem::path& file, const std::filesystem::path& folder) {
@@ -47,7 +122,12 @@ void prepare(const std::filesystem::path& file, const std::filesystem::path& fol
     for (const int block : {2, 4, 8})
         write_model(folder, fmt::format("moments{}", block),
                     convert_moments(volume, {.block_voxels = block}));
-    write_voxels(folder, volume);
+    write_options(folder, convert_moments(volume, {.block_voxels = 4, .own_field = "density"}));
+    write_voxels(folder, "voxels", volume);
+    Volume skewed = volume;
+    Mat3& linear = skewed.world_from_index.linear;
+    linear = linear * Mat3{{Vec3d{1, 0.3, 0}, Vec3d{0, 1.2, -0.2}, Vec3d{0.1, 0, 0.8}}};
+    write_voxels(folder, "skewed", skewed);
 }
 
 }  // namespace

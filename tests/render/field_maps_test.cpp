@@ -10,9 +10,11 @@
 #include <ostream>
 #include <random>
 
+#include "support/emulated_gpu.h"
 #include "support/expected_maps.h"
 #include "support/scenes.h"
 #include "vog/error.h"
+#include "vog/gpu_pictures.h"
 #include "vog/renderer.h"
 
 namespace vog::test {
@@ -70,7 +72,7 @@ Expected closed_form(const Gaussians& model, const FieldChoice& choice, const Ca
 
 using Render = std::function<FieldMaps(const Gaussians&, const FieldChoice&, const Camera&, int,
                                        int, const Clipping&)>;
-std::vector<std::pair<std::string, Render>> all_renderers() {
+std::vector<std::pair<std::string, Render>> cpu_renderers() {
     std::vector<std::pair<std::string, Render>> all;
     for (const std::string& target : splat_targets())
         all.emplace_back(
@@ -85,6 +87,17 @@ std::vector<std::pair<std::string, Render>> all_renderers() {
                     int width, int height, const Clipping& clip) {
             return render_field_trace(model, choice, camera, width, height, {}, {}, clip);
         });
+    return all;
+}
+std::vector<std::pair<std::string, Render>> all_renderers() {
+    std::vector<std::pair<std::string, Render>> all = cpu_renderers();
+    for (const EmulatedGpu& gpu : emulated_gpus())
+        all.emplace_back(
+            gpu.name, [gpu](const Gaussians& model, const FieldChoice& choice, const Camera& camera,
+                            int width, int height, const Clipping& clip) {
+                gpu.prepare();
+                return GpuPictures(gpu.renderer, model).fields(choice, camera, width, height, clip);
+            });
     return all;
 }
 
@@ -403,7 +416,7 @@ TEST(field_maps, of_an_orthographic_camera_sum_to_the_mass_and_to_the_field) {
                         (choice.part == FieldPart::value
                              ? double{model.fields.scalar[0].value[i]}
                              : dot(towards, vec_cast<double>(model.fields.vector[0].value[i])));
-        for (const auto& [name, render] : all_renderers()) {
+        for (const auto& [name, render] : cpu_renderers()) {
             const FieldMaps maps = render(model, choice, camera, kSize, kSize, {});
             double column = 0, first = 0;
             for (std::size_t n = 0; n < maps.column.size(); ++n) {
@@ -463,7 +476,7 @@ TEST(field_maps, are_the_same_bytes_for_any_number_of_threads) {
     Clipping half;
     half.planes = {{{1, 2, 3}, 0.1}};
     const Camera camera = pinhole({0.9, 0.8, 0.7}, {0, 0, 0}, 70);
-    for (const auto& [name, render] : all_renderers())
+    for (const auto& [name, render] : cpu_renderers())
         for (const auto& [choice, clip] : {std::pair{kScalar, Clipping{}},
                                            {velocity(FieldPart::view), Clipping{}},
                                            {kScalar, half}}) {

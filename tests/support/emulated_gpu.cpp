@@ -33,6 +33,16 @@ std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers() {
     return all;
 }
 
+std::vector<EmulatedGpu> emulated_gpus() {
+    using emulation::Traversal;
+    std::vector<EmulatedGpu> all{{"cuda", Renderer::cuda, [] {}}};
+    for (const auto& [mode, name] : {std::pair{Traversal::plain, "optix_plain"},
+                                     {Traversal::strict, "optix_strict"},
+                                     {Traversal::noisy, "optix_noisy"}})
+        all.push_back({name, Renderer::optix, [mode = mode] { emulation::set_traversal(mode); }});
+    return all;
+}
+
 }  // namespace vog::test
 
 #else
@@ -40,6 +50,7 @@ std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers() {
 namespace vog::test {
 
 std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers() { return {}; }
+std::vector<EmulatedGpu> emulated_gpus() { return {}; }
 
 }  // namespace vog::test
 

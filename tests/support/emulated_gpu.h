@@ -9,6 +9,7 @@
 #include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
+#include "vog/renderer.h"
 
 namespace vog::test {
 
@@ -17,5 +18,14 @@ using GpuRender = std::function<DepthImage(const Gaussians&, const Camera&, int,
 /// CUDA's splat, and OptiX's ray tracer with either any-hit program and with a list of hits that overflows at
 /// once, in every way of traversing a hierarchy.
 std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers();
+
+/// A GPU renderer and a way of traversing hierarchies.
+struct EmulatedGpu {
+    std::string name;
+    Renderer renderer;
+    std::function<void()> prepare;  ///< to be called before each picture
+};
+/// For pictures by GpuPictures.
+std::vector<EmulatedGpu> emulated_gpus();
 
 }  // namespace vog::test

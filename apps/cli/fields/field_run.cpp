@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fields/divided_models.h"
+#include "fields/gpu_drawing.h"
 #include "fields/volume_fields.h"
 #include "shared/render_run.h"
 #include "values/value_maps.h"
@@ -38,9 +39,6 @@ void check(const RenderArguments& arguments, const Drawing& drawing, const Rende
                                     info_of(drawing.renderer).name));
         return;
     }
-    if (drawing.renderer != Renderer::splat && drawing.renderer != Renderer::trace)
-        throw Error(fmt::format("{}: {} draws no fields, expected splat or trace", show,
-                                info_of(drawing.renderer).name));
 }
 
 /// Maps of a model's field, of all parts on the root.
@@ -99,7 +97,12 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
     made.label = field_label(choice);
     const Clipping clip = clip_of(given);
     DrawMaps draw;
-    if (drawing.renderer == Renderer::trace) {
+    if (on_gpu(drawing.renderer)) {
+        draw = [clip, pictures = gpu_pictures(arguments, drawing, model)](
+                   const FieldChoice& shown, const Camera& camera, Size size, const Progress&) {
+            return pictures->fields(shown, camera, size.width, size.height, clip);
+        };
+    } else if (drawing.renderer == Renderer::trace) {
         TraceOptions options;
         options.anyhit = given.anyhit == "collect" ? AnyHit::collect : AnyHit::accumulate;
         const TraceSceneOptions scene{given.aabb_sigma, given.kappa};

@@ -152,10 +152,10 @@ void add_value_options(CLI::App& command, ValueArguments& arguments) {
                                 look.ambient, look.diffuse, look.specular, look.power))
         ->group(kValueGroup);
     command
-        .add_option(
-            "--slabs", arguments.slabs,
-            "Depth slabs a tile of a model's picture by splat: more lie nearer to exact order "
-            "(--renderer trace), and cost memory and time; default 32")
+        .add_option("--slabs", arguments.slabs,
+                    "Depth slabs a tile of a model's picture by splat, cuda or optix: more lie "
+                    "nearer to exact order "
+                    "(--renderer trace), and cost memory and time; default 32")
         ->check(CLI::Range(1, 1024))
         ->group(kValueGroup);
 }

@@ -141,10 +141,10 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         ->capture_default_str();
     const auto clipping = "Clipping";
     command
-        .add_option(
-            "--clip", arguments.clip_box,
-            "Box of the world that counts, x0,y0,z0,x1,y1,z1 (reference, splat and trace: exact on "
-            "every ray)")
+        .add_option("--clip", arguments.clip_box,
+                    "Box of the world that counts, x0,y0,z0,x1,y1,z1 (of models by every renderer, "
+                    "of voxels by the reference: exact on "
+                    "every ray)")
         ->group(clipping);
     command
         .add_option("--clip-plane", arguments.clip_planes,
@@ -204,7 +204,10 @@ std::optional<CutReport> Drawing::cut() const { return reports ? reports->cut() 
 std::optional<TraceReport> Drawing::traced() const {
     return reports ? reports->traced() : std::nullopt;
 }
-std::optional<double> Drawing::gpu_ms() const { return reports ? reports->gpu_ms() : std::nullopt; }
+std::optional<double> Drawing::gpu_ms() const {
+    if (pictures) return pictures->gpu_ms();
+    return reports ? reports->gpu_ms() : std::nullopt;
+}
 
 void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing) {
     for (const Volume& volume : set.volumes) {

@@ -11,6 +11,7 @@
 #include "shared/inputs.h"
 #include "vog/camera.h"
 #include "vog/clip.h"
+#include "vog/gpu_pictures.h"
 #include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
@@ -44,11 +45,12 @@ struct Drawing {
     Box box;                         ///< world box for named views
     std::vector<std::string> notes;  ///< notes that reading printed, for --json
     std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
-    std::shared_ptr<const DepthRenderer> reports;  ///< null where its reports are of a part only
+    std::shared_ptr<const DepthRenderer> reports;   ///< null where its reports are of a part only
+    std::shared_ptr<const GpuPictures> pictures{};  ///< of fields and values on a GPU, or null
 
     std::optional<CutReport> cut() const;       ///< DepthRenderer::cut
     std::optional<TraceReport> traced() const;  ///< DepthRenderer::traced
-    std::optional<double> gpu_ms() const;       ///< DepthRenderer::gpu_ms
+    std::optional<double> gpu_ms() const;       ///< of the last picture
 };
 
 /// Reads the inputs and prepares them for --renderer, or for the default one of their kind.

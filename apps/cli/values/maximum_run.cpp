@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fields/gpu_drawing.h"
 #include "values/value_inputs.h"
 #include "values/value_maps.h"
 #include "vog/error.h"
@@ -17,7 +18,7 @@ using DrawMaximum = std::function<ValueMap(const Camera&, Size, const Progress&)
 
 /// The renderers of maxima: the one place that knows them.
 /// throws  CLI::ValidationError for options that are of others
-DrawMaximum maximum_renderer(const RenderArguments& arguments, const ValueInputs& inputs,
+DrawMaximum maximum_renderer(const RenderArguments& arguments, ValueInputs& inputs,
                              const RenderRanks& ranks) {
     const DrawingArguments& given = arguments.drawing;
     const Clipping clip = clip_of(given);
@@ -44,6 +45,14 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, const ValueInputs
     }
     if (given.aabb_sigma != 0)
         throw CLI::ValidationError("--aabb-sigma: is of T, column density and trace");
+    if (on_gpu(inputs.drawing.renderer))
+        return [=, slabs = arguments.value.slabs.value_or(kMaximumSlabs),
+                pictures = gpu_pictures(arguments, inputs.drawing, inputs.model)](
+                   const Camera& camera, Size size, const Progress& progress) {
+            ValueMap map = pictures->maximum(field, camera, size.width, size.height, slabs, clip);
+            if (progress) progress(1);
+            return map;
+        };
     SlabOptions options;
     options.slabs = arguments.value.slabs.value_or(kMaximumSlabs);
     options.kappa = given.kappa;

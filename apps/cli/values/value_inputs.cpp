@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "fields/divided_models.h"
+#include "fields/gpu_drawing.h"
 #include "fields/volume_fields.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
@@ -32,9 +33,8 @@ void check_by_value(const RenderArguments& arguments, const CLI::App& command,
     if (drawing.kind == FileKind::volume && drawing.renderer != Renderer::reference)
         throw Error(fmt::format("{}: {} draws no volumes by value, expected reference", show,
                                 info_of(drawing.renderer).name));
-    if (drawing.kind == FileKind::model && drawing.renderer != Renderer::splat &&
-        drawing.renderer != Renderer::trace)
-        throw Error(fmt::format("{}: {} draws no models by value, expected splat or trace", show,
+    if (on_gpu(drawing.renderer) && ranks.divided())
+        throw Error(fmt::format("{}: {} draws no parts of a model by value, expected splat", show,
                                 info_of(drawing.renderer).name));
 }
 

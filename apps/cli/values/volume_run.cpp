@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "fields/divided_models.h"
+#include "fields/gpu_drawing.h"
 #include "films/views.h"
 #include "values/value_inputs.h"
 #include "values/value_transfer_run.h"
@@ -20,7 +21,7 @@ using DrawVolume = std::function<void(const ValueTransfer&, const Camera&, int, 
 
 /// The renderers of models by value: the one place that knows them.
 /// throws  CLI::ValidationError and vog::Error for options and renderers that draw no model by value
-DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& inputs,
+DrawVolume model_renderer(const RenderArguments& arguments, ValueInputs& inputs,
                           const RenderRanks& ranks) {
     const std::shared_ptr<const Gaussians> model = inputs.model;
     const std::string field = inputs.label;
@@ -42,6 +43,15 @@ DrawVolume model_renderer(const RenderArguments& arguments, const ValueInputs& i
     if (given.aabb_sigma != 0)
         throw CLI::ValidationError("--aabb-sigma: is of T, column density and trace");
     SlabOptions options;
+    if (on_gpu(inputs.drawing.renderer)) {
+        const int slabs = arguments.value.slabs.value_or(options.slabs);
+        return [=, pictures = gpu_pictures(arguments, inputs.drawing, model)](
+                   const ValueTransfer& transfer, const Camera& camera, int width, int height,
+                   const Progress& progress, VolumeImage& picture) {
+            picture = pictures->volume(field, transfer, camera, width, height, slabs, look);
+            if (progress) progress(1);
+        };
+    }
     options.slabs = arguments.value.slabs.value_or(options.slabs);
     options.kappa = given.kappa;
     options.look = look;

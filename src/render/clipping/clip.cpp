@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "render/device/half_space.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -14,17 +14,6 @@ namespace vog {
 namespace {
 
 bool is_finite(Vec3d v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-
-/// Cuts an interval to where ahead * t >= start; parallel rays are inside or not.
-void cut(RayInterval& interval, double ahead, double start) {
-    if (ahead == 0) {
-        if (start > 0) interval.last = interval.first;
-    } else if (ahead > 0) {
-        interval.first = std::max(interval.first, start / ahead);
-    } else {
-        interval.last = std::min(interval.last, start / ahead);
-    }
-}
 
 }  // namespace
 
@@ -53,15 +42,15 @@ Clipping relative_to(Clipping clip, Vec3d origin) {
 }
 
 RayInterval clipped_ray(const Clipping& clip, Vec3d origin, Vec3d direction) {
-    RayInterval interval{0, std::numeric_limits<double>::infinity()};
+    device::RayPart part;
     if (clip.box)
         for (int axis = 0; axis < 3; ++axis) {
-            cut(interval, direction[axis], clip.box->lower[axis] - origin[axis]);
-            cut(interval, -direction[axis], origin[axis] - clip.box->upper[axis]);
+            device::cut(part, direction[axis], clip.box->lower[axis] - origin[axis]);
+            device::cut(part, -direction[axis], origin[axis] - clip.box->upper[axis]);
         }
     for (const ClipPlane& plane : clip.planes)
-        cut(interval, dot(plane.normal, direction), plane.offset - dot(plane.normal, origin));
-    return interval;
+        device::cut(part, dot(plane.normal, direction), plane.offset - dot(plane.normal, origin));
+    return {part.first, part.last};
 }
 
 }  // namespace vog

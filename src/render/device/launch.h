@@ -4,6 +4,7 @@
 
 #include "render/device/any_hit.h"
 #include "render/device/camera_ray.h"
+#include "render/device/chord_picture.h"
 #include "render/device/gaussian_hit.h"
 
 #define VOG_RAYGEN_ACCUMULATE "__raygen__accumulate"
@@ -12,6 +13,10 @@
 #define VOG_ANYHIT_ACCUMULATE "__anyhit__accumulate"
 #define VOG_ANYHIT_COLLECT "__anyhit__collect"
 #define VOG_MISS_GAUSSIAN "__miss__gaussian"
+#define VOG_RAYGEN_SUMS "__raygen__sums"
+#define VOG_ANYHIT_SUMS "__anyhit__sums"
+#define VOG_RAYGEN_SLABS "__raygen__slabs"
+#define VOG_ANYHIT_SLABS "__anyhit__slabs"
 #define VOG_RAYGEN_VOXELS "__raygen__voxels"
 #define VOG_INTERSECTION_VOXELS "__intersection__voxels"
 #define VOG_CLOSESTHIT_VOXELS "__closesthit__voxels"
@@ -36,7 +41,7 @@ struct RayCounts {
     uint32_t slabs, most_slabs;  ///< over all launches, and the largest of one
 };
 
-/// Launch parameters of both pipelines.
+/// Launch parameters of all pipelines.
 struct Launch {
     uint64_t traversable;
     Camera camera;
@@ -55,6 +60,9 @@ struct Launch {
     int32_t boxed;
     int32_t hits_per_slab;
     RayCounts* counts;  ///< [height * width], or null
+
+    // The same of pictures of chords, which have no film.
+    ChordPicture chords;
 
     // The SciVis pipeline.
     const void* grid;     ///< nanovdb::NanoGrid<float>

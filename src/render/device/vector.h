@@ -11,6 +11,12 @@
 #else
 #define VOG_HD inline
 #endif
+/// Before a loop whose arrays are to stay in registers.
+#if defined(__CUDA_ARCH__)
+#define VOG_UNROLL _Pragma("unroll")
+#else
+#define VOG_UNROLL
+#endif
 
 namespace vog::device {
 

@@ -28,9 +28,7 @@ class GpuArray {
         : data_(count ? static_cast<T*>(allocate_on_gpu(count * sizeof(T), what)) : nullptr),
           size_(count) {}
     GpuArray(const std::vector<T>& values, const char* what) : GpuArray(values.size(), what) {
-        if (size_)
-            check_cuda(cudaMemcpy(data_, values.data(), size_ * sizeof(T), cudaMemcpyHostToDevice),
-                       what);
+        if (size_) copy_from(values, what);
     }
     ~GpuArray() { cudaFree(data_); }
     GpuArray(GpuArray&& other) noexcept
@@ -48,6 +46,12 @@ class GpuArray {
         if (count <= size_) return;
         *this = GpuArray();
         *this = GpuArray(count, what);
+    }
+    /// Copies to the first elements, size() >= values.size().
+    void copy_from(const std::vector<T>& values, const char* what) {
+        check_cuda(
+            cudaMemcpy(data_, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice),
+            what);
     }
     void copy_to(T* host, std::size_t count, const char* what) const {
         check_cuda(cudaMemcpy(host, data_, count * sizeof(T), cudaMemcpyDeviceToHost), what);
@@ -68,6 +72,7 @@ class GpuTimer {
     void start();
     void stop();  ///< waits for the device
     double ms() const { return ms_; }
+    void set_ms(double ms) { ms_ = ms; }  ///< of a picture of several
 
   private:
     cudaEvent_t start_ = nullptr, stop_ = nullptr;

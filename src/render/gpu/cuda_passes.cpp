@@ -40,8 +40,24 @@ void SplatPasses::draw_small(const device::Gaussian* gaussians, const device::Sp
     add_up(nullptr, kernel, camera, depth);
 }
 
-void SplatPasses::add_up(const device::SplatGaussian* gaussians, const device::SplatKernel& kernel,
-                         const device::Camera& camera, float* depth) {
+void SplatPasses::list(ChordProjection& projection) {
+    device::ChordPicture& picture = projection.picture;
+    check_cuda(cudaMemset(near_count_.data(), 0, sizeof(std::uint32_t)), "projecting");
+    projection.count = count_;
+    projection.splats = splats_.data();
+    projection.touched = touched_.data();
+    projection.near = near_count_.data();
+    launch_project_chords(projection);
+    const Lists lists = bin(picture.camera, true);
+    picture.splats = splats_.data();
+    picture.first = first_.data();
+    picture.entry = lists.splat;
+    picture.near_last = static_cast<std::int64_t>(lists.entries);
+    picture.near_first = picture.near_last - static_cast<std::int64_t>(lists.near);
+    picture.tile_columns = lists.columns;
+}
+
+SplatPasses::Lists SplatPasses::bin(const device::Camera& camera, bool any_near) {
     const std::int32_t columns = (camera.width + device::kSplatTile - 1) / device::kSplatTile;
     const std::int32_t rows = (camera.height + device::kSplatTile - 1) / device::kSplatTile;
     // One more list than tiles, of the near splats.
@@ -54,7 +70,7 @@ void SplatPasses::add_up(const device::SplatGaussian* gaussians, const device::S
     // The number of entries to sort is read back between the two passes.
     const std::uint64_t total = read_back(touched_.data() + (count_ - 1), "counting tiles");
     const std::uint32_t near =
-        gaussians ? read_back(near_count_.data(), "counting near Gaussians") : 0;
+        any_near ? read_back(near_count_.data(), "counting near Gaussians") : 0;
     const auto entry_count = static_cast<std::int64_t>(total);
     tiles_.reserve(2 * total, "entries of tiles");
     indices_.reserve(2 * total, "entries of tiles");
@@ -69,12 +85,20 @@ void SplatPasses::add_up(const device::SplatGaussian* gaussians, const device::S
         launch_sort(scratch_.data(), to_sort, entries, entry_count, key_bits);
     }
     launch_ranges(entries.tile, entry_count, lists, first_.data());
-    if (near > 0) {
-        near_.reserve(near, "near Gaussians");
-        launch_whiten(gaussians, entries.splat + (total - near), near, near_.data());
+    return {columns, rows, total, near, entries.splat};
+}
+
+void SplatPasses::add_up(const device::SplatGaussian* gaussians, const device::SplatKernel& kernel,
+                         const device::Camera& camera, float* depth) {
+    const Lists lists = bin(camera, gaussians != nullptr);
+    if (lists.near > 0) {
+        near_.reserve(lists.near, "near Gaussians");
+        launch_whiten(gaussians, lists.splat + (lists.entries - lists.near),
+                      static_cast<std::int64_t>(lists.near), near_.data());
     }
-    launch_tiles({splats_.data(), first_.data(), entries.splat, near_.data(), std::int64_t{near},
-                  camera, kernel.kernel, columns, rows, depth});
+    launch_tiles({splats_.data(), first_.data(), lists.splat, near_.data(),
+                  static_cast<std::int64_t>(lists.near), camera, kernel.kernel, lists.columns,
+                  lists.rows, depth});
 }
 
 }  // namespace vog::gpu

@@ -1,6 +1,7 @@
 // cuda_passes.h: Order and buffers of the passes of splatting on the GPU.
 #pragma once
 
+#include "render/gpu/chords/chord_kernels.h"
 #include "render/gpu/cuda_memory.h"
 #include "render/gpu/cuda_splat.h"
 
@@ -19,9 +20,20 @@ class SplatPasses {
     /// T of the Gaussians that rays leave out, and the shares of all: SmallGaussians.
     void draw_small(const device::Gaussian* gaussians, const device::SplatKernel& kernel,
                     const device::Camera& camera, float* shares, float* depth);
+    /// Projects a model and lists its Gaussians by tile; fills the projection's pointers to them.
+    void list(ChordProjection& projection);
 
   private:
-    /// Bins the projected splats to tiles and adds them up.
+    /// Entries of Gaussians by tile; behind those of the last tile the near ones.
+    struct Lists {
+        std::int32_t columns, rows;
+        std::uint64_t entries, near;
+        const std::uint32_t* splat;
+    };
+    /// Bins the projected splats to tiles.
+    /// any_near  false: none is near
+    Lists bin(const device::Camera& camera, bool any_near);
+    /// Lists the projected splats and adds them up.
     /// gaussians  of which near splats are whitened; null where none is near
     void add_up(const device::SplatGaussian* gaussians, const device::SplatKernel& kernel,
                 const device::Camera& camera, float* depth);

@@ -6,29 +6,14 @@
 #include <cub/device/device_radix_sort.cuh>
 #include <cub/device/device_scan.cuh>
 
-#include "render/gpu/cuda_memory.h"
 #include "render/gpu/cuda_splat.h"
+#include "render/gpu/kernel_start.h"
 
 namespace vog::gpu {
 
 namespace {
 
 using device::TileSplat;
-
-constexpr int kBlock = 256;
-
-/// Starts a kernel with one thread for each of `count` items, count >= 1.
-template <class... Formal, class... Actual>
-void start(const char* doing, void (*kernel)(Formal...), std::int64_t count, Actual... arguments) {
-    cudaLaunchConfig_t shape = {};
-    shape.gridDim = dim3(static_cast<unsigned>((count + kBlock - 1) / kBlock));
-    shape.blockDim = dim3(kBlock);
-    check_cuda(cudaLaunchKernelEx(&shape, kernel, arguments...), doing);
-}
-
-__device__ std::int64_t thread_index() {
-    return static_cast<std::int64_t>(blockIdx.x) * blockDim.x + threadIdx.x;
-}
 
 __global__ void project_kernel(const device::SplatGaussian* gaussians, std::int32_t count,
                                device::Camera camera, device::SplatKernel kernel, TileSplat* splats,
@@ -92,17 +77,6 @@ __global__ void whiten_kernel(const device::SplatGaussian* gaussians, const std:
     if (n < count) near[n] = device::whitened(gaussians[splat[n]]);
 }
 
-/// Place of a thread in the picture: a block is a tile, a thread a pixel.
-struct TilePlace {
-    std::int32_t tile, thread, column, row;
-};
-__device__ TilePlace place_in(const TilePass& pass) {
-    const auto t = static_cast<std::int32_t>(blockIdx.x);
-    const auto thread = static_cast<std::int32_t>(threadIdx.x);
-    return {t, thread, t % pass.tile_columns * device::kSplatTile + thread % device::kSplatTile,
-            t / pass.tile_columns * device::kSplatTile + thread / device::kSplatTile};
-}
-
 __device__ void add_to_pixel(const TilePass& pass, const TilePlace& at, float depth, bool first) {
     if (at.column >= pass.camera.width || at.row >= pass.camera.height) return;
     float& pixel =
@@ -114,7 +88,7 @@ __device__ void add_to_pixel(const TilePass& pass, const TilePlace& at, float de
 __global__ void __launch_bounds__(kBlock) tiles_kernel(TilePass pass) {
     constexpr int kBatch = 64;  // splats of 84 bytes: 5 kB a block, so many blocks a processor
     __shared__ TileSplat batch[kBatch];
-    const TilePlace at = place_in(pass);
+    const TilePlace at = place_in(pass.tile_columns);
     // One sum a batch: the rounding error of 10,000 terms is then that of 160.
     float total = 0;
     const std::uint64_t end = pass.first[at.tile + 1];
@@ -141,7 +115,7 @@ __global__ void __launch_bounds__(kBlock) near_kernel(TilePass pass) {
     constexpr int kBatch = 64;
     __shared__ device::Gaussian batch[kBatch];
     __shared__ bool meets[kBatch];
-    const TilePlace at = place_in(pass);
+    const TilePlace at = place_in(pass.tile_columns);
     const device::Ray ray = device::whole_ray(pass.camera, at.column, at.row);
     float total = 0;
     for (std::int64_t begin = 0; begin < pass.near_count; begin += kBatch) {

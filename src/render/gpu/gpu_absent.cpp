@@ -1,20 +1,10 @@
 // gpu_absent.cpp: The classes of vog/gpu.h in builds without CUDA or OptiX: constructors that throw.
+#include "render/gpu/chords/chord_tracer.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
+#include "vog/gpu_pictures.h"
 
 namespace vog {
-
-#ifndef VOG_CUDA
-struct CudaSplat::State {};
-CudaSplat::CudaSplat(const Gaussians&, double) {
-    throw Error("cuda: this build has no CUDA renderer (configure it with -DVOG_CUDA=ON)");
-}
-CudaSplat::~CudaSplat() = default;
-CudaSplat::CudaSplat(CudaSplat&&) noexcept = default;
-CudaSplat& CudaSplat::operator=(CudaSplat&&) noexcept = default;
-DepthImage CudaSplat::render(const Camera&, int, int) { return {}; }
-double CudaSplat::gpu_ms() const { return 0; }
-#endif
 
 #ifndef VOG_OPTIX
 namespace {
@@ -22,6 +12,51 @@ namespace {
     throw Error("optix: this build has no OptiX renderers (configure it with -DVOG_OPTIX=ON)");
 }
 }  // namespace
+#endif
+
+#ifndef VOG_CUDA
+namespace {
+[[noreturn]] void no_cuda() {
+    throw Error("cuda: this build has no CUDA renderer (configure it with -DVOG_CUDA=ON)");
+}
+}  // namespace
+
+struct CudaSplat::State {};
+CudaSplat::CudaSplat(const Gaussians&, double) { no_cuda(); }
+CudaSplat::~CudaSplat() = default;
+CudaSplat::CudaSplat(CudaSplat&&) noexcept = default;
+CudaSplat& CudaSplat::operator=(CudaSplat&&) noexcept = default;
+DepthImage CudaSplat::render(const Camera&, int, int) { return {}; }
+double CudaSplat::gpu_ms() const { return 0; }
+
+struct GpuPictures::State {};
+GpuPictures::GpuPictures(Renderer renderer, const Gaussians&, const TraceSceneOptions&) {
+    if (renderer == Renderer::optix) no_optix();
+    no_cuda();
+}
+GpuPictures::~GpuPictures() = default;
+GpuPictures::GpuPictures(GpuPictures&&) noexcept = default;
+GpuPictures& GpuPictures::operator=(GpuPictures&&) noexcept = default;
+DepthImage GpuPictures::depth(const Camera&, int, int, const Clipping&) { return {}; }
+FieldMaps GpuPictures::fields(const FieldChoice&, const Camera&, int, int, const Clipping&) {
+    return {};
+}
+VolumeImage GpuPictures::volume(const std::string&, const ValueTransfer&, const Camera&, int, int,
+                                int, const VolumeLook&) {
+    return {};
+}
+ValueMap GpuPictures::maximum(const std::string&, const Camera&, int, int, int, const Clipping&) {
+    return {};
+}
+double GpuPictures::gpu_ms() const { return 0; }
+#elif !defined(VOG_OPTIX)
+struct gpu::ChordTracer::State {};
+gpu::ChordTracer::ChordTracer(const std::vector<trace::FloatBox>&) { no_optix(); }
+gpu::ChordTracer::~ChordTracer() = default;
+void gpu::ChordTracer::run(device::Launch) {}
+#endif
+
+#ifndef VOG_OPTIX
 
 struct OptixModel::State {};
 OptixModel::OptixModel(const Gaussians&, const TraceSceneOptions&) { no_optix(); }

@@ -14,32 +14,6 @@ using namespace trace;
 
 namespace {
 
-device::Float3 times(double s, device::Float3 v) {
-    return device::to_float(s * device::to_double(v));
-}
-
-/// The field with gradients per scene unit.
-TraceField trace_field(const ShownField& shown, std::size_t size, double scene_unit) {
-    TraceField field;
-    if (shown.along_rays)
-        field.vector.resize(size);
-    else
-        field.scalar.resize(size);
-    vog::parallel_for(std::size_t{0}, size, [&](std::size_t i) {
-        if (shown.along_rays) {
-            device::VectorPlane plane = shown.vector_plane(i);
-            for (device::Float3& g : plane.gradient) g = times(scene_unit, g);
-            field.vector[i] = plane;
-        } else {
-            const device::FieldPlane plane = shown.plane(i);
-            field.scalar[i] = {static_cast<float>(plane.value),
-                               device::to_float(scene_unit * plane.gradient),
-                               static_cast<float>(plane.variance)};
-        }
-    });
-    return field;
-}
-
 /// Sums of the Gaussians that are drawn as splats, whose fields are constant.
 std::vector<RaySums> splatted_sums(const Gaussians& gaussians, const ShownField& shown,
                                    const SmallGaussians& small, const TraceModel& model,

@@ -5,15 +5,11 @@
 #include <vector>
 
 #include "render/device/field_hit.h"
+#include "render/trace/trace_field.h"
 #include "render/trace/trace_model.h"
 
 namespace vog::trace {
 
-/// A field on the Gaussians of a model, in scene units: one of the arrays.
-struct TraceField {
-    std::vector<device::ScalarPlane> scalar;
-    std::vector<device::VectorPlane> vector;  ///< of which the component along the ray counts
-};
 /// Sums along a ray: tau, tau times the field's mean along the chord, and times that of its square.
 struct FieldDepths {
     device::DepthSum column{}, first{}, second{};

@@ -60,6 +60,17 @@ class Block {
         leave(*current_, false);
     }
 
+    /// The same, with a vote: whether any thread has said yes.
+    bool wait_for_any(bool yes) {
+        if (voters_++ == 0) vote_ = false;
+        vote_ = vote_ || yes;
+        wait();
+        const bool any = vote_;
+        --voters_;
+        wait();  // nobody votes again before all have read
+        return any;
+    }
+
     std::mutex running;
 
   private:
@@ -127,6 +138,8 @@ class Block {
     std::vector<Fiber> fibers_;
     ucontext_t scheduler_{};
     Fiber* current_ = nullptr;
+    unsigned voters_ = 0;
+    bool vote_ = false;
     const std::function<void()>* body_ = nullptr;
 };
 
@@ -155,3 +168,6 @@ cudaError_t run_blocks(const cudaLaunchConfig_t& shape, const std::function<void
 }  // namespace vog::emulation
 
 void __syncthreads() { vog::emulation::Block::get().wait(); }
+int __syncthreads_or(int predicate) {
+    return vog::emulation::Block::get().wait_for_any(predicate != 0);
+}

@@ -19,6 +19,7 @@
 extern thread_local uint3 threadIdx, blockIdx;
 extern thread_local dim3 blockDim, gridDim;
 void __syncthreads();
+int __syncthreads_or(int predicate);
 
 struct cudaLaunchConfig_t {
     dim3 gridDim, blockDim;

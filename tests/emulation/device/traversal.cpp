@@ -20,6 +20,10 @@ void __intersection__gaussian();
 void __anyhit__accumulate();
 void __anyhit__collect();
 void __miss__gaussian();
+void __raygen__sums();
+void __anyhit__sums();
+void __raygen__slabs();
+void __anyhit__slabs();
 void __raygen__voxels();
 void __intersection__voxels();
 void __closesthit__voxels();
@@ -114,6 +118,10 @@ Program find_program(const char* name) {
         {VOG_ANYHIT_ACCUMULATE, __anyhit__accumulate},
         {VOG_ANYHIT_COLLECT, __anyhit__collect},
         {VOG_MISS_GAUSSIAN, __miss__gaussian},
+        {VOG_RAYGEN_SUMS, __raygen__sums},
+        {VOG_ANYHIT_SUMS, __anyhit__sums},
+        {VOG_RAYGEN_SLABS, __raygen__slabs},
+        {VOG_ANYHIT_SLABS, __anyhit__slabs},
         {VOG_RAYGEN_VOXELS, __raygen__voxels},
         {VOG_INTERSECTION_VOXELS, __intersection__voxels},
         {VOG_CLOSESTHIT_VOXELS, __closesthit__voxels},

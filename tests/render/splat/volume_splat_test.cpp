@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
+#include "support/emulated_gpu.h"
 #include "support/field_models.h"
 #include "support/scenes.h"
 #include "vog/error.h"
+#include "vog/gpu_pictures.h"
 #include "vog/volume_picture.h"
 
 namespace vog {
@@ -54,8 +57,8 @@ Camera towards(Vec3d eye, Vec3d at, bool orthographic) {
     return camera;
 }
 
-using Draw = VolumeImage (*)(const Gaussians&, const ValueTransfer&, const Camera&, int, int,
-                             const VolumeLook&);
+using Draw = std::function<VolumeImage(const Gaussians&, const ValueTransfer&, const Camera&, int,
+                                       int, const VolumeLook&)>;
 VolumeImage splatted(const Gaussians& model, const ValueTransfer& transfer, const Camera& camera,
                      int width, int height, const VolumeLook& look) {
     SlabOptions options;
@@ -68,7 +71,19 @@ VolumeImage traced(const Gaussians& model, const ValueTransfer& transfer, const 
     return render_volume_trace(model, model.fields.scalar.front().name, transfer, camera, width,
                                height, {}, {}, look);
 }
-constexpr Draw kRenderers[] = {splatted, traced};
+std::vector<Draw> all_draws() {
+    std::vector<Draw> all{splatted, traced};
+    for (const EmulatedGpu& gpu : emulated_gpus())
+        all.emplace_back([gpu](const Gaussians& model, const ValueTransfer& transfer,
+                               const Camera& camera, int width, int height,
+                               const VolumeLook& look) {
+            gpu.prepare();
+            return GpuPictures(gpu.renderer, model)
+                .volume(model.fields.scalar.front().name, transfer, camera, width, height, 32,
+                        look);
+        });
+    return all;
+}
 
 double psnr(const VolumeImage& a, const VolumeImage& b) {
     double sum = 0;
@@ -93,7 +108,7 @@ TEST(volume_splat, one_value_is_beers_law) {
     for (const bool orthographic : {false, true})
         // Before the Gaussian, and inside it.
         for (const double distance : {5.0, 0.2})
-            for (const Draw draw : kRenderers) {
+            for (const Draw& draw : all_draws()) {
                 const Camera camera = towards({0.3, 0.2, distance}, {0, 0, 0}, orthographic);
                 const VolumeImage image = draw(model, transfer, camera, kSize, kSize, {});
                 for (int n = 0; n < kSize * kSize; n += 5) {
@@ -115,7 +130,7 @@ TEST(volume_splat, the_nearer_one_hides_the_farther_from_both_sides) {
     constexpr int kSize = 97, kMiddle = 48;  // a Gaussian has several pixels
     for (const bool orthographic : {false, true})
         for (const bool behind : {false, true})
-            for (const Draw draw : kRenderers) {
+            for (const Draw& draw : all_draws()) {
                 const Camera camera =
                     towards({0, 0, behind ? 14.0 : -10.0}, {0, 0, 2}, orthographic);
                 const Rgba pixel = draw(model, transfer, camera, kSize, kSize, {})
@@ -215,7 +230,7 @@ TEST(volume_splat, clips_cut_each_ray) {
     nothing.clip.box = Box{{7, 7, 7}, {9, 9, 9}};
     for (const bool orthographic : {false, true})
         for (const double distance : {5.0, 0.05})  // the second is drawn from inside
-            for (const Draw draw : kRenderers) {
+            for (const Draw& draw : all_draws()) {
                 const Camera camera = towards({0, 0, -distance}, {0, 0, 0}, orthographic);
                 const double whole = tau_at(model, 0, towards({0, 0, -5}, {0, 0, 0}, orthographic),
                                             kSize, kMiddle, kMiddle);
@@ -239,7 +254,7 @@ TEST(volume_splat, light_follows_the_gradient) {
     look.light = true;
     look.ambient = 0.2, look.diffuse = 0.6, look.specular = 0.1, look.power = 4;
     const Camera front = towards({0, 0, 6}, {0, 0, 0}, true);
-    for (const Draw draw : kRenderers) {
+    for (const Draw& draw : all_draws()) {
         const auto color = [&] {
             const Rgba p = draw(model, transfer, front, 9, 9, look).pixel[40];
             return double{p.r} / double{p.a};

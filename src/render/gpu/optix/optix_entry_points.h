@@ -21,6 +21,10 @@ inline constexpr OptixEntryPoints kAccumulateEntryPoints{VOG_RAYGEN_ACCUMULATE, 
                                                          VOG_ANYHIT_ACCUMULATE, nullptr};
 inline constexpr OptixEntryPoints kCollectEntryPoints{
     VOG_RAYGEN_COLLECT, VOG_MISS_GAUSSIAN, VOG_INTERSECTION_GAUSSIAN, VOG_ANYHIT_COLLECT, nullptr};
+inline constexpr OptixEntryPoints kSumsEntryPoints{
+    VOG_RAYGEN_SUMS, VOG_MISS_GAUSSIAN, VOG_INTERSECTION_GAUSSIAN, VOG_ANYHIT_SUMS, nullptr};
+inline constexpr OptixEntryPoints kSlabsEntryPoints{
+    VOG_RAYGEN_SLABS, VOG_MISS_GAUSSIAN, VOG_INTERSECTION_GAUSSIAN, VOG_ANYHIT_SLABS, nullptr};
 /// No miss program: rays that miss the box of the grid are not traced.
 inline constexpr OptixEntryPoints kVoxelEntryPoints{
     VOG_RAYGEN_VOXELS, nullptr, VOG_INTERSECTION_VOXELS, nullptr, VOG_CLOSESTHIT_VOXELS};

@@ -14,6 +14,11 @@
 
 namespace vog {
 
+void gpu::require_primitives(const OptixDevice& device, std::size_t gaussians) {
+    if (const std::size_t most = most_primitives(device); gaussians > most)
+        throw Error(fmt::format("optix: {} Gaussians, expected at most {}", gaussians, most));
+}
+
 using namespace gpu;
 using namespace trace;
 
@@ -48,8 +53,7 @@ OptixModel::OptixModel(const Gaussians& gaussians, const TraceSceneOptions& opti
     State& s = *state_;
     s.model = std::move(model);
     s.count = s.model.gaussians.size();
-    if (const std::size_t most = most_primitives(*s.device); s.count > most)
-        throw Error(fmt::format("optix: {} Gaussians, expected at most {}", s.count, most));
+    require_primitives(*s.device, s.count);
     s.film.set_depth_unit(s.model.depth_unit);
     s.gaussians = GpuArray(s.model.gaussians, "Gaussians");
     if (!s.model.boxed) {

@@ -26,6 +26,8 @@ std::shared_ptr<OptixDevice> optix_device();
 
 /// Most primitives that one hierarchy may have: 2^29 on every device so far.
 std::size_t most_primitives(const OptixDevice& device);
+/// throws  vog::Error for more Gaussians than that
+void require_primitives(const OptixDevice& device, std::size_t gaussians);
 
 /// Program groups, pipeline and shader binding table of one set of entry points.
 class OptixRayPipeline {

@@ -36,15 +36,28 @@ __device__ Data& payload() {
     return *reinterpret_cast<Data*>(high << 32 | optixGetPayload_1());
 }
 
-__device__ void trace(GaussianRay& data, float from) {
-    const Float3 origin = to_float(data.ray.origin - launch.center);
-    const Float3 direction = to_float(data.ray.direction);
+/// Data of a ray of a picture of chords. The Ray comes first: intersections read nothing else.
+struct ChordData {
+    ChordRay chord;
+    DepthSum tau, first, second;  ///< of a field
+    RaySlabs slabs;
+    int32_t first_slab;  ///< of the sums
+    float (*sums)[4];    ///< [kSlabsPerTraversal] of slabs
+};
+/// Slabs that a ray adds up in one traversal, in its own memory: 512 bytes.
+constexpr int kSlabsPerTraversal = 32;
+
+/// data  payload, of which `ray` is the first member
+template <class Data>
+__device__ void trace(Data& data, const Ray& ray, float from) {
+    const Float3 origin = to_float(ray.origin - launch.center);
+    const Float3 direction = to_float(ray.direction);
     unsigned high, low;
     pack(&data, high, low);
     optixTrace(launch.traversable, make_float3(origin.x, origin.y, origin.z),
-               make_float3(direction.x, direction.y, direction.z), from,
-               data.ray.length + kRaySlack, 0.0f, OptixVisibilityMask(255),
-               OPTIX_RAY_FLAG_DISABLE_CLOSESTHIT, 0, 1, 0, high, low);
+               make_float3(direction.x, direction.y, direction.z), from, ray.length + kRaySlack,
+               0.0f, OptixVisibilityMask(255), OPTIX_RAY_FLAG_DISABLE_CLOSESTHIT, 0, 1, 0, high,
+               low);
 }
 
 /// Sets the ray of this thread's pixel. returns false if it misses the bounds
@@ -60,6 +73,54 @@ __device__ double splatted_depth(unsigned pixel) {
     return launch.splatted ? static_cast<double>(launch.splatted[pixel]) : 0;
 }
 
+__device__ Hit reported_hit() {
+    return {__uint_as_float(optixGetAttribute_0()), __uint_as_float(optixGetAttribute_1()),
+            __uint_as_float(optixGetAttribute_2()), __uint_as_float(optixGetAttribute_3())};
+}
+
+/// The chord of the reported hit.
+__device__ bool reported_chord(const ChordData& data, Chord& chord) {
+    const unsigned i = optixGetPrimitiveIndex();
+    const Gaussian g = launch.gaussians[i];  // whole: four loads
+    return chord_of(g, data.chord.ray, reported_hit(), data.chord.ends, share_of(launch.shares, i),
+                    chord);
+}
+
+__device__ ChordRay chord_ray_of_thread(unsigned& pixel, uint3& at) {
+    at = optixGetLaunchIndex();
+    pixel = at.y * static_cast<unsigned>(launch.camera.width) + at.x;
+    return chord_ray(launch.camera, launch.bounds, launch.chords.view, at.x, at.y);
+}
+
+/// Calls add(Gaussian, chord) for the Gaussians that rays leave out.
+template <class Add>
+__device__ void each_widened(const ChordRay& ray, uint3 at, const Add& add) {
+    const ChordPicture& p = launch.chords;
+    if (!p.first) return;
+    const auto column = static_cast<int32_t>(at.x), row = static_cast<int32_t>(at.y);
+    const int32_t tile = row / kSplatTile * p.tile_columns + column / kSplatTile;
+    for (uint64_t n = p.first[tile]; n < p.first[tile + 1]; ++n) {
+        const uint32_t i = p.entry[n];
+        Chord chord;
+        if (widened_chord(p.splats[i], p.depths[i], p.kernel, ray, column, row, chord))
+            add(i, chord);
+    }
+}
+
+/// Adds a chord's sums, exactly in any order.
+__device__ void add_sums(ChordData& data, const ChordSums& sums) {
+    add_depth(data.tau, sums.tau, launch.rounding);
+    add_signed(data.first, static_cast<double>(sums.first), launch.rounding);
+    add_signed(data.second, static_cast<double>(sums.second), launch.rounding);
+}
+
+/// Adds a chord's light to the slabs of the traversal.
+__device__ void add_light(ChordData& data, const SplatLight& light, const ChordLight& at,
+                          const Chord& chord) {
+    const SlabRun run = run_of(chord, data.slabs, data.first_slab, kSlabsPerTraversal);
+    add_parts(chord, light, at, data.slabs, data.first_slab, run.begin, run.end, data.sums);
+}
+
 /// Writes what a report asks for.
 __device__ void count(unsigned pixel, unsigned hits, unsigned slabs) {
     if (!launch.counts) return;
@@ -73,7 +134,7 @@ __device__ void count(unsigned pixel, unsigned hits, unsigned slabs) {
 extern "C" __global__ void __raygen__accumulate() {
     unsigned pixel;
     GaussianRay data{};
-    if (pixel_ray(pixel, data.ray)) trace(data, 0);
+    if (pixel_ray(pixel, data.ray)) trace(data, data.ray, 0);
     count(pixel, data.hits, 0);
     expose(launch.film, pixel, splatted_depth(pixel) + data.sum.depth());
 }
@@ -90,7 +151,7 @@ extern "C" __global__ void __raygen__collect() {
     const double splatted = splatted_depth(pixel);
     for (bool more = meets && splatted < launch.stop_depth; more;) {
         begin_slab(list, slabs ? &last : nullptr);
-        trace(data, slab_start(list, launch.boxed));
+        trace(data, data.ray, slab_start(list, launch.boxed));
         if (list.count == 0) break;
         ++slabs;
         sort_by_entry(list);
@@ -104,20 +165,19 @@ extern "C" __global__ void __raygen__collect() {
 }
 
 extern "C" __global__ void __intersection__gaussian() {
-    const GaussianRay& data = payload<GaussianRay>();
+    const Ray& ray = payload<Ray>();
     if (share_of(launch.shares, optixGetPrimitiveIndex()) == 0) return;
     const Gaussian g = launch.gaussians[optixGetPrimitiveIndex()];
     Hit hit;
-    if (!intersect(g, data.ray, launch.cutoff2, hit)) return;
-    if (launch.boxed && !meets_box(g, data.ray, launch.scene)) return;
+    if (!intersect(g, ray, launch.cutoff2, hit)) return;
+    if (launch.boxed && !meets_box(g, ray, launch.scene)) return;
     optixReportIntersection(hit.entry(), 0, __float_as_uint(hit.nearest), __float_as_uint(hit.half),
                             __float_as_uint(hit.m2), __float_as_uint(hit.width));
 }
 
 extern "C" __global__ void __anyhit__accumulate() {
     GaussianRay& data = payload<GaussianRay>();
-    const Hit hit{__uint_as_float(optixGetAttribute_0()), __uint_as_float(optixGetAttribute_1()),
-                  __uint_as_float(optixGetAttribute_2()), __uint_as_float(optixGetAttribute_3())};
+    const Hit hit = reported_hit();
     const Gaussian& g = launch.gaussians[optixGetPrimitiveIndex()];
     add_depth(data.sum, share_of(launch.shares, optixGetPrimitiveIndex()) * optical_depth(g, hit),
               launch.rounding);
@@ -135,6 +195,78 @@ extern "C" __global__ void __anyhit__collect() {
 /// Called for every ray that a full list has not shortened. Empty: the result is in the payload, and
 /// ray generation writes pixels of T = 0 as background.
 extern "C" __global__ void __miss__gaussian() {}
+
+extern "C" __global__ void __raygen__sums() {
+    unsigned pixel;
+    uint3 at;
+    ChordData data{};
+    data.chord = chord_ray_of_thread(pixel, at);
+    const Float3 direction = to_float(data.chord.ray.direction);
+    each_widened(data.chord, at, [&](uint32_t i, const Chord& chord) {
+        add_sums(data,
+                 sums_over(chord, widened_plane(launch.chords, i, launch.gaussians[i], direction),
+                           direction));
+    });
+    if (data.chord.meets) trace(data, data.chord.ray, 0);
+    write_sums(launch.chords, pixel, data.tau.depth(), data.first.depth(), data.second.depth());
+}
+
+extern "C" __global__ void __anyhit__sums() {
+    ChordData& data = payload<ChordData>();
+    Chord chord;
+    if (reported_chord(data, chord)) {
+        const Float3 direction = to_float(data.chord.ray.direction);
+        add_sums(data,
+                 sums_over(chord, plane_of(launch.chords, optixGetPrimitiveIndex(), direction),
+                           direction));
+    }
+    optixIgnoreIntersection();
+}
+
+/// Depth slabs: light is added to a slab in any order, so that no hit is kept, sorted or lost. Slabs beyond
+/// kSlabsPerTraversal take another traversal, unless all before are opaque.
+extern "C" __global__ void __raygen__slabs() {
+    unsigned pixel;
+    uint3 at;
+    float sums[kSlabsPerTraversal][4];
+    ChordData data{};
+    data.chord = chord_ray_of_thread(pixel, at);
+    data.sums = sums;
+    const SlabPicture& p = launch.chords.slabs;
+    data.slabs = ray_slabs(p, data.chord, static_cast<int32_t>(at.x), static_cast<int32_t>(at.y));
+    const bool maximum = p.kind == SlabKind::maximum;
+    SeenLight seen{{0, 0, 0}, 1};
+    LargestMean largest{0, -1};
+    for (int sweep = 0; sweep < (maximum ? 2 : 1); ++sweep)
+        for (int32_t group = 0; group < data.slabs.count; group += kSlabsPerTraversal) {
+            if (seen.passed < kDarkSlabs) break;
+            for (int n = 0; n < kSlabsPerTraversal; ++n)
+                for (int channel = 0; channel < 4; ++channel) sums[n][channel] = 0;
+            data.first_slab = group;
+            each_widened(data.chord, at, [&](uint32_t i, const Chord& chord) {
+                add_light(data, p.light[i], widened_light(launch.chords.within), chord);
+            });
+            if (data.chord.meets) trace(data, data.chord.ray, 0);
+            for (int n = 0; n < kSlabsPerTraversal; ++n) {
+                if (maximum)
+                    include(sums[n], p, data.slabs, data.chord.slant, sweep == 1, largest);
+                else
+                    composite(sums[n], seen);
+            }
+        }
+    write_color(p, pixel, seen, largest);
+}
+
+extern "C" __global__ void __anyhit__slabs() {
+    ChordData& data = payload<ChordData>();
+    Chord chord;
+    if (reported_chord(data, chord)) {
+        const SplatLight light = launch.chords.slabs.light[optixGetPrimitiveIndex()];  // likewise
+        add_light(data, light, light_along(light, chord, to_float(data.chord.ray.direction)),
+                  chord);
+    }
+    optixIgnoreIntersection();
+}
 
 extern "C" __global__ void __raygen__voxels() {
     unsigned pixel;

@@ -155,11 +155,15 @@ void add_near_light(const SlabView& view, const NearSplat& s, SlabCell& cell) {
                     view.depth + double{cell.first} + (slab + 1) * double{cell.thickness};
                 const double to = slab == last ? end : std::clamp(back, from, end);
                 const double tau = whole * (part_at(to) - part_at(from));
-                const Light part = light.at(static_cast<float>(z0 + 0.5 * (from + to) * z_step));
-                for (std::size_t n = 0; n < 4; ++n)
+                const auto z = static_cast<float>(z0 + 0.5 * (from + to) * z_step);
+                for (std::size_t n = 0; n < 4; ++n) {
+                    // As of far splats, colour is limited by what is absorbed in the end.
+                    const auto& q = light.c[n];
+                    const float expected = (q[2] * z + q[1]) * z + q[0];
                     cell.sums[static_cast<std::size_t>(slab)]
-                        .channel[n][static_cast<std::size_t>(y * kCellWidth + x)] +=
-                        as_float(tau * view.unit * double{part[n]});
+                        .channel[n][static_cast<std::size_t>(y * kCellWidth + x)] += as_float(
+                        tau * view.unit * double{n == 3 ? std::max(expected, 0.0f) : expected});
+                }
                 from = to;
             }
         }

@@ -1,0 +1,56 @@
+// vog/gpu_pictures.h: Pictures of fields, of values and of clipped models on an NVIDIA GPU: the quantities of vog/field_maps.h,
+// vog/volume_picture.h and vog/maximum_picture.h, by the same formulas.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "vog/field_maps.h"
+#include "vog/maximum_picture.h"
+#include "vog/renderer.h"
+#include "vog/volume_picture.h"
+
+namespace vog {
+
+/// Renderer of one model's fields on a GPU, from any number of cameras. Renderer::cuda adds up the Gaussians of each tile,
+/// Renderer::optix those on each ray; either intersects rays with Gaussians, exactly, in single precision.
+/// A Gaussian drawn wider than it is (docs/method.md, "Gaussians smaller than a pixel") has its mean value and whole variance, and
+/// a clip cuts the chord that is drawn.
+class GpuPictures {
+  public:
+    /// renderer   cuda or optix
+    /// gaussians  must outlive the renderer, unchanged; copied to the GPU
+    /// options    boxes (aabb_sigma): of optix, T and fields alone
+    /// throws     vog::Error for another renderer, without a device or in a build without it, as trace_scene does, for too
+    ///            little GPU memory
+    GpuPictures(Renderer renderer, const Gaussians& gaussians,
+                const TraceSceneOptions& options = {});
+    ~GpuPictures();
+    GpuPictures(GpuPictures&&) noexcept;
+    GpuPictures& operator=(GpuPictures&&) noexcept;
+
+    /// T at extinction 1 of what the clip leaves.
+    /// throws  vog::Error for an unusable camera, size or clip, for too little GPU memory; so do all pictures
+    DepthImage depth(const Camera& camera, int width, int height, const Clipping& clip = {});
+    /// As render_field_splat without a hierarchy.
+    /// throws  vog::Error for a field that the model lacks, too
+    FieldMaps fields(const FieldChoice& choice, const Camera& camera, int width, int height,
+                     const Clipping& clip = {});
+    /// As SlabRenderer: the same slabs, to rounding. The light of one field and transfer function is kept.
+    /// slabs   1 to 1024
+    /// throws  vog::Error as SlabRenderer does, and for boxes
+    VolumeImage volume(const std::string& field, const ValueTransfer& transfer,
+                       const Camera& camera, int width, int height, int slabs = 32,
+                       const VolumeLook& look = {});
+    /// As render_maximum_splat.
+    /// throws  vog::Error as it does, and for boxes
+    ValueMap maximum(const std::string& field, const Camera& camera, int width, int height,
+                     int slabs = kMaximumSlabs, const Clipping& clip = {});
+    double gpu_ms() const;  ///< device time of the last picture, milliseconds by CUDA events
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace vog

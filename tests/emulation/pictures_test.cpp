@@ -1,0 +1,280 @@
+// pictures_test.cpp: Pictures of values, maxima and clips by GPU renderers against the CPU's, and what they refuse.
+// Maps of fields are in tests/render/field_maps_test.cpp.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "emulation/emulation.h"
+#include "support/emulated_gpu.h"
+#include "support/field_models.h"
+#include "support/refusal.h"
+#include "support/scenes.h"
+#include "vog/gpu_pictures.h"
+
+namespace vog::test {
+
+namespace {
+
+constexpr int kWidth = 70, kHeight = 45;  // two by two tiles of slabs, none of them whole
+
+/// Gaussians of all sizes about the origin, also below a pixel, with fields.
+Gaussians mixed_model(int count) {
+    Gaussians model = random_gaussians(count, 0.1, 0.4, 11);
+    for (int n = 0; n < count; ++n) {
+        const auto i = static_cast<std::size_t>(n);
+        if (n % 3 == 0) model.scale[i] = 0.02f * model.scale[i];
+        if (n % 7 == 0) model.scale[i].x = 0.3f;  // needles
+    }
+    add_random_fields(model, 12);
+    return model;
+}
+
+ValueTransfer colors_of(const ScalarField& field) {
+    const double low = field.lower, range = field.upper - field.lower;
+    return {"colors",
+            {{low, 0, 0, 1}, {low + 0.4 * range, 0, 1, 0}, {low + range, 1, 0, 0}},
+            {{low, 0.1}, {low + 0.3 * range, 0.4}, {low + 0.5 * range, 0}, {low + range, 0.9}},
+            0.2};
+}
+
+Camera looking(Vec3d eye, double fov, double width = 0) {
+    Camera camera;
+    camera.eye = eye;
+    camera.look_at = {0.1, 0.05, -0.1};
+    camera.fov_degrees = fov;
+    camera.orthographic_width = width;
+    return camera;
+}
+const std::pair<const char*, Camera> kCameras[] = {
+    {"perspective", looking({2, 1.5, 3}, 40)},
+    {"eye_inside", looking({0.3, 0.2, 0.5}, 80)},
+    {"parallel", looking({1, 2, 3}, 40, 3)},
+    {"parallel_eye_inside", looking({0.1, 0.2, 0.3}, 40, 3)},
+};
+
+Clipping some_planes() {
+    Clipping clip;
+    clip.box = Box{{-0.7, -0.5, -0.8}, {0.6, 0.7, 0.3}};
+    clip.planes = {{{1, 0.7, -0.4}, -0.3}};
+    return clip;
+}
+
+double worst(const VolumeImage& a, const VolumeImage& b) {
+    double most = 0;
+    for (std::size_t n = 0; n < a.pixel.size(); ++n)
+        for (const auto channel : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
+            most =
+                std::max(most, std::abs(double{a.pixel[n].*channel} - double{b.pixel[n].*channel}));
+    return most;
+}
+
+class gpu_pictures : public testing::Test {
+  protected:
+    void TearDown() override {
+        emulation::set_traversal(emulation::Traversal::plain);
+        EXPECT_EQ(emulation::allocated(), 0u) << "GPU memory that a renderer has kept";
+    }
+};
+
+}  // namespace
+
+TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
+    const Gaussians model = mixed_model(40);
+    const ScalarField& field = model.fields.scalar.front();
+    const ValueTransfer transfer = colors_of(field);
+    VolumeLook lit;
+    lit.light = true;
+    lit.towards_light = {0.3, 1, 0.2};
+    VolumeLook clipped;
+    clipped.light = true;
+    clipped.clip = some_planes();
+    for (const EmulatedGpu& gpu : emulated_gpus()) {
+        GpuPictures pictures(gpu.renderer, model);
+        gpu.prepare();
+        for (const auto& [name, camera] : kCameras)
+            for (const auto& [slabs, look] :
+                 {std::pair{70, VolumeLook{}}, {32, lit}, {7, clipped}}) {
+                SCOPED_TRACE(gpu.name + " " + name + " " + std::to_string(slabs));
+                SlabOptions options;
+                options.slabs = slabs, options.look = look;
+                const VolumeImage expected = render_volume_splat(model, field.name, transfer,
+                                                                 camera, kWidth, kHeight, options);
+                const VolumeImage found =
+                    pictures.volume(field.name, transfer, camera, kWidth, kHeight, slabs, look);
+                EXPECT_LT(worst(found, expected), 1e-4);
+            }
+    }
+}
+
+TEST_F(gpu_pictures, of_maxima_are_those_of_the_splat) {
+    const Gaussians model = mixed_model(40);
+    const ScalarField& field = model.fields.scalar.front();
+    const double range = field.upper - field.lower;
+    for (const EmulatedGpu& gpu : emulated_gpus()) {
+        GpuPictures pictures(gpu.renderer, model);
+        gpu.prepare();
+        for (const auto& [name, camera] : kCameras)
+            for (const Clipping& clip : {Clipping{}, some_planes()}) {
+                SCOPED_TRACE(gpu.name + " " + name);
+                SlabOptions options;
+                options.slabs = 10, options.look.clip = clip;
+                const ValueMap expected =
+                    render_maximum_splat(model, field.name, camera, kWidth, kHeight, options);
+                const ValueMap found =
+                    pictures.maximum(field.name, camera, kWidth, kHeight, 10, clip);
+                std::size_t shown = 0, other = 0;
+                for (std::size_t n = 0; n < found.value.size(); ++n) {
+                    if (std::isnan(expected.value[n]) && std::isnan(found.value[n])) continue;
+                    ++shown;
+                    // A slab counts from a share of the densest on: rounding decides at that share.
+                    other += !(std::abs(found.value[n] - expected.value[n]) < 1e-3 * range);
+                }
+                EXPECT_GT(shown, 300u);
+                EXPECT_LT(other, shown / 50);
+            }
+    }
+}
+
+TEST_F(gpu_pictures, of_clipped_depth_are_the_closed_form) {
+    Gaussians model = random_gaussians(50, 0.15, 0.4, 5);
+    model.origin = {40, -30, 20};
+    Clipping clip = some_planes();
+    clip.box = moved(*clip.box, model.origin);
+    clip.planes[0].offset += dot(clip.planes[0].normal, model.origin);
+    for (auto [name, camera] : kCameras) {
+        camera.eye = camera.eye + model.origin;
+        camera.look_at = camera.look_at + model.origin;
+        DepthImage expected;
+        DepthRenderer(Renderer::trace, std::make_shared<Gaussians>(model), {.clip = clip})
+            .render(camera, kWidth, kHeight, expected);
+        const float most = *std::ranges::max_element(expected.depth);
+        EXPECT_GT(most, 0);
+        for (const EmulatedGpu& gpu : emulated_gpus()) {
+            SCOPED_TRACE(gpu.name + " " + name);
+            gpu.prepare();
+            DepthRenderer renderer(gpu.renderer, std::make_shared<Gaussians>(model),
+                                   {.clip = clip});
+            DepthImage depth;
+            renderer.render(camera, kWidth, kHeight, depth);
+            EXPECT_TRUE(renderer.gpu_ms().has_value());
+            for (std::size_t n = 0; n < depth.depth.size(); ++n)
+                ASSERT_NEAR(depth.depth[n], expected.depth[n], 1e-5 * double{most}) << n;
+        }
+    }
+}
+
+TEST_F(gpu_pictures, of_fields_are_the_same_bytes_in_every_run_and_order_of_traversal) {
+    const Gaussians model = mixed_model(200);
+    const FieldChoice choice{"gas velocity", FieldPart::view};
+    const Camera camera = kCameras[1].second;
+    FieldMaps before;
+    for (const EmulatedGpu& gpu : emulated_gpus()) {
+        gpu.prepare();
+        GpuPictures pictures(gpu.renderer, model);
+        const FieldMaps maps = pictures.fields(choice, camera, kWidth, kHeight);
+        (void)pictures.fields(choice, camera, 2 * kWidth, 20);
+        (void)pictures.depth(camera, 9, 7);
+        const auto bytes_of = [](const FieldMaps& of) {
+            std::vector<std::uint32_t> bits;
+            for (const auto* values : {&of.column, &of.mean, &of.deviation})
+                for (const float value : *values)
+                    bits.push_back(std::bit_cast<std::uint32_t>(value));
+            return bits;
+        };
+        EXPECT_EQ(bytes_of(pictures.fields(choice, camera, kWidth, kHeight)), bytes_of(maps));
+        if (gpu.name == "optix_strict" || gpu.name == "optix_noisy") {
+            EXPECT_EQ(bytes_of(maps), bytes_of(before)) << gpu.name;
+        }
+        before = maps;
+    }
+}
+
+TEST_F(gpu_pictures, of_boxes_are_those_of_the_ray_tracer) {
+    const Gaussians model = mixed_model(40);
+    const FieldChoice choice{model.fields.scalar.front().name, FieldPart::value};
+    const TraceSceneOptions boxes{1, 0};
+    const Camera camera = kCameras[0].second;
+    const FieldMaps expected =
+        render_field_trace(model, choice, camera, kWidth, kHeight, {}, boxes, some_planes());
+    for (const EmulatedGpu& gpu : emulated_gpus()) {
+        if (gpu.renderer != Renderer::optix) continue;
+        gpu.prepare();
+        GpuPictures pictures(gpu.renderer, model, boxes);
+        const FieldMaps maps = pictures.fields(choice, camera, kWidth, kHeight, some_planes());
+        const float most = *std::ranges::max_element(expected.column);
+        for (std::size_t n = 0; n < maps.column.size(); ++n) {
+            ASSERT_NEAR(maps.column[n], expected.column[n], 1e-5f * most) << n;
+            if (expected.column[n] > 1e-3f * most) {
+                ASSERT_NEAR(maps.mean[n], expected.mean[n], 0.02) << n;  // of 1,500
+            }
+        }
+        for (const auto& refused :
+             {refusal([&] { (void)pictures.maximum(choice.field, camera, 9, 9); }), refusal([&] {
+                  (void)pictures.volume(choice.field, colors_of(model.fields.scalar.front()),
+                                        camera, 9, 9);
+              })})
+            EXPECT_EQ(refused, "optix: bounding boxes (aabb_sigma) by value, expected trace");
+    }
+}
+
+TEST_F(gpu_pictures, of_wrong_input_are_refused_in_one_line) {
+    const Gaussians model = mixed_model(5);
+    const std::string field = model.fields.scalar.front().name;
+    const ValueTransfer transfer = colors_of(model.fields.scalar.front());
+    const Camera camera = kCameras[0].second;
+    EXPECT_EQ(refusal([&] { GpuPictures(Renderer::splat, model); }),
+              "splat: no renderer on a GPU, expected cuda or optix");
+    EXPECT_EQ(refusal([&] {
+                  GpuPictures(Renderer::cuda, model, {1, 0});
+              }),
+              "cuda: bounding boxes (aabb_sigma), expected optix");
+    for (const Renderer renderer : {Renderer::cuda, Renderer::optix}) {
+        GpuPictures pictures(renderer, model);
+        const std::string name = info_of(renderer).name;
+        EXPECT_EQ(refusal([&] { (void)pictures.volume(field, transfer, camera, 9, 9, 0); }),
+                  name + ": 0 depth slabs, expected 1 to 1024");
+        EXPECT_EQ(refusal([&] { (void)pictures.maximum(field, camera, 9, 9, 1025); }),
+                  name + ": 1025 depth slabs, expected 1 to 1024");
+        EXPECT_TRUE(refusal([&] {
+                        (void)pictures.maximum("cold", camera, 9, 9);
+                    }).starts_with("no field 'cold'"));
+        EXPECT_TRUE(refusal([&] {
+                        (void)pictures.fields({"cold", FieldPart::value}, camera, 9, 9);
+                    }).starts_with("no field 'cold'"));
+        Clipping flat;
+        flat.planes = {{{0, 0, 0}, 1}};
+        EXPECT_TRUE(
+            refusal([&] { (void)pictures.depth(camera, 9, 9, flat); }).starts_with("clip plane"));
+        // Nothing to draw is an empty picture.
+        Gaussians none = mixed_model(0);
+        GpuPictures empty(renderer, none);
+        EXPECT_EQ(empty.volume(field, transfer, camera, 3, 2).pixel,
+                  std::vector<Rgba>(6, Rgba{0, 0, 0, 0}));
+        EXPECT_EQ(empty.depth(camera, 3, 2).depth, std::vector<float>(6, 0.0f));
+        EXPECT_EQ(empty.fields({field, FieldPart::value}, camera, 3, 2).column,
+                  std::vector<float>(6, 0.0f));
+        EXPECT_TRUE(std::isnan(empty.maximum(field, camera, 3, 2).value[5]));
+    }
+    const auto shared = std::make_shared<Gaussians>(model);
+    Clipping clip = some_planes();
+    for (const Renderer renderer : {Renderer::cuda, Renderer::optix}) {
+        TraceOptions collect;
+        collect.anyhit = AnyHit::collect;
+        EXPECT_NE(
+            refusal([&] { DepthRenderer(renderer, shared, {.aabb_sigma = 1, .clip = clip}); }),
+            "no error");
+        EXPECT_NE(
+            refusal([&] { DepthRenderer(renderer, shared, {.trace = collect, .clip = clip}); }),
+            "no error");
+        EXPECT_NE(refusal([&] { DepthRenderer(renderer, shared, {.samples = 2, .clip = clip}); }),
+                  "no error");
+    }
+    const std::vector<Volume> volumes(1);
+    EXPECT_EQ(refusal([&] { DepthRenderer(Renderer::optix, volumes, {.clip = clip}); }),
+              "clip of volumes is not for optix, expected reference");
+}
+
+}  // namespace vog::test
