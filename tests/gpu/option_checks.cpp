@@ -4,11 +4,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "option_scene.h"
 #include "pfm.h"
+#include "support/scenes.h"
 #include "vog/gpu.h"
 #include "vog/gpu_pictures.h"
 #include "vog/ply.h"
@@ -40,26 +42,104 @@ DepthImage channel(const VolumeImage& picture, float Rgba::*of) {
     return image;
 }
 
+/// Gaussians wider than pixels, with a field: the closed form is what a picture is of.
+Gaussians wide_model() {
+    Gaussians model = random_gaussians(40, 0.2, 0.5, 5);
+    Random random(6);
+    ScalarField& field = model.fields.scalar.emplace_back();
+    field.name = "heat";
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        field.value.push_back(static_cast<float>(random(15, 25)));
+        field.gradient.push_back(vec_cast<float>(random.in_cube(5)));
+        field.deviation.push_back(static_cast<float>(random(0, 2)));
+        field.skewness.push_back(0);
+    }
+    return model;
+}
+constexpr int kWideWidth = 96, kWideHeight = 64;
+Camera wide_camera(double width) {
+    Camera camera;
+    camera.eye = {2, 1.5, 3};
+    camera.look_at = {0, 0, 0};
+    camera.fov_degrees = 40;
+    camera.orthographic_width = width;
+    return camera;
+}
+Clipping wide_clip() {
+    Clipping clip;
+    clip.box = Box{{-0.6, -0.4, -0.7}, {0.5, 0.6, 0.1}};
+    clip.planes = {{{1, 0.7, -0.4}, -0.3}};
+    return clip;
+}
+
+/// Column, mean and deviation of every pixel in double precision; NaN where the column is below a thousandth of the largest.
+std::array<DepthImage, 3> closed_form(const Gaussians& model, const Camera& camera,
+                                      const Clipping& clip) {
+    std::array<DepthImage, 3> maps;
+    for (DepthImage& map : maps) map = DepthImage(kWideWidth, kWideHeight);
+    const CameraFrame frame = frame_of(camera, kWideWidth, kWideHeight);
+    for (int y = 0; y < kWideHeight; ++y)
+        for (int x = 0; x < kWideWidth; ++x) {
+            FieldSums all;
+            for (std::size_t i = 0; i < model.size(); ++i) {
+                const FieldSums one = field_sums(model, {"heat", FieldPart::value}, i,
+                                                 frame.origin(x, y), frame.direction(x, y), clip);
+                all.column += one.column, all.first += one.first, all.second += one.second;
+            }
+            const double mean = all.first / all.column;
+            maps[0].at(x, y) = static_cast<float>(all.column);
+            maps[1].at(x, y) = static_cast<float>(mean);
+            maps[2].at(x, y) =
+                static_cast<float>(std::sqrt(std::max(all.second / all.column - mean * mean, 0.0)));
+        }
+    const float least = 1e-3f * *std::ranges::max_element(maps[0].depth);
+    for (std::size_t n = 0; n < maps[0].depth.size(); ++n)
+        if (!(maps[0].depth[n] >= least)) maps[1].depth[n] = maps[2].depth[n] = NAN;
+    return maps;
+}
+
+int check_closed_form(Renderer renderer) {
+    const std::string name = info_of(renderer).name;
+    const Gaussians model = wide_model();
+    GpuPictures pictures(renderer, model);
+    int failures = 0;
+    for (const double width : {0.0, 3.0})
+        for (const Clipping& clip : {Clipping{}, wide_clip()}) {
+            const Camera camera = wide_camera(width);
+            const std::string of = std::string(clip.empty() ? "" : "clipped ") +
+                                   (width > 0 ? "parallel " : "") + "heat: ";
+            const auto expected = closed_form(model, camera, clip);
+            const FieldMaps maps =
+                pictures.fields({"heat", FieldPart::value}, camera, kWideWidth, kWideHeight, clip);
+            const auto against = [&](const char* what, const DepthImage& exact,
+                                     const std::vector<float>& found, double tolerance) {
+                DepthImage image = exact;
+                image.depth = found;
+                failures += check(name, of + what, worst_of(exact, image), tolerance);
+            };
+            against("T", expected[0], pictures.depth(camera, kWideWidth, kWideHeight, clip).depth,
+                    1e-5);
+            against("column", expected[0], maps.column, 1e-5);
+            against("mean", expected[1], maps.mean, 2e-5);
+            against("deviation", expected[2], maps.deviation, 1e-4);
+        }
+    return failures;
+}
+
 int check_pictures(const OptionScene& scene, Renderer renderer) {
     const std::string name = info_of(renderer).name;
     const auto& [folder, model, camera] = scene;
-    const Clipping clip = option_clip(model);
     GpuPictures pictures(renderer, model);
     int failures = 0;
     const auto against = [&](const std::string& file, const DepthImage& image, double tolerance) {
         failures += check(name, file, worst_of(scene.expected(file), image), tolerance);
     };
     const int width = kOptionWidth, height = kOptionHeight;
-    against("clip", pictures.depth(camera, width, height, clip), kOfTheCpu);
     const ScalarField& field = model.fields.scalar.front();
-    for (const bool clipped : {false, true}) {
-        const FieldMaps maps = pictures.fields({field.name, FieldPart::value}, camera, width,
-                                               height, clipped ? clip : Clipping{});
-        const std::string of = clipped ? "clipped_" : "";
-        against(of + "column", as_image(maps.column), kOfTheCpu);
-        against(of + "mean", as_image(maps.mean), 1e-3);
-        against(of + "deviation", as_image(maps.deviation), 1e-3);
-    }
+    const FieldMaps maps = pictures.fields({field.name, FieldPart::value}, camera, width, height);
+    against("column", as_image(maps.column), kOfTheCpu);
+    against("mean", as_image(maps.mean), 1e-3);
+    against("deviation", as_image(maps.deviation), 1e-3);
     const double unit = view_box(model).radius() / 50;
     const ValueTransfer transfer = option_transfer(field, unit);
     for (const int slabs : {32, 70}) {
@@ -108,6 +188,24 @@ int check_cuda(const OptionScene& scene) {
 }
 
 #ifdef VOG_OPTIX
+/// Rays through the centres of equal parts of pixels are those of a picture that much finer.
+int check_samples() {
+    constexpr int kSamples = 3;
+    const Scene fine{"samples", wide_model(), wide_camera(0), kSamples * kWideWidth,
+                     kSamples * kWideHeight};
+    const std::vector<double> exact = exact_depth(fine);
+    DepthImage mean(kWideWidth, kWideHeight);
+    for (int y = 0; y < fine.height; ++y)
+        for (int x = 0; x < fine.width; ++x)
+            mean.at(x / kSamples, y / kSamples) += static_cast<float>(
+                exact[static_cast<std::size_t>(y * fine.width + x)] / (kSamples * kSamples));
+    OptixModel optix(fine.model);
+    return check(
+        "optix", "samples",
+        worst_of(mean, optix.render(fine.camera, kWideWidth, kWideHeight, {}, nullptr, kSamples)),
+        1e-5);
+}
+
 int check_optix(const OptionScene& scene) {
     const auto& [folder, model, camera] = scene;
     int failures = 0;
@@ -119,7 +217,7 @@ int check_optix(const OptionScene& scene) {
     against("kappa", OptixModel(model, {0, kKappa}).render(camera, width, height));
     OptixModel optix(model);
     against("stop", optix.render(camera, width, height, stopping_rays()));
-    against("samples", optix.render(camera, width, height, {}, nullptr, kSamples));
+    failures += check_samples();
     std::ifstream file(folder / "counts.json");
     const auto counts = nlohmann::json::parse(file);
     TraceOptions collect;
@@ -164,9 +262,11 @@ bool check(const std::string& renderer, const std::string& what, double worst, d
 
 int check_options(const std::filesystem::path& folder) {
     const OptionScene scene{folder};
-    int failures = check_cuda(scene) + check_pictures(scene, Renderer::cuda);
+    int failures = check_cuda(scene) + check_pictures(scene, Renderer::cuda) +
+                   check_closed_form(Renderer::cuda);
 #ifdef VOG_OPTIX
-    failures += check_optix(scene) + check_pictures(scene, Renderer::optix);
+    failures += check_optix(scene) + check_pictures(scene, Renderer::optix) +
+                check_closed_form(Renderer::optix);
 #endif
     return failures;
 }

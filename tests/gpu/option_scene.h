@@ -12,7 +12,6 @@ namespace vog::test {
 
 inline constexpr int kOptionWidth = 301, kOptionHeight = 203;
 inline constexpr double kBoxSigma = 1, kKappa = 0.1;
-inline constexpr int kSamples = 3;
 
 /// Rays of `stop.pfm`.
 inline TraceOptions stopping_rays() {
@@ -24,7 +23,6 @@ inline TraceOptions stopping_rays() {
     return options;
 }
 
-/// The view from the side, into which a plane of the clip and the light are turned.
 inline Camera option_camera(const Gaussians& model) {
     Camera camera = paper_view(view_box(model));
     camera.fov_degrees *= 1.2;

@@ -15,7 +15,6 @@
 #include "vog/maximum_picture.h"
 #include "vog/ply.h"
 #include "vog/reference.h"
-#include "vog/renderer.h"
 #include "vog/trace.h"
 #include "vog/volume_io.h"
 
@@ -64,14 +63,6 @@ void write_options(const std::filesystem::path& folder, const Gaussians& model) 
     write("kappa", render_trace(trace_scene(model, {0, kKappa}), camera, width, height));
     const TraceScene scene = trace_scene(model);
     write("stop", render_trace(scene, camera, width, height, stopping_rays()));
-    // Rays through the centres of equal parts of pixels are those of a picture that much finer.
-    const DepthImage fine = render_trace(scene, camera, kSamples * width, kSamples * height);
-    std::vector<double> mean(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-    for (int y = 0; y < fine.height; ++y)
-        for (int x = 0; x < fine.width; ++x)
-            mean[static_cast<std::size_t>(y / kSamples * width + x / kSamples)] +=
-                double{fine.at(x, y)} / (kSamples * kSamples);
-    write("samples", as_picture({mean.begin(), mean.end()}));
     TraceOptions collect;
     collect.anyhit = AnyHit::collect;
     collect.hits_per_slab = 8;
@@ -82,22 +73,14 @@ void write_options(const std::filesystem::path& folder, const Gaussians& model) 
                           report.slabs, report.most_slabs);
     if (!counts.flush()) throw Error((folder / "counts.json").string() + ": cannot write");
 
-    const Clipping clip = option_clip(model);
-    DepthImage clipped;
-    DepthRenderer(Renderer::trace, std::make_shared<Gaussians>(model), {.clip = clip})
-        .render(camera, width, height, clipped);
-    write("clip", clipped);
     const ScalarField& field = model.fields.scalar.front();
-    for (const bool cut : {false, true}) {
-        const FieldMaps maps = render_field_trace(model, {field.name, FieldPart::value}, camera,
-                                                  width, height, {}, {}, cut ? clip : Clipping{});
-        const std::string of = cut ? "clipped_" : "";
-        write(of + "column", as_picture(maps.column));
-        // Where only the rims of supports are, means have no digits in floats.
-        const double least = 1e-3;
-        write(of + "mean", as_picture(visible_values(maps, maps.mean, least).value));
-        write(of + "deviation", as_picture(visible_values(maps, maps.deviation, least).value));
-    }
+    const FieldMaps maps =
+        render_field_trace(model, {field.name, FieldPart::value}, camera, width, height);
+    write("column", as_picture(maps.column));
+    // Where only the rims of supports are, means have no digits in floats.
+    constexpr double kLeast = 1e-3;
+    write("mean", as_picture(visible_values(maps, maps.mean, kLeast).value));
+    write("deviation", as_picture(visible_values(maps, maps.deviation, kLeast).value));
     const ValueTransfer transfer = option_transfer(field, view_box(model).radius() / 50);
     for (const int slabs : {32, 70}) {
         const VolumeImage picture =
