@@ -1,15 +1,20 @@
 #!/usr/bin/env python3
 """Registers, shared memory and occupancy of the CUDA kernels, by the compiler, without a GPU.
 
-usage: bench/gpu_kernels.py [--nvcc NVCC] [--optix OPTIX_ROOT] [ARCHITECTURE ...]     default: 75 86 89 90 120
+usage: bench/gpu_kernels.py [--nvcc NVCC] [--optix OPTIX_ROOT [--frame VOG MODEL]] [ARCHITECTURE ...]     default: 75 86 89 90 120
 
 With --optix, the operations and loads of each OptiX program in its PTX instead: the driver compiles them, so registers are
 known on a card alone.
+
+With --frame, the least that hits of a frame of MODEL at 1024 x 1024 in the paper view move and compute on OptiX's rays, and the
+time that bounds on two cards: hits are counted by VOG's ray tracer (the same programs), operations and loads as above. Boxes that
+rays meet beside their Gaussians are not counted.
 
 Occupancy is the share of a multiprocessor's threads that fit beside each other, limited by registers, shared
 memory, blocks and threads (CUDA C++ Programming Guide, "Technical Specifications per Compute Capability").
 """
 import argparse
+import json
 import pathlib
 import re
 import subprocess
@@ -23,6 +28,13 @@ THREADS = 256  # of a block, kBlock
 PROCESSORS = {75: (1024, 16, 64 << 10), 86: (1536, 16, 100 << 10), 89: (1536, 24, 100 << 10),
               90: (2048, 32, 228 << 10), 120: (1536, 24, 100 << 10)}
 REGISTERS = 65536
+# Bytes a second of memory, operations a second in single and double precision (an fma is one), by NVIDIA's datasheets: GeForce RTX 4090
+# Laptop GPU, 576 GB/s, 9,728 cores at the least boost of 1.455 GHz, 1/64 of that in double; H100 SXM, 3.35 TB/s, 67 and 34 TFLOPS.
+CARDS = {"RTX 4090 laptop": (576e9, 9728 * 1.455e9, 9728 * 1.455e9 / 64), "H100 SXM": (3.35e12, 67e12 / 2, 34e12 / 2)}
+# Programs of a hit and of a ray for each picture, and the bytes that a hit loads (Gaussian, light).
+FRAMES = {"T": (("__intersection__gaussian", "__anyhit__accumulate"), "__raygen__accumulate", 64),
+          "column alone, clips": (("__intersection__gaussian", "__anyhit__sums"), "__raygen__sums", 64),
+          "by value": (("__intersection__gaussian", "__anyhit__slabs"), "__raygen__slabs", 128)}
 
 
 def occupancy(architecture, registers, shared):
@@ -76,12 +88,38 @@ def programs(nvcc, optix):
     return found
 
 
+def print_frame(vog, model, counts):
+    with tempfile.TemporaryDirectory() as folder:
+        report = subprocess.run([vog, "render", model, "-o", f"{folder}/p.png", "--renderer", "trace", "--size", "1024", "--view",
+                                 "paper", "--json"], capture_output=True, text=True)
+    if report.returncode:
+        sys.exit(f"{vog}: {report.stderr.strip()}")
+    hits, rays = json.loads(report.stdout)["hits"], 1024 * 1024
+    print(f"{hits:,} hits, {hits / rays:.1f} a ray\n")
+    print("| picture | loads | operations, single | double | " + " | ".join(f"{card}: memory, single, double" for card in CARDS) + " |")
+    print("|---|---|---|---|" + "---|" * len(CARDS))
+    for picture, (of_hit, of_ray, loaded) in FRAMES.items():
+        moved = hits * loaded
+        single = hits * sum(counts[name][1] for name in of_hit) + rays * counts[of_ray][1]
+        # Double operations of the intersection are of --aabb-sigma alone.
+        double = hits * counts[of_hit[1]][0] + rays * counts[of_ray][0]
+        cells = [" , ".join(f"{1e3 * amount / rate:.2f}" for amount, rate in zip((moved, single, double), rates)).replace(" ,", ",")
+                 + " ms" for rates in CARDS.values()]
+        print(f"| {picture} | {moved / 1e6:.0f} MB | {single / 1e9:.2f} G | {double / 1e9:.2f} G | " + " | ".join(cells) + " |")
+
+
 def main():
     options = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     options.add_argument("--nvcc", default="nvcc")
     options.add_argument("--optix", help="folder of OptiX's headers: count operations of its programs")
+    options.add_argument("--frame", nargs=2, metavar=("VOG", "MODEL"), help="with --optix: bounds on the time of a frame")
     options.add_argument("architectures", nargs="*", type=int, default=sorted(PROCESSORS))
     arguments = options.parse_args()
+    if arguments.frame and not arguments.optix:
+        sys.exit("--frame: expected --optix, too")
+    if arguments.frame:
+        print_frame(*arguments.frame, programs(arguments.nvcc, arguments.optix))
+        return
     if arguments.optix:
         print("| program | operations, double | float | loads of 16 bytes | other loads |\n|---|---|---|---|---|")
         for name, counts in programs(arguments.nvcc, arguments.optix).items():
