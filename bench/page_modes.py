@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Times of the page's modes against each other: visibility, column density, mean of a field, volume by value without and with light.
+"""Times of the page's modes against each other: visibility, column density, mean and maximum of a field, volume by value without and with
+light.
 
 usage: bench/page_modes.py VOG MODEL.ply [--size 640x480] [--rounds 5] [--frames 3]
 
@@ -45,6 +46,8 @@ def modes_of(field):
         "column density": ({"show": "column", "scale": {**scale, "low": 0, "high": 50}}, ("--show", "column", "--range", "0,50")),
         "mean of the field": ({"show": "mean", "field": 0, "scale": scale},
                               ("--show", "mean", "--field", field["name"], *values)),
+        "maximum of the field": ({"show": "maximum", "field": 0, "scale": scale},
+                                 ("--show", "maximum", "--field", field["name"], *values)),
         "volume": ({"show": "volume", "transfers": {"0": ramp}}, volume),
         "volume, lit": ({"show": "volume", "transfers": {"0": ramp}, "light": True}, (*volume, "--light", "head")),
     }

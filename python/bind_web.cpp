@@ -140,10 +140,10 @@ extinction   factor on density, or 'auto': by the initial view of each model
 tf           initial transfer function
 background   as in DepthImage.shade; 'system': black or white by the reader's colour scheme
 blend        True: colours fade into the background as V goes to 0
-show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation' or 'volume'
-field        name of that field; '': the first one, of volume the density where the model has it
+show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation', 'volume' or 'maximum'
+field        name of that field; '': the first one, of volume and maximum the density where the model has it
 range        (low, high), values of the first and the last colour; None: of the initial view, volume: of the data
-log          True: logarithmic colours of column, mean or deviation with a range
+log          True: logarithmic colours of column, mean, deviation or maximum with a range
 unit_distance  of volume: length that opacities refer to, world units; None: found by the page
 light        of volume: 'head', or the direction towards the light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all

@@ -11,10 +11,10 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "vog/shade.h"
 #include "vog/value_transfer.h"
-#include "vog/volume_picture.h"
 
 namespace vog {
 
@@ -29,16 +29,17 @@ inline constexpr std::size_t kMostHtmlPlanes = 10;
 
 /// Quantity that a page shows first; its reader can select every other that the models have.
 struct HtmlQuantity {
-    std::string show = "T";  ///< T, column, mean, deviation or volume
-    /// Field of mean, deviation and volume, as field_choice reads it; empty: the first one, of
-    /// volume the density where the model has it.
+    std::string show = "T";  ///< T, column, mean, deviation, volume or maximum
+    /// Field of mean, deviation, volume and maximum, as field_choice reads it; empty: the first one, of
+    /// volume and maximum the density where the model has it.
     std::string field{};
-    /// Scale of column, mean or deviation, linear or logarithmic; none: linear, of the first view.
+    /// Scale of column, mean, deviation or maximum, linear or logarithmic; none: linear, of the first view.
     std::optional<ColorScale> scale{};
     /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
     std::optional<ValueTransfer> transfer{};
     VolumeLook look{};  ///< light of volume, and the clip of all quantities
     int slabs = 32;     ///< depth slabs of volume, 1 to 1024; rounded up to a multiple of 4
+    int maximum_slabs = kMaximumSlabs;  ///< depth slabs of maximum, 1 to 1024
 };
 
 /// Options of write_html.

@@ -40,9 +40,10 @@ constexpr const char* kModules[] = {
     "handles.js",  "player.js", "readout.js",   "main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"gaussians.js", "fields.js", "worker.js"};
-constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",  "chord.glsl",  "field.frag",
-                                    "slab.frag",   "ranges.frag", "light.vert",  "light.frag",
-                                    "layers.frag", "copy.frag",   "screen.vert", "shade.frag"};
+constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",
+                                    "slab.frag",   "ranges.frag",  "light.vert", "light.frag",
+                                    "layers.frag", "maximum.frag", "copy.frag",  "screen.vert",
+                                    "shade.frag"};
 
 /// Name declared by a line such as "const x = 1;" or "async function x() {".
 std::string declared_name(std::string_view line) {
@@ -230,27 +231,28 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
 /// throws  vog::Error for a quantity that the model has not
 void check_quantity(const Gaussians& model, const HtmlQuantity& quantity) {
     const std::string& show = quantity.show;
-    if (show != "T" && show != "column" && show != "mean" && show != "deviation" &&
-        show != "volume")
+    const bool of_scalars = show == "volume" || show == "maximum";
+    if (show != "T" && show != "column" && show != "mean" && show != "deviation" && !of_scalars)
         throw Error(fmt::format(
-            "page: quantity '{}', expected T, column, mean, deviation or volume", show));
-    if (quantity.slabs < 1 || quantity.slabs > 1024)
-        throw Error(fmt::format("page: {} depth slabs, expected 1 to 1024", quantity.slabs));
+            "page: quantity '{}', expected T, column, mean, deviation, volume or maximum", show));
+    for (const int slabs : {quantity.slabs, quantity.maximum_slabs})
+        if (slabs < 1 || slabs > 1024)
+            throw Error(fmt::format("page: {} depth slabs, expected 1 to 1024", slabs));
     vog::validate(quantity.look);
     if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
         throw Error(fmt::format("page: {} clip planes, expected at most {}",
                                 quantity.look.clip.planes.size(), kMostHtmlPlanes));
     if (quantity.transfer) vog::validate(*quantity.transfer);
     if (show == "T" || show == "column") return;
-    if (model.fields.empty() || (show == "volume" && model.fields.scalar.empty()))
+    if (model.fields.empty() || (of_scalars && model.fields.scalar.empty()))
         throw Error(
             fmt::format("page: the model has no field for {}, expected one "
                         "(vog convert --field)",
                         show));
     if (quantity.field.empty()) return;
     const FieldChoice choice = field_choice(quantity.field, model.fields);
-    if (show == "volume" && choice.part != FieldPart::value)
-        throw Error(fmt::format("page: volume of '{}', expected a scalar field", quantity.field));
+    if (of_scalars && choice.part != FieldPart::value)
+        throw Error(fmt::format("page: {} of '{}', expected a scalar field", show, quantity.field));
     if (choice.part == FieldPart::magnitude && show != "mean")
         throw Error(fmt::format("page: {} of '{}', expected a component: {}, .x, .y or .z", show,
                                 quantity.field, choice.field));
@@ -269,7 +271,9 @@ Json json_of(const ValueTransfer& transfer) {
 
 /// First quantity of the page: names of the field and the part, null where the page selects.
 Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
-    Json out = {{"show", quantity.show}, {"slabs", (quantity.slabs + 3) / 4 * 4}};
+    Json out = {{"show", quantity.show},
+                {"slabs", (quantity.slabs + 3) / 4 * 4},
+                {"maximumSlabs", quantity.maximum_slabs}};
     out["field"] = out["scale"] = out["transfer"] = out["clip"] = nullptr;
     if (!quantity.field.empty()) {
         const FieldChoice choice = field_choice(quantity.field, model.fields);

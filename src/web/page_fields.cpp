@@ -1,12 +1,14 @@
 // page_fields.cpp: ranges, histograms and bytes of fields.
 #include "web/page_fields.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "render/by_value/value_histogram.h"
 #include "vog/field_maps.h"
+#include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "web/web_fields.h"
 
@@ -30,6 +32,15 @@ Json range_of(const FieldMaps& maps, const std::vector<float>& shown) {
 Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& view) {
     const FieldMaps maps = render_field_splat(model, choice, view, kViewSize, kViewSize);
     return {{"mean", range_of(maps, maps.mean)}, {"deviation", range_of(maps, maps.deviation)}};
+}
+
+/// Range of the maximum in the first view, likewise.
+Json maximum_range(const Gaussians& model, const std::string& field, const Camera& view) {
+    const ValueMap map = render_maximum_splat(model, field, view, kViewSize, kViewSize);
+    if (std::ranges::all_of(map.value, [](float value) { return std::isnan(value); }))
+        return nullptr;
+    const ColorScale scale = fitted_scale(map.value, ScaleFit::linear);
+    return {scale.low, scale.high};
 }
 
 /// Measure by value, the largest bin 1000.
@@ -77,6 +88,7 @@ Json fields_json(
         entry["histogram"] = histogram(finest, field, false);
         if (field.lower > 0) entry["logHistogram"] = histogram(finest, field, true);
         entry["ranges"] = {{"", maps_json(finest, {field.name, FieldPart::value}, view)}};
+        entry["ranges"][""]["maximum"] = maximum_range(finest, field.name, view);
         add_levels(entry, [&](const Fields& fields) -> const ScalarField& {
             return *fields.find_scalar(field.name);
         });

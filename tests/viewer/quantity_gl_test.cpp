@@ -71,7 +71,7 @@ SumImage drawn(const Gaussians& model, const Drawn& what, const Camera& camera) 
     const GlModel on_device(model);
     const GlTarget target(GL_RGBA32F, kWidth, kHeight);
     target.clear();
-    if (what.kind == Drawn::Kind::light) {
+    if (what.kind == Drawn::Kind::light || what.kind == Drawn::Kind::maximum) {
         const GlField field(on_device, model, what.field);
         GlSlabs().add({&on_device, &field, model.fields.find_scalar(what.field.field),
                        what.transfer, &what.look, what.slabs},
@@ -107,9 +107,11 @@ void expect_same_map(const Gaussians& model, const FieldChoice& choice, const Ca
     const SumImage sums = drawn(model, {Drawn::Kind::field, choice, {}, 32, {}}, camera);
     const FieldUnit unit = unit_of(model.fields, choice.field);
     const auto& map = named_transfer_function("viridis");
+    const bool rms = choice.part == FieldPart::magnitude;
     for (const Show show : {Show::mean, Show::deviation}) {
+        if (rms && show == Show::mean) continue;  // shown as the deviation from 0
         SCOPED_TRACE(word_of(show));
-        const std::vector<float>& values = show == Show::mean ? maps.mean : maps.deviation;
+        const std::vector<float>& values = show == Show::mean || rms ? maps.mean : maps.deviation;
         const ValueMap expected = visible_values(maps, values, kLeastColumn);
         const ColorScale scale = fitted_scale(values_for_scale(maps, values), ScaleFit::linear);
         expect_same(shade_map(expected, map, scale),
@@ -138,9 +140,41 @@ TEST_F(quantity_gl, maps_are_the_cpus) {
     for (const View& view : views(model))
         for (const FieldChoice& choice : {FieldChoice{"density", FieldPart::value},
                                           {"flow", FieldPart::view},
-                                          {"flow", FieldPart::y}}) {
+                                          {"flow", FieldPart::y},
+                                          {"flow", FieldPart::magnitude}}) {
             SCOPED_TRACE(std::string(view.name) + " " + field_label(choice));
             expect_same_map(model, choice, view.camera);
+        }
+}
+
+TEST_F(quantity_gl, maxima_are_the_cpus) {
+    const Gaussians model = cloud_with_fields();
+    Gaussians other = model;  // a field beside the density: without the limit of a density's means
+    other.fields.scalar.push_back(other.fields.scalar.front());
+    other.fields.scalar.back().name = "other";
+    other.fields.scalar.back().is_measure = false;
+    const FieldUnit unit = unit_of(other.fields, "density");
+    VolumeLook clipped;
+    clipped.clip = middle_of(model);
+    const auto& map = named_transfer_function("viridis");
+    for (const View& view : views(model))
+        for (const auto& [name, field, look, slabs] :
+             {std::tuple{"density", "density", VolumeLook{}, kMaximumSlabs},
+              {"other", "other", VolumeLook{}, kMaximumSlabs},
+              {"clip", "density", clipped, kMaximumSlabs},
+              {"a few slabs", "density", VolumeLook{}, 13}}) {
+            SCOPED_TRACE(std::string(view.name) + " " + name);
+            SlabOptions options;
+            options.slabs = slabs;
+            options.look = look;
+            const ValueMap cpu =
+                render_maximum_splat(other, field, view.camera, kWidth, kHeight, options);
+            const SumImage sums =
+                drawn(other, {Drawn::Kind::maximum, {field, FieldPart::value}, look, slabs, {}},
+                      view.camera);
+            const ColorScale scale = fitted_scale(cpu.value, ScaleFit::linear);
+            expect_same(shade_map(cpu, map, scale),
+                        shade_map(shown_map(sums, Show::mean, unit), map, scale));
         }
 }
 

@@ -258,6 +258,7 @@ TEST_F(view_command, quantities_are_the_command_lines) {
                  "show mean density\nvalues 0.1 0.9\ntf viridis\nwait\npicture mean.png\n"
                  "depth mean.exr\n"
                  "show deviation\nvalues 0 0.3\nwait\npicture deviation.png\n"
+                 "show maximum\nvalues 0.1 1\nwait\npicture maximum.png\ndepth maximum.exr\n"
                  "show volume\nwait\n"
                  "points 0.1:0 0.5:0.2 0.9:0.7\nundo\nredo\nunit-distance 5\ntf hot\n"
                  "save-tf look.json\nlight on\nclip -20 -20 -20 8 20 20\nwait\n"
@@ -272,10 +273,47 @@ TEST_F(view_command, quantities_are_the_command_lines) {
         render("--show column --range 0.1,30 --log", "column.png");
         render("--show mean --field density --range 0.1,0.9 --tf viridis", "mean.png");
         render("--show deviation --field density --range 0,0.3 --tf viridis", "deviation.png");
+        render("--show maximum --range 0.1,1 --tf viridis", "maximum.png");
         render("--show volume --tf look.json --light head --clip=-20,-20,-20,8,20,20",
                "volume.png");
         render("--extinction 0.05 --clip=-20,-20,-20,8,20,20", "clipped.png");
     }
+}
+
+TEST_F(view_command, root_mean_squares_of_vectors_are_the_command_lines) {
+    make_cloud();
+    Gaussians model = read_ply(dir_ / "cloud.ply");
+    VectorField flow;
+    flow.name = "flow";
+    flow.unit = "m/s";
+    flow.upper = 3;
+    for (const Vec3f& at : model.mean) {
+        flow.value.push_back({std::sin(0.1f * at.y), std::cos(0.1f * at.x), 0.1f * at.z});
+        flow.covariance.push_back({0.04f, 0.01f, 0, 0.09f, -0.01f, 0.02f});
+    }
+    for (auto& gradient : flow.gradient) gradient.assign(model.size(), Vec3f{0.02f, -0.03f, 0.01f});
+    model.fields.vector.push_back(std::move(flow));
+    write_ply(dir_ / "cloud.ply", model);
+    for (const char* renderer : {"gl", "splat", "trace"}) {
+        SCOPED_TRACE(renderer);
+        // The first quantity by options, and the others' fields after it.
+        play("cloud.ply",
+             "size 120 100\npanels off\noverlay off\ncolorbar off\naxes off\nrenderer " +
+                 std::string(renderer) +
+                 "\nsave-camera camera.json\nwait\npicture rms.png\ndepth rms.exr\n"
+                 "show deviation flow.x\nwait\nshow mean flow.magnitude\nvalues 0.5 2\nwait\n"
+                 "picture again.png\n",
+             "--show mean --field flow.magnitude --range 0.5,2");
+        must(
+            "render cloud.ply --camera camera.json --size 120x100 --show mean --field "
+            "flow.magnitude --range 0.5,2 -o r.png");
+        expect_same_picture("r.png", "rms.png");
+        expect_same_picture("r.png", "again.png");
+    }
+    refuses("show deviation flow.magnitude\n", "deviation on rays is not of rms of flow");
+    refuses("show maximum flow\n", "maximum on rays is not of flow along the view");
+    must_fail(2, "view cloud.ply --headless --script play.vog --show maximum --light head",
+              "is of --show volume");
 }
 
 TEST_F(view_command, voxels_show_quantities_and_options_choose_the_first) {
@@ -284,8 +322,14 @@ TEST_F(view_command, voxels_show_quantities_and_options_choose_the_first) {
          "size 120 100\npanels off\noverlay off\ncolorbar off\naxes off\nrenderer reference\n"
          "save-camera camera.json\nwait\npicture mean.png\n"
          "show volume\nwait\npoints 0.2:0 0.9:0.5\nunit-distance 4\nsave-tf look.json\nwait\n"
-         "picture volume.png\ndepth volume.exr\n",
+         "picture volume.png\ndepth volume.exr\n"
+         "show maximum\nvalues 0.1 1\ntf viridis\nwait\npicture maximum.png\n"
+         "against gl\nsplit 0.5\nwait\nsplit off\ndifference 0.1\nwait\npicture difference.png\n",
          "--show mean --range 0.1,0.8 --tf viridis");
+    must(
+        "render cloud.vdb --camera camera.json --size 120x100 --show maximum --range 0.1,1 --tf "
+        "viridis -o r_maximum.png");
+    expect_same_picture("r_maximum.png", "maximum.png");
     must(
         "render cloud.vdb --camera camera.json --size 120x100 --show mean --field density --range "
         "0.1,0.8 --tf "
@@ -326,7 +370,7 @@ TEST_F(view_command, copied_flags_are_options_of_render) {
                          over_range(named_transfer_function("hot"), 0.1, 0.9, 5));
     for (const viewer::Show show :
          {viewer::Show::visibility, viewer::Show::column, viewer::Show::mean,
-          viewer::Show::deviation, viewer::Show::volume}) {
+          viewer::Show::deviation, viewer::Show::volume, viewer::Show::maximum}) {
         viewer::Quantity quantity;
         quantity.show = show;
         quantity.field.field = "density";

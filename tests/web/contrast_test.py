@@ -8,7 +8,7 @@ where there is no Chromium.
 import json
 
 from page_test_case import PageTest, run, vog, write_model
-from quantities_test import write_flow
+from quantity_test_case import write_flow
 
 # [text, contrast, wanted] of each visible element with a text of its own; disabled controls are exempt.
 CONTRASTS = """(() => {

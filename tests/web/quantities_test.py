@@ -8,86 +8,16 @@ where there is no Chromium.
 import array
 import json
 import math
-import random
 
-from page_test_case import PageTest, run, smoke, vog
+from page_test_case import run, smoke, vog
+from quantity_test_case import LEAST_PSNR_DB, QuantityTest
 
-# Measured: 66 dB and more, no pixel off by more than 4 of 255; those are rims, which quantised scales move.
-LEAST_PSNR_DB, MOST_OFF = 55, 6
 RAMP = {"name": "ramp", "unit": 1, "opacity": [[0, 0], [1, 0.5]],
         "colors": [[0, 0, 0, 0.2], [1, 1, 0.5, 0.1], [3, 1, 1, 1]]}
 STEP = {"name": "step", "unit": 0.5, "opacity": [[0.5, 0], [0.6, 0.9]], "colors": [[0, 0.8, 0.4, 0.2], [3, 1, 1, 1]]}
 
 
-def write_flow(path, count=400):
-    """Writes a PLY of rotated Gaussians with a field `temperature` [K] and a vector field `velocity` [km/s]."""
-    rng, names = random.Random(5), ["x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3", "density"]
-    scalar = ["temperature", *(f"temperature_{k}" for k in ("gx", "gy", "gz", "sd", "skew"))]
-    vector = [f"velocity_{c}" for c in "xyz"]
-    vector += [f"velocity_{c}_g{axis}" for c in "xyz" for axis in "xyz"]
-    vector += [f"velocity_{pair}" for pair in ("xx", "xy", "xz", "yy", "yz", "zz")]
-    rows = array.array("f")
-    for _ in range(count):
-        q = [rng.gauss(0, 1) for _ in range(4)]
-        rows.extend([rng.uniform(-1, 1) for _ in range(3)] + [rng.uniform(0.05, 0.3) for _ in range(3)])
-        rows.extend([v / math.hypot(*q) for v in q] + [rng.uniform(0.1, 1)])
-        rows.extend([rng.uniform(280, 320), *(rng.gauss(0, 8) for _ in range(3)), rng.uniform(0, 4), rng.uniform(-1, 1)])
-        spread = [rng.uniform(1, 5) for _ in range(3)]
-        rows.extend([rng.gauss(0, 20) for _ in range(3)] + [rng.gauss(0, 10) for _ in range(9)])
-        rows.extend([spread[0] ** 2, 0.3 * spread[0] * spread[1], 0, spread[1] ** 2, -0.2 * spread[1] * spread[2], spread[2] ** 2])
-    header = "ply\nformat binary_little_endian 1.0\ncomment vog 1\ncomment cutoff 2.25\n"
-    header += "comment field scalar temperature 270 330 K\ncomment field vector velocity 0 80 km/s\n"
-    header += f"element vertex {count}\n" + "".join(f"property float {n}\n" for n in names + scalar + vector)
-    with open(path, "wb") as out:
-        out.write((header + "end_header\n").encode())
-        rows.tofile(out)
-
-
-class Quantities(PageTest):
-    @classmethod
-    def make(cls):
-        vog("convert", smoke(), "-o", "smoke.ply", "--block", 8)
-        write_flow(cls.folder / "flow.ply")
-        vog("export", "smoke.ply", "-o", "smoke.html", "--levels", 1)
-        vog("export", "flow.ply", "-o", "flow.html", "--levels", 1)
-
-    def start(self, page, fragment="#subframes=1&embed"):
-        # Large enough that no Gaussian is narrower than a pixel: those lose their planes at a sharp limit.
-        self.browser.viewport(360, 300)
-        self.open(page, fragment)
-
-    def change(self, **state):
-        self.value(f"vog.change({json.dumps(state)})")
-        self.browser.settle()
-
-    def compared(self, model, *options):
-        """Differences between the page's picture and that of vog render with some options."""
-        self.picture()
-        width, height = self.write_camera()
-        vog("render", model, "-o", "cpu.png", "--camera", "camera.json", "--size", f"{width}x{height}", *options)
-        return json.loads(vog("compare", "cpu.png", "web.png", "--json"))
-
-    def expect_page_is(self, model, *options, off=MOST_OFF):
-        """Expects the page's picture to equal that of vog render with some options."""
-        found = self.compared(model, *options)
-        self.assertGreater(found["psnr_rgb_db"] or math.inf, LEAST_PSNR_DB, options)
-        self.assertLessEqual(found["largest"], off, options)
-
-    def expect_map_is(self, model, *options):
-        """The same for a map of a field, which has no colour below a thousandth of the picture's largest column."""
-        width, height = self.write_camera()
-        clips = [option for option in options if option.startswith("--clip-plane=")]
-        vog("render", model, "--show", "column", "--values-out", "column.npy", "--camera", "camera.json",
-            "--size", f"{width}x{height}", *clips)
-        column = array.array("f", (self.folder / "column.npy").read_bytes()[-4 * width * height:])
-        # The page's bound is 1e-4 of this number.
-        self.value(f"vog.page.models[0].mostColumn = {10 * max(column)!r}; vog.change({{}})")
-        self.browser.settle()
-        # A pixel whose column is the bound to rounding has a colour in one of the two: less than one in 2,000.
-        found = self.compared(model, "--least-column", 1e-3, *options)
-        self.assertLess(found["off_by_more_than_4"], 5e-4, options)
-        self.assertLess(found["off_by_more_than_1"], 2e-3, options)
-
+class Quantities(QuantityTest):
     def write_transfer(self, transfer):
         (self.folder / "tf.json").write_text(json.dumps(
             {"domain": [0, 3], "unit_distance": transfer["unit"], "colors": transfer["colors"], "opacity": transfer["opacity"]}))
@@ -149,7 +79,7 @@ class Quantities(PageTest):
         beside = {"eye": [c + f * h for c, f, h in zip(box["center"], (0, 0, 1.2), box["half"])], "at": box["center"]}
         within = {"eye": [c + 0.1 * h for c, h in zip(box["center"], box["half"])],
                   "at": [c + f * h for c, f, h in zip(box["center"], (0.3, -1, 0.2), box["half"])]}
-        for part in ({}, beside, within):
+        for part in ({}, beside, within, {"span": 80}):
             self.change(show="T", map="gray", camera={**lens, **part}, light=light)
             self.expect_page_is("smoke.ply", "--tf", "gray", "--extinction", extinction, off=2)
             self.change(show="column", scale={"low": 0, "high": 100, "log": False})

@@ -42,8 +42,8 @@ struct WindowArguments {
 /// Grid of --field: "velocity" of "velocity.x"; empty: none.
 std::string field_grid(const WindowArguments& arguments) {
     const std::string& text = arguments.quantity.quantity.field;
-    for (const char* part : {".x", ".y", ".z"})
-        if (text.ends_with(part)) return text.substr(0, text.size() - 2);
+    for (const std::string part : {".x", ".y", ".z", ".magnitude"})
+        if (text.ends_with(part)) return text.substr(0, text.size() - part.size());
     return text;
 }
 
@@ -54,6 +54,7 @@ void set_quantity(viewer::ViewerOptions& options, const WindowArguments& argumen
     options.quantity.show = viewer::show_from(stated.show);
     options.quantity.look = stated.look;
     options.quantity.slabs = stated.slabs;
+    options.quantity.maximum_slabs = stated.maximum_slabs;
     options.field = stated.field;
     options.color_scale = stated.scale;
     const std::string input = arguments.inputs.empty() ? "" : arguments.inputs.front();

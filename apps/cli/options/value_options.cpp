@@ -154,8 +154,8 @@ void add_value_options(CLI::App& command, ValueArguments& arguments) {
     command
         .add_option("--slabs", arguments.slabs,
                     "Depth slabs a tile of a model's picture by splat, cuda or optix: more lie "
-                    "nearer to exact order "
-                    "(--renderer trace), and cost memory and time; default 32")
+                    "nearer to exact order (--renderer trace), and cost memory and time; default "
+                    "32, of --show maximum 128")
         ->check(CLI::Range(1, 1024))
         ->group(kValueGroup);
 }

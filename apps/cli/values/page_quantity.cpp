@@ -37,25 +37,29 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
     command
         .add_option("--show", quantity.show,
                     "Quantity that is shown first: T, column (column density), mean or "
-                    "deviation of --field along the ray, or volume: emission and absorption by the "
-                    "value of --field under --tf, --window, --band or --iso")
-        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume"}))
+                    "deviation of --field along the ray, volume: emission and absorption by the "
+                    "value of --field under --tf, --window, --band or --iso; or maximum: the "
+                    "largest value of --field along the ray")
+        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume", "maximum"}))
         ->capture_default_str()
         ->group(group);
     command
-        .add_option("--field", quantity.field,
-                    "Field that mean, deviation and volume show first: temperature, velocity (the "
-                    "component along the view), velocity.x, .y or .z, velocity.magnitude (root "
-                    "mean square, mean "
-                    "alone); default: the first one; "
-                    "of volume the density itself where the model has it")
+        .add_option(
+            "--field", quantity.field,
+            "Field that mean, deviation, volume and maximum show first: temperature, velocity (the "
+            "component along the view), velocity.x, .y or .z, velocity.magnitude (root "
+            "mean square, mean "
+            "alone); default: the first one; "
+            "of volume and maximum the density itself where the model has it")
         ->group(group);
     command
         .add_option("--range", quantity.range,
                     "Values LO,HI at the two ends of --tf; default: of the first view; volume: of "
                     "the data")
         ->group(group);
-    command.add_flag("--log", quantity.log, "Logarithmic colours of column, mean or deviation")
+    command
+        .add_flag("--log", quantity.log,
+                  "Logarithmic colours of column, mean, deviation or maximum")
         ->group(group);
     command
         .add_option("--clip", arguments.clip,
@@ -83,15 +87,16 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::
         for (const char* option : {"--range", "--log"})
             refuse(option,
                    "is of column density and fields, expected --show column, mean, "
-                   "deviation or volume");
-    if (!given.of_field() && !given.volume())
-        refuse("--field", "is of --show mean, deviation or volume");
+                   "deviation, volume or maximum");
+    if (!given.of_field() && !given.volume() && !given.maximum())
+        refuse("--field", "is of --show mean, deviation, volume or maximum");
     if (given.volume()) refuse("--log", "does not go with --show volume");
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
     quantity.look = look_of(arguments.value);
-    if (arguments.value.slabs) quantity.slabs = *arguments.value.slabs;
+    if (arguments.value.slabs)
+        (given.maximum() ? quantity.maximum_slabs : quantity.slabs) = *arguments.value.slabs;
     DrawingArguments clip;
     clip.clip_box = arguments.clip;
     clip.clip_planes = arguments.clip_planes;

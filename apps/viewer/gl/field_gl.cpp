@@ -74,7 +74,8 @@ std::vector<float> vector_numbers(const Gaussians& gaussians, const VectorField&
 }  // namespace
 
 GlField::GlField(const GlModel& model, const Gaussians& gaussians, const FieldChoice& choice)
-    : along_view_(choice.part == FieldPart::view),
+    : of_vector_(choice.part == FieldPart::view || choice.part == FieldPart::magnitude),
+      magnitude_(choice.part == FieldPart::magnitude),
       array_(make_vertex_array()),
       points_(make_vertex_array()),
       buffer_(make_buffer()) {
@@ -82,14 +83,14 @@ GlField::GlField(const GlModel& model, const Gaussians& gaussians, const FieldCh
     id_ = ++uploaded;
     const FieldUnit unit = unit_of(gaussians.fields, choice.field);
     const std::vector<float> numbers =
-        along_view_ ? vector_numbers(gaussians, *gaussians.fields.find_vector(choice.field), unit)
-                    : scalar_numbers(gaussians, choice, unit);
+        of_vector_ ? vector_numbers(gaussians, *gaussians.fields.find_vector(choice.field), unit)
+                   : scalar_numbers(gaussians, choice, unit);
     glBindVertexArray(array_);
     model.set_attributes();
     glBindBuffer(GL_ARRAY_BUFFER, buffer_);
     glBufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(numbers.size() * sizeof(float)),
                  numbers.data(), GL_STATIC_DRAW);
-    if (along_view_) {
+    if (of_vector_) {
         for (GLuint n = 0; n < 4; ++n) set_attribute(3 + n, 4, kVectorFloats, std::size_t{4} * n);
         set_attribute(7, 2, kVectorFloats, 16);
     } else {
@@ -105,13 +106,14 @@ GlField::GlField(const GlModel& model, const Gaussians& gaussians, const FieldCh
 void GlFieldSums::add(const GlModel& model, const GlField* field, const Camera& camera,
                       Jitter jitter, const Clipping& clip, const GlTarget& target) {
     if (model.size() == 0) return;
-    const bool along_view = field && field->along_view();
-    std::optional<GlProgram>& program = along_view ? vector_ : scalar_;
+    const bool of_vector = field && field->of_vector();
+    std::optional<GlProgram>& program = of_vector ? vector_ : scalar_;
     if (!program)
         program.emplace("splat.vert", std::vector<std::string>{"chord.glsl", "field.frag"},
-                        along_view ? "VECTOR" : "SCALAR");
+                        of_vector ? "VECTOR" : "SCALAR");
     target.bind();
     set_view(*program, model, frame_of(camera, target.width(), target.height()), jitter, clip);
+    if (of_vector) program->set("magnitude", int{field->magnitude()});
     for (const GLuint place : {3u, 4u}) glVertexAttrib4f(place, 0, 0, 0, 0);  // without a field
     draw_gaussians(field ? field->vertex_array() : model.vertex_array(), model.size());
 }

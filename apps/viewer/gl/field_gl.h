@@ -12,11 +12,11 @@ namespace vog::viewer {
 /// A field of a model in the device's memory, beside the model itself.
 class GlField {
   public:
-    /// choice  any but the magnitude of a vector, which is no sum
     GlField(const GlModel& model, const Gaussians& gaussians, const FieldChoice& choice);
 
-    /// Of a vector field the component along each ray.
-    bool along_view() const { return along_view_; }
+    /// Of a vector field the component along each ray, or the whole vector's square: all three components.
+    bool of_vector() const { return of_vector_; }
+    bool magnitude() const { return magnitude_; }
     GLuint vertex_array() const { return array_; }
     /// The numbers of a scalar field alone, one point a Gaussian: light.vert.
     GLuint points() const { return points_; }
@@ -25,7 +25,7 @@ class GlField {
 
   private:
     std::uint64_t id_ = 0;
-    bool along_view_ = false;
+    bool of_vector_ = false, magnitude_ = false;
     GlVertexArray array_, points_;
     GlBuffer buffer_;
 };

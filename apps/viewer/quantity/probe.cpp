@@ -110,14 +110,20 @@ std::string probe_text(const Quantity& quantity, const Fields& fields, std::span
     if (sums.size() < 4 || !(column > kLeastColumn * double{most})) return "";
     const FieldUnit unit = unit_of(fields, quantity.field.field);
     const double mean = double{sums[1]} / column;
+    const double value = unit.reference + unit.unit * mean;
     const double deviation =
         unit.unit * std::sqrt(std::max(double{sums[2]} / column - mean * mean, 0.0));
     const ScalarField* scalar = fields.find_scalar(quantity.field.field);
     const VectorField* vector = fields.find_vector(quantity.field.field);
     const std::string name = scalar ? scalar->unit : vector ? vector->unit : "";
-    return fmt::format("{}: mean {:.4g}, deviation {:.4g}{}, column density {:.4g}",
-                       field_label(quantity.field), unit.reference + unit.unit * mean, deviation,
-                       name.empty() ? "" : " " + name, column);
+    const std::string label = field_label(quantity.field), of = name.empty() ? "" : " " + name;
+    if (quantity.show == Show::maximum)
+        return fmt::format("maximum of {} {:.4g}{}", label, value, of);
+    // Of a root mean square the deviation from 0.
+    if (quantity.field.part == FieldPart::magnitude)
+        return fmt::format("{} {:.4g}{}, column density {:.4g}", label, deviation, of, column);
+    return fmt::format("{}: mean {:.4g}, deviation {:.4g}{}, column density {:.4g}", label, value,
+                       deviation, of, column);
 }
 
 std::string opaque_text(const Quantity& quantity, const Fields& fields,
@@ -151,7 +157,9 @@ std::string quantity_flags(const Quantity& quantity, const ColorScale& scale) {
         flags += fmt::format(" --light-weights {:.6g},{:.6g},{:.6g},{:.6g}", look.ambient,
                              look.diffuse, look.specular, look.power);
     }
-    if (quantity.show == Show::volume) flags += fmt::format(" --slabs {}", quantity.slabs);
+    if (of_scalars(quantity.show))
+        flags += fmt::format(
+            " --slabs {}", quantity.show == Show::volume ? quantity.slabs : quantity.maximum_slabs);
     return flags;
 }
 

@@ -26,6 +26,7 @@ constexpr Named kShows[] = {
     {Show::mean, "mean", "mean on rays"},
     {Show::deviation, "deviation", "deviation on rays"},
     {Show::volume, "volume", "volume, by value"},
+    {Show::maximum, "maximum", "maximum on rays"},
 };
 const Named& named(Show show) { return kShows[static_cast<std::size_t>(show)]; }
 
@@ -55,13 +56,22 @@ Show show_from(const std::string& word) {
     throw Error(fmt::format("no quantity '{}' (there are: {})", word, words));
 }
 
+Show shaded_as(const Quantity& quantity) {
+    if (quantity.show == Show::maximum) return Show::mean;
+    return quantity.show == Show::mean && quantity.field.part == FieldPart::magnitude
+               ? Show::deviation
+               : quantity.show;
+}
+
 std::vector<FieldChoice> field_choices(const Fields& fields, Show show) {
     std::vector<FieldChoice> all;
     for (const ScalarField& field : fields.scalar) all.push_back({field.name, FieldPart::value});
-    if (show != Show::volume)
-        for (const VectorField& field : fields.vector)
-            for (const FieldPart part : {FieldPart::view, FieldPart::x, FieldPart::y, FieldPart::z})
-                all.push_back({field.name, part});
+    if (of_scalars(show)) return all;
+    for (const VectorField& field : fields.vector) {
+        for (const FieldPart part : {FieldPart::view, FieldPart::x, FieldPart::y, FieldPart::z})
+            all.push_back({field.name, part});
+        if (show == Show::mean) all.push_back({field.name, FieldPart::magnitude});
+    }
     return all;
 }
 
@@ -69,10 +79,10 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
     const std::vector<FieldChoice> all = field_choices(fields, show);
     if (all.empty())
         throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
-                                show == Show::volume ? "scalar " : ""));
+                                of_scalars(show) ? "scalar " : ""));
     if (text.empty()) {
         const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
-        if (show == Show::volume && measure != fields.scalar.end())
+        if (of_scalars(show) && measure != fields.scalar.end())
             return {measure->name, FieldPart::value};
         return all.front();
     }
@@ -81,9 +91,9 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
         return other.field == choice.field && other.part == choice.part;
     };
     if (std::ranges::none_of(all, same))
-        throw Error(fmt::format(
-            "{} is not of {}, expected {}", name_of(show), field_label(choice),
-            show == Show::volume ? "a scalar field" : "a scalar field or one component"));
+        throw Error(
+            fmt::format("{} is not of {}, expected {}", name_of(show), field_label(choice),
+                        of_scalars(show) ? "a scalar field" : "a scalar field or one component"));
     return choice;
 }
 
@@ -96,7 +106,9 @@ std::string label_of(const Quantity& quantity, const Fields& fields) {
     if (quantity.show == Show::visibility) return "V = 1 - exp(-T)";
     if (quantity.show == Show::column) return "column density";
     std::string label = field_label(quantity.field);
-    if (quantity.show == Show::mean) label = "mean of " + label;
+    const bool rms = quantity.field.part == FieldPart::magnitude;
+    if (quantity.show == Show::mean && !rms) label = "mean of " + label;
+    if (quantity.show == Show::maximum) label = "maximum of " + label;
     if (quantity.show == Show::deviation) label = "deviation of " + label;
     const ScalarField* scalar = fields.find_scalar(quantity.field.field);
     const VectorField* vector = fields.find_vector(quantity.field.field);
@@ -132,15 +144,19 @@ bool operator==(const Drawn& a, const Drawn& b) {
     if (a.kind != b.kind || !same_clip(a.look.clip, b.look.clip)) return false;
     if (a.kind == Drawn::Kind::depth) return true;
     if (a.field.field != b.field.field || a.field.part != b.field.part) return false;
+    if (a.kind == Drawn::Kind::maximum) return a.slabs == b.slabs;
     return a.kind == Drawn::Kind::field ||
            (tie(a.look) == tie(b.look) && a.slabs == b.slabs && a.transfer == b.transfer);
 }
 
 Drawn drawn_for(const Quantity& quantity, std::shared_ptr<const ValueTransfer> transfer) {
+    const bool maximum = quantity.show == Show::maximum;
     const Drawn::Kind kind = quantity.show == Show::volume ? Drawn::Kind::light
+                             : maximum                     ? Drawn::Kind::maximum
                              : of_field(quantity.show)     ? Drawn::Kind::field
                                                            : Drawn::Kind::depth;
-    return {kind, quantity.field, quantity.look, quantity.slabs, std::move(transfer)};
+    return {kind, quantity.field, quantity.look, maximum ? quantity.maximum_slabs : quantity.slabs,
+            kind == Drawn::Kind::light ? std::move(transfer) : nullptr};
 }
 
 FieldUnit unit_of(const Fields& fields, const std::string& field) {

@@ -1,4 +1,4 @@
-// quantity.h: quantities of pictures: visibility, column density, maps of a field, volume rendering by value; and the
+// quantity.h: quantities of pictures: visibility, column density, maps of a field, volume rendering by value, maxima; and the
 // sums that are drawn for them.
 #pragma once
 
@@ -9,35 +9,42 @@
 #include <vector>
 
 #include "vog/field_maps.h"
+#include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "vog/volume_picture.h"
 
 namespace vog::viewer {
 
-/// Quantities, in the order of shade.frag's numbers.
-enum class Show { visibility, column, mean, deviation, volume };
-/// Words of `vog render --show`: "T", "column", "mean", "deviation", "volume".
+/// Quantities; the first five in the order of shade.frag's numbers (shaded_as).
+enum class Show { visibility, column, mean, deviation, volume, maximum };
+/// Words of `vog render --show`: "T", "column", "mean", "deviation", "volume", "maximum".
 const char* word_of(Show show);
 /// throws vog::Error for another word, with the valid ones
 Show show_from(const std::string& word);
 /// "Visibility", "Column density", ... for people.
 const char* name_of(Show show);
-/// Whether a quantity is of a field: mean, deviation and volume.
+/// Whether a quantity is of a field: mean, deviation, volume and maximum.
 bool of_field(Show show);
 
-/// Whether a quantity's colours are over a scale: column, mean and deviation.
+/// Whether a quantity is of scalar fields alone: volume and maximum.
+inline bool of_scalars(Show show) { return show == Show::volume || show == Show::maximum; }
+/// Whether a quantity's colours are over a scale: column, mean, deviation and maximum.
 inline bool has_scale(Show show) { return show != Show::visibility && show != Show::volume; }
 
 /// Quantity, and how it is drawn.
 struct Quantity {
     Show show = Show::visibility;
-    FieldChoice field{};  ///< of mean, deviation and volume; an empty name: none
+    FieldChoice field{};  ///< of mean, deviation, volume and maximum; an empty name: none
     VolumeLook look{};    ///< light of volume, and the clip of all quantities
     int slabs = 32;       ///< depth slabs of volume, 1 to 1024
+    int maximum_slabs = kMaximumSlabs;  ///< of maximum
 };
-/// Fields and parts that a quantity can be of: of volume scalar fields only.
+/// The quantity of shade.frag that shows the sums of another: a maximum is the mean of sums of column 1, a root mean square
+/// the deviation from a mean of 0.
+Show shaded_as(const Quantity& quantity);
+/// Fields and parts that a quantity can be of: of volume and maximum scalar fields only, of mean root mean squares, too.
 std::vector<FieldChoice> field_choices(const Fields& fields, Show show);
-/// The field of a quantity by its text, or the one it begins with: of volume the density itself where the model has it.
+/// The field of a quantity by its text, or the one it begins with: of volume and maximum the density itself where the model has it.
 /// text    as field_choice reads it; empty: the first choice
 /// throws  vog::Error for a field that the model lacks, and for models without one
 FieldChoice field_for(const Fields& fields, Show show, const std::string& text);
@@ -48,8 +55,8 @@ std::string label_of(const Quantity& quantity, const Fields& fields);
 
 /// Sums per pixel; rows from the top.
 ///   1 channel   T at extinction 1
-///   4 channels  T, T times a field's mean, T times its mean square, 0, in the field's unit (unit_of); or premultiplied
-///               colours
+///   4 channels  T, T times a field's mean, T times its mean square, 0, in the field's unit (unit_of), of a root mean
+///               square with a mean of 0; or likewise a maximum, with 1 in place of T; or premultiplied colours
 struct SumImage {
     int width = 0, height = 0, channels = 1;
     std::vector<float> value;  ///< [height][width][channels]
@@ -66,10 +73,10 @@ SumImage shrunk(SumImage image, int factor);
 /// What is drawn for a quantity. Quantities with equal ones share a picture: column density and visibility, mean and
 /// deviation.
 struct Drawn {
-    enum class Kind { depth, field, light } kind = Kind::depth;
-    FieldChoice field{};                              ///< of field and light
-    VolumeLook look{};                                ///< of depth and field the clip alone
-    int slabs = 32;                                   ///< of light
+    enum class Kind { depth, field, light, maximum } kind = Kind::depth;
+    FieldChoice field{};                              ///< of field, light and maximum
+    VolumeLook look{};                                ///< of all but light the clip alone
+    int slabs = 32;                                   ///< of light and maximum
     std::shared_ptr<const ValueTransfer> transfer{};  ///< of light; another one has another address
     int channels() const { return kind == Kind::depth && look.clip.empty() ? 1 : 4; }
     friend bool operator==(const Drawn& a, const Drawn& b);
@@ -86,6 +93,7 @@ FieldUnit unit_of(const Fields& fields, const std::string& field);
 /// Share of the largest column below which maps of a field show nothing.
 inline constexpr double kLeastColumn = 1e-4;
 /// The map of a quantity from sums, NaN where nothing is shown.
+/// show  shaded_as
 /// unit  of the field
 ValueMap shown_map(const SumImage& sums, Show show, FieldUnit unit);
 /// Scale that fits a map, linear or logarithmic, as `vog render` fits it.

@@ -30,13 +30,26 @@ SumImage sums_of(DepthImage depth, int channels) {
     return sums;
 }
 
-SumImage sums_of(const FieldMaps& maps, FieldUnit unit) {
+SumImage sums_of(const ValueMap& maximum, FieldUnit unit) {
+    SumImage sums{maximum.width, maximum.height, 4, std::vector<float>(4 * maximum.value.size())};
+    for (std::size_t n = 0; n < maximum.value.size(); ++n) {
+        const double value = (double{maximum.value[n]} - unit.reference) / unit.unit;
+        if (std::isnan(value)) continue;
+        sums.value[4 * n] = 1;
+        sums.value[4 * n + 1] = static_cast<float>(value);
+        sums.value[4 * n + 2] = static_cast<float>(value * value);
+    }
+    return sums;
+}
+
+SumImage sums_of(const FieldMaps& maps, FieldPart part, FieldUnit unit) {
     SumImage sums{maps.width, maps.height, 4, std::vector<float>(4 * maps.column.size())};
     for (std::size_t n = 0; n < maps.column.size(); ++n) {
         const double column = double{maps.column[n]};
         if (!(column > 0)) continue;
-        const double mean = (double{maps.mean[n]} - unit.reference) / unit.unit;
-        const double deviation = double{maps.deviation[n]} / unit.unit;
+        double mean = (double{maps.mean[n]} - unit.reference) / unit.unit;
+        double deviation = double{maps.deviation[n]} / unit.unit;
+        if (part == FieldPart::magnitude) deviation = std::exchange(mean, 0.0);
         sums.value[4 * n] = maps.column[n];
         sums.value[4 * n + 1] = static_cast<float>(column * mean);
         sums.value[4 * n + 2] = static_cast<float>(column * (mean * mean + deviation * deviation));
@@ -99,9 +112,14 @@ SumImage draw_voxels(const RenderRequest& request, int width, int height,
     if (drawn.kind == Drawn::Kind::light)
         return sums_of(render_volume_reference(data.volumes, *found, *drawn.transfer,
                                                request.camera, width, height, options, drawn.look));
+    const FieldUnit unit = unit_of_voxels(found->front(), data);
+    if (drawn.kind == Drawn::Kind::maximum)
+        return sums_of(
+            render_maximum_reference(data.volumes, *found, request.camera, width, height, options),
+            unit);
     return sums_of(render_field_reference(data.volumes, *found, drawn.field.part, request.camera,
                                           width, height, options),
-                   unit_of_voxels(found->front(), data));
+                   drawn.field.part, unit);
 }
 
 }  // namespace
@@ -222,7 +240,7 @@ void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int
         if (!splat) {
             picture.sums = sums_of(render_field_trace(model, drawn.field, request.camera, width,
                                                       height, rays, {}, drawn.look.clip),
-                                   unit);
+                                   drawn.field.part, unit);
             return;
         }
         SplatOptions options;
@@ -235,8 +253,21 @@ void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int
         }
         picture.sums = sums_of(render_field_splat(model, drawn.field, request.camera, width, height,
                                                   options, &report, drawn.look.clip),
-                               unit);
+                               drawn.field.part, unit);
         picture.drawn = report.drawn();
+        return;
+    }
+    if (drawn.kind == Drawn::Kind::maximum) {
+        const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
+        SlabOptions options;
+        options.slabs = drawn.slabs;
+        options.look.clip = drawn.look.clip;
+        picture.sums =
+            sums_of(splat ? render_maximum_splat(model, drawn.field.field, request.camera, width,
+                                                 height, options)
+                          : render_maximum_trace(model, drawn.field.field, request.camera, width,
+                                                 height, rays, {}, drawn.look.clip),
+                    unit);
         return;
     }
     if (!splat) {

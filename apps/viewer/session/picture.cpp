@@ -61,9 +61,10 @@ void Picture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
 /// gaussians  receives them
 GlModelFields& Picture::cut_model(GlModels& models, const Gaussians*& gaussians) {
     gaussians = key_.model.get();
-    // Nodes are no substitute by value: light of a mean value is not the mean light.
-    if (!key_.hierarchy || key_.hierarchy->empty() || key_.drawn.kind == Drawn::Kind::light)
-        return models.get(key_.model);
+    // Nodes are no substitute by value: light of a mean value is not the mean light, nor the largest one.
+    const bool by_value =
+        key_.drawn.kind == Drawn::Kind::light || key_.drawn.kind == Drawn::Kind::maximum;
+    if (!key_.hierarchy || key_.hierarchy->empty() || by_value) return models.get(key_.model);
     if (cut_of_ != key_.model) {
         cut_.emplace(*key_.model, *key_.hierarchy);
         cut_of_ = key_.model;
@@ -83,7 +84,7 @@ void Picture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
                        GlRenderers& gl) const {
     const Drawn& drawn = key_.drawn;
     const Jitter jitter = jitter_of(subframes_);
-    if (drawn.kind == Drawn::Kind::light) {
+    if (drawn.kind == Drawn::Kind::light || drawn.kind == Drawn::Kind::maximum) {
         if (!gl.slabs) gl.slabs.emplace();
         gl.slabs->add({&on_device.model(), &on_device.field(gaussians, drawn.field),
                        gaussians.fields.find_scalar(drawn.field.field), drawn.transfer, &drawn.look,

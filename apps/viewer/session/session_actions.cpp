@@ -103,8 +103,19 @@ void Session::save_depth(const fs::path& file) {
             const auto map = [&](Show show) { return shown_map(sums, show, field_unit()).value; };
             const std::vector<float> column = map(Show::column), mean = map(Show::mean),
                                      deviation = map(Show::deviation);
+            if (left_.drawn_sums().field.part == FieldPart::magnitude) {
+                const NamedValues channels[] = {{"column", column}, {"rms", deviation}};
+                write_channels(file, sums.width, sums.height, channels);
+                break;
+            }
             const NamedValues channels[] = {
                 {"column", column}, {"mean", mean}, {"deviation", deviation}};
+            write_channels(file, sums.width, sums.height, channels);
+            break;
+        }
+        case Drawn::Kind::maximum: {
+            const std::vector<float> largest = shown_map(sums, Show::mean, field_unit()).value;
+            const NamedValues channels[] = {{"maximum", largest}};
             write_channels(file, sums.width, sums.height, channels);
             break;
         }

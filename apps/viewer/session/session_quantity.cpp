@@ -99,7 +99,7 @@ void Session::set_scale(const ColorScale& wanted) {
 }
 
 void Session::fit_scale() {
-    scale = fitted_scale_of(inspected_, quantity.show, field_unit(),
+    scale = fitted_scale_of(inspected_, shaded_as(quantity), field_unit(),
                             scale.kind == ColorScale::Kind::log);
 }
 
@@ -139,7 +139,7 @@ void Session::set_clip(const std::optional<Box>& box) {
 
 ShadeView Session::shade_view() const {
     ShadeView view;
-    view.show = quantity.show;
+    view.show = shaded_as(quantity);
     view.scale = scale;
     view.unit = field_unit();
     view.least_column = static_cast<float>(kLeastColumn) * most_column_;

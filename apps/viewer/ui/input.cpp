@@ -178,7 +178,7 @@ void change_map(Session& session, int step) {
 }
 
 void change_quantity(Session& session, int step) {
-    constexpr int kCount = 5;
+    constexpr int kCount = 6;
     for (int n = 1; n <= kCount; ++n) {
         const auto show = static_cast<Show>(
             (static_cast<int>(session.quantity.show) + kCount + n * step) % kCount);

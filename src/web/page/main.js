@@ -8,7 +8,7 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fittedUnit, quantityNumber, shownOf } from './quantity.js';
+import { automaticScale, automaticTransfer, fieldKey, fittedUnit, inSlabs, quantityNumber, shownOf } from './quantity.js';
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
@@ -116,11 +116,11 @@ const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, 
 function addSums(level, transfer = transferShown()) {
   const model = page.models[state.model], there = level >= 0 ? uploaded(level) : undefined;
   const key = fieldKey(state), { camera } = state, clip = clipNow();
-  if (state.show === 'volume') {
+  if (inSlabs(state.show)) {
     const source = model.fields[state.field];
     slabs ??= new Slabs(renderer);
     slabs.add(there, model, camera, {
-      field: key, transfer, light: state.light, clip, slabs: page.quantity.slabs,
+      field: key, transfer, light: state.light, clip, slabs: transfer ? page.quantity.slabs : page.quantity.maximumSlabs,
       source: rangeOf(source),
     });
   } else {
@@ -164,7 +164,7 @@ function drawNow() {
   const level = levelNow();
   renderer.resize(width, height);
   if (state.show === 'volume' && complete && level >= 0 && !(transferNow().unit > 0)) fitUnit(level);
-  const now = [state.camera, state.model, level, width, height, fieldKey(state), state.show === 'volume', state.clip, state.planes,
+  const now = [state.camera, state.model, level, width, height, fieldKey(state), inSlabs(state.show) && state.show, state.clip, state.planes,
     state.show === 'volume' && transferNow(), state.show === 'volume' && state.light];
   if (!drawn || now.some((part, n) => part !== drawn[n])) renderer.restart();
   drawn = now;
@@ -179,7 +179,7 @@ function shade() {
   renderer.shade({
     quantity: quantityNumber(state), scale: scaleNow(), fade: state.fade, background: page.background,
     factor: state.show === 'T' ? state.exposure : state.show === 'volume' ? 1 : 1 / model.extinction,
-    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: 1e-4 * model.mostColumn,
+    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: state.show === 'maximum' ? 0 : 1e-4 * model.mostColumn,
   });
 }
 

@@ -1,19 +1,21 @@
-// quantity.js: what the picture shows, its scale, its words: T, column, mean and deviation of a field, volume.
+// quantity.js: what the picture shows, its scale, its words: T, column, mean and deviation of a field, volume, maximum.
 import { overRange } from './picture/transfer.js';
 
-const numbers = { T: 0, column: 1, mean: 2, deviation: 3, volume: 4 };
-/** Number of shade.frag. A root mean square is the deviation about the mean 0, which field.frag makes it. */
+const numbers = { T: 0, column: 1, mean: 2, deviation: 3, volume: 4, maximum: 2 };
+/** Number of shade.frag. A root mean square is the deviation about the mean 0, which field.frag makes it; a maximum the mean of sums of column 1. */
 export const quantityNumber = ({ show, part }) => (part === 'magnitude' && show === 'mean' ? numbers.deviation : numbers[show]);
 const names = {
   T: 'Visibility', column: 'Column density', mean: 'Mean on rays', deviation: 'Deviation on rays',
-  volume: 'Volume, by value',
+  volume: 'Volume, by value', maximum: 'Maximum on rays',
 };
 
-const ofField = (show) => show === 'mean' || show === 'deviation' || show === 'volume';
+/** Drawn in depth slabs, of scalar fields. */
+export const inSlabs = (show) => show === 'volume' || show === 'maximum';
+const ofField = (show) => show === 'mean' || show === 'deviation' || inSlabs(show);
 
 /** Quantities of a model: [[show, name], ...]. */
 export function shows(model) {
-  const can = (show) => !ofField(show) || model.fields.some(({ vector }) => show !== 'volume' || !vector);
+  const can = (show) => !ofField(show) || model.fields.some(({ vector }) => !inSlabs(show) || !vector);
   return Object.entries(names).filter(([show]) => can(show));
 }
 
@@ -24,21 +26,21 @@ export function choices(model, show) {
   if (!ofField(show)) return [];
   return model.fields.flatMap((source, field) => {
     if (!source.vector) return [{ field, part: '', name: source.name }];
-    if (show === 'volume') return [];
+    if (inSlabs(show)) return [];
     return ['view', 'x', 'y', 'z', ...(show === 'mean' ? ['magnitude'] : [])].map((part) => ({ field, part, name: partName(source, part) }));
   });
 }
 
 /**
  * The nearest of what a model has to a state's {show, field, part}.
- * field  -1: none has been chosen; of volume the density where the model has it, as of `vog render`, else the first
+ * field  -1: none has been chosen; of volume and maximum the density where the model has it, as of `vog render`, else the first
  */
 export function shownOf(model, { show, field, part }, wantedName = null) {
   if (!shows(model).some(([name]) => name === show)) return { show: 'T', field: -1, part: '' };
   const all = choices(model, show);
   if (all.length === 0) return { show, field, part };
   const near = all.filter((c) => (wantedName ? model.fields[c.field].name === wantedName : c.field === field));
-  const usual = show === 'volume' && all.find((c) => model.fields[c.field].isMeasure);
+  const usual = inSlabs(show) && all.find((c) => model.fields[c.field].isMeasure);
   const chosen = near.find((c) => c.part === part) ?? near[0] ?? (usual || all[0]);
   return { show, field: chosen.field, part: chosen.part };
 }
@@ -108,5 +110,6 @@ export function label(model, { show, field, part }) {
   if (show === 'column') return 'column density';
   const source = model.fields[field], unit = source?.unit ? ` [${source.unit}]` : '';
   if (show === 'T' || !source) return '';
-  return `${show === 'deviation' ? 'deviation of ' : show === 'mean' && part !== 'magnitude' ? 'mean ' : ''}${partName(source, part)}${unit}`;
+  const words = { deviation: 'deviation of ', maximum: 'maximum of ', mean: part === 'magnitude' ? '' : 'mean ' }[show] ?? '';
+  return `${words}${partName(source, part)}${unit}`;
 }

@@ -4,6 +4,10 @@ import { label, numberText } from './quantity.js';
 /** Lines on the sums of one pixel. */
 function linesOfSums(sums, model, state) {
   if (!sums || !(sums[0] > 0)) return [];
+  if (state.show === 'maximum') {
+    const { reference, scale } = model.fields[state.field];
+    return [`${label(model, state)} ${numberText(reference + (scale * sums[1]) / sums[0])}`];
+  }
   const lines = [state.show === 'T' ? `T ${numberText(sums[0] * state.exposure)}` : `column ${numberText(sums[0] / model.extinction)}`];
   if (state.show !== 'mean' && state.show !== 'deviation') return lines;
   const { reference, scale } = model.fields[state.field];

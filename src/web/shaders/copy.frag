@@ -1,4 +1,4 @@
-// copy.frag: one image added to another by blending.
+// copy.frag: one image added to another by blending. MEANS: of maximum.frag, as sums of a field of column 1.
 in vec2 position;
 
 uniform highp sampler2D image;
@@ -6,4 +6,10 @@ uniform float first_row;  // of the sums, in the row 0 of the image
 
 layout(location = 0) out vec4 color;
 
-void main() { color = texelFetch(image, ivec2(gl_FragCoord.xy - vec2(0.0, first_row)), 0); }
+void main() {
+    color = texelFetch(image, ivec2(gl_FragCoord.xy - vec2(0.0, first_row)), 0);
+#ifdef MEANS
+    float value = clamp(color.g, -1.0, 1.0);  // of the field's range
+    color = color.r > 0.0 ? vec4(1.0, value, value * value, 0.0) : vec4(0.0);
+#endif
+}

@@ -7,6 +7,7 @@ layout(location = 4) in vec2 field_rest;   // deviation and skewness of the resi
 uniform highp sampler2D table;      // expected light of one normal distribution: columns of values, rows of deviations
 uniform vec4 part;                  // ends of the part of the range with half of the columns; shares of them a unit of both
 uniform vec2 image_px;              // size of the images
+uniform int planes;                 // 1: the plane of the field in red and alpha 1, in place of light
 
 flat out vec4 power_0, power_1, power_2;
 
@@ -27,7 +28,14 @@ vec4 expected(float value, float row) {
 }
 
 void main() {
+    vec2 texel = vec2(gl_VertexID % kWidth, gl_VertexID / kWidth) + 0.5;
+    gl_Position = vec4(texel / image_px * 2.0 - 1.0, 0.0, 1.0);
+    gl_PointSize = 1.0;
     float deviation = field_rest.x, spread = length(field_plane.yzw);
+    if (planes == 1) {
+        power_0 = vec4(field_plane.x, 0.0, 0.0, 1.0), power_1 = vec4(spread, 0.0, 0.0, 0.0), power_2 = vec4(0.0);
+        return;
+    }
     float u = field_rest.y / (kShare * kShare * kShare), root = sqrt(u * u + 4.0);
     float high = 0.5 * (u + root), low = 0.5 * (u - root), weight = -low / root;
     vec2 offset = deviation * kShare * vec2(high, low);
@@ -52,7 +60,4 @@ void main() {
         power_1 = b1 / m2;
         power_2 = (b2 * m0 - b0 * m2) * per_det;
     }
-    vec2 texel = vec2(gl_VertexID % kWidth, gl_VertexID / kWidth) + 0.5;
-    gl_Position = vec4(texel / image_px * 2.0 - 1.0, 0.0, 1.0);
-    gl_PointSize = 1.0;
 }

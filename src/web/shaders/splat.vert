@@ -4,7 +4,11 @@
 //   (none)         T: splat.frag
 //   SCALAR, VECTOR sums of a field, and all that is clipped: field.frag
 //   SLABS          light in depth slabs: slab.frag
+//   MEANS          densities and means of a field in depth slabs: slab.frag
 //   RANGES         the tiles' ranges of depth: ranges.frag
+#ifdef MEANS
+#define SLABS
+#endif
 layout(location = 0) in vec4 mean_density;  // mean relative to the model's centre; peak density
 layout(location = 1) in vec3 scale;         // standard deviations
 layout(location = 2) in vec4 rotation;      // unit quaternion w x y z
@@ -335,20 +339,23 @@ void main() {
     vec2 low, high;
     if (far) {
         vec2 tx = tangents(x, z, s_r, s_f) * pixels_per_unit, ty = tangents(y, z, s_u, s_f) * pixels_per_unit;
-        const float kPad = 0.02;  // pixels; covers float rounding, and fragments outside add nothing
-        low = vec2(tx.x - tx.y, -ty.x - ty.y) - jitter_px - kPad;
-        high = vec2(tx.x + tx.y, -ty.x + ty.y) - jitter_px + kPad;
-        low = max(low, -half_px), high = min(high, half_px);
-        if (any(lessThanEqual(high, low))) return;
+        low = vec2(tx.x - tx.y, -ty.x - ty.y) - jitter_px;
+        high = vec2(tx.x + tx.y, -ty.x + ty.y) - jitter_px;
     } else {
         low = -half_px, high = half_px;
     }
 #if defined(RANGES) || defined(SLABS)
-    vec2 tiles = ceil(size_px / tile_px), last = tiles - 1.0;
-    vec2 first_tile = clamp(floor((low + jitter_px + half_px) / tile_px), vec2(0.0), last);
-    vec2 last_tile = clamp(floor((high + jitter_px + half_px) / tile_px), vec2(0.0), last);
+    // Tiles of the pixels whose centres lie in the bounds, as src/render/splat has them: ranges of depth are equal.
+    const float kSlack = 1e-4;  // pixels
+    vec2 first_px = max(ceil(low + half_px - 0.5 - kSlack), 0.0);
+    vec2 last_px = min(floor(high + half_px - 0.5 + kSlack), size_px - 1.0);
+    if (any(lessThan(last_px, first_px))) return;
+    vec2 tiles = ceil(size_px / tile_px), first_tile = floor(first_px / tile_px), last_tile = floor(last_px / tile_px);
     vec2 depths = max(vec2(z - extent, z + extent), 0.0);
 #endif
+    const float kPad = 0.02;  // pixels; covers float rounding, and fragments outside add nothing
+    low = max(low - kPad, -half_px), high = min(high + kPad, half_px);
+    if (any(lessThanEqual(high, low))) return;
 #ifdef RANGES
     range = vec2(-depths.x, depths.y);
     gl_Position = vec4(mix(first_tile, last_tile + 1.0, 0.5 * corner + 0.5) / tiles * 2.0 - 1.0, 0.0, 1.0);

@@ -1,5 +1,5 @@
 // slabs.js: volume rendering by value: light added up in depth slabs, four a pass, and composited front to back
-// (docs/volume_rendering.md). Nothing is sorted. Slabs are of equal depth over the range of each tile of the picture,
+// (docs/volume_rendering.md); maxima of a field, eight slabs a pass. Nothing is sorted. Slabs are of equal depth over the range of each tile of the picture,
 // as in src/render/splat/volume.
 import { dot, normalized } from '../vectors.js';
 import { axesOf } from '../camera.js';
@@ -7,7 +7,9 @@ import { expectedLight } from './transfer.js';
 
 const tile = [64, 32];          // pixels: kTileWidth, kTileHeight
 const lightWidth = 1024;        // Gaussians a row: light.vert
-const layers = 4;               // slabs a pass: as many images as every device draws into at once
+const layers = 4;               // images that every device draws into at once
+const slabsOf = { SLABS: 4, MEANS: 8 };  // a pass, by the word of slab.frag
+const leastShare = 1e-3;        // kLeastDensityShare of vog/maximum_picture.h
 const mostPixels = 1 << 20;     // in the images of slabs; larger pictures are drawn in strips
 
 export class Slabs {
@@ -19,27 +21,30 @@ export class Slabs {
     this.layers = Array.from({ length: layers }, texture);
     this.ranges = texture();
     this.strip = texture();
-    this.into = { light: gl.createFramebuffer(), layers: gl.createFramebuffer(), ranges: gl.createFramebuffer(), strip: gl.createFramebuffer() };
+    this.densest = texture();
+    this.into = { light: gl.createFramebuffer(), layers: gl.createFramebuffer(), ranges: gl.createFramebuffer(), strip: gl.createFramebuffer(), densest: gl.createFramebuffer() };
     this.lit = null;      // [level's field, transfer function] of the light
     this.allocated = '';  // size of the images
   }
 
   allocate(width, height, rows) {
     const key = [width, height, rows].join(' ');
+    this.rows = rows;
     if (this.allocated === key) return;
     this.allocated = key;
     const { renderer } = this;
     for (const texture of [...this.layers, this.strip]) renderer.allocate(texture, 4, width, rows);
+    renderer.allocate(this.densest, 1, width, rows);
     renderer.allocate(this.ranges, 2, Math.ceil(width / tile[0]), Math.ceil(height / tile[1]));
   }
 
-  /** Quadratics of the expected light of all Gaussians. */
+  /** Quadratics of the expected light of all Gaussians; without a transfer function their planes. */
   fit(level, field, transfer, source) {
     if (this.lit && this.lit[0] === field && this.lit[1] === transfer) return;
     const { renderer } = this, { gl } = renderer;
-    const { data, columns, rows, part, most } = expectedLight(transfer, source);
+    const { data, columns, rows, part, most } = transfer ? expectedLight(transfer, source) : { columns: 0, part: [0, 0, 0, 0], most: 1 };
     gl.bindTexture(gl.TEXTURE_2D, this.table);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, data);
+    if (columns) gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, data);
     const width = lightWidth, height = Math.max(1, Math.ceil(level.count / width));
     for (const texture of this.light) renderer.allocate(texture, 4, width, height);
     renderer.target(this.into.light, this.light);
@@ -48,6 +53,7 @@ export class Slabs {
     used.use();
     renderer.sample(used, { table: this.table });
     used.set('part', ...part);
+    used.setInteger('planes', transfer ? 0 : 1);
     used.set('image_px', width, height);
     gl.bindVertexArray(field.points);
     gl.drawArrays(gl.POINTS, 0, level.count);
@@ -58,8 +64,8 @@ export class Slabs {
   }
 
   /**
-   * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours.
-   * what  {field: key, source: the page's field, transfer, light: {on, towards, weights}, clip, slabs}
+   * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours; of a maximum 1 and the value.
+   * what  {field: key, source: the page's field, transfer: null: the maximum, light: {on, towards, weights}, clip, slabs}
    */
   add(level, model, camera, what) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
@@ -75,7 +81,7 @@ export class Slabs {
       const field = level.fields.get(what.field);
       this.fit(level, field, what.transfer, what.source);
       this.drawRanges(level, model, camera);
-      for (let first = 0; first < height; first += rows) this.drawStrip(level, field, model, camera, what, first, rows);
+      for (let first = 0; first < height; first += rows) this.drawStrip(level, field, model, camera, what, first);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     ++renderer.subframes;
@@ -94,53 +100,96 @@ export class Slabs {
     renderer.draw(level.array, level.count, gl.MAX);
   }
 
-  drawStrip(level, field, model, camera, what, first, rows) {
-    const { renderer } = this, { gl } = renderer, { width, height } = renderer;
-    const used = renderer.program('splat.vert', ['chord.glsl', 'slab.frag'], 'SLABS');
-    const behind = renderer.program('screen.vert', ['layers.frag']);
+  /** Adds all Gaussians to some slabs of a strip. */
+  drawLayers(level, field, model, camera, what, first, slab) {
+    const { renderer } = this, { gl } = renderer, { width, height } = renderer, word = what.transfer ? 'SLABS' : 'MEANS';
+    const used = renderer.program('splat.vert', ['chord.glsl', 'slab.frag'], word);
     const { right, up, forward } = axesOf(camera), towards = what.light.towards;
+    renderer.target(this.into.layers, this.layers);
+    gl.viewport(0, -first, width, height);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    renderer.setView(used, model, camera, what.clip);
+    const [light_0, light_1, light_2] = this.light;
+    renderer.sample(used, { ranges: this.ranges, light_0, light_1, light_2 });
+    used.set('tile_px', ...tile);
+    used.set('slabs', what.slabs);
+    used.set('first_slab', slab);
+    used.set('layers', slabsOf[word]);
+    used.set('first_row', first);
+    used.set('per_extinction', what.transfer ? this.most / model.extinction : 1);
+    used.set('lighting', ...(what.transfer && what.light.on ? what.light.weights : [0, 0, 0, 0]));
+    const light = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
+    used.set('towards_light', dot(light, right), dot(light, up), dot(light, forward));
+    renderer.draw(field.array, level.count);
+  }
+
+  /** Blends a pass over the layers into an image. */
+  gather(image, used, textures, equation, from, to) {
+    const { renderer } = this, { gl } = renderer, [layer_0, layer_1, layer_2, layer_3] = this.layers;
+    renderer.target(this.into[image], [this[image]]);
+    gl.viewport(0, 0, renderer.width, this.rows);
+    used.use();
+    renderer.sample(used, { layer_0, layer_1, layer_2, layer_3, ...textures });
+    gl.enable(gl.BLEND);
+    gl.blendEquation(equation);
+    gl.blendFunc(from, to);
+    renderer.screenPass();
+    gl.disable(gl.BLEND);
+  }
+
+  drawStrip(level, field, model, camera, what, first) {
+    const { renderer } = this, { gl } = renderer;
     renderer.target(this.into.strip, [this.strip]);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    for (let slab = 0; slab < what.slabs; slab += layers) {
-      renderer.target(this.into.layers, this.layers);
-      gl.viewport(0, -first, width, height);
-      gl.clear(gl.COLOR_BUFFER_BIT);
-      renderer.setView(used, model, camera, what.clip);
-      const [light_0, light_1, light_2] = this.light;
-      renderer.sample(used, { ranges: this.ranges, light_0, light_1, light_2 });
-      used.set('tile_px', ...tile);
-      used.set('slabs', what.slabs);
-      used.set('first_slab', slab);
-      used.set('layers', layers);
-      used.set('first_row', first);
-      used.set('per_extinction', this.most / model.extinction);
-      used.set('lighting', ...(what.light.on ? what.light.weights : [0, 0, 0, 0]));
-      const light = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
-      used.set('towards_light', dot(light, right), dot(light, up), dot(light, forward));
-      renderer.draw(field.array, level.count);
-
-      // Under what is in front.
-      renderer.target(this.into.strip, [this.strip]);
-      gl.viewport(0, 0, width, rows);
+    if (what.transfer) {
+      const behind = renderer.program('screen.vert', ['layers.frag']);
       behind.use();
-      const [layer_0, layer_1, layer_2, layer_3] = this.layers;
-      renderer.sample(behind, { layer_0, layer_1, layer_2, layer_3 });
       renderer.setScreen(behind, model, camera);
       behind.set('first_row', first);
-      gl.enable(gl.BLEND);
-      gl.blendEquation(gl.FUNC_ADD);
-      gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
-      renderer.screenPass();
-      gl.disable(gl.BLEND);
+      for (let slab = 0; slab < what.slabs; slab += slabsOf.SLABS) {
+        this.drawLayers(level, field, model, camera, what, first, slab);
+        this.gather('strip', behind, {}, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);  // under what is in front
+      }
+    } else {
+      this.drawMaximum(level, field, model, camera, what, first);
     }
-    // The strip to the sums.
+    this.copyStrip(first, what.transfer ? '' : 'MEANS');
+  }
+
+  /** The largest density of each pixel's slabs, then the largest of the means that count. */
+  drawMaximum(level, field, model, camera, what, first) {
+    const { renderer } = this, { gl } = renderer, { unit, isMeasure } = what.source;
+    gl.clearBufferfv(gl.COLOR, 0, [0, -60000, 0, 0]);
+    renderer.target(this.into.densest, [this.densest]);
+    gl.clear(gl.COLOR_BUFFER_BIT);
+    const used = renderer.program('screen.vert', ['maximum.frag']);
+    for (const means of [0, 1]) {
+      used.use();
+      used.setInteger('of_means', means);
+      used.set('least_share', leastShare);
+      // A density's mean is at most three times the density (most_share_per_density); the range is -1 to 1.
+      used.set('most', isMeasure ? 3 / unit / model.unit / model.extinction : 0);
+      used.set('tile_px', ...tile);
+      used.set('slabs', what.slabs);
+      used.set('first_row', first);
+      for (let slab = 0; slab < what.slabs; slab += slabsOf.MEANS) {
+        this.drawLayers(level, field, model, camera, what, first, slab);
+        this.gather(means ? 'strip' : 'densest', used, { ranges: this.ranges, densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
+      }
+    }
+  }
+
+  /** Adds the strip to the sums. */
+  copyStrip(first, word) {
+    const { renderer } = this, { gl } = renderer, { width, height } = renderer;
     renderer.target(renderer.framebuffer, [renderer.sums]);
-    gl.viewport(0, first, width, Math.min(rows, height - first));
-    const copy = renderer.program('screen.vert', ['copy.frag']);
+    gl.viewport(0, first, width, Math.min(this.rows, height - first));
+    const copy = renderer.program('screen.vert', ['copy.frag'], word);
     copy.use();
     renderer.sample(copy, { image: this.strip });
     copy.set('first_row', first);
     gl.enable(gl.BLEND);
+    gl.blendEquation(gl.FUNC_ADD);
     gl.blendFunc(gl.ONE, gl.ONE);
     renderer.screenPass();
     gl.disable(gl.BLEND);
