@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ui/palette.h"
+
 namespace vog::viewer {
 
 namespace {
@@ -67,11 +69,10 @@ void draw_clip_box(const Session& session, const Layout& layout) {
     for (const Face face : kFaces) {
         const auto at = projection.place(middle_of(*box, face));
         if (!at) continue;
-        list.AddCircleFilled(*at, radius, IM_COL32(20, 20, 24, 200));
+        list.AddCircleFilled(*at, radius, IM_COL32(20, 20, 24, 220));
         list.AddCircle(*at, radius, IM_COL32(255, 255, 255, 230), 0, 1.5f * layout.ui);
         const ImVec2 size = ImGui::CalcTextSize(kLetters[face.axis]);
-        list.AddText({at->x - 0.5f * size.x, at->y - 0.55f * size.y}, IM_COL32(255, 255, 255, 255),
-                     kLetters[face.axis]);
+        list.AddText({at->x - 0.5f * size.x, at->y - 0.55f * size.y}, kInk, kLetters[face.axis]);
     }
     list.PopClipRect();
 }

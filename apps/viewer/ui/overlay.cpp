@@ -7,6 +7,7 @@
 #include <functional>
 
 #include "ui/clip_box.h"
+#include "ui/palette.h"
 #include "ui/panels.h"
 #include "vog/text.h"
 
@@ -51,9 +52,8 @@ void draw_text(ImVec2 at, const std::string& text) {
     const ImVec2 size = ImGui::CalcTextSize(text.c_str());
     const float pad = 0.25f * size.y;
     list.AddRectFilled({at.x - pad, at.y - 0.5f * pad},
-                       {at.x + size.x + pad, at.y + size.y + 0.5f * pad}, IM_COL32(0, 0, 0, 150),
-                       pad);
-    list.AddText(at, IM_COL32(240, 240, 240, 255), text.c_str());
+                       {at.x + size.x + pad, at.y + size.y + 0.5f * pad}, kGround, pad);
+    list.AddText(at, kInk, text.c_str());
 }
 
 /// Colours, ends and title of a colour bar.
@@ -118,8 +118,8 @@ void draw_color_bar(const Session& session, const Layout& layout) {
     const Bar bar = bar_of(session);
     const float title_width = ImGui::CalcTextSize(bar.title.c_str()).x;
     list.AddRectFilled({x - pad, y - line - 1.2f * pad},
-                       {x + std::max(width, title_width) + pad, y + height + line + pad},
-                       IM_COL32(0, 0, 0, 165), 4 * ui);
+                       {x + std::max(width, title_width) + pad, y + height + line + pad}, kGround,
+                       4 * ui);
     constexpr int kPieces = 128;
     for (int n = 0; n < kPieces; ++n) {
         const Rgba c = bar.color((static_cast<float>(n) + 0.5f) / kPieces);
@@ -127,8 +127,7 @@ void draw_color_bar(const Session& session, const Layout& layout) {
                            {x + width * static_cast<float>(n + 1) / kPieces, y + height},
                            ImGui::ColorConvertFloat4ToU32({c.r, c.g, c.b, 1}));
     }
-    const ImU32 ink = IM_COL32(240, 240, 240, 255);
-    list.AddText({x, y - line - 3 * ui}, ink, bar.title.c_str());
+    list.AddText({x, y - line - 3 * ui}, kInk, bar.title.c_str());
     // The ends first; numbers between them where there is room.
     float from = x, to = x + width;
     for (const int n : {0, 4, 1, 3, 2}) {
@@ -137,9 +136,9 @@ void draw_color_bar(const Session& session, const Layout& layout) {
         const float w = ImGui::CalcTextSize(text.c_str()).x;
         const float at = x + share * width;
         const float begin = std::clamp(at - 0.5f * w, x, x + width - w), gap = 5 * ui;
-        list.AddLine({at, y + height}, {at, y + height + 3 * ui}, ink);
+        list.AddLine({at, y + height}, {at, y + height + 3 * ui}, kInk);
         if (begin < from || begin + w > to) continue;
-        list.AddText({begin, y + height + 3 * ui}, ink, text.c_str());
+        list.AddText({begin, y + height + 3 * ui}, kInk, text.c_str());
         if (n < 2) from = std::max(from, begin + w + gap);
         if (n > 2) to = std::min(to, begin - gap);
     }
@@ -164,7 +163,7 @@ void draw_probe(const Session& session, const Layout& layout) {
 
 /// World axes at the lower right.
 void draw_axes(const Session& session, const Layout& layout) {
-    const float ui = layout.ui, length = 34 * ui;
+    const float ui = layout.ui, length = 28 * ui, letter = 37 * ui;
     const ImVec2 at{layout.picture.x + layout.picture.width - 52 * ui,
                     layout.picture.y + layout.picture.height - 52 * ui};
     if (layout.picture.width < 200 * ui || layout.picture.height < 160 * ui) return;
@@ -181,14 +180,23 @@ void draw_axes(const Session& session, const Layout& layout) {
     std::ranges::sort(axes, std::greater{},
                       [&](const Axis& axis) { return dot(axis.along, frame.forward); });
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
-    list.AddCircleFilled(at, 46 * ui, IM_COL32(0, 0, 0, 130));
+    list.AddCircleFilled(at, 46 * ui, kGround);
     for (const Axis& axis : axes) {
-        const ImVec2 end{at.x + length * static_cast<float>(dot(axis.along, frame.right)),
-                         at.y - length * static_cast<float>(dot(axis.along, frame.up))};
-        list.AddLine(at, end, axis.color, 2 * ui);
+        const auto place = [&](float reach) {
+            return ImVec2{at.x + reach * static_cast<float>(dot(axis.along, frame.right)),
+                          at.y - reach * static_cast<float>(dot(axis.along, frame.up))};
+        };
+        list.AddLine(at, place(length), axis.color, 2 * ui);
+    }
+    // Letters over all lines; that of an axis along the view has a ground of its own.
+    for (const Axis& axis : axes) {
+        const auto right = static_cast<float>(dot(axis.along, frame.right));
+        const auto up = static_cast<float>(dot(axis.along, frame.up));
         const ImVec2 size = ImGui::CalcTextSize(axis.name);
-        list.AddText({end.x - 0.5f * size.x, end.y - 0.5f * size.y}, IM_COL32(255, 255, 255, 255),
-                     axis.name);
+        const ImVec2 middle{at.x + letter * right, at.y - letter * up};
+        if (std::hypot(right, up) * letter < 0.5f * size.y + length)
+            list.AddCircleFilled(middle, 0.5f * size.y, IM_COL32(0, 0, 0, 255));
+        list.AddText({middle.x - 0.5f * size.x, middle.y - 0.5f * size.y}, kInk, axis.name);
     }
 }
 
@@ -216,11 +224,9 @@ void draw_scale_bar(const Session& session, const Layout& layout) {
     if (right - width < layout.picture.x + 300 * ui) return;
     ImDrawList& list = *ImGui::GetBackgroundDrawList();
     const float left = right - std::max(width, text_width);
-    list.AddRectFilled({left - pad, y - line - 2 * pad}, {right + pad, y + pad},
-                       IM_COL32(0, 0, 0, 150), 4 * ui);
-    const ImU32 ink = IM_COL32(240, 240, 240, 255);
-    list.AddRectFilled({right - width, y - 2 * ui}, {right, y + 2 * ui}, ink);
-    list.AddText({right - 0.5f * (width + text_width), y - line - 1.2f * pad}, ink, text.c_str());
+    list.AddRectFilled({left - pad, y - line - 2 * pad}, {right + pad, y + pad}, kGround, 4 * ui);
+    list.AddRectFilled({right - width, y - 2 * ui}, {right, y + 2 * ui}, kInk);
+    list.AddText({right - 0.5f * (width + text_width), y - line - 1.2f * pad}, kInk, text.c_str());
 }
 
 void draw_split(Session& session, const Layout& layout) {
@@ -255,7 +261,7 @@ void draw_help(Session& session, const Layout& layout) {
     if (ImGui::BeginTable("keys", 2, ImGuiTableFlags_SizingFixedFit | ImGuiTableFlags_RowBg)) {
         for (const KeyHelp& help : key_help()) {
             ImGui::TableNextColumn();
-            ImGui::TextColored({1, 0.85f, 0.5f, 1}, "%s  ", help.keys);
+            ImGui::TextColored(notices(session.settings.light_window).key, "%s  ", help.keys);
             ImGui::TableNextColumn();
             ImGui::TextUnformatted(help.effect);
         }
