@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "support/command.h"
+#include "vog/compare.h"
 #include "vog/image.h"
 
 namespace vog::test {
@@ -98,6 +99,31 @@ TEST_F(films, models_are_turned_together_and_steps_get_a_number_each) {
     ASSERT_EQ(steps.size(), 2u);
     EXPECT_EQ(steps[1]["output"], "s_2.png");
     EXPECT_EQ(steps[0]["extinction"], steps[1]["extinction"]);
+}
+
+TEST_F(films, time_runs_once_during_a_turn_of_steps) {
+    const auto turn = json(
+        "render 'models/*.ply' -o turn/ --turntable 4 --steps --size 32x24 --eye 90,0,0 --look-at "
+        "0,0,0 --show mean --field density")["pictures"];
+    ASSERT_EQ(turn.size(), 4u);
+    // A quarter a picture, about the y axis; the first two of the first step.
+    const char* const eyes[] = {"90,0,0", "0,0,-90", "-90,0,0", "0,0,90"};
+    for (std::size_t n = 0; n < 4; ++n) {
+        EXPECT_EQ(turn[n]["range"], turn[0]["range"]);
+        const auto range = turn[0]["range"];
+        must(
+            fmt::format("render models/step_{}.ply -o one.png --size 32x24 --eye={} --look-at "
+                        "0,0,0 --show mean --field density --range={},{}",
+                        n < 2 ? 1 : 2, eyes[n], range[0].dump(), range[1].dump()));
+        const PictureDifference difference = compare(
+            read_image(dir_ / "one.png"), read_image(dir_ / fmt::format("turn/{:04}.png", n + 1)));
+        EXPECT_LE(difference.largest, 1) << n;
+    }
+    // Fewer pictures than steps: some steps are left out.
+    EXPECT_EQ(json("render 'models/*.ply' -o s_%d.png --turntable 1 --steps --size 16")["pictures"]
+                  .size(),
+              1u);
+    must_fail(2, "render 'models/*.ply' -o s/ --steps", "--steps: is of --turntable");
 }
 
 TEST_F(films, bad_requests_say_what_would_be_valid) {

@@ -415,7 +415,8 @@ TEST_F(view_command, steps_in_time_play_and_are_saved) {
     play("'s*.ply'",
          "size 120 90\npanels off\noverlay off\ncolorbar off\nsave-camera camera.json\nexposure 2\n"
          "wait\nstep 2\nwait\npicture two.png\nsteps all\nspeed 100\nloop off\nstep 1\nwait\n"
-         "play on\nwait\npicture last.png\nturntable turn 2\n");
+         "play on\nwait\npicture last.png\nturntable turn 2\n"
+         "step 2\nwait\nturntable half 2\nturntable both 6 time\nwait\npicture after.png\n");
     for (const char* n : {"1", "2", "3"}) {
         const std::string name = n;
         must("render s" + name + ".ply -o r" + name +
@@ -425,10 +426,21 @@ TEST_F(view_command, steps_in_time_play_and_are_saved) {
     expect_same_picture("r2.png", "two.png");
     expect_same_picture("r3.png", "last.png");
     expect_same_picture("r3.png", "turn/0001.png");
+    // Time runs once during the turn: two pictures a step, the fourth half way round.
+    expect_same_picture("r1.png", "both/0001.png");
+    expect_same_picture("half/0002.png", "both/0004.png");
+    expect_same_picture("r2.png", "after.png");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "both" / "0006.png"));
     EXPECT_FALSE(std::filesystem::exists(dir_ / "all" / "0004.png"));
     write("play.vog", "step 4\n");
     must_fail(1, "view 's*.ply' --headless --script play.vog",
               "play.vog:1: no step 4, expected 1 to 3");
+    write("play.vog", "wait\nturntable t 2 time\n");
+    must_fail(1, "view s1.ply --headless --script play.vog",
+              "play.vog:2: no steps in time are open");
+    write("play.vog", "wait\nturntable t 2 twice\n");
+    must_fail(1, "view s1.ply --headless --script play.vog",
+              "expected FOLDER|FILM PICTURES [time]");
     write("play.vog", "wait\nsteps all\n");
     must_fail(1, "view s1.ply --headless --script play.vog",
               "play.vog:2: no steps in time are open");

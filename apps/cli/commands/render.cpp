@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -139,6 +141,41 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     return {{"output", arguments.output}, {"pictures", pictures}};
 }
 
+/// The pictures of a turn during which time runs once: picture n of N shows step floor(n steps / N).
+std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& arguments,
+                                                 const CLI::App& command,
+                                                 const RenderRanks& ranks) {
+    const std::vector<std::string>& inputs = arguments.drawing.inputs;
+    const int count = arguments.turntable, steps = static_cast<int>(inputs.size());
+    RenderArguments one = arguments;
+    one.box = box_of_all(arguments, std::vector<bool>(inputs.size(), true), ranks);
+    std::vector<RenderedPicture> all;
+    for (int step = 0; step < steps; ++step) {
+        const auto first_of = [&](int n) {
+            return static_cast<int>((static_cast<std::int64_t>(n) * count + steps - 1) / steps);
+        };
+        one.turn_part = {first_of(step), first_of(step + 1)};
+        if (one.turn_part->first == one.turn_part->second) continue;
+        one.drawing.inputs = {inputs[static_cast<std::size_t>(step)]};
+        std::vector<RenderedPicture> pictures = render(one, command, ranks);
+        one.view.save_camera.clear();
+        if (step == 0) {
+            // Ranks other than the root have no figures.
+            std::array<double, 4> figures;
+            figures.fill(-std::numeric_limits<double>::infinity());
+            if (!pictures.empty()) {
+                const SharedScales scales = scales_of(pictures.front());
+                figures = {scales.extinction, scales.low, scales.high, scales.unit_distance};
+            }
+            ranks.collective.max(figures);
+            const auto [extinction, low, high, unit_distance] = figures;
+            share({extinction, low, high, unit_distance}, one);
+        }
+        std::ranges::move(pictures, std::back_inserter(all));
+    }
+    return all;
+}
+
 /// The pictures of a turn.
 /// returns  the report of --json
 Json render_turn(const RenderArguments& arguments, const CLI::App& command,
@@ -158,7 +195,9 @@ Json render_turn(const RenderArguments& arguments, const CLI::App& command,
     check("-o", arguments.output, {".png", ".exr"}, true);
     check("--depth-out", arguments.depth_output, {".exr"}, false);
     check("--values-out", arguments.quantity.values_output, {".npy", ".exr"}, false);
-    const std::vector<RenderedPicture> pictures = render(arguments, command, ranks);
+    const std::vector<RenderedPicture> pictures =
+        arguments.steps ? render_turn_in_time(arguments, command, ranks)
+                        : render(arguments, command, ranks);
     if (pictures.empty()) return {};
     Json list = Json::array();
     std::vector<double> times;
@@ -235,6 +274,9 @@ void render_files(const RenderArguments& given, const CLI::App& command, const R
     const CommandMemory memory(arguments.memory);
     if (command.count("--fps") && !is_film(arguments.output))
         throw CLI::ValidationError("--fps: is of films, expected -o with .mp4 or .webm");
+    if (arguments.steps && !arguments.turntable)
+        throw CLI::ValidationError(
+            "--steps: is of --turntable; without it a folder or a film has one picture an input");
     if (arguments.turntable || is_of_many(arguments.output)) {
         const Json report = render_many(arguments, command, ranks);
         if (arguments.json && ranks.is_root) print_json(report);

@@ -147,6 +147,13 @@ std::vector<RenderedPicture> render_views(const RenderArguments& arguments, cons
         outputs = numbered_outputs(arguments.output, count, ".png");
         depths = numbered_outputs(arguments.depth_output, count, ".exr");
         values = numbered_outputs(arguments.quantity.values_output, count, ".npy");
+        if (const auto& part = arguments.turn_part) {
+            const auto keep = [&](auto& all) {
+                all.erase(all.begin() + part->second, all.end());
+                all.erase(all.begin(), all.begin() + part->first);
+            };
+            keep(cameras), keep(outputs), keep(depths), keep(values);
+        }
     }
     RenderArguments one = arguments;
     std::vector<RenderedPicture> pictures;

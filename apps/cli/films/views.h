@@ -31,8 +31,8 @@ void share(const SharedScales& scales, RenderArguments& later);
 using DrawView =
     std::function<std::optional<RenderedPicture>(const RenderArguments&, const Camera&)>;
 /// Draws the view of the arguments, or those of a turn about it: --turntable pictures about the up axis through the
-/// point looked at, counter-clockwise from above. A fitted view is as far as the farthest of the turn. All
-/// have the extinction and range of the first.
+/// point looked at, counter-clockwise from above: all, or turn_part. A fitted view is as far as the farthest of the turn.
+/// All have the extinction and range of the first.
 /// box      world box of the inputs
 /// returns  figures of each picture; none on ranks other than the root
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,

@@ -253,6 +253,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
                     "together: -o names a folder (0001.png, ...), a name with a number or a film. "
                     "Extinction and range are those of the first")
         ->check(CLI::Range(1, 9999));
+    command.add_flag(
+        "--steps", arguments.steps,
+        "With --turntable: the inputs are steps in time, which runs once during the turn");
     command.add_option("--fps", arguments.per_second, "Pictures a second of a film")
         ->check(CLI::Range(0.01, 240.0))
         ->capture_default_str();

@@ -38,7 +38,10 @@ struct RenderArguments {
     std::string output, depth_output, size = "512x512";
     bool json = false, verbose = false;
     int threads = 0, repeat = 0;
-    int turntable = 0;       ///< pictures of a full turn; 0: one view
+    int turntable = 0;   ///< pictures of a full turn; 0: one view
+    bool steps = false;  ///< time runs once during the turn, an input a step
+    /// Pictures of the turn that are drawn, from 0: of one step.
+    std::optional<std::pair<int, int>> turn_part{};
     double per_second = 30;  ///< pictures of a film
     std::function<void(const Image&)>
         take_picture{};        ///< takes pictures in place of the output's file

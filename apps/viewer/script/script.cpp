@@ -86,7 +86,7 @@ constexpr Form kForms[] = {
     {"screenshot", "f", "screenshot FILE.png", 0, 0, ".png"},
     {"picture", "f", "picture FILE.png", 0, 0, ".png"},
     {"depth", "f", "depth FILE.exr", 0, 0, ".exr"},
-    {"turntable", "wi", "turntable FOLDER|FILM PICTURES", 1, 9999},
+    {"turntable", "wi?w", "turntable FOLDER|FILM PICTURES [time]", 1, 9999},
     {"step", "i", "step NUMBER", 1, kAny},
     {"play", "s", "play on|off"},
     {"speed", "n", "speed STEPS_PER_SECOND", 0.01, 1000},

@@ -405,9 +405,14 @@ bool ScriptPlayer::start_file(const Action& action, Stage& stage) {
         stage.session.save_depth(action.words[0]);
     else if (action.verb == "steps")
         stage.session.start_time_export(action.words[0]);
-    else if (action.verb == "turntable")
-        stage.session.start_turntable(action.words[0], static_cast<int>(number(action.words[1])));
-    else
+    else if (action.verb == "turntable") {
+        const bool in_time = action.words.size() > 2;
+        if (in_time && action.words[2] != "time")
+            throw Error(fmt::format("turntable {}: expected FOLDER|FILM PICTURES [time]",
+                                    joined(action.words)));
+        stage.session.start_turntable(action.words[0], static_cast<int>(number(action.words[1])),
+                                      in_time);
+    } else
         return false;
     return true;
 }

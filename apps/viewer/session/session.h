@@ -164,7 +164,8 @@ class Session {
     void save_look(const std::filesystem::path& file);
     /// Saves `frames` pictures of a full turn about the up axis of the data, as 0001.png, ... in a folder, or as a
     /// film (.mp4, .webm).
-    void start_turntable(const std::filesystem::path& output, int frames);
+    /// in_time  time runs once during the turn. throws vog::Error where no steps are open
+    void start_turntable(const std::filesystem::path& output, int frames, bool in_time = false);
     /// Saves a picture of each step in time likewise.
     void start_time_export(const std::filesystem::path& output);
     bool turning() const { return recording_.has_value(); }
@@ -202,7 +203,7 @@ class Session {
     /// A turn, or all steps in time, being saved.
     struct Recording {
         std::filesystem::path output;  ///< folder or film
-        bool of_time = false;
+        bool turns = false, of_time = false;
         Camera camera;         ///< before
         std::size_t step = 0;  ///< before
         int frames = 0, next = 0;

@@ -140,11 +140,14 @@ void Session::save_look(const fs::path& file) {
     show_message("wrote " + file.string());
 }
 
-void Session::start_turntable(const fs::path& output, int frames) {
+void Session::start_turntable(const fs::path& output, int frames, bool in_time) {
     if (frames < 1 || frames > 9999)
         throw Error(fmt::format("turntable: {} pictures, expected 1 to 9999", frames));
+    if (in_time && !steps_) throw Error("no steps in time are open: vog view --steps");
     Recording recording;
     recording.output = output;
+    recording.turns = true;
+    recording.of_time = in_time;
     recording.frames = frames;
     start_recording(std::move(recording));
 }
@@ -165,7 +168,7 @@ void Session::start_recording(Recording recording) {
     const std::string extension = recording.output.extension().string();
     if (extension == ".mp4" || extension == ".webm") {
         if (!open_film) throw Error("films are of `vog view`, expected a folder");
-        const double per_second = recording.of_time ? settings.steps_per_second : 30;
+        const double per_second = recording.turns ? 30 : settings.steps_per_second;
         recording.film = open_film(recording.output.string(), per_second);
     } else {
         std::error_code code;
@@ -193,7 +196,7 @@ void Session::advance_recording() {
             throw;
         }
         show_message(
-            fmt::format("{}: {} of {}", r.of_time ? "steps" : "turntable", r.next, r.frames));
+            fmt::format("{}: {} of {}", r.turns ? "turntable" : "steps", r.next, r.frames));
         if (r.next == r.frames) {
             camera = r.camera;
             if (steps_) set_step(r.step);
@@ -205,9 +208,9 @@ void Session::advance_recording() {
     if (!complete && r.next > 0) return;
     // About the up axis of the data, not of the screen: they stay upright.
     if (r.of_time)
-        set_step(static_cast<std::size_t>(r.next));
-    else
-        camera = turned_about(r.camera, up(), 2 * std::numbers::pi * r.next / r.frames);
+        set_step(static_cast<std::size_t>(r.next) * step_count() /
+                 static_cast<std::size_t>(r.frames));
+    if (r.turns) camera = turned_about(r.camera, up(), 2 * std::numbers::pi * r.next / r.frames);
     ++r.next;
 }
 

@@ -162,9 +162,16 @@ void draw_file_section(Session& session, Gui& gui, float ui, Requests& requests)
                      ImGuiSliderFlags_Logarithmic);
     ImGui::SameLine(0, 4 * ui);
     if (ImGui::Button(session.turning() ? "turning" : "turntable") && !session.turning())
-        attempt(session,
-                [&] { session.start_turntable(gui.turntable_path, gui.turntable_frames); });
+        attempt(session, [&] {
+            session.start_turntable(gui.turntable_path, gui.turntable_frames,
+                                    gui.turntable_in_time && session.step_count() > 0);
+        });
     if (session.step_count() > 0) {
+        ImGui::Checkbox("turn through time", &gui.turntable_in_time);
+        mark(gui, "turn through time");
+        if (ImGui::IsItemHovered())
+            ImGui::SetTooltip("All steps, one after the other, during the turn");
+        ImGui::SameLine(0, 8 * ui);
         if (ImGui::Button("save all steps") && !session.turning())
             attempt(session, [&] { session.start_time_export(gui.turntable_path); });
         mark(gui, "save all steps");
@@ -204,6 +211,7 @@ void draw_status(const Session& session, const Layout& layout) {
     const float room = layout.status.width - right_width - 32 * layout.ui;
     const ImVec2 at = ImGui::GetCursorScreenPos();
     ImGui::PushClipRect(at, {at.x + room, at.y + layout.status.height}, true);
+    const Notices ink = notices(session.settings.light_window);
     if (session.failed) {
         ImGui::TextColored(ink.error, "%s", session.message.c_str());
     } else if (session.loading.busy) {
@@ -211,7 +219,6 @@ void draw_status(const Session& session, const Layout& layout) {
                            100 * session.loading.fraction);
     } else {
         ImGui::TextUnformatted(session.message.c_str());
-    const Notices ink = notices(session.settings.light_window);
     }
     ImGui::PopClipRect();
     ImGui::SameLine(layout.status.width - right_width - 8 * layout.ui);
@@ -246,13 +253,6 @@ void set_style(float ui, bool light) {
         style.Colors[ImGuiCol_TextDisabled] = {0.36f, 0.36f, 0.36f, 1};
     } else {
         ImGui::StyleColorsDark(&style);
-    style.WindowBorderSize = 0;
-    style.FrameRounding = style.GrabRounding = 3;
-    style.WindowRounding = 4;
-    style.ItemSpacing = {6, 4};
-    style.ScaleAllSizes(ui);
-}
-
         style.Colors[ImGuiCol_TextDisabled] = {0.64f, 0.64f, 0.64f, 1};
         const ImVec4 under_pointer{0.18f, 0.42f, 0.70f, 1}, pressed{0.13f, 0.37f, 0.66f, 1};
         for (const ImGuiCol n : {ImGuiCol_ButtonHovered, ImGuiCol_HeaderHovered,
@@ -261,6 +261,13 @@ void set_style(float ui, bool light) {
         for (const ImGuiCol n : {ImGuiCol_ButtonActive, ImGuiCol_HeaderActive})
             style.Colors[n] = pressed;
     }
+    style.WindowBorderSize = 0;
+    style.FrameRounding = style.GrabRounding = 3;
+    style.WindowRounding = 4;
+    style.ItemSpacing = {6, 4};
+    style.ScaleAllSizes(ui);
+}
+
 void draw_panels(Session& session, Gui& gui, const Layout& layout, Requests& requests) {
     gui.widgets.clear();
     draw_overlays(session, gui, layout);

@@ -27,8 +27,9 @@ struct Gui {
     std::string open_path, look_path = "look.json", camera_path = "camera.json";
     std::string turntable_path = "turntable";
     int turntable_frames = 120;
-    RecentFiles recent{{}};  ///< nothing is kept under a script
-    int dragged_point = -1;  ///< index of the dragged opacity point; -1: none
+    bool turntable_in_time = false;  ///< steps in time run once during the turn
+    RecentFiles recent{{}};          ///< nothing is kept under a script
+    int dragged_point = -1;          ///< index of the dragged opacity point; -1: none
     PointRange
         dragged_band{};  ///< of the transfer function of values, where dragged_point is one of several
     bool log_values = false;  ///< logarithmic axis of the editor of values
