@@ -68,6 +68,25 @@ class Exploring(PageTest):
 
     # --- The first field. ---
 
+    def test_numbers_at_the_pointer_overlap_nothing_at_any_width(self):
+        """Probe, colour bar, scale bar and axes."""
+        for width, height in ((360, 740), (640, 900), (820, 1180), (1440, 900)):
+            self.browser.viewport(width, height, 1, width < 500)
+            self.open("smoke.html", "#subframes=1&show=deviation&level=3&map=gray")
+            self.value("vog.page.models[0].fields[0].name = 'temperature of the gas'; vog.change({panel: innerWidth > 700})")
+            self.browser.settle()
+            x, y = self.value("[picture.clientWidth / 2, picture.clientHeight / 2]")
+            self.browser.mouse("mouseMoved", x, y)
+            boxes = self.value("""['probe', 'scale', 'length', 'axes'].map((id) => {
+                const b = document.getElementById(id).getBoundingClientRect();
+                return [id, b.left, b.top, b.right, b.bottom, document.getElementById(id).checkVisibility()];
+            })""")
+            self.assertTrue(all(box[5] for box in boxes), boxes)
+            for n, (one, *a, _) in enumerate(boxes):
+                for other, *b, _ in boxes[:n]:
+                    apart = a[2] <= b[0] or b[2] <= a[0] or a[3] <= b[1] or b[3] <= a[1]
+                    self.assertTrue(apart, (width, one, a, other, b))
+
     def test_volumes_without_a_word_about_the_field_are_of_the_density(self):
         self.start("two.html", "#subframes=1&show=volume")
         names = self.value("vog.page.models[0].fields.map(({name}) => name)")
