@@ -9,6 +9,7 @@
 #include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
+#include "vog/gpu_pictures.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
 #include "volume_look.h"
@@ -107,15 +108,25 @@ Camera camera_for(const MapArguments& map, const Box& box, int width, int height
     return map.camera ? *map.camera : orbit_view(box, {}, aspect);
 }
 
+/// Options of T that pictures of fields on a GPU have not.
+void refuse_options_of_depth(const RenderArguments& a, Renderer renderer) {
+    const auto refuse = [&](const char* option, const char* expected) {
+        throw Error(std::string("render: ") + option + ": is of T, a field by renderer '" +
+                    info_of(renderer).name + "' has " + expected);
+    };
+    if (a.options.samples != 1) refuse("samples", "one ray a pixel");
+    if (a.options.trace.anyhit != AnyHit::accumulate) refuse("anyhit 'collect'", "sums");
+    if (a.options.trace.stop_transmittance > 0) refuse("stop_transmittance", "no end of rays");
+}
+
 ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const RenderArguments& a) {
     const auto& model = data.cast<const Gaussians&>();
     if (!map.fields.is_none()) throw Error("render: fields: of voxels, a model has its own");
     const Renderer renderer = checked_renderer(a, RenderInput::gaussians);
-    if (renderer != Renderer::splat && renderer != Renderer::trace)
-        throw Error(std::string("render: ") + info_of(renderer).name +
-                    " draws no fields, expected splat or trace");
     const FieldChoice choice = field_choice(map.field, model.fields);
     const ScalarField* scalar = model.fields.find_scalar(choice.field);
+    const bool on_gpu = renderer == Renderer::cuda || renderer == Renderer::optix;
+    if (on_gpu) refuse_options_of_depth(a, renderer);
     const auto [width, height] = size_of(map.size);
     const Progress report = progress_of(map.progress);
     ShownMaps shown{{},
@@ -130,6 +141,9 @@ ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const R
             return render_field_trace(model, choice, camera, width, height, options,
                                       {a.options.aabb_sigma, a.options.kappa}, a.options.clip);
         }
+        if (on_gpu)
+            return GpuPictures(renderer, model, {a.options.aabb_sigma, a.options.kappa})
+                .fields(choice, camera, width, height, a.options.clip);
         SplatOptions options;
         options.progress = report;
         options.aabb_sigma = a.options.aabb_sigma;

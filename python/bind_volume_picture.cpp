@@ -4,6 +4,7 @@
 #include "arrays.h"
 #include "data.h"
 #include "vog/error.h"
+#include "vog/gpu_pictures.h"
 #include "vog/levels.h"
 #include "vog/maximum_picture.h"
 #include "vog/renderer.h"
@@ -93,22 +94,13 @@ const ScalarField& field_of(const Gaussians& model, std::string name, const std:
                 " scalar fields (convert(volume, fields=...) makes them)");
 }
 
-/// The renderer of models of this name.
-Renderer model_renderer(const std::string& name, const std::string& call) {
-    const Renderer renderer = renderer_for(name, RenderInput::gaussians);
-    if (renderer != Renderer::splat && renderer != Renderer::trace)
-        throw Error(call + ": " + info_of(renderer).name +
-                    " draws no models by value, expected splat or trace");
-    return renderer;
-}
-
 VolumeImage of_model(const Gaussians& model, const std::string& name, const ValueArguments& values,
                      const PictureArguments& picture, const Progress& progress) {
     const ScalarField& found = field_of(model, name, "render_volume");
     const std::string& field = found.name;
     const Box box = view_box(model);
     const ValueTransfer transfer = transfer_of(values, found.lower, found.upper, box);
-    const Renderer renderer = model_renderer(picture.renderer, "render_volume");
+    const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
     return unlocked([&] {
         const Camera camera = camera_for(picture, box);
         if (renderer == Renderer::trace) {
@@ -117,6 +109,10 @@ VolumeImage of_model(const Gaussians& model, const std::string& name, const Valu
             return render_volume_trace(model, field, transfer, camera, picture.width,
                                        picture.height, options, {}, picture.look);
         }
+        if (renderer != Renderer::splat)
+            return GpuPictures(renderer, model)
+                .volume(field, transfer, camera, picture.width, picture.height, picture.slabs,
+                        picture.look);
         SlabOptions options;
         options.slabs = picture.slabs;
         options.look = picture.look;
@@ -164,7 +160,7 @@ VolumeImage of_volume(const Volume& given, const std::string& field, const py::o
 ValueMap maximum_of_model(const Gaussians& model, const std::string& name,
                           const PictureArguments& picture, const Progress& progress) {
     const std::string& field = field_of(model, name, "render_maximum").name;
-    const Renderer renderer = model_renderer(picture.renderer, "render_maximum");
+    const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
     return unlocked([&] {
         const Camera camera = camera_for(picture, view_box(model));
         if (renderer == Renderer::trace) {
@@ -173,6 +169,10 @@ ValueMap maximum_of_model(const Gaussians& model, const std::string& name,
             return render_maximum_trace(model, field, camera, picture.width, picture.height,
                                         options, {}, picture.look.clip);
         }
+        if (renderer != Renderer::splat)
+            return GpuPictures(renderer, model)
+                .maximum(field, camera, picture.width, picture.height, picture.slabs,
+                         picture.look.clip);
         SlabOptions options;
         options.slabs = picture.slabs;
         options.look = picture.look;
@@ -223,8 +223,8 @@ void bind_maximum_picture(py::module_& m) {
 there is none. Of voxels the largest value, of models the largest mean of the field.
 
 data, camera, size, field, clip, clip_planes, fields, progress   as of render_volume
-renderer  of models 'splat' (depth slabs) or 'trace' (exact order), of voxels 'reference'; '': the first of them
-slabs     splat: depth slabs a tile, 1 to 1024)");
+renderer  of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference'; '': the first of them
+slabs     depth slabs a tile, not of trace, 1 to 1024)");
 }
 
 }  // namespace
@@ -285,8 +285,8 @@ light          'head', or a direction towards the light; None: emission and abso
 clip           box of the world that is shown, [2, 3]; None: all
 clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays
 background     'black', 'white', 'transparent', or (r, g, b) in [0, 1]
-renderer       of models 'splat' (depth slabs) or 'trace' (exact order), of voxels 'reference'; '': the first of them
-slabs          splat: depth slabs a tile, 1 to 1024
+renderer       of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference'; '': the first of them
+slabs          depth slabs a tile, not of trace, 1 to 1024
 fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
 interpolation  of voxels: 'constant', or 'linear' between their centres
 step           linear: spacing of the samples, voxels, > 0

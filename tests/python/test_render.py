@@ -277,6 +277,27 @@ def test_gpu_renderers_draw_or_say_what_is_missing(model):
             assert vog.compare(vog.render(model, size=64), depth).relative_l2 < 1e-3
 
 
+@pytest.mark.parametrize("renderer", ["cuda", "optix"])
+def test_gpu_renderers_draw_fields_or_say_what_is_missing(model, renderer):
+    def difference(draw, number):
+        try:
+            on_gpu = draw(renderer)
+        except vog.Error as error:
+            assert str(error).startswith(renderer) and "\n" not in str(error)
+            return 0
+        return np.nanmax(np.abs(number(on_gpu) - number(draw("splat"))))
+
+    field = model.fields["density"]
+    maps = difference(lambda name: vog.render(model, size=48, show="mean", field="density", renderer=name), lambda m: m.mean)
+    assert maps < 1e-3 * field.range[1]
+    assert difference(lambda name: vog.render_volume(model, size=48, renderer=name), lambda image: image.rgba) < 0.01
+    maximum = difference(lambda name: vog.render_maximum(model, size=48, renderer=name), np.asarray)
+    assert maximum < 0.01 * field.range[1]
+    for options, message in (({"anyhit": "collect"}, "anyhit"), ({"samples": 2}, "samples")):
+        with pytest.raises(vog.Error, match=f"{message}.*(is of T|is not for renderer '{renderer}')"):
+            vog.render(model, size=48, show="mean", field="density", renderer=renderer, **options)
+
+
 def test_evaluate_returns_what_it_writes(tmp_path, cloud):
     fractions = []
     result = vog.evaluate(cloud, tmp_path / "out", size=32, repeats=1, conversions="paper", progress=fractions.append)
