@@ -26,7 +26,7 @@ class Maxima(QuantityTest):
         self.expect_page_is("smoke.ply", "--show", "maximum", *RANGE, off=off)
 
     def test_maxima_are_vog_renders(self):
-        # Rims that rounded numbers move change the ends of slabs: measured 10, 5 with --precise, at 6 of 108,000 pixels.
+        # Rims that rounded numbers move change the ends of slabs: measured 10 at 6 of 108,000 pixels, 4 with --precise.
         self.pictures("smoke.html", 12)
 
     def test_maxima_of_precise_pages_are_nearer(self):
