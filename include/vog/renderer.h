@@ -133,6 +133,8 @@ class DepthRenderer {
                 const Progress& progress = {});
     /// Sets CutOptions::pixel_error of the next pictures. No effect without a hierarchy.
     void set_pixel_error(double pixel_error);
+    /// Sets RenderOptions::samples of the next pictures, >= 1. No effect on renderers without samples.
+    void set_samples(int samples);
 
     Renderer renderer() const;
     /// Cut of the last picture; nothing without a hierarchy.

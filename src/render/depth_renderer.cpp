@@ -18,6 +18,7 @@ struct DepthRenderer::State {
     virtual void render(const Camera& camera, int width, int height, DepthImage& depth,
                         const Progress& progress) = 0;
     virtual void set_pixel_error(double) {}
+    virtual void set_samples(int) {}
 };
 
 namespace {
@@ -142,6 +143,7 @@ class OptixModelState : public State {
         depth = model_.render(camera, width, height, options_, &traced.emplace(), samples_);
         gpu_ms = model_.gpu_ms();
     }
+    void set_samples(int samples) override { samples_ = samples; }
 
   private:
     OptixModel model_;
@@ -172,6 +174,7 @@ class OptixVolumesState : public State {
             *gpu_ms += volume.gpu_ms();
         }
     }
+    void set_samples(int samples) override { samples_ = samples; }
 
   private:
     std::vector<OptixVolume> volumes_;
@@ -191,6 +194,7 @@ class ReferenceState : public State {
         options.progress = progress;
         depth = render_reference(grids_, camera, width, height, options);
     }
+    void set_samples(int samples) override { options_.samples = samples; }
 
   private:
     Grids grids_;
@@ -199,10 +203,6 @@ class ReferenceState : public State {
 
 /// throws vog::Error for a renderer that does not draw the input, or options that are not its
 void check(Renderer renderer, RenderInput input, const RenderOptions& options) {
-    if (renderer == Renderer::optix && input == RenderInput::levels)
-        throw Error(
-            "optix: levels of a mesh hide each other, which only the reference renderer knows; "
-            "give --sum to add them up");
     (void)renderer_for(info_of(renderer).name, input);
     require_options(renderer, input, changed_options(options), OptionSpelling::arguments);
 }
@@ -248,8 +248,11 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
 DepthRenderer::DepthRenderer(Renderer renderer, const Levels& levels,
                              const RenderOptions& options) {
     check(renderer, RenderInput::levels, options);
-    state_ =
-        std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels), options);
+    if (renderer == Renderer::optix)
+        state_ = std::make_unique<OptixVolumesState>(composite(levels).parts, options.samples);
+    else
+        state_ = std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels),
+                                                              options);
     state_->renderer = renderer;
 }
 
@@ -268,6 +271,7 @@ void DepthRenderer::render(const Camera& camera, int width, int height, DepthIma
     state_->render(camera, width, height, depth, progress);
 }
 
+void DepthRenderer::set_samples(int samples) { state_->set_samples(samples); }
 void DepthRenderer::set_pixel_error(double pixel_error) { state_->set_pixel_error(pixel_error); }
 Renderer DepthRenderer::renderer() const { return state_->renderer; }
 const std::optional<CutReport>& DepthRenderer::cut() const { return state_->cut; }

@@ -86,7 +86,7 @@ std::span<const RendererInfo> renderers() {
          "optix",
          "trace on an NVIDIA GPU, and volumes",
          kOptix,
-         {gaussians, volumes}},
+         {gaussians, volumes, levels}},
         {Renderer::reference,
          "reference",
          "volumes, exact through the voxels",

@@ -9,10 +9,13 @@
 #include <set>
 
 #include "emulation/emulation.h"
+#include "support/level_volumes.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/gpu.h"
+#include "vog/levels.h"
 #include "vog/reference.h"
+#include "vog/renderer.h"
 #include "vog/sample.h"
 
 namespace vog::test {
@@ -243,6 +246,29 @@ TEST_F(gpu, volumes_have_the_references_depth) {
                 render_reference({&grid, 1}, paper_view(box), 32, 32, {.samples = 3});
             EXPECT_LT(worst(optix.render(paper_view(box), 32, 32, 3), mean), 1e-5);
         }
+    }
+}
+
+/// Finer levels hide coarser ones, within their masks.
+TEST_F(gpu, levels_of_a_mesh_have_the_references_depth) {
+    const Affine fine{{{Vec3d{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}}}, {1.75, 1.75, 1.75}};
+    Levels levels{{cube_of(8, 3, {}), cube_of(8, 0.5f, fine)}, {}};
+    for (const bool masked : {false, true}) {
+        if (masked) levels.masks = {cube_of(7, 1, {}), cube_of(5, 1, fine)};
+        const Camera camera = paper_view(world_box(levels.volumes.front()));
+        const DepthImage expected = render_reference(level_grids(levels), camera, 48, 32);
+        DepthRenderer optix(Renderer::optix, levels);
+        DepthImage depth;
+        optix.render(camera, 48, 32, depth);
+        EXPECT_LT(worst(depth, expected), 1e-5) << masked;
+        optix.set_samples(3);
+        optix.render(camera, 16, 16, depth);
+        const DepthImage mean =
+            render_reference(level_grids(levels), camera, 16, 16, {.samples = 3});
+        EXPECT_LT(worst(depth, mean), 1e-5) << masked;
+        DepthRenderer add(Renderer::optix, std::span<const Volume>(levels.volumes));
+        add.render(camera, 48, 32, depth);
+        EXPECT_GT(worst(depth, expected), 0.05);  // hidden voxels count there
     }
 }
 

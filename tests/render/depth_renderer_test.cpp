@@ -56,8 +56,9 @@ TEST(renderers, default_and_fit_to_the_input) {
               "renderer 'reference', expected 'splat', 'trace', 'cuda' or 'optix' for Gaussians");
     EXPECT_EQ(refusal([] { (void)renderer_for("splat", RenderInput::volumes); }),
               "renderer 'splat', expected 'optix' or 'reference' for volumes");
-    EXPECT_EQ(refusal([] { (void)renderer_for("optix", RenderInput::levels); }),
-              "renderer 'optix', expected 'reference' for levels");
+    EXPECT_EQ(renderer_for("optix", RenderInput::levels), Renderer::optix);
+    EXPECT_EQ(refusal([] { (void)renderer_for("trace", RenderInput::levels); }),
+              "renderer 'trace', expected 'optix' or 'reference' for levels");
 }
 
 TEST(renderers, options_of_others_are_refused_in_one_line) {
@@ -157,8 +158,10 @@ TEST(depth_renderer, refuses_other_data_and_options) {
     EXPECT_THROW(DepthRenderer(Renderer::splat, model, {.voxels = {Interpolation::linear, 0}}),
                  Error);
     EXPECT_THROW(DepthRenderer(Renderer::reference, set, {.kappa = 0.1}), Error);
-    const std::string mesh = refusal([&] { DepthRenderer renderer(Renderer::optix, set); });
-    EXPECT_TRUE(mesh.starts_with("optix: levels of a mesh hide each other")) << mesh;
+    RenderOptions clipped;
+    clipped.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
+    EXPECT_EQ(refusal([&] { DepthRenderer renderer(Renderer::optix, set, clipped); }),
+              "clip of volumes is not for optix, expected reference");
 }
 
 TEST(depth_renderer, clips_cut_the_chords_of_gaussians) {

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vog/error.h"
+#include "vog/gpu_pictures.h"
 #include "vog/splat.h"
 
 namespace vog::viewer {
@@ -122,6 +123,12 @@ SumImage draw_voxels(const RenderRequest& request, int width, int height,
                    drawn.field.part, unit);
 }
 
+/// Whether the renderer adds up the rays of a pixel itself: T by OptiX.
+bool adds_up_rays(const RenderRequest& request) {
+    return !request.voxels && request.renderer == WindowRenderer::optix &&
+           request.drawn.kind == Drawn::Kind::depth && request.drawn.look.clip.empty();
+}
+
 }  // namespace
 
 /// Renderers prepared for the latest model: they outlive a picture, not the model.
@@ -132,6 +139,7 @@ struct BackgroundRenderer::Prepared {
     std::optional<SlabRenderer>
         slabs;  ///< for pictures that differ in the transfer function alone from this one
     Drawn slabs_of;
+    std::map<WindowRenderer, GpuPictures> gpu;  ///< fields of the model
 };
 
 BackgroundRenderer::BackgroundRenderer()
@@ -215,6 +223,7 @@ void BackgroundRenderer::draw_depth(const RenderRequest& request, int width, int
     }
     DepthRenderer& renderer = found->second;
     renderer.set_pixel_error(request.pixel_error);
+    renderer.set_samples(adds_up_rays(request) ? request.rays : 1);
     DepthImage depth;
     renderer.render(request.camera, width, height, depth, progress);
     picture.drawn = renderer.cut() ? renderer.cut()->drawn() : request.model->size();
@@ -223,16 +232,15 @@ void BackgroundRenderer::draw_depth(const RenderRequest& request, int width, int
 
 void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
                                     const Progress& progress, RenderedPicture& picture) {
-    if (request.model != prepared_->model) *prepared_ = {request.model, {}, {}, {}, {}};
+    if (request.model != prepared_->model) *prepared_ = {request.model, {}, {}, {}, {}, {}};
     const Drawn& drawn = request.drawn;
     if (drawn.kind == Drawn::Kind::depth)
         return draw_depth(request, width, height, progress, picture);
     const Gaussians& model = *request.model;
-    const bool splat = request.renderer == WindowRenderer::splat;
-    if (!splat && request.renderer != WindowRenderer::trace)
-        throw Error(fmt::format("{} draws no fields, expected OpenGL, CPU splat or CPU rays",
-                                name_of(request.renderer)));
     picture.drawn = model.size();
+    if (request.renderer == WindowRenderer::cuda || request.renderer == WindowRenderer::optix)
+        return draw_on_gpu(request, width, height, picture);
+    const bool splat = request.renderer == WindowRenderer::splat;
     TraceOptions rays;
     rays.progress = progress;
     if (drawn.kind == Drawn::Kind::field) {
@@ -292,6 +300,29 @@ void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int
     picture.sums = sums_of(image);
 }
 
+void BackgroundRenderer::draw_on_gpu(const RenderRequest& request, int width, int height,
+                                     RenderedPicture& picture) {
+    const Gaussians& model = *request.model;
+    const Drawn& drawn = request.drawn;
+    GpuPictures& pictures =
+        prepared_->gpu.try_emplace(request.renderer, library_renderer(request.renderer), model)
+            .first->second;
+    if (drawn.kind == Drawn::Kind::light) {
+        picture.sums = sums_of(pictures.volume(drawn.field.field, *drawn.transfer, request.camera,
+                                               width, height, drawn.slabs, drawn.look));
+        return;
+    }
+    const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
+    if (drawn.kind == Drawn::Kind::maximum)
+        picture.sums = sums_of(pictures.maximum(drawn.field.field, request.camera, width, height,
+                                                drawn.slabs, drawn.look.clip),
+                               unit);
+    else
+        picture.sums =
+            sums_of(pictures.fields(drawn.field, request.camera, width, height, drawn.look.clip),
+                    drawn.field.part, unit);
+}
+
 RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
     const auto progress = [this](double fraction) {
         const std::lock_guard lock(mutex_);
@@ -299,14 +330,15 @@ RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
         fraction_ = fraction;
     };
     const auto start = std::chrono::steady_clock::now();
-    const int width = request.width * request.rays, height = request.height * request.rays;
+    const int lattice = adds_up_rays(request) ? 1 : request.rays;
+    const int width = request.width * lattice, height = request.height * lattice;
     RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}};
     if (request.voxels)
         picture.sums = draw_voxels(request, width, height, progress);
     else
         draw_model(request, width, height, progress, picture);
     const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - start;
-    picture.sums = shrunk(std::move(picture.sums), request.rays);
+    picture.sums = shrunk(std::move(picture.sums), lattice);
     picture.ms = ms.count();
     return picture;
 }

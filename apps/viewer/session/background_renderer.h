@@ -73,6 +73,7 @@ class BackgroundRenderer {
                     RenderedPicture& picture);
     void draw_depth(const RenderRequest& request, int width, int height, const Progress& progress,
                     RenderedPicture& picture);
+    void draw_on_gpu(const RenderRequest& request, int width, int height, RenderedPicture& picture);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< used by the thread alone
 

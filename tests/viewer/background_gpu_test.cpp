@@ -1,0 +1,89 @@
+// background_gpu_test.cpp: The window's pictures by GPU renderers, beside those of the CPU.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <thread>
+
+#include "session/background_renderer.h"
+#include "support/emulated_gpu.h"
+#include "support/scenes.h"
+
+namespace vog::test {
+
+using namespace viewer;
+namespace {
+
+/// Gaussians with a field that rises along x.
+std::shared_ptr<Gaussians> warm_gaussians() {
+    auto model = std::make_shared<Gaussians>(random_gaussians(60, 0.05, 0.2, 44));
+    ScalarField& field = model->fields.scalar.emplace_back();
+    field.name = "heat", field.upper = 10;
+    for (std::size_t i = 0; i < model->size(); ++i) {
+        field.value.push_back(5 + 4 * model->mean[i].x);
+        field.gradient.push_back({4, 0, 0});
+        field.deviation.push_back(0.3f);
+        field.skewness.push_back(0);
+    }
+    return model;
+}
+
+RenderedPicture picture_of(BackgroundRenderer& background, const RenderRequest& request) {
+    background.request(request);
+    while (true) {
+        if (std::optional<RenderedPicture> picture = background.take()) return *picture;
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+}
+
+TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
+    const auto gpus = emulated_gpus();
+    if (gpus.empty()) GTEST_SKIP() << "needs a GPU, or a build with VOG_EMULATED_GPU";
+    BackgroundRenderer background;
+    RenderRequest request;
+    request.model = warm_gaussians();
+    request.camera = orbit_view(view_box(*request.model), {});
+    request.width = 40, request.height = 30;
+    using Kind = Drawn::Kind;
+    for (const Kind kind : {Kind::depth, Kind::field, Kind::light, Kind::maximum})
+        for (const bool clipped : {false, true})
+            for (const int rays : {1, 2}) {
+                if (rays > 1 && kind != Kind::depth) continue;
+                SCOPED_TRACE(std::to_string(int(kind)) + (clipped ? " clipped " : " ") +
+                             std::to_string(rays));
+                request.rays = rays;
+                request.drawn = {};
+                request.drawn.kind = kind;
+                request.drawn.field.field = "heat";
+                request.drawn.slabs = 16;
+                if (kind == Kind::light)
+                    request.drawn.transfer =
+                        std::make_shared<ValueTransfer>(window_transfer(5, 6, 0.5));
+                if (clipped) request.drawn.look.clip.planes.push_back({{1, 0, 0}, 0});
+                request.renderer = WindowRenderer::splat;
+                const RenderedPicture expected = picture_of(background, request);
+                ASSERT_EQ(expected.error, "");
+                double norm2 = 0;
+                for (const float value : expected.sums.value)
+                    norm2 += double{value} * double{value};
+                ASSERT_GT(norm2, 0);
+                for (const EmulatedGpu& gpu : gpus) {
+                    gpu.prepare();
+                    request.renderer = gpu.renderer == Renderer::cuda ? WindowRenderer::cuda
+                                                                      : WindowRenderer::optix;
+                    const RenderedPicture shown = picture_of(background, request);
+                    ASSERT_EQ(shown.error, "") << gpu.name;
+                    EXPECT_EQ(shown.drawn, request.model->size());
+                    ASSERT_EQ(shown.sums.width, 40);
+                    ASSERT_EQ(shown.sums.value.size(), expected.sums.value.size());
+                    double error2 = 0;
+                    for (std::size_t n = 0; n < expected.sums.value.size(); ++n)
+                        error2 += std::pow(double{shown.sums.value[n]} - expected.sums.value[n], 2);
+                    EXPECT_LT(std::sqrt(error2 / norm2), 1e-4) << gpu.name;
+                }
+            }
+}
+
+}  // namespace
+}  // namespace vog::test
