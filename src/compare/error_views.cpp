@@ -160,10 +160,12 @@ bool ErrorViews::set_reference(std::span<const Volume> parts) {
 ErrorViews::ErrorViews(std::span<const Volume> parts, const Box& box) {
     const Box seen = error_view_box(parts, box);
     cameras_ = error_views(seen);
+    radius_ = seen.radius();
     note_ = box_note(seen, box);
     if (set_reference(parts)) return;
     BlockViews views = views_of_heaviest_blocks(parts);
     cameras_ = std::move(views.cameras);
+    radius_ = views.radius;
     note_ = fmt::format(
         "the data are too sparse for pictures of {} pixels: views of the measured error show the "
         "heaviest {} of {} blocks of 128^3 voxels, with {:.3g} % of the mass",
@@ -181,6 +183,7 @@ ErrorViews::ErrorViews(const Gaussians& finest) {
     const Box whole = view_box(finest);
     const Box seen = box_of_mass(whole, collective_or_single(nullptr), for_each_gaussian);
     cameras_ = error_views(seen);
+    radius_ = seen.radius();
     note_ = box_note(seen, whole);
     for (const Camera& camera : cameras_) {
         const DepthImage image = render_splat(finest, camera, kSize_px, kSize_px);

@@ -86,6 +86,8 @@ class ErrorViews {
     /// Squared visible error attributed to each Gaussian [N] (compare/error_shares.h).
     std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
     const std::vector<Camera>& cameras() const { return cameras_; }
+    /// Radius of the box that they show, of several boxes the largest one's, world units.
+    double radius() const { return radius_; }
     /// Mass that the views leave out, in words; empty: none.
     const std::string& note() const { return note_; }
 
@@ -100,7 +102,7 @@ class ErrorViews {
 
     std::vector<Camera> cameras_;
     std::vector<CroppedDepth> reference_;
-    double extinction_ = 1;
+    double extinction_ = 1, radius_ = 0;
     std::string note_;
 };
 

@@ -142,6 +142,7 @@ BlockViews comparison::views_of_heaviest_blocks(std::span<const Volume> volumes)
             heaviest, {}, [](const Block& block) { return block.mass / (block.views + 1); });
         if (next.views++ == 0) views.mass_share += next.mass / total, ++views.viewed;
         views.cameras.push_back(error_views(next.box)[n]);
+        views.radius = std::max(views.radius, next.box.radius());
     }
     return views;
 }

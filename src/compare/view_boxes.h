@@ -25,6 +25,7 @@ struct BlockViews {
     std::vector<Camera> cameras;
     std::size_t viewed = 0, blocks = 0;
     double mass_share = 0;  ///< of the viewed blocks
+    double radius = 0;      ///< of the largest of them, world units
 };
 BlockViews views_of_heaviest_blocks(std::span<const Volume> volumes);
 

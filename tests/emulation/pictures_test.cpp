@@ -63,11 +63,15 @@ Clipping some_planes() {
 }
 
 double worst(const VolumeImage& a, const VolumeImage& b) {
+    if (a.pixel.size() != b.pixel.size()) return HUGE_VAL;
     double most = 0;
     for (std::size_t n = 0; n < a.pixel.size(); ++n)
         for (const auto channel : {&Rgba::r, &Rgba::g, &Rgba::b, &Rgba::a})
-            most =
-                std::max(most, std::abs(double{a.pixel[n].*channel} - double{b.pixel[n].*channel}));
+            // A NaN is not less than anything.
+            if (const double off =
+                    std::abs(double{a.pixel[n].*channel} - double{b.pixel[n].*channel});
+                !(off <= most))
+                most = off < HUGE_VAL ? off : HUGE_VAL;
     return most;
 }
 

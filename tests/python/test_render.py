@@ -285,7 +285,9 @@ def test_gpu_renderers_draw_fields_or_say_what_is_missing(model, renderer):
         except vog.Error as error:
             assert str(error).startswith(renderer) and "\n" not in str(error)
             return 0
-        return np.nanmax(np.abs(number(on_gpu) - number(draw("splat"))))
+        drawn, expected = number(on_gpu), number(draw("splat"))
+        assert np.isfinite(expected).any() and np.mean(np.isnan(drawn) != np.isnan(expected)) < 0.01
+        return np.nanmax(np.abs(drawn - expected))
 
     field = model.fields["density"]
     maps = difference(lambda name: vog.render(model, size=48, show="mean", field="density", renderer=name), lambda m: m.mean)

@@ -449,6 +449,11 @@ TEST_F(view_command, steps_in_time_play_and_are_saved) {
     write("s2.ply", "ply\nformat");
     write("play.vog", "wait\nstep 2\nwait\n");
     must_fail(1, "view 's*.ply' --steps --headless --script play.vog", "s2.ply");
+    // No picture of another step is saved in its place.
+    write("play.vog", "size 60 40\nwait\nturntable broken 6 time\nwait\n");
+    must_fail(1, "view 's*.ply' --steps --headless --script play.vog", "s2.ply");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "broken" / "0002.png"));
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "broken" / "0003.png"));
 }
 
 TEST_F(view_command, bad_scripts_are_refused_by_line) {

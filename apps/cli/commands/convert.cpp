@@ -246,6 +246,8 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (arguments.volume.ones) model.options = "--measure volume " + model.options;
     if (!arguments.joint_field.empty()) {
         model.options += " --for " + arguments.joint_field;
+        if (arguments.joint_steps != kJointSteps)
+            model.options += fmt::format(" --joint-steps {}", arguments.joint_steps);
         model.summary += ", " + joint_text(arguments.joint_field, joint);
     }
     if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);

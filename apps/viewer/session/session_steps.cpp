@@ -53,6 +53,11 @@ void Session::update_steps() {
         show_error(error.what());
         opening_ = false;
         if (shown_step_) step_ = *shown_step_;
+        // Without the step, the picture of another would be saved in its place.
+        if (recording_) {
+            camera = recording_->camera;
+            recording_.reset();
+        }
         return;
     }
     if (!level) {

@@ -3,8 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <utility>
-
 #include "compare/error_shares.h"
 #include "compare/values/value_functions.h"
 #include "vog/distributed.h"
@@ -28,15 +26,15 @@ double square_difference(const Rgba& a, const Rgba& b) {
 }  // namespace
 
 ValueViews::ValueViews(std::span<const Volume> volumes, std::span<const VoxelField> field,
-                       std::vector<Camera> cameras, double radius)
-    : field_(field.front().name), cameras_(std::move(cameras)) {
+                       const ErrorViews& views)
+    : field_(field.front().name), cameras_(views.cameras()) {
     const ValueRange range = value_range(volumes, field);
     if (!(range.upper > range.lower))
         throw Error(
             fmt::format("{}: field {}: all values are {:.6g}, expected several for pictures "
                         "by value",
                         volumes.front().source, printable(field_), range.lower));
-    functions_ = value_functions(range, radius);
+    functions_ = value_functions(range, views.radius());
     for (const Camera& camera : cameras_) {
         std::vector<VolumeImage>& pictures = reference_.emplace_back();
         for (const ValueTransfer& function : functions_)
@@ -58,39 +56,38 @@ void ValueViews::for_each_picture(const Gaussians& model, const Take& take) cons
     }
 }
 
-RelativeError ValueViews::relative_l2(const Gaussians& model) const {
+ValueErrors ValueViews::errors(const Gaussians& model) const {
+    constexpr std::size_t kPixels = std::size_t{kSize_px} * kSize_px;
+    ValueErrors errors;
+    errors.square.assign(cameras_.size(), std::vector<float>(kPixels));
     std::vector<double> error2(cameras_.size()), norm2(cameras_.size());
     for_each_picture(model, [&](std::size_t view, std::size_t f, const VolumeImage& picture) {
         const std::vector<Rgba>& reference = reference_[view][f].pixel;
-        for (std::size_t n = 0; n < reference.size(); ++n) {
-            error2[view] += square_difference(picture.pixel[n], reference[n]);
-            norm2[view] += square(reference[n]);
+        for (std::size_t n = 0; n < kPixels; ++n) {
+            const double square = square_difference(picture.pixel[n], reference[n]);
+            errors.square[view][n] += static_cast<float>(square);
+            error2[view] += square;
+            norm2[view] += comparison::square(reference[n]);
         }
     });
     SquareSums sums;
     for (std::size_t view = 0; view < cameras_.size(); ++view) sums.add(error2[view], norm2[view]);
-    return sums.error();
+    errors.relative_l2 = sums.error();
+    return errors;
 }
 
-std::vector<float> ValueViews::error_of_each_gaussian(const Gaussians& model) const {
-    constexpr std::size_t kPixels = std::size_t{kSize_px} * kSize_px;
-    std::vector<std::vector<float>> error2(cameras_.size(), std::vector<float>(kPixels));
-    for_each_picture(model, [&](std::size_t view, std::size_t f, const VolumeImage& picture) {
-        const std::vector<Rgba>& reference = reference_[view][f].pixel;
-        for (std::size_t n = 0; n < kPixels; ++n)
-            error2[view][n] +=
-                static_cast<float>(square_difference(picture.pixel[n], reference[n]));
-    });
-    std::vector<float> errors(model.size());
+std::vector<float> ValueViews::error_of_each_gaussian(const Gaussians& model,
+                                                      const ValueErrors& errors) const {
+    std::vector<float> of_each(model.size());
     SplatRenderer renderer(model);
     DepthImage depth;
     for (std::size_t view = 0; view < cameras_.size(); ++view) {
         renderer.render(cameras_[view], kSize_px, kSize_px, depth);
-        add_error_shares(errors, model, cameras_[view], depth, [&](int x, int y) {
-            return error2[view][std::size_t(y) * kSize_px + std::size_t(x)];
+        add_error_shares(of_each, model, cameras_[view], depth, [&](int x, int y) {
+            return errors.square[view][std::size_t(y) * kSize_px + std::size_t(x)];
         });
     }
-    return errors;
+    return of_each;
 }
 
 }  // namespace vog::comparison

@@ -12,6 +12,12 @@
 
 namespace vog::comparison {
 
+/// Errors of one model's pictures by value.
+struct ValueErrors {
+    RelativeError relative_l2;
+    std::vector<std::vector<float>> square;  ///< [views][pixels] summed over functions
+};
+
 /// Pictures of the data by value from several directions, under the functions of compare/values/value_functions.h, and
 /// the errors of models against them: relative L2 of premultiplied colour and alpha,
 /// sqrt(sum |c - c_ref|^2 / sum |c_ref|^2) over pixels and functions.
@@ -20,16 +26,18 @@ class ValueViews {
     /// Pictures of voxels, constant in each.
     /// volumes  one, or the parts of a mesh
     /// field    [volumes] a scalar field; must not be constant
-    /// cameras  of ErrorViews
-    /// radius   of the data's box, world units
+    /// views    of their T: the same cameras; the radius of what they show is twelve unit distances
     /// throws   vog::Error for a constant field
     /// memory   1 MB a picture, three for each camera
     ValueViews(std::span<const Volume> volumes, std::span<const VoxelField> field,
-               std::vector<Camera> cameras, double radius);
+               const ErrorViews& views);
     /// model  with the field, by its name
-    RelativeError relative_l2(const Gaussians& model) const;
+    ValueErrors errors(const Gaussians& model) const;
+    RelativeError relative_l2(const Gaussians& model) const { return errors(model).relative_l2; }
     /// Squared error attributed to each Gaussian [N] (compare/error_shares.h).
-    std::vector<float> error_of_each_gaussian(const Gaussians& model) const;
+    /// errors  of the same model
+    std::vector<float> error_of_each_gaussian(const Gaussians& model,
+                                              const ValueErrors& errors) const;
 
   private:
     /// Calls take(view, function, picture) for the model's pictures.

@@ -68,7 +68,11 @@ Fitted search(const ForField& job, MomentOptions moments, const comparison::Erro
     if (moments.soft_steps < 0) moments.soft_steps = kSearchSoftSteps;
     const Progress progress = std::exchange(moments.progress, {});
     std::size_t finest = 0;
-    for (const Volume& volume : job.data.levels) finest += active_voxels(volume);
+    for (const Volume& volume : job.data.levels) {
+        for (const Leaf& leaf : volume.leaves)
+            finest += static_cast<std::size_t>(leaf.active_count());
+        finest += kLeafVoxels * volume.tiles.size();  // a tile's finest cells, whatever its size
+    }
     Fitted best;
     double best_error = std::numeric_limits<double>::infinity(), left = 1;
     smallest_budget(target, finest, [&](std::size_t budget) {
@@ -98,7 +102,7 @@ Fitted judged(const ForField& job) {
     const Progress& whole = job.moments.progress;
     const double converted = job.moments.refine_seconds > 0 ? 0.3 : 0.95;
     const comparison::ErrorViews depths(job.data.levels, job.box);
-    const comparison::ValueViews values(job.data.levels, field, depths.cameras(), job.box.radius());
+    const comparison::ValueViews values(job.data.levels, field, depths);
     MomentOptions moments = job.moments;
     moments.progress = progress_part(whole, 0, converted);
     const double seconds = std::exchange(moments.refine_seconds, 0);
@@ -107,11 +111,13 @@ Fitted judged(const ForField& job) {
     if (seconds > 0) {
         const auto start = Clock::now();
         const Progress progress = progress_part(whole, converted, 1);
-        refine_by_value(made.model, job.data, values, [&] {
+        const std::size_t count = made.model.size();
+        refine_by_value(made.model, job.data, values, job.has_error() ? job.moments.error : 0, [&] {
             const double passed = std::chrono::duration<double>(Clock::now() - start).count();
             if (progress) progress(std::min(1.0, passed / seconds));
             return passed < seconds;
         });
+        made.joint.removed += count - made.model.size();
         made.model.options += fmt::format(" --refine {}", seconds);
     }
     made.joint.error_after = depths.relative_l2(made.model).worst;

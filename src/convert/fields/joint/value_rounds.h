@@ -23,8 +23,9 @@ struct FittedData {
 /// expectation-maximisation there. A round is kept if the mean error by value falls; the number of Gaussians does not
 /// grow.
 /// model  with all fields
+/// most   error by value in the worst view that a round must not exceed, unless it was exceeded before; 0: none
 /// go_on  evaluated before each round; false ends the refinement
 void refine_by_value(Gaussians& model, const FittedData& data, const comparison::ValueViews& views,
-                     const std::function<bool()>& go_on);
+                     double most, const std::function<bool()>& go_on);
 
 }  // namespace vog::joint

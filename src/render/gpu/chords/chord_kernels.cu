@@ -65,7 +65,7 @@ __global__ void project_chords_kernel(ChordProjection p) {
     if (splat.near) atomicAdd(p.near, 1u);
 }
 
-/// Gaussians of a tile as its threads share them: 32 of 220 bytes.
+/// Gaussians of a tile as its threads share them: 32 of about 250 bytes.
 struct ChordBatch {
     static constexpr int kCount = 32;
     device::Gaussian gaussian[kCount];
