@@ -175,7 +175,7 @@ struct EvaluateOptions {
     /// Not for several processes.
     std::function<std::vector<std::vector<VoxelField>>(std::vector<Volume>&)> read_fields{};
     /// Compare pictures by the volumes' own values too, from kValueViews, under a ramp, three narrow bands and an
-    /// opaque step over values from 0 to their 99.9th percentile. Not for several processes.
+    /// opaque step over values from 0, signed ones from their 0.1st percentile, to the 99.9th. Not for several processes.
     bool by_value = false;
     /// Further transfer functions of values for them: names or JSON files.
     std::vector<std::string> value_functions{};
