@@ -15,9 +15,9 @@ namespace vog::test {
 using namespace viewer;
 namespace {
 
-/// Gaussians with a field that rises along x.
+/// Gaussians wider than pixels, with a field that rises along x.
 std::shared_ptr<Gaussians> warm_gaussians() {
-    auto model = std::make_shared<Gaussians>(random_gaussians(60, 0.05, 0.2, 44));
+    auto model = std::make_shared<Gaussians>(random_gaussians(60, 0.2, 0.4, 44));
     ScalarField& field = model->fields.scalar.emplace_back();
     field.name = "heat", field.upper = 10;
     for (std::size_t i = 0; i < model->size(); ++i) {
