@@ -80,7 +80,9 @@ TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
                     double error2 = 0;
                     for (std::size_t n = 0; n < expected.sums.value.size(); ++n)
                         error2 += std::pow(double{shown.sums.value[n]} - expected.sums.value[n], 2);
-                    EXPECT_LT(std::sqrt(error2 / norm2), 1e-4) << gpu.name;
+                    // Several rays by OptiX: narrow Gaussians are as wide as the whole pixel, not a ray's part of it.
+                    const bool added = rays > 1 && gpu.renderer == Renderer::optix && !clipped;
+                    EXPECT_LT(std::sqrt(error2 / norm2), added ? 1e-3 : 1e-4) << gpu.name;
                 }
             }
 }
