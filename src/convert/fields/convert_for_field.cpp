@@ -12,6 +12,7 @@
 #include "compare/error_views.h"
 #include "compare/values/value_views.h"
 #include "convert/fields/joint/value_rounds.h"
+#include "convert/moments/moment_job.h"
 #include "vog/convert_fields.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -67,14 +68,9 @@ Fitted search(const ForField& job, MomentOptions moments, const comparison::Erro
     const double target = std::exchange(moments.error, 0);
     if (moments.soft_steps < 0) moments.soft_steps = kSearchSoftSteps;
     const Progress progress = std::exchange(moments.progress, {});
-    std::size_t finest = 0;
-    for (const Volume& volume : job.data.levels) {
-        for (const Leaf& leaf : volume.leaves)
-            finest += static_cast<std::size_t>(leaf.active_count());
-        finest += kLeafVoxels * volume.tiles.size();  // a tile's finest cells, whatever its size
-    }
     Fitted best;
     double best_error = std::numeric_limits<double>::infinity(), left = 1;
+    const std::uint64_t finest = vog::moments::sample_count(job.data.levels);
     smallest_budget(target, finest, [&](std::size_t budget) {
         moments.budget = budget;
         Fitted made = fitted(job, moments, depths);

@@ -86,7 +86,7 @@ std::string source_text(std::span<const Volume> parts) {
 
 }  // namespace
 
-std::uint64_t moments::MomentJob::samples() const {
+std::uint64_t moments::sample_count(std::span<const Volume> parts) {
     std::uint64_t voxels = 0, tiles = 0;
     for (const Volume& part : parts) {
         for (const Leaf& leaf : part.leaves)

@@ -24,6 +24,9 @@ inline constexpr double kVoxelSteps = 1e8;
 /// The fewest of them where cells do not overlap: meshes, cells above 8 voxels.
 inline constexpr int kLeastSoftSteps = 4;
 
+/// Samples of volumes: active voxels of leaves, and 8^3 of each tile, whatever its size.
+std::uint64_t sample_count(std::span<const Volume> parts);
+
 /// A kept cell of a uniform cut, while its voxels are at hand.
 struct CutCell {
     const MortonNode& node;
@@ -70,8 +73,7 @@ struct MomentJob {
     bool has_fine_cells() const { return has_uniform_cells() && options.block_voxels <= kLeafEdge; }
     /// Largest measured error of an adaptive cut without a budget.
     double error() const { return options.error > 0 ? options.error : kDefaultError; }
-    /// Samples of all parts: active voxels of leaves, and 8^3 of each tile, whatever its size.
-    std::uint64_t samples() const;
+    std::uint64_t samples() const { return sample_count(parts); }
     /// Values of all parts, for the default's limit: active voxels of leaves, and one of each tile; few
     /// tiles count as their samples, up to 2^16 in all.
     std::uint64_t values() const;
