@@ -1,14 +1,20 @@
 // bind_gaussians.cpp: Gaussians: array views, selection, concatenation, files.
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <numeric>
+#include <optional>
+#include <span>
 
 #include "arrays.h"
+#include "data.h"
 #include "fields.h"
 #include "vog/error.h"
 #include "vog/gaussians.h"
 #include "vog/lod.h"
-#include "vog/ply.h"
+#include "vog/model_io.h"
+#include "vog/reference.h"
+#include "vog/vogz_fit.h"
 
 namespace vog::python {
 
@@ -182,6 +188,65 @@ A view; of an axis-aligned model a read-only array of (1, 0, 0, 0).)")
             "Sum of the masses of the truncated Gaussians; compare with Volume.mass.");
 }
 
+/// throws vog::Error where an option of compact files goes with another file
+void require_compact(const std::filesystem::path& file, bool options) {
+    if (options && file.extension() != ".vogz")
+        throw Error(file.string() + ": options of compact models, expected a .vogz");
+}
+
+Model load(const std::filesystem::path& file, const std::optional<std::size_t>& level,
+           const py::object& box, const std::optional<std::vector<std::string>>& fields) {
+    const bool part = level || !box.is_none() || fields;
+    require_compact(file, part);
+    VogzPart chosen{level, {}, fields};
+    if (!box.is_none()) chosen.box = box_of(box);
+    return std::make_shared<Gaussians>(
+        unlocked([&] { return part ? read_vogz(file, chosen) : read_model(file); }));
+}
+
+/// Pictures of the voxels of a Volume or Levels.
+std::function<DepthImage(const Camera&, int)> pictures_of(const py::object& data) {
+    if (py::isinstance<Volume>(data)) {
+        const VoxelGrid grid = voxel_grid(*data.cast<std::shared_ptr<Volume>>());
+        return [grid](const Camera& camera, int size) {
+            return render_reference(std::span(&grid, 1), camera, size, size);
+        };
+    }
+    const std::shared_ptr<const Levels> levels = levels_of(data);
+    if (!levels) refuse_data(data, "save", "a Volume or Levels as reference");
+    return [grids = level_grids(*levels)](const Camera& camera, int size) {
+        return render_reference(grids, camera, size, size);
+    };
+}
+
+void save(const Gaussians& self, const std::filesystem::path& file,
+          const std::optional<double>& step, const std::optional<double>& field_step,
+          const std::optional<double>& max_loss, const py::object& reference, bool hierarchy) {
+    const bool compact = step || field_step || max_loss || !reference.is_none() || hierarchy;
+    require_compact(file, compact);
+    if (step && max_loss) throw Error("step and max_loss exclude each other");
+    if (!reference.is_none() && !max_loss) throw Error("reference: expected max_loss beside it");
+    VogzBound bound;
+    if (!reference.is_none()) bound.data = pictures_of(reference);
+    unlocked([&] {
+        if (!compact) return write_model(file, self);
+        VogzOptions options;
+        if (max_loss) {
+            bound.max_loss_db = *max_loss;
+            options.precision = fit_vogz(self, bound).precision;
+        }
+        if (step) options.precision.step = *step;
+        if (field_step) options.precision.field_step = *field_step;
+        if (!hierarchy) {
+            write_vogz(file, self, {}, options);
+            return;
+        }
+        Gaussians sorted = self;
+        const Hierarchy levels = build_hierarchy(sorted);
+        write_vogz(file, sorted, levels, options);
+    });
+}
+
 }  // namespace
 
 void bind_gaussians(py::module_& m) {
@@ -213,18 +278,30 @@ fields    mapping of names to vog.Field objects, or to dicts: value [N], gradien
           not given; unit and range
 
 Raises vog.Error for other shapes and values out of range.)")
-        .def_static(
-            "load",
-            [](const std::filesystem::path& file) {
-                return std::make_shared<Gaussians>(unlocked([&] { return read_ply(file); }));
-            },
-            py::arg("file"), "Reads a PLY model in the layout of vog, 3DGS or volprim.")
-        .def(
-            "save",
-            [](const Gaussians& self, const std::filesystem::path& file) {
-                unlocked([&] { write_ply(file, self); });
-            },
-            py::arg("file"), "Writes a binary PLY file, which load() reads back bit for bit.")
+        .def_static("load", &load, py::arg("file"), py::kw_only(), py::arg("level") = py::none(),
+                    py::arg("box") = py::none(), py::arg("fields") = py::none(), R"(
+Reads a model: .ply in the layout of vog, 3DGS or volprim, or compact, .vogz.
+
+Of a compact file parts alone may be read:
+level   depth of the hierarchy, 0 the roots: its nodes, and the Gaussians above them, as a coarse model
+box     [2, 3] corners, world units: chunks that reach into it
+fields  names of fields; None: all
+
+Raises vog.Error for a file that is missing, corrupt or of another format, for a level or field that it lacks,
+and for parts of a .ply.)")
+        .def("save", &save, py::arg("file"), py::kw_only(), py::arg("step") = py::none(),
+             py::arg("field_step") = py::none(), py::arg("max_loss") = py::none(),
+             py::arg("reference") = py::none(), py::arg("hierarchy") = false, R"(
+Writes a model: .ply, which load() reads back bit for bit, or compact, .vogz, rounded.
+
+step        step of masses, shapes and (in standard deviations) means relative to themselves; None: 0.025
+field_step  step of field values relative to the range of the data; None: 1/256
+max_loss    largest loss of PSNR of V against the data in seven views, dB, in place of step
+reference   with max_loss: the data, a Volume or Levels; None: data that the model is 50 dB from
+hierarchy   write the level-of-detail hierarchy, for readers of parts
+
+Raises vog.Error where the file cannot be written, a bound cannot be met, or options of .vogz are given for a
+.ply.)")
         .def_readwrite("cutoff", &Gaussians::cutoff,
                        "Truncation radius of the kernels, standard deviations, (0, 8].")
         .def_readwrite("source", &Gaussians::source, "Source of the model: 'smoke.vdb density'.")

@@ -25,10 +25,10 @@ FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "evalua
 PUBLIC_HEADERS = {
     "core": "error linear memory progress temporary_file text",
     "data": "camera dense distributed fields gaussians image levels lod points volume voxel_values",
-    "io": "openvdb ply volume_io voxel_field",
+    "io": "model_io openvdb ply vogz volume_io voxel_field",
     "shade": "quantity shade value_transfer",
     "render": "clip field_maps gpu gpu_pictures maximum_picture reference renderer splat trace volume_picture",
-    "compare": "compare compare_maps",
+    "compare": "compare vogz_fit compare_maps",
     "convert": "convert convert_fields convert_moments convert_paper convert_points",
     "evaluate": "evaluate",
     "web": "export_html",

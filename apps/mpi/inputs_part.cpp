@@ -10,7 +10,6 @@
 #include "shared/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/ply.h"
 
 namespace vog::mpi {
 
@@ -175,7 +174,7 @@ Gaussians read_models_part(const std::vector<std::string>& inputs, const Ranks& 
     const auto shares = shares_of(files, ranks);
     for (std::size_t n = 0; n < files.size(); ++n)
         if (shares[n])
-            append(model, read_ply(files[n], ModelPart{shares[n]->index, shares[n]->count}));
+            append(model, read_model(files[n], ModelPart{shares[n]->index, shares[n]->count}));
     same.check_unchanged();
     require_one_cutoff(model, ranks);
     model.box = ranks.box_union(model.box);

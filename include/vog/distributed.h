@@ -147,6 +147,12 @@ struct ModelPart {
 /// Reads a part of a model without reading the rest. Box and source_voxels are those of the whole.
 /// throws  vog::Error as read_ply in vog/ply.h does, and for an index out of range
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part);
+/// The same of a compact model (vog/vogz.h), of which the chunks of the part alone are read.
+/// throws  vog::Error as read_vogz does, and for an index out of range
+Gaussians read_vogz(const std::filesystem::path& file, const ModelPart& part);
+/// The same of a .ply or .vogz.
+/// throws  vog::Error for another extension, and as those
+Gaussians read_model(const std::filesystem::path& file, const ModelPart& part);
 
 /// Header of the PLY file that write_ply writes, for a file written by several processes.
 /// description  cutoff, origin, box, texts and fields (names, units, ranges) of the model; its Gaussians

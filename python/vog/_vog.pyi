@@ -317,8 +317,23 @@ class Gaussians:
         fields: Union[Mapping[str, Union[Field, Mapping[str, Any]]], None] = ...,
     ) -> None: ...
     @staticmethod
-    def load(file: _Path) -> Gaussians: ...
-    def save(self, file: _Path) -> None: ...
+    def load(
+        file: _Path,
+        *,
+        level: Union[int, None] = ...,
+        box: Union[ArrayLike, None] = ...,
+        fields: Union[Sequence[str], None] = ...,
+    ) -> Gaussians: ...
+    def save(
+        self,
+        file: _Path,
+        *,
+        step: Union[float, None] = ...,
+        field_step: Union[float, None] = ...,
+        max_loss: Union[float, None] = ...,
+        reference: Union[Volume, Levels, Sequence[Volume], None] = ...,
+        hierarchy: bool = ...,
+    ) -> None: ...
     def coarsen(self, budget: int) -> Gaussians: ...
     @property
     def source_voxels(self) -> int: ...

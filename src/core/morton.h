@@ -25,6 +25,16 @@ constexpr std::uint64_t morton_code(std::uint64_t x, std::uint64_t y, std::uint6
     return spread_bits(x) << 2 | spread_bits(y) << 1 | spread_bits(z);
 }
 
+/// Inverse of spread_bits: moves bit 3n to bit n; other bits are dropped.
+constexpr std::uint64_t gather_bits(std::uint64_t bits) {
+    bits &= 0x1249249249249249;
+    bits = (bits | bits >> 2) & 0x10c30c30c30c30c3;
+    bits = (bits | bits >> 4) & 0x100f00f00f00f00f;
+    bits = (bits | bits >> 8) & 0x001f0000ff0000ff;
+    bits = (bits | bits >> 16) & 0x001f00000000ffff;
+    return (bits | bits >> 32) & ((1u << kMortonAxisBits) - 1);
+}
+
 /// Coordinates of a Morton code below 16^3.
 constexpr Vec3i morton_place(int code) {
     const auto every_third = [](int bits) {

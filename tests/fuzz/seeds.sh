@@ -6,7 +6,7 @@ set -euo pipefail
 vog=$1 folder=$2
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-mkdir -p "$folder"/{points_text,ply,image,camera,transfer_function,results}
+mkdir -p "$folder"/{points_text,ply,vogz,image,camera,transfer_function,results}
 
 "$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
 # The first byte of a text stands for its extension (points_text_fuzz.cpp).
@@ -19,6 +19,11 @@ done
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/hierarchy.ply" --block 16 >/dev/null
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/plain.ply" --block 32 --no-hierarchy >/dev/null
 "$vog" convert "$made/cloud.vdb" -o "$folder/ply/aligned.ply" --block 16 --axis-aligned >/dev/null
+# The first byte says how the rest is read: 0, as a file.
+for options in "" --hierarchy --deflate; do
+    "$vog" export "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null
+    { printf '\x00'; cat "$made/model.vogz"; } >"$folder/vogz/model$options"
+done
 "$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
     --save-camera "$folder/camera/perspective.json" >/dev/null
 "$vog" render "$folder/ply/plain.ply" --size 16 --show column --values-out "$folder/image/column.npy" >/dev/null

@@ -262,3 +262,34 @@ def test_fields_go_where_their_gaussians_go(tmp_path):
 def test_bad_fields_are_refused(field, message):
     with pytest.raises(vog.Error, match=message):
         vog.Gaussians([[0, 0, 0]] * 2, [[1, 1, 1]] * 2, [1, 2], fields={"t": field})
+
+
+def test_compact_models(tmp_path, cloud, model):
+    model.save(tmp_path / "m.ply")
+    model.save(tmp_path / "m.vogz")
+    back = vog.Gaussians.load(tmp_path / "m.vogz")
+    assert len(back) == len(model) and back.fields.keys() == model.fields.keys()
+    assert back.mass == pytest.approx(model.mass, rel=1e-6)
+    assert (tmp_path / "m.vogz").stat().st_size < (tmp_path / "m.ply").stat().st_size / 3
+
+    model.save(tmp_path / "fine.vogz", max_loss=0.01, reference=cloud)
+    assert (tmp_path / "fine.vogz").stat().st_size > (tmp_path / "m.vogz").stat().st_size
+    model.save(tmp_path / "coarse.vogz", step=0.1, field_step=0.1, hierarchy=True)
+    coarse = vog.Gaussians.load(tmp_path / "coarse.vogz", level=1, fields=[])
+    assert 0 < len(coarse) < len(model) and not coarse.fields
+    assert coarse.mass == pytest.approx(model.mass, rel=1e-5)
+    assert len(vog.Gaussians.load(tmp_path / "m.vogz", box=[[1e6] * 3, [2e6] * 3])) == 0
+
+    for options, text in (
+        ({"step": 0.1, "max_loss": 1}, "exclude each other"),
+        ({"reference": cloud}, "expected max_loss"),
+        ({"step": 0.9}, "expected from 1e-6 to 0.5"),
+    ):
+        with pytest.raises(vog.Error, match=text):
+            model.save(tmp_path / "m.vogz", **options)
+    with pytest.raises(vog.Error, match="expected a .vogz"):
+        model.save(tmp_path / "m.ply", step=0.1)
+    with pytest.raises(vog.Error, match="expected a .vogz"):
+        vog.Gaussians.load(tmp_path / "m.ply", level=1)
+    with pytest.raises(TypeError, match="save: got int, expected a Volume or Levels"):
+        model.save(tmp_path / "m.vogz", max_loss=1, reference=3)

@@ -20,7 +20,7 @@
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/memory.h"
-#include "vog/ply.h"
+#include "vog/model_io.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {
@@ -45,7 +45,8 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
 /// index_from_world  lattice of the model's cells; none for particles
 Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
                        const std::optional<Affine>& index_from_world, Stages& stages) {
-    if (arguments.no_hierarchy) return {};
+    // Readers of compact files build it (docs/compact.md).
+    if (arguments.no_hierarchy || arguments.output.ends_with(".vogz")) return {};
     return stages.run("hierarchy", [&] { return build_hierarchy(model, {index_from_world}); });
 }
 
@@ -105,7 +106,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     const Points points = stages.run("load", [&] {
         return load_points(arguments.inputs, arguments.points, arguments.volume, notes);
     });
-    if (!arguments.output.ends_with(".ply")) {
+    if (!is_model_output(arguments.output)) {
         if (!ranks.is_root) return {};
         stages.run("save", [&] { write_points(arguments.output, points); });
         print_notes(notes);
@@ -135,8 +136,8 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
     if (!paper) model.summary = summary_text(model, totals.report(sum), "particles");
     if (!paper && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy = hierarchy_of(model, arguments, {}, stages);
-    stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
-    Converted made = converted(model, hierarchy);
+    stages.run("save", [&] { write_model(arguments.output, model, hierarchy); });
+    Converted made = converted(model, hierarchy, arguments.output);
     made.notes = notes;
     return report(arguments, FileKind::points, made, sum, totals, stages);
 }
@@ -146,10 +147,14 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
 nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
                                    const ConvertRanks& ranks) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
+    if (ranks.collective && arguments.output.ends_with(".vogz"))
+        throw Error(fmt::format("{}: expected .ply of vog-mpi; vog export makes it .vogz",
+                                arguments.output));
     if (kind == FileKind::points)
-        check_output(arguments.output, arguments.inputs, {".ply", ".vdb", ".xyz", ".csv", ".tsv"});
+        check_output(arguments.output, arguments.inputs,
+                     {".ply", ".vogz", ".vdb", ".xyz", ".csv", ".tsv"});
     else
-        check_output(arguments.output, arguments.inputs, {".ply"});
+        check_output(arguments.output, arguments.inputs, {".ply", ".vogz"});
     if (kind == FileKind::model)
         throw Error(fmt::format("{}: is a model already, expected volumes or particles",
                                 arguments.inputs.front()));
@@ -253,8 +258,8 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (by_moments && arguments.stamp) model.summary += ", " + times_text(totals.stage_ms);
     const Hierarchy hierarchy =
         hierarchy_of(model, arguments, inverse(volumes.front().world_from_index), stages);
-    stages.run("save", [&] { write_ply(arguments.output, model, hierarchy); });
-    Converted made = converted(model, hierarchy);
+    stages.run("save", [&] { write_model(arguments.output, model, hierarchy); });
+    Converted made = converted(model, hierarchy, arguments.output);
     made.joint = joint;
     print_notes(view_notes);
     made.notes = set.notes;
@@ -360,14 +365,18 @@ void convert(const ConvertArguments& given, const CLI::App& command, const Conve
 
 }  // namespace
 
-Converted converted(const Gaussians& model, const Hierarchy& hierarchy) {
+bool is_model_output(const std::string& output) {
+    return output.ends_with(".ply") || output.ends_with(".vogz");
+}
+
+Converted converted(const Gaussians& model, const Hierarchy& hierarchy, const std::string& output) {
     return {model.method,
             model.options,
             model.summary,
             model.size(),
             model.source_voxels,
             hierarchy.size(),
-            ply_bytes(model, hierarchy),
+            std::filesystem::file_size(output),
             mass(model),
             model.fields.names(),
             {}};

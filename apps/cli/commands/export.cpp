@@ -8,6 +8,8 @@
 #include <optional>
 
 #include "commands.h"
+#include "compact/compact_options.h"
+#include "compact/compact_run.h"
 #include "fields/volume_fields.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
@@ -21,6 +23,7 @@
 #include "vog/error.h"
 #include "vog/export_html.h"
 #include "vog/lod.h"
+#include "vog/model_io.h"
 #include "vog/ply.h"
 
 namespace vog::cli {
@@ -36,6 +39,7 @@ struct ExportArguments {
     std::string output, title, description;
     ColorArguments color;
     PageQuantityArguments quantity;
+    CompactArguments compact;
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
@@ -112,7 +116,7 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
     std::vector<HtmlModel> entries;
     if (kind == FileKind::model) {
         for (const std::string& input : arguments.inputs) {
-            Gaussians model = stages.run("load", [&] { return read_ply(input); });
+            Gaussians model = stages.run("load", [&] { return read_model(input); });
             if (arguments.no_fields) model.fields = {};
             stages.run("levels", [&] {
                 if (arguments.budget) model = coarsen(model, arguments.budget);
@@ -134,10 +138,14 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
     return entries;
 }
 
+/// Writes all models as one, exactly or compact.
 Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
                   Stages& stages) {
     Gaussians model;
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
+    if (arguments.output.ends_with(".vogz"))
+        return write_compact(arguments.output, std::move(model), arguments.compact, stages,
+                             arguments.json);
     stages.run("save", [&] { write_ply(arguments.output, model); });
     if (!arguments.json)
         print_line(fmt::format("{}: {} Gaussians, {}", arguments.output, count_text(model.size()),
@@ -231,11 +239,13 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
 
 /// Writes one page or one PLY.
 Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
-    check_output(arguments.output, arguments.inputs, {".html", ".ply"});
+    check_output(arguments.output, arguments.inputs, {".html", ".ply", ".vogz"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
     refuse_volume_options(command, kind, arguments.inputs);
-    const bool page = !arguments.output.ends_with(".ply");
+    const bool page = arguments.output.ends_with(".html");
+    if (!arguments.output.ends_with(".vogz"))
+        refuse_group(command, kCompactGroup, "-o " + arguments.output);
     if (!page) {
         refuse_group(command, kPageGroup, "-o " + arguments.output);
         refuse_group(command, "View", "-o " + arguments.output);
@@ -331,17 +341,19 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
 void add_export(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command = app.add_subcommand(
-        "export", "Write models to one self-contained page for a browser, or to one PLY");
+        "export",
+        "Write models to one self-contained page for a browser, one compact file or one PLY");
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "PLY models, among which the reader of the page selects; or volumes or "
+            "Models (.ply, .vogz), among which the reader of the page selects; or volumes or "
             "particles, converted with the default options of vog convert. Quoted patterns "
             "match files in natural order: 'frame_*.ply'")
         ->required();
     command
         ->add_option("-o,--output", arguments->output,
-                     "Page (.html) or model (.ply) to write. A folder (or a name that ends in /): "
+                     "Page (.html), compact model (.vogz) or model (.ply) to write. A folder (or a "
+                     "name that ends in /): "
                      "one page per input, all under one camera and one extinction")
         ->required();
     command->add_flag("--no-fields", arguments->no_fields,
@@ -353,6 +365,7 @@ void add_export(CLI::App& app) {
             "neighbouring Gaussians")
         ->check(positive_number());
     add_page_options(*command, *arguments);
+    add_compact_options(*command, arguments->compact);
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);

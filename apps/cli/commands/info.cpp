@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
-#include "vog/ply.h"
+#include "vog/model_io.h"
 #include "vog/points.h"
 #include "vog/volume_io.h"
 
@@ -156,7 +157,7 @@ void for_each_field(const Fields& fields, const Take& take) {
     for (const VectorField& field : fields.vector) take(field, "vector");
 }
 
-Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
+Json as_json(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t bytes) {
     Json fields = Json::array();
     for_each_field(model.fields, [&](const auto& field, const char* kind) {
         fields.push_back({{"name", field.name},
@@ -177,7 +178,7 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
             {"origin", array(model.origin)},
             {"fields", fields},
             {"nodes", hierarchy.size()},
-            {"bytes", ply_bytes(model, hierarchy)},
+            {"bytes", bytes},
             {"source", model.source},
             {"source_voxels", model.source_voxels},
             {"method", model.method},
@@ -185,7 +186,7 @@ Json as_json(const Gaussians& model, const Hierarchy& hierarchy) {
             {"reached", model.summary}};
 }
 
-void print(const Gaussians& model, const Hierarchy& hierarchy) {
+void print(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t bytes) {
     const auto line = [](const char* name, const std::string& value) {
         print_line(fmt::format("  {:<14} {}", name, value));
     };
@@ -214,7 +215,7 @@ void print(const Gaussians& model, const Hierarchy& hierarchy) {
     if (!model.method.empty()) line("method", model.method + " " + model.options);
     if (!model.summary.empty()) line("summary", model.summary);
     line("hierarchy", hierarchy.empty() ? "none" : count_text(hierarchy.size()) + " nodes");
-    line("size", bytes_text(ply_bytes(model, hierarchy)));
+    line("size", bytes_text(bytes));
 }
 
 struct ValueRange {
@@ -261,11 +262,12 @@ void info(const std::vector<std::string>& files, bool json) {
     for (const std::string& file : files) {
         if (kind_of(file) == FileKind::model) {
             Hierarchy hierarchy;
-            const Gaussians model = read_ply(file, &hierarchy);
-            all.push_back({{"file", file}, {"model", as_json(model, hierarchy)}});
+            const Gaussians model = read_model(file, &hierarchy);
+            const std::uint64_t bytes = std::filesystem::file_size(file);
+            all.push_back({{"file", file}, {"model", as_json(model, hierarchy, bytes)}});
             if (!json) {
                 print_line(file);
-                print(model, hierarchy);
+                print(model, hierarchy, bytes);
             }
             continue;
         }

@@ -34,10 +34,10 @@ void check_fields(const ConvertArguments& arguments, const CLI::App& command, Fi
     if (arguments.fields.empty()) return;
     if (arguments.no_fields)
         throw CLI::ValidationError("--field and --no-fields exclude each other");
-    if (kind == FileKind::points && !arguments.output.ends_with(".ply"))
+    if (kind == FileKind::points && !is_model_output(arguments.output))
         throw CLI::ValidationError(
             "--field does not go with unconverted particles: expected -o "
-            "model.ply");
+            "model.ply or model.vogz");
 }
 
 void add_joint(JointReport& all, const JointReport& one) {

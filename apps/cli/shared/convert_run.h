@@ -95,7 +95,10 @@ struct Converted {
     std::vector<std::string> notes{};   ///< printed about the inputs
     JointReport joint{};                ///< of --for
 };
-Converted converted(const Gaussians& model, const Hierarchy& hierarchy);
+/// output  the file
+Converted converted(const Gaussians& model, const Hierarchy& hierarchy, const std::string& output);
+/// Whether an output is a model: .ply or .vogz.
+bool is_model_output(const std::string& output);
 
 /// Prints the report of a conversion in words, or returns it where --json is given.
 nlohmann::ordered_json report(const ConvertArguments& arguments, FileKind kind,

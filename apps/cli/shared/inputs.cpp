@@ -11,7 +11,8 @@
 #include "shared/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
-#include "vog/ply.h"
+#include "vog/lod.h"
+#include "vog/model_io.h"
 #include "vog/shade.h"
 #include "vog/volume_io.h"
 
@@ -47,13 +48,13 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     if (extension == ".vdb" && fs::is_regular_file(file, code) && vdb_holds_points(file, grid))
         return FileKind::points;
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
-    if (extension == ".ply" || extension == ".json") return FileKind::model;
+    if (extension == ".ply" || extension == ".vogz" || extension == ".json") return FileKind::model;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
         if (extension == text) return FileKind::points;
     if (!fs::exists(file, code)) throw Error(fmt::format("{}: no such file", file));
     throw Error(
         fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
-                    ".tsv, .txt or .dat (particles), .ply or .json (model, index of models)",
+                    ".tsv, .txt or .dat (particles), .ply, .vogz or .json (model, index of models)",
                     file, extension));
 }
 
@@ -256,7 +257,10 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
     Hierarchy one;
     for (const std::string& file : model_files(files)) {
         const std::size_t before = model.size();
-        append(model, read_ply(file, hierarchy ? &one : nullptr));
+        Gaussians read = read_model(file, hierarchy ? &one : nullptr);
+        // Compact files may leave the hierarchy to their readers.
+        if (hierarchy && one.empty() && extension_of(file) == ".vogz") one = build_hierarchy(read);
+        append(model, read);
         if (hierarchy) append(*hierarchy, one, before);
     }
     if (hierarchy) set_origin(hierarchy->nodes, model.origin);

@@ -14,6 +14,7 @@
 #include "core/paging.h"
 #include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
+#include "io/model_part.h"
 #include "io/ply/ply_fields.h"
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_nodes.h"
@@ -147,13 +148,8 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
     const CheckedHeader header(file, in);
     const auto [layout, rotated] = std::pair(header.layout, header.rotated);
 
-    const auto first_of = [&](int index) {
-        const auto i = static_cast<std::uint64_t>(index);
-        const auto parts = static_cast<std::uint64_t>(part.count);
-        return header.vertices / parts * i + header.vertices % parts * i / parts;
-    };
-    const std::uint64_t begin = first_of(part.index);
-    const std::size_t count = first_of(part.index + 1) - begin;
+    const auto [begin, end] = run_of(part, header.vertices);
+    const std::size_t count = end - begin;
     const std::uint64_t row_bytes = header.properties.size() * sizeof(float);
     in.seekg(static_cast<std::streamoff>(header.body_offset + begin * row_bytes));
     Gaussians model = read_rows(file, in, header, layout, header.fields, count);
@@ -195,11 +191,7 @@ Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
 }
 
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part) {
-    if (part.count < 1 || part.index < 0 || part.index >= part.count)
-        fail(file,
-             fmt::format(
-                 "part {} of {}, expected an index from 0 to one less than the number of parts",
-                 part.index, part.count));
+    require_part(part, file.string());
     return read_model(file, part, nullptr);
 }
 

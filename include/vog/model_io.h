@@ -1,0 +1,22 @@
+// vog/model_io.h: models from and to files, by the file's extension.
+#pragma once
+
+#include <filesystem>
+
+#include "vog/gaussians.h"
+#include "vog/lod.h"
+
+namespace vog {
+
+/// Reads a model: .ply as read_ply (vog/ply.h), .vogz as read_vogz (vog/vogz.h).
+/// hierarchy  receives the file's hierarchy, or an empty one; null: not read
+/// throws     vog::Error for another extension, and as those
+Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy = nullptr);
+
+/// Writes a model: .ply exactly as write_ply, .vogz rounded as write_vogz does by default.
+/// hierarchy  hierarchy of this model; empty: none
+/// throws     vog::Error for another extension, and as those
+void write_model(const std::filesystem::path& file, const Gaussians& gaussians,
+                 const Hierarchy& hierarchy = {});
+
+}  // namespace vog

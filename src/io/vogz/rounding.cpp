@@ -1,0 +1,61 @@
+// rounding.cpp: steps of equal effect. A change of a Gaussian g = exp(-x^2 / 2) by a displaced mean is e x g, by a scale
+// at constant mass e (x^2 - 1) g, by a shear 2 e x y g, by its mass e g. Their squares, integrated over g^2 (of variance
+// 1/2), are e^2 times 1/2, 3/4, 1 and 1: the steps are the inverse roots.
+#include "io/vogz/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace vog::vogz {
+
+int ShapeRounding::exponent(double trace) const {
+    constexpr double kMost = 1000;
+    return static_cast<int>(
+        std::clamp(std::floor(exponent_at_zero + exponent_per_trace * trace), -kMost, kMost));
+}
+
+ShapeRounding shape_rounding(const Gaussians& model, double step) {
+    Box means;
+    double widest = 0, log_spread = 0;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        means.include(vec_cast<double>(model.mean[i]));
+        const Vec3f s = model.scale[i];
+        const double spread = std::cbrt(double{s.x} * s.y * s.z);
+        widest = std::max(widest, spread);
+        log_spread += std::log2(spread) / static_cast<double>(model.size());
+    }
+    ShapeRounding rounding;
+    const Vec3d edges = model.size() ? means.upper - means.lower : Vec3d{};
+    if (model.size() > 0) rounding.corner = means.lower;
+    const double mean_step = std::numbers::sqrt2 * step;  // in standard deviations
+    // Steps of means are edges divided by powers of two: the edge is as much larger than the means' box as makes them
+    // exact for a Gaussian of typical size.
+    const double box_edge = model.size() ? std::max({edges.x, edges.y, edges.z, widest}) : 1;
+    const double halvings = std::log2(box_edge) - log_spread - std::log2(mean_step);
+    rounding.edge = box_edge * std::exp2(std::ceil(halvings) - halvings);
+    rounding.diagonal_step = std::sqrt(4.0 / 3) * step;
+    rounding.shear_step = step;
+    rounding.mass_step = step;
+    // Rounded to the nearest power of two.
+    rounding.exponent_at_zero = std::log2(mean_step / rounding.edge) + 0.5;
+    rounding.exponent_per_trace = rounding.diagonal_step / 3 * std::numbers::log2e;
+    return rounding;
+}
+
+namespace {
+
+FieldRounding rounding_of(double reference, double unit, double step) {
+    return {reference, unit > 0 && std::isfinite(unit) ? unit : 1, step};
+}
+
+}  // namespace
+
+FieldRounding field_rounding(const ScalarField& field, double step) {
+    return rounding_of(field.lower, field.upper - field.lower, step);
+}
+FieldRounding field_rounding(const VectorField& field, double step) {
+    return rounding_of(0, field.upper, step);
+}
+
+}  // namespace vog::vogz

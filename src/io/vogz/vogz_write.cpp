@@ -1,0 +1,275 @@
+// vogz_write.cpp: writing compact models: order, chunks, rounding and coding in parallel, one file.
+#include <fmt/core.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "core/atomic_file.h"
+#include "core/morton.h"
+#include "core/parallel.h"
+#include "data/field_arrays.h"
+#include "data/hierarchy_links.h"
+#include "io/vogz/chunk_fields.h"
+#include "io/vogz/chunk_shapes.h"
+#include "io/vogz/file_table.h"
+#include "vog/error.h"
+#include "vog/vogz.h"
+
+namespace vog {
+
+using namespace vogz;
+
+namespace {
+
+void check(const VogzPrecision& precision) {
+    for (const auto& [name, step] :
+         {std::pair("step", precision.step), std::pair("field_step", precision.field_step)})
+        if (!(step >= 1e-6 && step <= 0.5))
+            throw Error(fmt::format("compact model: {} {}, expected from 1e-6 to 0.5", name, step));
+}
+
+/// Gaussians with density, in Morton order.
+std::vector<std::uint32_t> morton_order(const Gaussians& model, const ShapeRounding& rounding) {
+    std::vector<std::uint32_t> order;
+    for (std::uint32_t i = 0; i < model.size(); ++i)
+        if (model.density[i] > 0) order.push_back(i);
+    const double cells = 0.999 * (1 << kMortonAxisBits) / rounding.edge;
+    std::vector<std::uint64_t> code(model.size());
+    vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
+        const Vec3d at = cells * (vec_cast<double>(model.mean[i]) - rounding.corner);
+        code[i] = morton_code(static_cast<std::uint64_t>(at.x), static_cast<std::uint64_t>(at.y),
+                              static_cast<std::uint64_t>(at.z));
+    });
+    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return code[a] != code[b] ? code[a] < code[b] : a < b;
+    });
+    return order;
+}
+
+/// A run of Gaussians or nodes that becomes blobs of its own.
+struct Chunk {
+    Kind kind = Kind::gaussians;
+    std::uint32_t depth = 0;
+    std::size_t begin = 0, end = 0;
+    std::vector<std::string> blobs{};  ///< shapes, links of nodes, fields
+    std::array<float, 6> box{};
+};
+
+/// Runs of equal length of at most kChunk.
+void divide(Kind kind, std::uint32_t depth, std::size_t begin, std::size_t end,
+            std::vector<Chunk>& chunks) {
+    const std::size_t parts = (end - begin + kChunk - 1) / kChunk;
+    for (std::size_t part = 0; part < parts; ++part)
+        chunks.push_back({kind, depth, begin + (end - begin) * part / parts,
+                          begin + (end - begin) * (part + 1) / parts});
+}
+
+/// Chunks level by level: nodes from the roots down, then the Gaussians below each depth.
+/// leaves  number of Gaussians
+std::vector<Chunk> chunks_of(const Hierarchy& hierarchy, std::size_t leaves) {
+    std::vector<Chunk> chunks;
+    std::size_t below = 0;
+    for (const std::uint8_t count : hierarchy.node_count) below += count;
+    std::vector<std::size_t> leaf_end;
+    std::size_t begin = 0, end = hierarchy.size() - below, leaf = 0;
+    for (std::uint32_t depth = 0; begin < end; ++depth) {
+        divide(Kind::nodes, depth, begin, end, chunks);
+        std::size_t next = end;
+        for (std::size_t n = begin; n < end; ++n)
+            next += hierarchy.node_count[n], leaf += hierarchy.leaf_count[n];
+        leaf_end.push_back(leaf);
+        begin = end, end = next;
+    }
+    std::size_t first = 0;
+    for (std::uint32_t depth = 0; depth < leaf_end.size(); ++depth) {
+        divide(Kind::gaussians, depth + 1, first, leaf_end[depth], chunks);
+        first = leaf_end[depth];
+    }
+    divide(Kind::gaussians, 0, first, leaves, chunks);
+    return chunks;
+}
+
+/// Box of the supports of Gaussians, as rounded, in floats.
+/// step  VogzPrecision::step: what a mean moves by in standard deviations, and a support grows by
+std::array<float, 6> box_of(const Gaussians& model, std::span<const std::uint32_t> index,
+                            double step) {
+    Box box;
+    for (const std::uint32_t i : index) {
+        Box support = support_box(model, i);
+        const Vec3d margin = 2 * step * (support.upper - support.lower);
+        support.lower = support.lower - margin;
+        support.upper = support.upper + margin;
+        box.include(support);
+    }
+    constexpr float kMost = std::numeric_limits<float>::max();
+    const auto outward = [](double v, float limit) {
+        return std::nextafter(static_cast<float>(std::clamp<double>(v, -kMost, kMost)), limit);
+    };
+    std::array<float, 6> corners{};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        corners[a] = outward(box.lower[axis] - model.origin[axis], -kMost);
+        corners[a + 3] = outward(box.upper[axis] - model.origin[axis], kMost);
+    }
+    return corners;
+}
+
+/// A model on its way into a file.
+struct Coding {
+    const Gaussians& model;
+    const Hierarchy& hierarchy;
+    std::vector<std::uint32_t> leaf_order, node_order;
+    FileTable table{};
+    std::vector<Chunk> chunks{};
+};
+
+void encode(const Coding& coding, Chunk& chunk) {
+    const bool nodes = chunk.kind == Kind::nodes;
+    const Gaussians& model = nodes ? coding.hierarchy.nodes : coding.model;
+    const std::span<const std::uint32_t> index =
+        std::span(nodes ? coding.node_order : coding.leaf_order)
+            .subspan(chunk.begin, chunk.end - chunk.begin);
+    const FileTable& table = coding.table;
+    ShapeChunk shapes = shape_chunk(model, index, table.shapes, table.compression);
+    chunk.blobs.push_back(std::move(shapes.bytes));
+    chunk.box = box_of(model, index, table.precision.step);
+    if (nodes)
+        chunk.blobs.push_back(link_chunk(coding.hierarchy, chunk.begin, chunk.end,
+                                         table.precision.step, table.compression));
+    auto rounding = table.fields.begin();
+    const auto add = [&](const auto& field) {
+        chunk.blobs.push_back(
+            field_chunk(field, *rounding++, index, shapes.spread, table.compression));
+    };
+    std::ranges::for_each(model.fields.scalar, add);
+    std::ranges::for_each(model.fields.vector, add);
+}
+
+/// All blobs of a model, and the table of them.
+Coding coded(const Gaussians& model, const Hierarchy& hierarchy, const VogzOptions& options) {
+    check(options.precision);
+    validate(model);
+    if (model.size() >= std::numeric_limits<std::uint32_t>::max())
+        throw Error(
+            fmt::format("compact model: {} Gaussians, expected fewer than 2^32", model.size()));
+    Coding coding{model, hierarchy, {}, {}};
+    FileTable& table = coding.table;
+    table.description = select(model, {});
+    table.description.source_voxels = model.source_voxels;
+    table.description.summary = model.summary;
+    table.rotated = !model.axis_aligned();
+    table.compression = options.deflate ? Compression::deflate : Compression::zstd;
+    table.precision = options.precision;
+    table.shapes = shape_rounding(model, options.precision.step);
+    for (const ScalarField& field : model.fields.scalar)
+        table.fields.push_back(field_rounding(field, options.precision.field_step));
+    for (const VectorField& field : model.fields.vector)
+        table.fields.push_back(field_rounding(field, options.precision.field_step));
+
+    if (hierarchy.empty()) {
+        coding.leaf_order = morton_order(model, table.shapes);
+    } else {
+        const auto empty = std::ranges::find_if(model.density, [](float d) { return !(d > 0); });
+        if (empty != model.density.end())
+            throw Error(fmt::format(
+                "compact model: Gaussian {} has no density, expected some in a model with levels",
+                empty - model.density.begin()));
+        coding.leaf_order.resize(model.size());
+        std::iota(coding.leaf_order.begin(), coding.leaf_order.end(), 0u);
+        coding.node_order.resize(hierarchy.size());
+        std::iota(coding.node_order.begin(), coding.node_order.end(), 0u);
+    }
+    coding.chunks = chunks_of(hierarchy, coding.leaf_order.size());
+    vog::parallel_for(std::size_t{0}, coding.chunks.size(),
+                      [&](std::size_t n) { encode(coding, coding.chunks[n]); });
+
+    for (const Chunk& chunk : coding.chunks) {
+        for (std::size_t n = 0; n < chunk.blobs.size(); ++n) {
+            Blob blob;
+            const std::size_t first_field = chunk.kind == Kind::nodes ? 2 : 1;
+            blob.kind = n == 0 ? chunk.kind : n < first_field ? Kind::links : Kind::field;
+            if (n >= first_field) blob.field = static_cast<std::uint32_t>(n - first_field);
+            blob.depth = chunk.depth;
+            blob.count = static_cast<std::uint32_t>(chunk.end - chunk.begin);
+            blob.bytes = static_cast<std::uint32_t>(chunk.blobs[n].size());
+            blob.checksum = checksum(chunk.blobs[n]);
+            blob.box = chunk.box;
+            table.blobs.push_back(blob);
+        }
+    }
+    return coding;
+}
+
+}  // namespace
+
+VogzReport write_vogz(const std::filesystem::path& file, const Gaussians& gaussians,
+                      const Hierarchy& hierarchy, const VogzOptions& options) {
+    validate(hierarchy, gaussians, file.string());
+    if (!in_one_order(hierarchy))
+        throw Error(
+            fmt::format("{}: a hierarchy joined from several, expected one built of the "
+                        "whole model (build_hierarchy)",
+                        file.string()));
+    const Coding coding = coded(gaussians, hierarchy, options);
+    const std::string header = header_bytes(coding.table);
+    write_file(file, [&](std::ofstream& out) {
+        out << header;
+        for (const Chunk& chunk : coding.chunks)
+            for (const std::string& blob : chunk.blobs) out << blob;
+    });
+    VogzReport report;
+    report.gaussians = coding.leaf_order.size();
+    report.left_out = gaussians.size() - report.gaussians;
+    report.header = header.size();
+    report.bytes = header.size();
+    for (const std::string& name : gaussians.fields.names()) report.fields.emplace_back(name, 0);
+    bool nodes = false;
+    for (const Blob& blob : coding.table.blobs) {
+        if (blob.kind != Kind::field) nodes = blob.kind != Kind::gaussians;
+        (nodes                      ? report.levels
+         : blob.kind == Kind::field ? report.fields[blob.field].second
+                                    : report.shapes) += blob.bytes;
+        report.bytes += blob.bytes;
+    }
+    return report;
+}
+
+Gaussians rounded(const Gaussians& gaussians, const VogzPrecision& precision) {
+    VogzOptions options;
+    options.precision = precision;
+    const Coding coding = coded(gaussians, {}, options);
+    Gaussians result = gaussians;
+    vog::parallel_for(std::size_t{0}, coding.chunks.size(), [&](std::size_t n) {
+        const Chunk& chunk = coding.chunks[n];
+        const std::size_t count = chunk.end - chunk.begin;
+        Gaussians part = select(gaussians, std::vector<std::size_t>(count, 0));
+        std::vector<double> spread(count);
+        const auto source = [&](std::size_t blob) {
+            return MemoryBytes(chunk.blobs[blob], gaussians.source, 0);
+        };
+        MemoryBytes shapes = source(0);
+        read_shapes(shapes, coding.table.shapes, coding.table.compression, part, 0, spread);
+        std::size_t blob = 1;
+        const auto read = [&](auto& field) {
+            MemoryBytes in = source(blob);
+            read_field(in, coding.table.fields[blob - 1], coding.table.compression, field, 0,
+                       spread);
+            ++blob;
+        };
+        std::ranges::for_each(part.fields.scalar, read);
+        std::ranges::for_each(part.fields.vector, read);
+        const auto place = [&](auto& to, const auto& from) {
+            for (std::size_t k = 0; k < from.size(); ++k)
+                to[coding.leaf_order[chunk.begin + k]] = from[k];
+        };
+        place(result.mean, part.mean), place(result.scale, part.scale);
+        place(result.rotation, part.rotation), place(result.density, part.density);
+        each_array(place, result.fields, part.fields);
+    });
+    return result;
+}
+
+}  // namespace vog
