@@ -186,7 +186,13 @@ ShapeChunk shape_chunk(const Gaussians& model, std::span<const std::uint32_t> in
             place[n][static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(steps);
         }
     }
-    const Cells cells = best_cells(place, exponent, lattice);
+    // The choice by a part of the chunk, near each other as all are; it must hold them all.
+    constexpr std::size_t kSample = 1024;
+    const std::size_t sample = std::min(count, kSample), from = (count - sample) / 2;
+    Cells cells = best_cells(std::span(place).subspan(from, sample),
+                             std::span(exponent).subspan(from, sample), lattice);
+    if (cells.fit) cells = cells_at(place, exponent, lattice.cell_exponent);
+    if (!cells.fit) cells = best_cells(place, exponent, lattice);
     if (!cells.fit) refuse_scales();
     lattice.base = cells.base;
     lattice.mass_factor = mass / rounded_mass;
@@ -233,14 +239,16 @@ void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression com
     BitReader bits({in.take(place_bytes), place_bytes});
 
     const double finer = std::ldexp(1.0, -lattice.finer_shape);
+    std::vector<LogShape> shapes(count);
+    for (std::size_t k = 0; k < entries; ++k) {
+        const double step = finer * (k < kDiagonal ? rounding.diagonal_step : rounding.shear_step);
+        for (std::size_t n = 0; n < count; ++n)
+            shapes[n][k] = step * static_cast<double>(column[k][n]);
+    }
+    set_shapes(model, begin, shapes);
     std::uint64_t code = 0;
     for (std::size_t n = 0; n < count; ++n) {
         const std::size_t i = begin + n;
-        LogShape shape{};
-        for (std::size_t k = 0; k < entries; ++k)
-            shape[k] = finer * (k < kDiagonal ? rounding.diagonal_step : rounding.shear_step) *
-                       static_cast<double>(column[k][n]);
-        set_shape(model, i, shape);
         // Unsigned: words of a corrupt file may wrap around.
         const auto trace = static_cast<std::int64_t>(static_cast<std::uint64_t>(column[0][n]) +
                                                      static_cast<std::uint64_t>(column[1][n]) +

@@ -55,16 +55,27 @@ constexpr int kZstdLevel = 1, kLeastRepetition = 7, kDeflateLevel = 9;
 
 struct FreeContext {
     void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }
+    void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
 };
 
-std::string by_zstd(std::span<const char> bytes) {
-    std::string out(ZSTD_compressBound(bytes.size()), '\0');
-    const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
+/// Buffers of zstd, which take longer to make than a column to code: one a thread.
+ZSTD_CCtx& compressor() {
+    thread_local const std::unique_ptr<ZSTD_CCtx, FreeContext> context(ZSTD_createCCtx());
     if (!context) throw std::bad_alloc();
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kZstdLevel);
     ZSTD_CCtx_setParameter(context.get(), ZSTD_c_minMatch, kLeastRepetition);
+    return *context;
+}
+ZSTD_DCtx& decompressor() {
+    thread_local const std::unique_ptr<ZSTD_DCtx, FreeContext> context(ZSTD_createDCtx());
+    if (!context) throw std::bad_alloc();
+    return *context;
+}
+
+std::string by_zstd(std::span<const char> bytes) {
+    std::string out(ZSTD_compressBound(bytes.size()), '\0');
     const std::size_t size =
-        ZSTD_compress2(context.get(), out.data(), out.size(), bytes.data(), bytes.size());
+        ZSTD_compress2(&compressor(), out.data(), out.size(), bytes.data(), bytes.size());
     if (ZSTD_isError(size))
         throw Error(fmt::format("zstd cannot compress: {}", ZSTD_getErrorName(size)));
     out.resize(size);
@@ -109,6 +120,8 @@ double cost(Words words, int low_bits) {
 
 /// Number of lower bits at the least cost.
 int best_low_bits(Words words) {
+    constexpr std::size_t kSample = 4096;
+    if (words.size() > kSample) words = words.subspan((words.size() - kSample) / 2, kSample);
     // Around the width that leaves half of the words below kDirect.
     std::array<std::size_t, 65> widths{};
     for (const std::uint64_t word : words) ++widths[static_cast<std::size_t>(std::bit_width(word))];
@@ -198,7 +211,8 @@ void decompress(const ByteSource& in, std::span<const char> bytes, Compression c
     std::size_t made = 0;
     bool failed = false;
     if (compression == Compression::zstd) {
-        made = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
+        made = ZSTD_decompressDCtx(&decompressor(), out.data(), out.size(), bytes.data(),
+                                   bytes.size());
         failed = ZSTD_isError(made) != 0;
     } else {
         uLongf size = out.size();

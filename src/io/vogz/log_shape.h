@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "vog/gaussians.h"
 
@@ -15,7 +16,8 @@ using LogShape = std::array<double, 6>;
 inline constexpr std::size_t kDiagonal = 3;  ///< number of entries on the diagonal, the first ones
 
 LogShape log_shape(const Gaussians& model, std::size_t i);
-/// Sets scale and, if the model is rotated, rotation. Scales beyond the range of floats take its ends.
-void set_shape(Gaussians& model, std::size_t i, const LogShape& shape);
+/// Sets scales and, if the model is rotated, rotations of the Gaussians from `begin` on. Scales beyond the range of
+/// floats take its ends.
+void set_shapes(Gaussians& model, std::size_t begin, std::span<const LogShape> shapes);
 
 }  // namespace vog::vogz
