@@ -60,13 +60,23 @@ function(vog_add_gpu target)
     endif()
 
     # The kernels, for real devices.
-    add_library(${target}_cuda OBJECT ${gpu}/cuda_splat.cu ${gpu}/chords/chord_kernels.cu)
+    add_library(${target}_cuda OBJECT ${gpu}/cuda_splat.cu ${gpu}/chords/chord_kernels.cu
+                ${gpu}/sums/sums_kernels.cu)
     set_target_properties(${target}_cuda PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_cuda PRIVATE ${own_include})
     target_compile_options(${target}_cuda PRIVATE ${cuda_options})
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_cuda> ${gpu}/cuda_memory.cpp
-                   ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp ${gpu}/chords/gpu_pictures.cpp)
+                   ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp ${gpu}/chords/gpu_pictures.cpp
+                   ${gpu}/chords/gpu_picture_sums.cpp ${gpu}/sums/gpu_sums.cpp)
     target_compile_definitions(${target} PRIVATE VOG_CUDA)
+    # CUDA's header of OpenGL buffers includes OpenGL's; nothing of OpenGL is linked.
+    find_path(VOG_GL_INCLUDE GL/gl.h)
+    if(VOG_GL_INCLUDE)
+        target_sources(${target} PRIVATE ${gpu}/sums/gl_sums.cpp)
+        target_compile_definitions(${target} PRIVATE VOG_CUDA_GL)
+    else()
+        message(STATUS "No GL/gl.h: the window copies pictures of GPU renderers through host memory")
+    endif()
     target_link_libraries(${target} PRIVATE CUDA::cudart_static)
     target_include_directories(${target} SYSTEM PRIVATE ${CUDAToolkit_INCLUDE_DIRS})
     if(NOT VOG_OPTIX)

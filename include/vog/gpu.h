@@ -10,6 +10,7 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/gpu_sums.h"
 #include "vog/image.h"
 #include "vog/trace.h"
 
@@ -30,6 +31,8 @@ class CudaSplat {
     /// Optical depth T per pixel at extinction 1; the same bytes in every run.
     /// throws  vog::Error for an unusable camera or size, for too little GPU memory
     DepthImage render(const Camera& camera, int width, int height);
+    /// The same, left in GPU memory: 1 channel.
+    void render(const Camera& camera, const SumsSize& size, GpuSums& sums);
     /// Device time of the last picture, milliseconds by CUDA events, without the copy to the host.
     double gpu_ms() const;
 
@@ -52,6 +55,9 @@ class OptixModel {
     /// samples  ReferenceOptions::samples: T is the mean over samples x samples launches
     DepthImage render(const Camera& camera, int width, int height, const TraceOptions& options = {},
                       TraceReport* report = nullptr, int samples = 1);
+    /// The same, left in GPU memory: 1 channel. Rays of a pixel are samples.
+    void render(const Camera& camera, const SumsSize& size, GpuSums& sums,
+                const TraceOptions& options = {});
     double gpu_ms() const;  ///< device time of the last picture, milliseconds by CUDA events
 
   private:

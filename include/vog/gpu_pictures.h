@@ -6,6 +6,7 @@
 #include <string>
 
 #include "vog/field_maps.h"
+#include "vog/gpu_sums.h"
 #include "vog/maximum_picture.h"
 #include "vog/renderer.h"
 #include "vog/volume_picture.h"
@@ -46,6 +47,18 @@ class GpuPictures {
     /// throws  vog::Error as it does, and for boxes
     ValueMap maximum(const std::string& field, const Camera& camera, int width, int height,
                      int slabs = kMaximumSlabs, const Clipping& clip = {});
+
+    // The same pictures, left in GPU memory: 4 channels.
+    void depth(const Camera& camera, const SumsSize& size, GpuSums& sums,
+               const Clipping& clip = {});
+    void fields(const FieldChoice& choice, const SumsUnit& unit, const Camera& camera,
+                const SumsSize& size, GpuSums& sums, const Clipping& clip = {});
+    void volume(const std::string& field, const ValueTransfer& transfer, const Camera& camera,
+                const SumsSize& size, GpuSums& sums, int slabs = 32, const VolumeLook& look = {});
+    void maximum(const std::string& field, const SumsUnit& unit, const Camera& camera,
+                 const SumsSize& size, GpuSums& sums, int slabs = kMaximumSlabs,
+                 const Clipping& clip = {});
+
     double gpu_ms() const;  ///< device time of the last picture, milliseconds by CUDA events
 
   private:

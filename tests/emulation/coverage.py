@@ -13,7 +13,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DEVICE = ("src/render/device/", "src/render/gpu/cuda_splat.cu", "src/render/gpu/chords/chord_kernels.cu",
-          "src/render/gpu/optix/optix_programs.cu")
+          "src/render/gpu/sums/sums_kernels.cu", "src/render/gpu/optix/optix_programs.cu")
 
 
 def counts(build):

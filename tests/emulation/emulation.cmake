@@ -4,12 +4,13 @@
 function(vog_add_emulated_gpu target)
     set(gpu ${PROJECT_SOURCE_DIR}/src/render/gpu)
     set(emulation ${PROJECT_SOURCE_DIR}/tests/emulation)
-    set(kernels ${gpu}/cuda_splat.cu ${gpu}/chords/chord_kernels.cu ${gpu}/optix/optix_programs.cu)
+    set(kernels ${gpu}/cuda_splat.cu ${gpu}/chords/chord_kernels.cu ${gpu}/sums/sums_kernels.cu
+        ${gpu}/optix/optix_programs.cu)
     add_library(${target}_gpu OBJECT ${gpu}/cuda_memory.cpp ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp
-                ${kernels} ${gpu}/chords/gpu_pictures.cpp
+                ${kernels} ${gpu}/chords/gpu_pictures.cpp ${gpu}/chords/gpu_picture_sums.cpp ${gpu}/sums/gpu_sums.cpp
                 ${gpu}/optix/optix_chords.cpp ${gpu}/optix/optix_film.cpp
                 ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp ${emulation}/cuda/memory.cpp
-                ${emulation}/cuda/blocks.cpp ${emulation}/device/traversal.cpp)
+                ${emulation}/cuda/streams.cpp ${emulation}/cuda/blocks.cpp ${emulation}/device/traversal.cpp)
     # The compiler does not know .cu: as C++, with the qualifiers of tests/emulation/cuda. Their executed lines are
     # counted, for tests/emulation/coverage.py; without weak symbols inline functions of src/render/device are
     # theirs alone, and not the linker's choice among those of other sources.
@@ -29,6 +30,16 @@ function(vog_add_emulated_gpu target)
     target_include_directories(${target}_gpu SYSTEM PRIVATE ${VOG_NANOVDB_INCLUDE})
     target_link_libraries(${target}_gpu PRIVATE vog_flags fmt::fmt TBB::tbb)
     target_compile_options(${target}_gpu PRIVATE $<$<BOOL:${VOG_SANITIZE}>:-O1>)
+    # Buffers of OpenGL are those of the window's context.
+    find_path(VOG_GL_INCLUDE GL/gl.h)
+    if(VOG_VIEWER AND VOG_GL_INCLUDE)
+        find_package(PkgConfig REQUIRED)
+        pkg_check_modules(emulated_gl REQUIRED IMPORTED_TARGET epoxy)
+        target_sources(${target}_gpu PRIVATE ${gpu}/sums/gl_sums.cpp ${emulation}/cuda/graphics.cpp)
+        target_link_libraries(${target}_gpu PRIVATE PkgConfig::emulated_gl)
+        target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:PkgConfig::emulated_gl>)
+        set(VOG_EMULATED_GL ON PARENT_SCOPE)
+    endif()
     find_path(VOG_OPTIX_INCLUDE optix.h HINTS ${OptiX_ROOT}/include $ENV{OptiX_ROOT}/include NO_DEFAULT_PATH)
     if(VOG_OPTIX_INCLUDE)
         message(STATUS "Emulated GPU: OptiX's headers in ${VOG_OPTIX_INCLUDE}, its function table too")

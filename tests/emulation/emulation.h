@@ -36,6 +36,12 @@ std::size_t most_primitives();
 void set_driver_version(int version);
 int driver_version();
 
+/// Whether the GPU draws OpenGL contexts of EGL, and whether buffers of theirs can be registered; true unless set.
+void set_draws_gl(bool draws);
+bool draws_gl();
+void set_registers_gl(bool registers);
+bool registers_gl();
+
 /// True in builds with OptiX's headers: the host's calls go through OptiX's function table.
 bool has_function_table();
 /// Contexts and modules made so far, through the function table.
@@ -46,5 +52,7 @@ void count_module();
 
 /// Ends the process with one line: a use of the interface that a driver would refuse, or leaves undefined.
 [[noreturn]] void refuse(const std::string& what);
+/// Whether it throws std::runtime_error instead.
+void set_refusals_throw(bool throws);
 
 }  // namespace vog::emulation

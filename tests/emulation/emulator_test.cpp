@@ -49,6 +49,8 @@ TEST(emulator, threads_run_in_a_scrambled_order_and_each_once) {
     std::vector<unsigned> order, sorted(kThreads);
     const cudaLaunchConfig_t shape = blocks(1);
     ASSERT_EQ(cudaLaunchKernelEx(&shape, order_kernel, &order), cudaSuccess);
+    EXPECT_TRUE(order.empty());  // nothing waited for it
+    ASSERT_EQ(cudaDeviceSynchronize(), cudaSuccess);
     std::iota(sorted.begin(), sorted.end(), 0);
     EXPECT_NE(order, sorted);
     EXPECT_TRUE(std::is_permutation(order.begin(), order.end(), sorted.begin(), sorted.end()));
@@ -58,6 +60,7 @@ TEST(emulator, barriers_hold_threads_back) {
     unsigned sum = 0;
     const cudaLaunchConfig_t shape = blocks(5);
     ASSERT_EQ(cudaLaunchKernelEx(&shape, sum_kernel, &sum), cudaSuccess);
+    ASSERT_EQ(cudaDeviceSynchronize(), cudaSuccess);
     EXPECT_EQ(sum, 5 * kThreads * kThreads);
 }
 
@@ -70,7 +73,12 @@ TEST(emulator, shapes_beyond_a_gpus_are_refused) {
 
 TEST(emulator_death, a_barrier_that_not_all_threads_reach_ends_the_process) {
     const cudaLaunchConfig_t shape = blocks(1);
-    EXPECT_DEATH((void)cudaLaunchKernelEx(&shape, diverging_kernel), "not reach");
+    EXPECT_DEATH(
+        {
+            (void)cudaLaunchKernelEx(&shape, diverging_kernel);
+            (void)cudaDeviceSynchronize();
+        },
+        "not reach");
 }
 
 TEST(emulator_death, copies_and_frees_of_other_memory_end_the_process) {
@@ -109,6 +117,26 @@ TEST(emulator, new_memory_is_not_zero_and_its_amount_is_limited) {
     EXPECT_EQ(free, 400u);
     EXPECT_EQ(cudaFree(first), cudaSuccess);
     emulation::set_memory(before);
+}
+
+TEST(emulator, copies_in_a_stream_are_there_once_it_is_waited_for) {
+    void *from = nullptr, *to = nullptr;
+    ASSERT_EQ(cudaMalloc(&from, 8), cudaSuccess);
+    ASSERT_EQ(cudaMalloc(&to, 8), cudaSuccess);
+    ASSERT_EQ(cudaMemset(from, 7, 8), cudaSuccess);
+    cudaStream_t stream = nullptr;
+    ASSERT_EQ(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), cudaSuccess);
+    ASSERT_EQ(cudaMemcpyAsync(to, from, 8, cudaMemcpyDeviceToDevice, stream), cudaSuccess);
+    std::uint64_t value = 0;
+    ASSERT_EQ(cudaMemcpy(&value, to, 8, cudaMemcpyDeviceToHost), cudaSuccess);
+    EXPECT_EQ(value, ~std::uint64_t{0});
+    ASSERT_EQ(cudaStreamSynchronize(stream), cudaSuccess);
+    ASSERT_EQ(cudaMemcpy(&value, to, 8, cudaMemcpyDeviceToHost), cudaSuccess);
+    EXPECT_EQ(value, 0x0707070707070707u);
+    EXPECT_EQ(cudaStreamDestroy(stream), cudaSuccess);
+    EXPECT_DEATH((void)cudaStreamSynchronize(stream), "gone");
+    EXPECT_EQ(cudaFree(from), cudaSuccess);
+    EXPECT_EQ(cudaFree(to), cudaSuccess);
 }
 
 TEST(emulator, prefix_sums_wrap_in_the_type_of_their_input_as_cubs_do) {

@@ -43,6 +43,11 @@ std::vector<EmulatedGpu> emulated_gpus() {
     return all;
 }
 
+void share_gl(bool draws, bool registers) {
+    emulation::set_draws_gl(draws);
+    emulation::set_registers_gl(registers);
+}
+
 }  // namespace vog::test
 
 #else
@@ -51,6 +56,7 @@ namespace vog::test {
 
 std::vector<std::pair<std::string, GpuRender>> emulated_gpu_renderers() { return {}; }
 std::vector<EmulatedGpu> emulated_gpus() { return {}; }
+void share_gl(bool, bool) {}
 
 }  // namespace vog::test
 

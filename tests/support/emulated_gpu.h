@@ -28,4 +28,7 @@ struct EmulatedGpu {
 /// For pictures by GpuPictures.
 std::vector<EmulatedGpu> emulated_gpus();
 
+/// Whether the emulated GPU draws the window's context, and whether buffers of OpenGL can be registered; true unless set.
+void share_gl(bool draws, bool registers);
+
 }  // namespace vog::test

@@ -8,31 +8,17 @@
 
 #include "session/background_renderer.h"
 #include "support/emulated_gpu.h"
-#include "support/scenes.h"
+#include "viewer/field_model.h"
 
 namespace vog::test {
 
 using namespace viewer;
 namespace {
 
-/// Gaussians wider than pixels, with a field that rises along x.
-std::shared_ptr<Gaussians> warm_gaussians() {
-    auto model = std::make_shared<Gaussians>(random_gaussians(60, 0.2, 0.4, 44));
-    ScalarField& field = model->fields.scalar.emplace_back();
-    field.name = "heat", field.upper = 10;
-    for (std::size_t i = 0; i < model->size(); ++i) {
-        field.value.push_back(5 + 4 * model->mean[i].x);
-        field.gradient.push_back({4, 0, 0});
-        field.deviation.push_back(0.3f);
-        field.skewness.push_back(0);
-    }
-    return model;
-}
-
 RenderedPicture picture_of(BackgroundRenderer& background, const RenderRequest& request) {
     background.request(request);
     while (true) {
-        if (std::optional<RenderedPicture> picture = background.take()) return *picture;
+        if (std::optional<RenderedPicture> picture = background.take()) return std::move(*picture);
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
 }
@@ -46,16 +32,24 @@ TEST(background_renderer, quantities_on_a_gpu_are_the_cpus) {
     request.camera = orbit_view(view_box(*request.model), {});
     request.width = 40, request.height = 30;
     using Kind = Drawn::Kind;
-    for (const Kind kind : {Kind::depth, Kind::field, Kind::light, Kind::maximum})
+    const std::pair<Kind, FieldChoice> pictures[] = {{Kind::depth, {}},
+                                                     {Kind::field, {"heat", FieldPart::value}},
+                                                     {Kind::field, {"wind", FieldPart::view}},
+                                                     {Kind::field, {"wind", FieldPart::y}},
+                                                     {Kind::field, {"wind", FieldPart::magnitude}},
+                                                     {Kind::light, {"heat", FieldPart::value}},
+                                                     {Kind::maximum, {"heat", FieldPart::value}}};
+    for (const auto& [kind, field] : pictures)
         for (const bool clipped : {false, true})
             for (const int rays : {1, 2}) {
-                if (rays > 1 && kind != Kind::depth) continue;
+                // Means over rays are the same code for all kinds.
+                if (rays > 1 && (kind == Kind::light || field.part == FieldPart::y)) continue;
                 SCOPED_TRACE(std::to_string(int(kind)) + (clipped ? " clipped " : " ") +
                              std::to_string(rays));
                 request.rays = rays;
                 request.drawn = {};
                 request.drawn.kind = kind;
-                request.drawn.field.field = "heat";
+                request.drawn.field = field;
                 request.drawn.slabs = 16;
                 if (kind == Kind::light)
                     request.drawn.transfer =

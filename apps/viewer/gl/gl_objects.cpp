@@ -170,6 +170,14 @@ void GlTarget::upload(std::span<const float> pixels) const {
                     pixels.data());
 }
 
+void GlTarget::upload_from(GLuint buffer) const {
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, buffer);
+    glBindTexture(GL_TEXTURE_2D, textures_.front());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, width_, height_, layout_of(format_), GL_FLOAT, nullptr);
+    glBindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+}
+
 std::vector<float> GlTarget::read_floats() const {
     std::vector<float> pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_) *
                               static_cast<std::size_t>(channels()));

@@ -103,6 +103,8 @@ class GlTarget {
     void clear() const;
     /// Uploads values to the first image, in the order of its rows.
     void upload(std::span<const float> pixels) const;
+    /// The same from the begin of a buffer object.
+    void upload_from(GLuint buffer) const;
     /// Values of the first image, in the order of its rows, channel by channel of each pixel.
     std::vector<float> read_floats() const;
 

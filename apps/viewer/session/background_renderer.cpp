@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vog/error.h"
+#include "vog/gpu.h"
 #include "vog/gpu_pictures.h"
 #include "vog/splat.h"
 
@@ -123,10 +124,10 @@ SumImage draw_voxels(const RenderRequest& request, int width, int height,
                    drawn.field.part, unit);
 }
 
-/// Whether the renderer adds up the rays of a pixel itself: T by OptiX.
-bool adds_up_rays(const RenderRequest& request) {
-    return !request.voxels && request.renderer == WindowRenderer::optix &&
-           request.drawn.kind == Drawn::Kind::depth && request.drawn.look.clip.empty();
+/// GPU renderers add up the rays of a pixel themselves.
+bool on_gpu(const RenderRequest& request) {
+    return !request.voxels &&
+           (request.renderer == WindowRenderer::cuda || request.renderer == WindowRenderer::optix);
 }
 
 }  // namespace
@@ -139,7 +140,10 @@ struct BackgroundRenderer::Prepared {
     std::optional<SlabRenderer>
         slabs;  ///< for pictures that differ in the transfer function alone from this one
     Drawn slabs_of;
-    std::map<WindowRenderer, GpuPictures> gpu;  ///< fields of the model
+    // On a GPU: T without a clip, and all else.
+    std::optional<CudaSplat> cuda;
+    std::optional<OptixModel> optix;
+    std::map<WindowRenderer, GpuPictures> gpu;
 };
 
 BackgroundRenderer::BackgroundRenderer()
@@ -161,6 +165,11 @@ void BackgroundRenderer::request(RenderRequest request) {
         waiting_ = std::move(request);
     }
     wake_.notify_one();
+}
+
+void BackgroundRenderer::give_back(GpuSums sums) {
+    const std::lock_guard lock(mutex_);
+    spare_.push_back(std::move(sums));
 }
 
 std::optional<RenderedPicture> BackgroundRenderer::take() {
@@ -195,11 +204,13 @@ void BackgroundRenderer::work() {
             picture = render(request);
         } catch (const Cancelled&) {
         } catch (const std::exception& error) {
-            picture = RenderedPicture{request.key, request.rays, {}, 0, 0, error.what()};
+            picture = RenderedPicture{request.key, request.rays, {}, 0, 0, error.what(), {}};
         }
         lock.lock();
         running_ = false;
-        if (picture) ready_ = std::move(picture);
+        if (!picture) continue;
+        if (ready_ && ready_->on_gpu) spare_.push_back(std::move(*ready_->on_gpu));
+        ready_ = std::move(picture);
     }
 }
 
@@ -223,7 +234,6 @@ void BackgroundRenderer::draw_depth(const RenderRequest& request, int width, int
     }
     DepthRenderer& renderer = found->second;
     renderer.set_pixel_error(request.pixel_error);
-    renderer.set_samples(adds_up_rays(request) ? request.rays : 1);
     DepthImage depth;
     renderer.render(request.camera, width, height, depth, progress);
     picture.drawn = renderer.cut() ? renderer.cut()->drawn() : request.model->size();
@@ -232,14 +242,13 @@ void BackgroundRenderer::draw_depth(const RenderRequest& request, int width, int
 
 void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int height,
                                     const Progress& progress, RenderedPicture& picture) {
-    if (request.model != prepared_->model) *prepared_ = {request.model, {}, {}, {}, {}, {}};
+    if (request.model != prepared_->model) *prepared_ = {request.model, {}, {}, {}, {}, {}, {}, {}};
     const Drawn& drawn = request.drawn;
+    if (on_gpu(request)) return draw_on_gpu(request, picture);
     if (drawn.kind == Drawn::Kind::depth)
         return draw_depth(request, width, height, progress, picture);
     const Gaussians& model = *request.model;
     picture.drawn = model.size();
-    if (request.renderer == WindowRenderer::cuda || request.renderer == WindowRenderer::optix)
-        return draw_on_gpu(request, width, height, picture);
     const bool splat = request.renderer == WindowRenderer::splat;
     TraceOptions rays;
     rays.progress = progress;
@@ -300,27 +309,57 @@ void BackgroundRenderer::draw_model(const RenderRequest& request, int width, int
     picture.sums = sums_of(image);
 }
 
-void BackgroundRenderer::draw_on_gpu(const RenderRequest& request, int width, int height,
-                                     RenderedPicture& picture) {
+void BackgroundRenderer::draw_on_gpu(const RenderRequest& request, RenderedPicture& picture) {
+    GpuSums sums;
+    {
+        const std::lock_guard lock(mutex_);
+        if (!spare_.empty()) {
+            sums = std::move(spare_.back());
+            spare_.pop_back();
+        }
+    }
+    picture.drawn = request.model->size();
+    draw_sums(request, sums);
+    if (request.stays_on_gpu) {
+        picture.on_gpu = std::move(sums);
+        return;
+    }
+    picture.sums = {sums.width(), sums.height(), sums.channels(), sums.fetch()};
+    give_back(std::move(sums));
+}
+
+void BackgroundRenderer::draw_sums(const RenderRequest& request, GpuSums& sums) {
     const Gaussians& model = *request.model;
     const Drawn& drawn = request.drawn;
+    const Clipping& clip = drawn.look.clip;
+    const SumsSize size{request.width, request.height, request.rays};
+    if (drawn.kind == Drawn::Kind::depth && clip.empty()) {
+        if (request.renderer == WindowRenderer::cuda) {
+            if (!prepared_->cuda) prepared_->cuda.emplace(model);
+            prepared_->cuda->render(request.camera, size, sums);
+        } else {
+            if (!prepared_->optix) prepared_->optix.emplace(model);
+            prepared_->optix->render(request.camera, size, sums);
+        }
+        return;
+    }
     GpuPictures& pictures =
         prepared_->gpu.try_emplace(request.renderer, library_renderer(request.renderer), model)
             .first->second;
-    if (drawn.kind == Drawn::Kind::light) {
-        picture.sums = sums_of(pictures.volume(drawn.field.field, *drawn.transfer, request.camera,
-                                               width, height, drawn.slabs, drawn.look));
-        return;
+    const std::string& field = drawn.field.field;
+    const FieldUnit of_field = viewer::unit_of(model.fields, field);
+    const SumsUnit unit{of_field.reference, of_field.unit};
+    switch (drawn.kind) {
+        case Drawn::Kind::depth:
+            return pictures.depth(request.camera, size, sums, clip);
+        case Drawn::Kind::field:
+            return pictures.fields(drawn.field, unit, request.camera, size, sums, clip);
+        case Drawn::Kind::light:
+            return pictures.volume(field, *drawn.transfer, request.camera, size, sums, drawn.slabs,
+                                   drawn.look);
+        case Drawn::Kind::maximum:
+            return pictures.maximum(field, unit, request.camera, size, sums, drawn.slabs, clip);
     }
-    const FieldUnit unit = viewer::unit_of(model.fields, drawn.field.field);
-    if (drawn.kind == Drawn::Kind::maximum)
-        picture.sums = sums_of(pictures.maximum(drawn.field.field, request.camera, width, height,
-                                                drawn.slabs, drawn.look.clip),
-                               unit);
-    else
-        picture.sums =
-            sums_of(pictures.fields(drawn.field, request.camera, width, height, drawn.look.clip),
-                    drawn.field.part, unit);
 }
 
 RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
@@ -330,9 +369,9 @@ RenderedPicture BackgroundRenderer::render(const RenderRequest& request) {
         fraction_ = fraction;
     };
     const auto start = std::chrono::steady_clock::now();
-    const int lattice = adds_up_rays(request) ? 1 : request.rays;
+    const int lattice = on_gpu(request) ? 1 : request.rays;
     const int width = request.width * lattice, height = request.height * lattice;
-    RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}};
+    RenderedPicture picture{request.key, request.rays, {}, 0, 0, {}, {}};
     if (request.voxels)
         picture.sums = draw_voxels(request, width, height, progress);
     else

@@ -14,6 +14,7 @@
 #include "session/renderer_names.h"
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/gpu_sums.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
 #include "vog/voxel_field.h"
@@ -40,6 +41,7 @@ struct RenderRequest {
     Camera camera;
     int width = 0, height = 0;
     int rays = 1;  ///< rays^2 rays a pixel, on a square lattice; the picture is their mean
+    bool stays_on_gpu = false;  ///< pictures of GPU renderers are left in GPU memory
 };
 
 struct RenderedPicture {
@@ -47,8 +49,9 @@ struct RenderedPicture {
     int rays = 1;
     SumImage sums;
     double ms = 0;
-    std::size_t drawn = 0;  ///< Gaussians; 0: unknown, of voxels
-    std::string error;      ///< message, where the picture could not be drawn
+    std::size_t drawn = 0;            ///< Gaussians; 0: unknown, of voxels
+    std::string error;                ///< message, where the picture could not be drawn
+    std::optional<GpuSums> on_gpu{};  ///< in place of `sums`, where that was requested
 };
 
 class BackgroundRenderer {
@@ -62,6 +65,8 @@ class BackgroundRenderer {
     void request(RenderRequest request);
     /// The latest finished picture, returned once.
     std::optional<RenderedPicture> take();
+    /// Takes GPU memory back for a later picture. Nothing reads it any more.
+    void give_back(GpuSums sums);
     bool busy();
     /// Finished fraction of the picture in progress, [0, 1].
     double fraction();
@@ -73,7 +78,8 @@ class BackgroundRenderer {
                     RenderedPicture& picture);
     void draw_depth(const RenderRequest& request, int width, int height, const Progress& progress,
                     RenderedPicture& picture);
-    void draw_on_gpu(const RenderRequest& request, int width, int height, RenderedPicture& picture);
+    void draw_on_gpu(const RenderRequest& request, RenderedPicture& picture);
+    void draw_sums(const RenderRequest& request, GpuSums& sums);
     struct Prepared;
     std::unique_ptr<Prepared> prepared_;  ///< used by the thread alone
 
@@ -81,6 +87,7 @@ class BackgroundRenderer {
     std::condition_variable wake_;
     std::optional<RenderRequest> waiting_;
     std::optional<RenderedPicture> ready_;
+    std::vector<GpuSums> spare_;  ///< GPU memory for pictures: none that is ready or shown
     std::uint64_t running_key_ = 0;
     bool running_ = false, cancel_ = false, end_ = false;
     double fraction_ = 0;

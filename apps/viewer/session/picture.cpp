@@ -53,7 +53,7 @@ void Picture::update(const PictureKey& key, int subframes, GlRenderers& gl) {
     if (key.renderer == WindowRenderer::gl)
         update_gl(subframes, gl);
     else
-        update_cpu(subframes);
+        update_cpu(subframes, gl.gpu);
 }
 
 /// The Gaussians to draw: the level-of-detail cut for the key's camera, chosen at the first
@@ -101,6 +101,7 @@ void Picture::add_sums(const Gaussians& gaussians, GlModelFields& on_device,
 
 void Picture::update_gl(int subframes, GlRenderers& gl) {
     complete_ = subframes_ >= subframes;
+    way_ = "";
     if (timer_) ms_ = timer_->ms();
     if (complete_) return;
     if (!timer_) timer_.emplace();
@@ -119,23 +120,42 @@ void Picture::update_gl(int subframes, GlRenderers& gl) {
     complete_ = subframes_ >= subframes;
 }
 
-void Picture::request(int rays) {
+void Picture::request(int rays, GpuUpload& gpu) {
     if (!cpu_) cpu_ = std::make_unique<BackgroundRenderer>();
     rays_requested_ = rays;
     const bool voxels = key_.renderer == WindowRenderer::voxels;
+    const bool on_gpu =
+        key_.renderer == WindowRenderer::cuda || key_.renderer == WindowRenderer::optix;
     cpu_->request({++cpu_key_, key_.renderer, voxels ? nullptr : key_.model,
                    voxels ? nullptr : key_.hierarchy, key_.pixel_error,
                    voxels ? key_.voxels : nullptr, key_.drawn, key_.camera, key_.size.width,
-                   key_.size.height, rays});
+                   key_.size.height, rays, on_gpu && gpu.stays_on_gpu()});
 }
 
-void Picture::update_cpu(int subframes) {
-    if (rays_requested_ == 0) request(1);
+void Picture::show(RenderedPicture& picture, GpuUpload& gpu) {
+    const bool on_gpu =
+        key_.renderer == WindowRenderer::cuda || key_.renderer == WindowRenderer::optix;
+    way_ = on_gpu ? "copied" : "";
+    if (!picture.on_gpu) return target_->upload(picture.sums.value);
+    const std::string failure = gpu.fill(*target_, *picture.on_gpu);
+    cpu_->give_back(std::move(*picture.on_gpu));
+    if (failure.empty())
+        way_ = "shared";
+    else
+        error_ = "pictures come through host memory: " + failure;
+}
+
+void Picture::update_cpu(int subframes, GpuUpload& gpu) {
+    if (rays_requested_ == 0) request(1, gpu);
     // More sub-frames than those of a complete picture: continues.
-    if (complete_ && subframes > complete_for_) refine(rays_requested_, subframes);
+    if (complete_ && subframes > complete_for_) refine(rays_requested_, subframes, gpu);
     if (complete_) return;
-    const std::optional<RenderedPicture> picture = cpu_->take();
-    if (!picture || picture->key != cpu_key_) return;
+    std::optional<RenderedPicture> picture = cpu_->take();
+    if (!picture) return;
+    if (picture->key != cpu_key_) {
+        if (picture->on_gpu) cpu_->give_back(std::move(*picture->on_gpu));
+        return;
+    }
     if (!picture->error.empty()) {
         error_ = picture->error;
         complete_ = true;
@@ -143,7 +163,7 @@ void Picture::update_cpu(int subframes) {
         return;
     }
     require_target(key_.size);
-    target_->upload(picture->sums.value);
+    show(*picture, gpu);
     sums_of_key_ = true;
     subframes_ = picture->rays * picture->rays;
     summed_ = 1;  // already a mean over its rays
@@ -151,17 +171,17 @@ void Picture::update_cpu(int subframes) {
     drawn_ = picture->drawn;
     ms_per_ray_ = ms_ / (double(key_.size.width) * key_.size.height * subframes_);
     ++revision_;
-    refine(picture->rays, subframes);
+    refine(picture->rays, subframes, gpu);
 }
 
-void Picture::refine(int done, int subframes) {
+void Picture::refine(int done, int subframes, GpuUpload& gpu) {
     // By 2x2 and 4x4 rays per pixel, while that many sub-frames are requested.
     constexpr std::int64_t kRayLimit = std::int64_t{1} << 26;  // 256 MB a channel
     const int rays = 2 * done;
     const std::int64_t all = std::int64_t{key_.size.width} * key_.size.height * rays * rays;
     complete_ = !(rays <= 4 && rays * rays <= subframes && all <= kRayLimit);
     complete_for_ = subframes;
-    if (!complete_) request(rays);
+    if (!complete_) request(rays, gpu);
 }
 
 GlDepth Picture::depth() const {

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "gl/field_gl.h"
+#include "gl/gpu_upload.h"
 #include "gl/shade_gl.h"
 #include "gl/slabs_gl.h"
 #include "gl/splat_gl.h"
@@ -65,6 +66,7 @@ struct GlRenderers {
     GlFieldSums fields;
     std::optional<GlSlabs> slabs;  ///< compiled when first needed
     GlModels models;
+    GpuUpload gpu;  ///< of pictures by CUDA and OptiX
 };
 
 /// One half of the split: sums of one renderer, accumulated over sub-frames.
@@ -96,6 +98,9 @@ class Picture {
     std::size_t drawn() const { return drawn_; }
     /// Finished fraction of the background renderer's work; 0: idle.
     double fraction() { return cpu_ ? cpu_->fraction() : 0; }
+    /// Way of a GPU renderer's latest picture to the window: "shared" through a buffer that both use, or "copied" through host
+    /// memory; empty: another renderer's.
+    const char* way() const { return way_; }
     /// Error of the renderer, returned once; empty: none.
     std::string take_error() { return std::exchange(error_, {}); }
 
@@ -103,10 +108,11 @@ class Picture {
     void update_gl(int subframes, GlRenderers& gl);
     void add_sums(const Gaussians& gaussians, GlModelFields& on_device, GlRenderers& gl) const;
     GlModelFields& cut_model(GlModels& models, const Gaussians*& gaussians);
-    void update_cpu(int subframes);
-    void request(int rays);
+    void update_cpu(int subframes, GpuUpload& gpu);
+    void request(int rays, GpuUpload& gpu);
+    void show(RenderedPicture& picture, GpuUpload& gpu);
     /// Requests twice as many rays along each side of a pixel, or completes the picture.
-    void refine(int rays, int subframes);
+    void refine(int rays, int subframes, GpuUpload& gpu);
     void require_target(PixelSize size);
 
     PictureKey key_;
@@ -122,6 +128,7 @@ class Picture {
     std::optional<GlModelFields> cut_model_;  ///< the same on the device; none: the whole model
     double ms_ = 0, ms_per_ray_ = std::numeric_limits<double>::infinity();
     std::string error_;
+    const char* way_ = "";
     std::optional<GlTarget> target_;
     std::optional<GlTimer> timer_;
     std::unique_ptr<BackgroundRenderer> cpu_;

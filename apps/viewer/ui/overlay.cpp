@@ -36,7 +36,9 @@ void draw_figures(Session& session, const Gui& gui, const Layout& layout) {
                     drawn > 0 && drawn != all ? (count_text(drawn) + " for ").c_str() : "",
                     count_text(all).c_str(), level->name.c_str());
         const PixelSize size = session.left().size();
-        ImGui::Text("%d x %d, %s, sub-frame %d of %d", size.width, size.height, name_of(s.renderer),
+        const std::string way = session.left().way();
+        ImGui::Text("%d x %d, %s%s, sub-frame %d of %d", size.width, size.height,
+                    name_of(s.renderer), way.empty() ? "" : (" (" + way + ")").c_str(),
                     session.left().subframes(),
                     session.left().complete() ? session.left().subframes() : s.subframes);
     } else {

@@ -3,6 +3,7 @@
 #include "vog/error.h"
 #include "vog/gpu.h"
 #include "vog/gpu_pictures.h"
+#include "vog/gpu_sums.h"
 
 namespace vog {
 
@@ -27,6 +28,7 @@ CudaSplat::~CudaSplat() = default;
 CudaSplat::CudaSplat(CudaSplat&&) noexcept = default;
 CudaSplat& CudaSplat::operator=(CudaSplat&&) noexcept = default;
 DepthImage CudaSplat::render(const Camera&, int, int) { return {}; }
+void CudaSplat::render(const Camera&, const SumsSize&, GpuSums&) {}
 double CudaSplat::gpu_ms() const { return 0; }
 
 struct GpuPictures::State {};
@@ -48,12 +50,41 @@ VolumeImage GpuPictures::volume(const std::string&, const ValueTransfer&, const 
 ValueMap GpuPictures::maximum(const std::string&, const Camera&, int, int, int, const Clipping&) {
     return {};
 }
+void GpuPictures::depth(const Camera&, const SumsSize&, GpuSums&, const Clipping&) {}
+void GpuPictures::fields(const FieldChoice&, const SumsUnit&, const Camera&, const SumsSize&,
+                         GpuSums&, const Clipping&) {}
+void GpuPictures::volume(const std::string&, const ValueTransfer&, const Camera&, const SumsSize&,
+                         GpuSums&, int, const VolumeLook&) {}
+void GpuPictures::maximum(const std::string&, const SumsUnit&, const Camera&, const SumsSize&,
+                          GpuSums&, int, const Clipping&) {}
 double GpuPictures::gpu_ms() const { return 0; }
+
+struct GpuSums::State {};
+GpuSums::GpuSums() = default;
+GpuSums::~GpuSums() = default;
+GpuSums::GpuSums(GpuSums&&) noexcept = default;
+GpuSums& GpuSums::operator=(GpuSums&&) noexcept = default;
+int GpuSums::width() const { return 0; }
+int GpuSums::height() const { return 0; }
+int GpuSums::channels() const { return 0; }
+std::vector<float> GpuSums::fetch() const { return {}; }
 #elif !defined(VOG_OPTIX)
 struct gpu::ChordTracer::State {};
 gpu::ChordTracer::ChordTracer(const std::vector<trace::FloatBox>&) { no_optix(); }
 gpu::ChordTracer::~ChordTracer() = default;
 void gpu::ChordTracer::run(device::Launch) {}
+#endif
+
+#ifndef VOG_CUDA_GL
+bool GlSumsBuffer::possible() { return false; }
+struct GlSumsBuffer::State {};
+GlSumsBuffer::GlSumsBuffer(unsigned) {
+    throw Error("cuda: this build has no buffers of OpenGL (GL/gl.h was not found)");
+}
+GlSumsBuffer::~GlSumsBuffer() = default;
+GlSumsBuffer::GlSumsBuffer(GlSumsBuffer&&) noexcept = default;
+GlSumsBuffer& GlSumsBuffer::operator=(GlSumsBuffer&&) noexcept = default;
+void GlSumsBuffer::copy(const GpuSums&) {}
 #endif
 
 #ifndef VOG_OPTIX
@@ -66,6 +97,7 @@ OptixModel& OptixModel::operator=(OptixModel&&) noexcept = default;
 DepthImage OptixModel::render(const Camera&, int, int, const TraceOptions&, TraceReport*, int) {
     return {};
 }
+void OptixModel::render(const Camera&, const SumsSize&, GpuSums&, const TraceOptions&) {}
 double OptixModel::gpu_ms() const { return 0; }
 
 struct OptixVolume::State {};

@@ -143,9 +143,21 @@ class Block {
     const std::function<void()>* body_ = nullptr;
 };
 
+void run_blocks(const cudaLaunchConfig_t& shape, const std::function<void()>& body) {
+    Block& block = Block::get();
+    const std::lock_guard lock(block.running);
+    blockDim = shape.blockDim;
+    gridDim = shape.gridDim;
+    // From the last block to the first: no kernel may count on the order.
+    for (unsigned n = shape.gridDim.x; n-- > 0;) {
+        blockIdx = {n, 0, 0};
+        block.run(shape.blockDim.x, body);
+    }
+}
+
 }  // namespace
 
-cudaError_t run_blocks(const cudaLaunchConfig_t& shape, const std::function<void()>& body) {
+cudaError_t launch_blocks(const cudaLaunchConfig_t& shape, std::function<void()> body) {
     constexpr unsigned kMostThreads = 1024, kMostBlocks = 0x7fffffff;
     const unsigned threads = shape.blockDim.x, blocks = shape.gridDim.x;
     if (shape.blockDim.y != 1 || shape.blockDim.z != 1 || shape.gridDim.y != 1 ||
@@ -153,15 +165,7 @@ cudaError_t run_blocks(const cudaLaunchConfig_t& shape, const std::function<void
         refuse("only launches of one dimension are emulated");
     if (threads == 0 || threads > kMostThreads || blocks == 0 || blocks > kMostBlocks)
         return cudaErrorInvalidConfiguration;
-    Block& block = Block::get();
-    const std::lock_guard lock(block.running);
-    blockDim = shape.blockDim;
-    gridDim = shape.gridDim;
-    // From the last block to the first: no kernel may count on the order.
-    for (unsigned n = blocks; n-- > 0;) {
-        blockIdx = {n, 0, 0};
-        block.run(threads, body);
-    }
+    add_work(shape.stream, [shape, held = std::move(body)] { run_blocks(shape, held); });
     return cudaSuccess;
 }
 

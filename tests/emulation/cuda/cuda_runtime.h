@@ -31,16 +31,26 @@ struct cudaLaunchConfig_t {
 
 namespace vog::emulation {
 
-/// Runs `body` once for every thread of every block.
+/// Runs `body` once for every thread of every block, when the default stream is waited for.
 /// returns  cudaErrorInvalidConfiguration for shapes beyond a GPU's limits
-cudaError_t run_blocks(const cudaLaunchConfig_t& shape, const std::function<void()>& body);
+cudaError_t launch_blocks(const cudaLaunchConfig_t& shape, std::function<void()> body);
+/// Adds work to a stream, null: the default one; it runs when the stream is waited for.
+void add_work(cudaStream_t stream, std::function<void()> work);
+void finish_stream(cudaStream_t stream);
+
+/// Memory of the GPU by other interfaces than CUDA's runtime.
+void* allocate_memory(std::size_t bytes);
+void release_memory(void* data);
+/// Remembers an error for cudaGetLastError.
+cudaError_t result(cudaError_t code);
 
 }  // namespace vog::emulation
 
 template <class... Formal, class... Actual>
 cudaError_t cudaLaunchKernelEx(const cudaLaunchConfig_t* shape, void (*kernel)(Formal...),
                                Actual&&... arguments) {
-    return vog::emulation::run_blocks(*shape, [&] { kernel(static_cast<Formal>(arguments)...); });
+    return vog::emulation::launch_blocks(
+        *shape, [kernel, ... held = static_cast<Formal>(arguments)] { kernel(held...); });
 }
 
 template <class T>

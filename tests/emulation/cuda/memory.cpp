@@ -1,12 +1,13 @@
 // memory.cpp: GPU memory as host memory, events as host time, and what a test may set of the GPU.
-#include <cuda_runtime_api.h>
+#include <cuda_runtime.h>
 
-#include <chrono>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -14,7 +15,14 @@
 
 namespace vog::emulation {
 
+namespace {
+std::atomic<bool> refusals_throw = false;
+}  // namespace
+
+void set_refusals_throw(bool throws) { refusals_throw = throws; }
+
 void refuse(const std::string& what) {
+    if (refusals_throw) throw std::runtime_error(what);
     std::fputs(("emulated GPU: " + what + "\n").c_str(), stderr);
     std::abort();
 }
@@ -97,9 +105,12 @@ Traversal& current_traversal() {
 std::size_t primitive_limit = std::size_t{1} << 29;
 int driver = CUDART_VERSION;
 int contexts = 0, modules = 0;
+bool gl_drawn = true, gl_registered = true;
 
 }  // namespace
 
+void* allocate_memory(std::size_t bytes) { return Memory::get().allocate(bytes); }
+void release_memory(void* data) { Memory::get().release(data); }
 void set_memory(std::size_t bytes) { Memory::get().limit = bytes; }
 std::size_t memory() { return Memory::get().limit; }
 std::size_t allocated() { return Memory::get().used(); }
@@ -109,6 +120,10 @@ void set_most_primitives(std::size_t count) { primitive_limit = count; }
 std::size_t most_primitives() { return primitive_limit; }
 void set_driver_version(int version) { driver = version; }
 int driver_version() { return driver; }
+void set_draws_gl(bool draws) { gl_drawn = draws; }
+bool draws_gl() { return gl_drawn; }
+void set_registers_gl(bool registers) { gl_registered = registers; }
+bool registers_gl() { return gl_registered; }
 int contexts_made() { return contexts; }
 int modules_made() { return modules; }
 void count_context() { ++contexts; }
@@ -116,22 +131,20 @@ void count_module() { ++modules; }
 
 }  // namespace vog::emulation
 
+using vog::emulation::finish_stream;
 using vog::emulation::Memory;
-
-struct CUevent_st {
-    std::chrono::steady_clock::time_point time;
-};
 
 namespace {
 
 cudaError_t last_error = cudaSuccess;
 
-cudaError_t result(cudaError_t code) {
+}  // namespace
+
+cudaError_t vog::emulation::result(cudaError_t code) {
     if (code != cudaSuccess) last_error = code;
     return code;
 }
-
-}  // namespace
+using vog::emulation::result;
 
 cudaError_t cudaGetLastError() { return std::exchange(last_error, cudaSuccess); }
 
@@ -147,6 +160,8 @@ const char* cudaGetErrorString(cudaError_t code) {
             return "CUDA driver version is insufficient for CUDA runtime version";
         case cudaErrorNoDevice:
             return "no CUDA-capable device is detected";
+        case cudaErrorMapBufferObjectFailed:
+            return "mapping of buffer object failed";
         default:
             return "invalid argument";
     }
@@ -182,7 +197,9 @@ cudaError_t cudaMalloc(void** data, std::size_t bytes) {
 }
 
 cudaError_t cudaFree(void* data) {
-    if (data) Memory::get().release(data);
+    if (!data) return cudaSuccess;
+    finish_stream(nullptr);
+    Memory::get().release(data);
     return cudaSuccess;
 }
 
@@ -193,6 +210,7 @@ cudaError_t cudaMemGetInfo(std::size_t* free, std::size_t* total) {
 }
 
 cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind) {
+    finish_stream(nullptr);
     if (kind == cudaMemcpyHostToDevice || kind == cudaMemcpyDeviceToDevice)
         Memory::get().require(to, bytes, "cudaMemcpy to the GPU");
     if (kind == cudaMemcpyDeviceToHost || kind == cudaMemcpyDeviceToDevice)
@@ -201,32 +219,21 @@ cudaError_t cudaMemcpy(void* to, const void* from, std::size_t bytes, cudaMemcpy
     return cudaSuccess;
 }
 
+cudaError_t cudaMemcpyAsync(void* to, const void* from, std::size_t bytes, cudaMemcpyKind kind,
+                            cudaStream_t stream) {
+    if (!stream || kind != cudaMemcpyDeviceToDevice)
+        vog::emulation::refuse("only copies on the GPU in streams of their own are emulated");
+    vog::emulation::add_work(stream, [=] {
+        Memory::get().require(to, bytes, "cudaMemcpyAsync to the GPU");
+        Memory::get().require(from, bytes, "cudaMemcpyAsync from the GPU");
+        if (bytes > 0) std::memcpy(to, from, bytes);
+    });
+    return cudaSuccess;
+}
+
 cudaError_t cudaMemset(void* data, int value, std::size_t bytes) {
+    finish_stream(nullptr);
     Memory::get().require(data, bytes, "cudaMemset");
     std::memset(data, value, bytes);
-    return cudaSuccess;
-}
-
-cudaError_t cudaDeviceSynchronize() { return cudaSuccess; }
-
-cudaError_t cudaEventCreate(cudaEvent_t* event) {
-    *event = new CUevent_st;
-    return cudaSuccess;
-}
-
-cudaError_t cudaEventDestroy(cudaEvent_t event) {
-    delete event;
-    return cudaSuccess;
-}
-
-cudaError_t cudaEventRecord(cudaEvent_t event, cudaStream_t) {
-    event->time = std::chrono::steady_clock::now();
-    return cudaSuccess;
-}
-
-cudaError_t cudaEventSynchronize(cudaEvent_t) { return cudaSuccess; }
-
-cudaError_t cudaEventElapsedTime(float* ms, cudaEvent_t start, cudaEvent_t stop) {
-    *ms = std::chrono::duration<float, std::milli>(stop->time - start->time).count();
     return cudaSuccess;
 }

@@ -2,6 +2,7 @@
 // promises.
 #include "device/traversal.h"
 
+#include <cuda_runtime.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -164,6 +165,7 @@ void run_programs(const Programs& programs, unsigned hit_records, const device::
                   unsigned width, unsigned height) {
     constexpr std::uint64_t kMostRays = 1u << 30;
     if (std::uint64_t{width} * height > kMostRays) refuse("a launch of more than 2^30 rays");
+    finish_stream(nullptr);
     running = {programs, hit_records, traversal()};
     launch = parameters;
     const std::uint64_t rays = std::uint64_t{width} * height;

@@ -11,8 +11,7 @@
 #include "core/parallel.h"
 #include "render/by_value/value_light.h"
 #include "render/by_value/volume_field.h"
-#include "render/gpu/chords/chord_tracer.h"
-#include "render/gpu/cuda_passes.h"
+#include "render/gpu/chords/gpu_pictures_state.h"
 #include "render/shown_field.h"
 #include "render/trace/trace_field.h"
 #include "render/trace/trace_model.h"
@@ -67,44 +66,6 @@ std::vector<device::SplatLight> splat_light(const ScalarField& field,
 }
 
 }  // namespace
-
-struct GpuPictures::State {
-    Renderer renderer;
-    const Gaussians& gaussians;
-    TraceModel model;  ///< without its arrays, which are on the GPU
-    std::int32_t count = 0;
-    GpuArray<device::Gaussian> packed;
-    std::unique_ptr<ChordTracer> tracer;  ///< of optix
-    SplatPasses passes;
-    GpuArray<float> shares, result;
-    GpuArray<device::SplatDepth> depths;
-    GpuArray<std::uint32_t> ranges;
-    GpuArray<device::HalfSpace> planes;
-    GpuArray<device::ScalarPlane> scalar;
-    GpuArray<device::VectorPlane> vector;
-    GpuArray<device::SplatLight> light, lit;
-    std::optional<std::string> light_field;  ///< of which `light` is
-    std::optional<ValueTransfer> transfer;   ///< nothing: of a maximum
-    GpuTimer timer;
-
-    State(Renderer by, const Gaussians& of, TraceModel packed_model)
-        : renderer(by), gaussians(of), model(std::move(packed_model)) {}
-    CameraFrame frame_for(const Camera& camera, int width, int height) const {
-        return relative_to(frame_of(camera, width, height), model.origin);
-    }
-    device::ChordPicture begin(const CameraFrame& frame, const Clipping& clip);
-    void load_light(const ScalarField& field, const std::optional<ValueTransfer>& by);
-    /// Projects the model and draws; the result is [floats a pixel] in `result`.
-    void draw(device::ChordPicture picture, const device::BlinnPhong& look = {});
-    void draw_slabs(const ScalarField& field, device::SlabKind kind,
-                    const std::optional<ValueTransfer>& by, const CameraFrame& frame, int slabs,
-                    const VolumeLook& look);
-    std::vector<float> fetch(std::size_t floats) const {
-        std::vector<float> values(floats);
-        result.copy_to(values.data(), floats, "fetching the picture");
-        return values;
-    }
-};
 
 GpuPictures::GpuPictures(Renderer renderer, const Gaussians& gaussians,
                          const TraceSceneOptions& options) {
@@ -210,18 +171,40 @@ void GpuPictures::State::draw(device::ChordPicture picture, const device::BlinnP
     timer.stop();
 }
 
+void GpuPictures::State::draw_depth(const CameraFrame& frame, const Clipping& clip) {
+    result.reserve(static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height),
+                   "the picture");
+    device::ChordPicture picture = begin(frame, clip);
+    picture.column = result.data();
+    draw(picture);
+}
+
 DepthImage GpuPictures::depth(const Camera& camera, int width, int height, const Clipping& clip) {
     State& s = *state_;
     const CameraFrame frame = s.frame_for(camera, width, height);
     DepthImage image(width, height);
     validate(clip);
     if (s.count == 0) return image;
-    s.result.reserve(image.depth.size(), "the picture");
-    device::ChordPicture picture = s.begin(frame, clip);
-    picture.column = s.result.data();
-    s.draw(picture);
+    s.draw_depth(frame, clip);
     image.depth = s.fetch(image.depth.size());
     return image;
+}
+
+void GpuPictures::State::draw_fields(const ShownField& shown, const CameraFrame& frame,
+                                     const Clipping& clip) {
+    const std::size_t pixels =
+        static_cast<std::size_t>(frame.width) * static_cast<std::size_t>(frame.height);
+    const TraceField field = trace_field(shown, gaussians.size(), model.unit);
+    scalar = GpuArray(field.scalar, "planes of the field");
+    vector = GpuArray(field.vector, "planes of the field");
+    result.reserve(3 * pixels, "the picture");
+    device::ChordPicture picture = begin(frame, clip);
+    picture.scalar = scalar.data();
+    picture.vector = vector.data();
+    picture.column = result.data();
+    picture.mean = picture.column + pixels;
+    picture.deviation = picture.mean + pixels;
+    draw(picture);
 }
 
 FieldMaps GpuPictures::fields(const FieldChoice& choice, const Camera& camera, int width,
@@ -238,23 +221,12 @@ FieldMaps GpuPictures::fields(const FieldChoice& choice, const Camera& camera, i
     }
     State& s = *state_;
     const CameraFrame frame = s.frame_for(camera, width, height);
-    const ShownField shown =
-        shown_field(s.gaussians, choice, frame, std::sqrt(double{s.model.cutoff2}));
+    const ShownField shown = s.shown(choice, frame);
     FieldMaps maps = empty_maps(width, height);
     validate(clip);
     if (s.count == 0) return maps;
     const std::size_t pixels = maps.column.size();
-    const TraceField planes = trace_field(shown, s.gaussians.size(), s.model.unit);
-    s.scalar = GpuArray(planes.scalar, "planes of the field");
-    s.vector = GpuArray(planes.vector, "planes of the field");
-    s.result.reserve(3 * pixels, "the picture");
-    device::ChordPicture picture = s.begin(frame, clip);
-    picture.scalar = s.scalar.data();
-    picture.vector = s.vector.data();
-    picture.column = s.result.data();
-    picture.mean = picture.column + pixels;
-    picture.deviation = picture.mean + pixels;
-    s.draw(picture);
+    s.draw_fields(shown, frame, clip);
     const std::vector<float> sums = s.fetch(3 * pixels);
     vog::parallel_for(0, height, [&](int row) {
         for (int column = 0; column < width; ++column) {
@@ -305,26 +277,21 @@ void GpuPictures::State::draw_slabs(const ScalarField& field, device::SlabKind k
     draw(picture, blinn_phong(look));
 }
 
-namespace {
-
-/// throws  vog::Error for boxes, whose Gaussians have no slabs, and a number out of range
-void check_slabs(Renderer renderer, bool boxed, int slabs) {
+const ScalarField& GpuPictures::State::slab_field(const std::string& field, int slabs) const {
     const char* name = info_of(renderer).name;
-    if (boxed)
+    if (model.boxed)
         throw Error(fmt::format("{}: bounding boxes (aabb_sigma) by value, expected trace", name));
     if (slabs < 1 || slabs > kMostGpuSlabs)
         throw Error(
             fmt::format("{}: {} depth slabs, expected 1 to {}", name, slabs, kMostGpuSlabs));
+    return volume_field(gaussians, field);
 }
-
-}  // namespace
 
 VolumeImage GpuPictures::volume(const std::string& field, const ValueTransfer& transfer,
                                 const Camera& camera, int width, int height, int slabs,
                                 const VolumeLook& look) {
     State& s = *state_;
-    check_slabs(s.renderer, s.model.boxed, slabs);
-    const ScalarField& values = volume_field(s.gaussians, field);
+    const ScalarField& values = s.slab_field(field, slabs);
     validate(look);
     validate(transfer);
     const CameraFrame frame = s.frame_for(camera, width, height);
@@ -342,8 +309,7 @@ VolumeImage GpuPictures::volume(const std::string& field, const ValueTransfer& t
 ValueMap GpuPictures::maximum(const std::string& field, const Camera& camera, int width, int height,
                               int slabs, const Clipping& clip) {
     State& s = *state_;
-    check_slabs(s.renderer, s.model.boxed, slabs);
-    const ScalarField& values = volume_field(s.gaussians, field);
+    const ScalarField& values = s.slab_field(field, slabs);
     VolumeLook look;
     look.clip = clip;
     validate(clip);

@@ -22,6 +22,7 @@ class OptixFilm {
     /// Film of launch n.
     device::Film film(int n) const;
     DepthImage depth() const;
+    const float* device_depth() const { return depth_.data(); }  ///< [height * width] in GPU memory
 
   private:
     int width_ = 0, height_ = 0, samples_ = 1;

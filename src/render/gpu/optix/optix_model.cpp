@@ -8,6 +8,7 @@
 #include "render/gpu/cuda_splat.h"
 #include "render/gpu/optix/optix_film.h"
 #include "render/gpu/optix/optix_pipeline.h"
+#include "render/gpu/sums/sums_memory.h"
 #include "render/trace/trace_options.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
@@ -39,6 +40,9 @@ struct OptixModel::State {
 
     device::Launch launch_for(const CameraFrame& frame, const TraceOptions& options) const;
     void draw_small(device::Launch& launch);
+    /// T of a model that is not empty, on the film.
+    void draw(const Camera& camera, int width, int height, const TraceOptions& options,
+              TraceReport* report, int samples);
     void run(device::Launch launch, AnyHit anyhit) {
         draw_small(launch);
         (anyhit == AnyHit::collect ? collect : accumulate).run(launch);
@@ -113,29 +117,45 @@ TraceReport OptixModel::State::report(std::int64_t pixels) {
     return {sum.hits, sum.slabs, static_cast<int>(sum.most_slabs)};
 }
 
+void OptixModel::State::draw(const Camera& camera, int width, int height,
+                             const TraceOptions& options, TraceReport* report, int samples) {
+    film.load(width, height, samples);
+    device::Launch launch = launch_for(frame_of(camera, width, height), options);
+    const std::int64_t pixels = std::int64_t{width} * height;
+    if (report) {
+        counts.reserve(static_cast<std::size_t>(pixels), "counts of rays");
+        launch.counts = counts.data();
+    }
+    timer.start();
+    for (int n = 0; n < film.launches(); ++n) {
+        launch.film = film.film(n);
+        run(launch, options.anyhit);
+    }
+    timer.stop();
+    if (report) *report = this->report(pixels);
+}
+
 DepthImage OptixModel::render(const Camera& camera, int width, int height,
                               const TraceOptions& options, TraceReport* report, int samples) {
     check_trace_options(options);
-    State& s = *state_;
-    const CameraFrame frame = frame_of(camera, width, height);
-    if (report) *report = {};
+    (void)frame_of(camera, width, height);  // its checks
     check_samples(samples);
-    if (s.count == 0) return DepthImage(width, height);
-    s.film.load(width, height, samples);
-    device::Launch launch = s.launch_for(frame, options);
-    const std::int64_t pixels = std::int64_t{width} * height;
-    if (report) {
-        s.counts.reserve(static_cast<std::size_t>(pixels), "counts of rays");
-        launch.counts = s.counts.data();
-    }
-    s.timer.start();
-    for (int n = 0; n < s.film.launches(); ++n) {
-        launch.film = s.film.film(n);
-        s.run(launch, options.anyhit);
-    }
-    s.timer.stop();
-    if (report) *report = s.report(pixels);
-    return s.film.depth();
+    if (report) *report = {};
+    if (state_->count == 0) return DepthImage(width, height);
+    state_->draw(camera, width, height, options, report, samples);
+    return state_->film.depth();
+}
+
+void OptixModel::render(const Camera& camera, const SumsSize& size, GpuSums& sums,
+                        const TraceOptions& options) {
+    check_trace_options(options);
+    (void)frame_of(camera, size.width, size.height);
+    check_samples(size.rays);
+    SumsPass pass = sums.state().prepare(SumsKind::depth, {size.width, size.height, 1}, 1);
+    if (state_->count == 0) return sums.state().clear();
+    state_->draw(camera, size.width, size.height, options, nullptr, size.rays);
+    pass.from = state_->film.device_depth();
+    GpuSums::State::finish(pass);
 }
 
 }  // namespace vog

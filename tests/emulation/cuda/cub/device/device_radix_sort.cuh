@@ -34,6 +34,7 @@ struct DeviceRadixSort {
             return cudaSuccess;
         }
         if (bytes < kAtLeast) vog::emulation::refuse("sort with too little scratch memory");
+        vog::emulation::finish_stream(nullptr);
         std::memset(scratch, 0xee, bytes);
         for (int bit = begin_bit; bit < end_bit; bit += kDigit) {
             const int bits = std::min(kDigit, end_bit - bit);

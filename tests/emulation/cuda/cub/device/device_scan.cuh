@@ -19,6 +19,7 @@ struct DeviceScan {
             return cudaSuccess;
         }
         if (bytes < kAtLeast) vog::emulation::refuse("prefix sum with too little scratch memory");
+        vog::emulation::finish_stream(nullptr);
         std::remove_cvref_t<decltype(*in)> sum{};
         for (Count n = 0; n < count; ++n) out[n] = sum = sum + in[n];
         return cudaSuccess;

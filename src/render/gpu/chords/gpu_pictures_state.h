@@ -1,0 +1,71 @@
+// gpu_pictures_state.h: A model of GpuPictures in GPU memory, and the buffers of its pictures.
+#pragma once
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "render/gpu/chords/chord_tracer.h"
+#include "render/gpu/cuda_memory.h"
+#include "render/gpu/cuda_passes.h"
+#include "render/gpu/sums/sums_memory.h"
+#include "render/shown_field.h"
+#include "render/trace/trace_model.h"
+#include "vog/gpu_pictures.h"
+
+namespace vog {
+
+struct GpuPictures::State {
+    Renderer renderer;
+    const Gaussians& gaussians;
+    trace::TraceModel model;  ///< without its arrays, which are on the GPU
+    std::int32_t count = 0;
+    gpu::GpuArray<device::Gaussian> packed;
+    std::unique_ptr<gpu::ChordTracer> tracer;  ///< of optix
+    gpu::SplatPasses passes;
+    gpu::GpuArray<float> shares, result;
+    gpu::GpuArray<device::SplatDepth> depths;
+    gpu::GpuArray<std::uint32_t> ranges;
+    gpu::GpuArray<device::HalfSpace> planes;
+    gpu::GpuArray<device::ScalarPlane> scalar;
+    gpu::GpuArray<device::VectorPlane> vector;
+    gpu::GpuArray<device::SplatLight> light, lit;
+    std::optional<std::string> light_field;  ///< of which `light` is
+    std::optional<ValueTransfer> transfer;   ///< nothing: of a maximum
+    gpu::GpuTimer timer;
+
+    State(Renderer by, const Gaussians& of, trace::TraceModel packed_model)
+        : renderer(by), gaussians(of), model(std::move(packed_model)) {}
+    CameraFrame frame_for(const Camera& camera, int width, int height) const {
+        return relative_to(frame_of(camera, width, height), model.origin);
+    }
+    /// throws  vog::Error for rays out of range, too
+    CameraFrame frame_for(const Camera& camera, const SumsSize& size) const {
+        return frame_for(camera, gpu::lattice(size, &SumsSize::width),
+                         gpu::lattice(size, &SumsSize::height));
+    }
+    device::ChordPicture begin(const CameraFrame& frame, const Clipping& clip);
+    void load_light(const ScalarField& field, const std::optional<ValueTransfer>& by);
+    /// Projects the model and draws; the result is [floats a pixel] in `result`.
+    void draw(device::ChordPicture picture, const device::BlinnPhong& look = {});
+    /// Draws a model that is not empty; the result is column, or column, mean and deviation in the unit of the shown field.
+    void draw_depth(const CameraFrame& frame, const Clipping& clip);
+    void draw_fields(const ShownField& shown, const CameraFrame& frame, const Clipping& clip);
+    ShownField shown(const FieldChoice& choice, const CameraFrame& frame) const {
+        return shown_field(gaussians, choice, frame, std::sqrt(double{model.cutoff2}));
+    }
+    void draw_slabs(const ScalarField& field, device::SlabKind kind,
+                    const std::optional<ValueTransfer>& by, const CameraFrame& frame, int slabs,
+                    const VolumeLook& look);
+    /// The scalar field of a picture by value. throws vog::Error for boxes, slabs out of range, a field that the model lacks
+    const ScalarField& slab_field(const std::string& field, int slabs) const;
+    std::vector<float> fetch(std::size_t floats) const {
+        std::vector<float> values(floats);
+        result.copy_to(values.data(), floats, "fetching the picture");
+        return values;
+    }
+};
+
+}  // namespace vog
