@@ -18,7 +18,7 @@ namespace vog::test {
 
 namespace {
 
-constexpr int kWidth = 70, kHeight = 45;  // two by two tiles of slabs, none of them whole
+constexpr int kWidth = 66, kHeight = 35;  // two by two tiles of slabs, none of them whole
 
 /// Gaussians of all sizes about the origin, also below a pixel, with fields.
 Gaussians mixed_model(int count) {
@@ -85,6 +85,14 @@ class gpu_pictures : public testing::Test {
 
 }  // namespace
 
+/// Each GPU with its own copy of a model.
+std::vector<std::pair<EmulatedGpu, GpuPictures>> all_pictures(const Gaussians& model) {
+    std::vector<std::pair<EmulatedGpu, GpuPictures>> all;
+    for (const EmulatedGpu& gpu : emulated_gpus())
+        all.emplace_back(gpu, GpuPictures(gpu.renderer, model));
+    return all;
+}
+
 TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
     const Gaussians model = mixed_model(40);
     const ScalarField& field = model.fields.scalar.front();
@@ -95,38 +103,37 @@ TEST_F(gpu_pictures, by_value_are_those_of_the_splat) {
     VolumeLook clipped;
     clipped.light = true;
     clipped.clip = some_planes();
-    for (const EmulatedGpu& gpu : emulated_gpus()) {
-        GpuPictures pictures(gpu.renderer, model);
-        gpu.prepare();
-        for (const auto& [name, camera] : kCameras)
-            for (const auto& [slabs, look] :
-                 {std::pair{70, VolumeLook{}}, {32, lit}, {7, clipped}}) {
+    auto all = all_pictures(model);
+    for (const auto& [name, camera] : kCameras)
+        for (const auto& [slabs, look] : {std::pair{70, VolumeLook{}}, {32, lit}, {7, clipped}}) {
+            SlabOptions options;
+            options.slabs = slabs, options.look = look;
+            const VolumeImage expected =
+                render_volume_splat(model, field.name, transfer, camera, kWidth, kHeight, options);
+            for (auto& [gpu, pictures] : all) {
                 SCOPED_TRACE(gpu.name + " " + name + " " + std::to_string(slabs));
-                SlabOptions options;
-                options.slabs = slabs, options.look = look;
-                const VolumeImage expected = render_volume_splat(model, field.name, transfer,
-                                                                 camera, kWidth, kHeight, options);
+                gpu.prepare();
                 const VolumeImage found =
                     pictures.volume(field.name, transfer, camera, kWidth, kHeight, slabs, look);
                 EXPECT_LT(worst(found, expected), 1e-4);
             }
-    }
+        }
 }
 
 TEST_F(gpu_pictures, of_maxima_are_those_of_the_splat) {
     const Gaussians model = mixed_model(40);
     const ScalarField& field = model.fields.scalar.front();
     const double range = field.upper - field.lower;
-    for (const EmulatedGpu& gpu : emulated_gpus()) {
-        GpuPictures pictures(gpu.renderer, model);
-        gpu.prepare();
-        for (const auto& [name, camera] : kCameras)
-            for (const Clipping& clip : {Clipping{}, some_planes()}) {
+    auto all = all_pictures(model);
+    for (const auto& [name, camera] : kCameras)
+        for (const Clipping& clip : {Clipping{}, some_planes()}) {
+            SlabOptions options;
+            options.slabs = 10, options.look.clip = clip;
+            const ValueMap expected =
+                render_maximum_splat(model, field.name, camera, kWidth, kHeight, options);
+            for (auto& [gpu, pictures] : all) {
                 SCOPED_TRACE(gpu.name + " " + name);
-                SlabOptions options;
-                options.slabs = 10, options.look.clip = clip;
-                const ValueMap expected =
-                    render_maximum_splat(model, field.name, camera, kWidth, kHeight, options);
+                gpu.prepare();
                 const ValueMap found =
                     pictures.maximum(field.name, camera, kWidth, kHeight, 10, clip);
                 std::size_t shown = 0, other = 0;
@@ -136,10 +143,10 @@ TEST_F(gpu_pictures, of_maxima_are_those_of_the_splat) {
                     // A slab counts from a share of the densest on: rounding decides at that share.
                     other += !(std::abs(found.value[n] - expected.value[n]) < 1e-3 * range);
                 }
-                EXPECT_GT(shown, 300u);
+                EXPECT_GT(shown, 250u);
                 EXPECT_LT(other, shown / 50);
             }
-    }
+        }
 }
 
 TEST_F(gpu_pictures, of_clipped_depth_are_the_closed_form) {

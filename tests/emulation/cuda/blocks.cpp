@@ -1,6 +1,7 @@
 // blocks.cpp: Kernels on the host: a fiber a thread, blocks one after another, threads of a block in an order that
 // changes at every barrier.
 #include <cuda_runtime.h>
+#include <setjmp.h>
 #include <ucontext.h>
 
 #include <cstring>
@@ -28,8 +29,11 @@ constexpr std::size_t kStackBytes = 256 * 1024;
 
 enum class State { ready, waiting, ended };
 
+/// Runs one thread of a block after another. Made once: makecontext and swapcontext call the kernel of the operating
+/// system, _setjmp and _longjmp do not.
 struct Fiber {
-    ucontext_t context;
+    jmp_buf at;
+    bool begun = false;
     std::unique_ptr<std::byte[]> stack = std::make_unique_for_overwrite<std::byte[]>(kStackBytes);
     State state = State::ended;
     void* sanitizer_stack = nullptr;
@@ -46,7 +50,7 @@ class Block {
     void run(unsigned threads, const std::function<void()>& body) {
         body_ = &body;
         if (fibers_.size() < threads) fibers_.resize(threads);
-        for (unsigned n = 0; n < threads; ++n) begin(fibers_[n]);
+        for (unsigned n = 0; n < threads; ++n) fibers_[n].state = State::ready;
         if (__start_vog_shared)
             std::memset(__start_vog_shared, 0xff,
                         static_cast<std::size_t>(__stop_vog_shared - __start_vog_shared));
@@ -57,7 +61,7 @@ class Block {
     /// Called on a fiber: back to the scheduler until all threads have come here.
     void wait() {
         current_->state = State::waiting;
-        leave(*current_, false);
+        leave(*current_);
     }
 
     /// The same, with a vote: whether any thread has said yes.
@@ -77,19 +81,11 @@ class Block {
     static void enter() {
         Block& block = get();
         block.arrived();
-        (*block.body_)();
-        block.current_->state = State::ended;
-        block.leave(*block.current_, true);
-    }
-
-    void begin(Fiber& fiber) {
-        getcontext(&fiber.context);
-        fiber.context.uc_stack.ss_sp = fiber.stack.get();
-        fiber.context.uc_stack.ss_size = kStackBytes;
-        fiber.context.uc_link = nullptr;
-        makecontext(&fiber.context, enter, 0);
-        fiber.state = State::ready;
-        fiber.sanitizer_stack = nullptr;
+        while (true) {
+            (*block.body_)();
+            block.current_->state = State::ended;
+            block.leave(*block.current_);
+        }
     }
 
     /// Runs every thread to its next barrier or its end.
@@ -110,33 +106,46 @@ class Block {
         return ended == 0;
     }
 
-#if defined(__SANITIZE_ADDRESS__)
     void resume(Fiber& fiber) {
+#if defined(__SANITIZE_ADDRESS__)
         void* own = nullptr;
         __sanitizer_start_switch_fiber(&own, fiber.stack.get(), kStackBytes);
-        swapcontext(&scheduler_, &fiber.context);
+#endif
+        if (_setjmp(scheduler_) == 0) {
+            if (fiber.begun) _longjmp(fiber.at, 1);
+            fiber.begun = true;
+            ucontext_t first;
+            getcontext(&first);
+            first.uc_stack.ss_sp = fiber.stack.get();
+            first.uc_stack.ss_size = kStackBytes;
+            first.uc_link = nullptr;
+            makecontext(&first, enter, 0);
+            setcontext(&first);
+        }
+#if defined(__SANITIZE_ADDRESS__)
         __sanitizer_finish_switch_fiber(own, nullptr, nullptr);
+#endif
     }
-    void leave(Fiber& fiber, bool for_good) {
-        __sanitizer_start_switch_fiber(for_good ? nullptr : &fiber.sanitizer_stack,
-                                       scheduler_stack_, scheduler_bytes_);
-        swapcontext(&fiber.context, &scheduler_);
+    void leave(Fiber& fiber) {
+#if defined(__SANITIZE_ADDRESS__)
+        __sanitizer_start_switch_fiber(&fiber.sanitizer_stack, scheduler_stack_, scheduler_bytes_);
+#endif
+        if (_setjmp(fiber.at) == 0) _longjmp(scheduler_, 1);
         arrived();
     }
     void arrived() {
+#if defined(__SANITIZE_ADDRESS__)
         __sanitizer_finish_switch_fiber(current_->sanitizer_stack, &scheduler_stack_,
                                         &scheduler_bytes_);
+#endif
     }
+
+#if defined(__SANITIZE_ADDRESS__)
     const void* scheduler_stack_ = nullptr;
     std::size_t scheduler_bytes_ = 0;
-#else
-    void resume(Fiber& fiber) { swapcontext(&scheduler_, &fiber.context); }
-    void leave(Fiber& fiber, bool) { swapcontext(&fiber.context, &scheduler_); }
-    void arrived() {}
 #endif
-
     std::vector<Fiber> fibers_;
-    ucontext_t scheduler_{};
+    jmp_buf scheduler_{};
     Fiber* current_ = nullptr;
     unsigned voters_ = 0;
     bool vote_ = false;

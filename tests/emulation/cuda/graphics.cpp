@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <string>
@@ -127,9 +128,10 @@ cudaError_t cudaGraphicsGLRegisterBuffer(cudaGraphicsResource_t* resource, unsig
     const std::size_t bytes = bytes_of(buffer);
     glBindBuffer(GL_COPY_READ_BUFFER, 0);
     if (bytes == 0) return result(cudaErrorInvalidValue);
-    *resource = new cudaGraphicsResource{buffer,  flags, eglGetCurrentContext(), bytes, nullptr,
-                                         nullptr, {}};
-    Registry::get().add(*resource);
+    std::unique_ptr<cudaGraphicsResource> made(new cudaGraphicsResource{
+        buffer, flags, eglGetCurrentContext(), bytes, nullptr, nullptr, {}});
+    Registry::get().add(made.get());
+    *resource = made.release();
     return cudaSuccess;
 }
 

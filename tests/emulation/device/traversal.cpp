@@ -1,5 +1,4 @@
-// traversal.cpp: Every box of a hierarchy in a scrambled order; no tree, since any order is within what OptiX
-// promises.
+// traversal.cpp: The boxes of a hierarchy near a ray in a scrambled order, since any order is within what OptiX promises.
 #include "device/traversal.h"
 
 #include <cuda_runtime.h>
@@ -9,6 +8,7 @@
 #include <cstring>
 #include <numeric>
 #include <string>
+#include <vector>
 
 #include "emulation.h"
 #include "render/gpu/optix/optix_entry_points.h"
@@ -36,11 +36,20 @@ namespace {
 
 constexpr std::uint64_t kHierarchy = 0x5eed0b0c5ull, kInstance = 0x5eed11572ull;
 
-/// Head of a hierarchy's memory; the boxes follow.
+/// Head of a hierarchy's memory; the boxes, their order and the nodes follow.
 struct Hierarchy {
-    std::uint64_t kind, boxes;
+    std::uint64_t kind, boxes, nodes;
     std::uint64_t single_anyhit;
 };
+/// Box of some boxes: those of the order from `first` on, or of two nodes, the next one and `second`.
+struct Node {
+    PrimitiveBox box;
+    std::uint32_t first, count;  ///< count 0: of two nodes
+    std::uint32_t second;
+};
+constexpr std::size_t kLeaf = 8;
+/// Leaves have more than half of kLeaf boxes, but for a hierarchy of fewer.
+constexpr std::size_t most_nodes(std::size_t boxes) { return 2 * (boxes / (kLeaf / 2) + 1); }
 struct Instance {
     std::uint64_t kind;
     const Hierarchy* hierarchy;
@@ -49,6 +58,43 @@ struct Instance {
 
 const PrimitiveBox* boxes_of(const Hierarchy& hierarchy) {
     return reinterpret_cast<const PrimitiveBox*>(&hierarchy + 1);
+}
+
+std::uint32_t* order_of(const Hierarchy& hierarchy) {
+    return reinterpret_cast<std::uint32_t*>(
+        const_cast<PrimitiveBox*>(boxes_of(hierarchy) + hierarchy.boxes));
+}
+Node* nodes_of(const Hierarchy& hierarchy) {
+    return reinterpret_cast<Node*>(order_of(hierarchy) + hierarchy.boxes);
+}
+
+/// Adds the nodes of a part of the order, halved at the median of its longest side.
+void add_nodes(Hierarchy& hierarchy, std::size_t first, std::size_t count) {
+    const PrimitiveBox* boxes = boxes_of(hierarchy);
+    const std::span part(order_of(hierarchy) + first, count);
+    PrimitiveBox around = boxes[part.front()];
+    for (const std::uint32_t n : part)
+        for (int axis = 0; axis < 3; ++axis) {
+            around.lower[axis] = std::min(around.lower[axis], boxes[n].lower[axis]);
+            around.upper[axis] = std::max(around.upper[axis], boxes[n].upper[axis]);
+        }
+    Node& node = nodes_of(hierarchy)[hierarchy.nodes++];
+    node = {around, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(count), 0};
+    if (count <= kLeaf) return;
+    int longest = 0;
+    for (int axis = 1; axis < 3; ++axis)
+        if (around.upper[axis] - around.lower[axis] > around.upper[longest] - around.lower[longest])
+            longest = axis;
+    const std::size_t half = count / 2;
+    std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(half), part.end(),
+                     [&](std::uint32_t a, std::uint32_t b) {
+                         return boxes[a].lower[longest] + boxes[a].upper[longest] <
+                                boxes[b].lower[longest] + boxes[b].upper[longest];
+                     });
+    node.count = 0;
+    add_nodes(hierarchy, first, half);
+    node.second = static_cast<std::uint32_t>(hierarchy.nodes);
+    add_nodes(hierarchy, first + half, count - half);
 }
 
 /// Constant during a launch.
@@ -99,6 +145,36 @@ int calls(const PrimitiveBox& box, const Ray& ray, std::uint32_t chance) {
     }
 }
 
+/// Boxes that may be visited, the same as by tests of all: a node's part of a ray has those of its boxes, since each step of clip()
+/// is monotonic. Noisy traversal adds some from anywhere.
+void near_boxes(const Hierarchy& hierarchy, const Ray& ray, std::uint64_t seed,
+                std::vector<std::uint32_t>& found) {
+    found.clear();
+    if (hierarchy.boxes == 0) return;
+    const Node* nodes = nodes_of(hierarchy);
+    const std::uint32_t* order = order_of(hierarchy);
+    std::uint32_t stack[64] = {};
+    for (int depth = 1; depth > 0;) {
+        const std::uint32_t n = stack[--depth];
+        const Node& node = nodes[n];
+        float enter = ray.begin, leave = ray.end;
+        clip(node.box, ray, enter, leave);
+        if (!(enter <= leave)) continue;
+        if (node.count > 0) {
+            found.insert(found.end(), order + node.first, order + node.first + node.count);
+        } else {
+            stack[depth++] = n + 1;
+            stack[depth++] = node.second;
+        }
+    }
+    if (running.mode != Traversal::noisy) return;
+    constexpr std::uint64_t kFromAnywhere = 8;
+    for (std::uint64_t n = 0; n < kFromAnywhere; ++n)
+        found.push_back(scrambled(seed + (n << 40)) % static_cast<std::uint32_t>(hierarchy.boxes));
+    std::ranges::sort(found);
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+}
+
 void check(const Ray& ray, const Instance& instance) {
     if (instance.kind != kInstance) refuse("optixTrace through something else than a hierarchy");
     if (instance.hierarchy->kind != kHierarchy) refuse("an instance of a hierarchy that is gone");
@@ -133,7 +209,8 @@ Program find_program(const char* name) {
 }
 
 std::size_t hierarchy_bytes(std::size_t boxes) {
-    return sizeof(Hierarchy) + boxes * sizeof(PrimitiveBox);
+    return sizeof(Hierarchy) + boxes * (sizeof(PrimitiveBox) + sizeof(std::uint32_t)) +
+           most_nodes(boxes) * sizeof(Node);
 }
 
 void write_hierarchy(void* memory, std::span<const PrimitiveBox> boxes, bool single_anyhit) {
@@ -141,8 +218,10 @@ void write_hierarchy(void* memory, std::span<const PrimitiveBox> boxes, bool sin
         for (int axis = 0; axis < 3; ++axis)
             if (!(box.lower[axis] <= box.upper[axis])) refuse("a box that is inside out");
     auto* hierarchy = static_cast<Hierarchy*>(memory);
-    *hierarchy = {kHierarchy, boxes.size(), single_anyhit};
+    *hierarchy = {kHierarchy, boxes.size(), 0, single_anyhit};
     std::memcpy(hierarchy + 1, boxes.data(), boxes.size_bytes());
+    std::iota(order_of(*hierarchy), order_of(*hierarchy) + boxes.size(), 0u);
+    if (!boxes.empty()) add_nodes(*hierarchy, 0, boxes.size());
 }
 
 void move_hierarchy(void* from, void* to) {
@@ -194,11 +273,14 @@ void trace(std::uint64_t handle, const Ray& ray, std::span<unsigned> payload) {
     ray_flags = ray.flags;
     any_accepted = false;
     const std::uint64_t seed = (std::uint64_t{state.row} << 32) + state.column;
-    const std::size_t count = hierarchy.boxes,
-                      start = scrambled(seed) % std::max<std::size_t>(count, 1);
-    const bool backwards = seed & 1;
-    for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t n = (start + (backwards ? count - 1 - k : k)) % count;
+    static thread_local std::vector<std::uint32_t> near;
+    near_boxes(hierarchy, ray, seed, near);
+    // A step that shares no divisor with their number visits each once.
+    const std::size_t count = near.size();
+    std::size_t at = scrambled(seed), step = at >> 8 | 1;
+    while (count > 0 && std::gcd(step, count) > 1) step += 2;
+    for (std::size_t k = 0; k < count; ++k, at += step) {
+        const std::size_t n = near[at % count];
         const int repeats = calls(boxes_of(hierarchy)[n], ray, scrambled((seed << 20) + seed + n));
         state.primitive = static_cast<unsigned>(n);
         for (int call = 0; call < repeats; ++call) {

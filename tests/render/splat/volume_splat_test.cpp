@@ -227,7 +227,7 @@ TEST(volume_splat, clips_cut_each_ray) {
     const Gaussians model = row_of_values(1, 0);
     const ValueTransfer transfer = two_colors();
     const double s = light_of(transfer, 1).extinction;
-    constexpr int kSize = 97, kMiddle = 48;  // a Gaussian has several pixels
+    constexpr int kSize = 49, kMiddle = 24;  // a Gaussian has several pixels
     VolumeLook half;
     half.clip.planes.push_back({{0, 0, 1}, 0});  // z >= 0 stays: half of the Gaussian
     VolumeLook box;
