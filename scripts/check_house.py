@@ -18,7 +18,7 @@ import subprocess
 import sys
 
 # From the ground up. Commands, window and bindings share the roof: nothing of the library is above them.
-FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "evaluate", "web", "sample", "apps"]
+FLOORS = ["core", "data", "io", "shade", "render", "compare", "convert", "voxelize", "evaluate", "web", "sample", "apps"]
 
 # A public header stands where the lowest source that defines something of it stands, so that this source may
 # include it. lod.h and distributed.h declare the calls of higher floors too: their structs are data.
@@ -30,6 +30,7 @@ PUBLIC_HEADERS = {
     "render": "clip field_maps gpu gpu_pictures gpu_sums maximum_picture reference renderer splat trace volume_picture",
     "compare": "compare compare_maps vogz_fit",
     "convert": "convert convert_fields convert_moments convert_paper convert_points",
+    "voxelize": "voxelize",
     "evaluate": "evaluate",
     "web": "export_html",
     "sample": "sample",

@@ -13,5 +13,6 @@ void add_compare(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_view(CLI::App& app);
 void add_export(CLI::App& app);
+void add_voxelize(CLI::App& app);
 
 }  // namespace vog::cli

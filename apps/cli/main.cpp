@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
     vog::cli::add_evaluate(app);
     vog::cli::add_view(app);
     vog::cli::add_export(app);
+    vog::cli::add_voxelize(app);
 
     try {
         run(app, argc, argv);

@@ -88,3 +88,4 @@
 #include "vog/volume_picture.h"
 #include "vog/voxel_field.h"
 #include "vog/voxel_values.h"
+#include "vog/voxelize.h"

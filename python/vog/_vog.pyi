@@ -40,6 +40,7 @@ __all__ = [
     "difference_map",
     "evaluate",
     "export_html",
+    "voxelize",
 ]
 __version__: str
 
@@ -631,3 +632,14 @@ def export_html(
     steps: bool = ...,
     precise: bool = ...,
 ) -> dict[str, int]: ...
+def voxelize(
+    model: Gaussians,
+    *,
+    voxel_size: Union[SupportsFloat, None] = ...,
+    like: Union[Volume, None] = ...,
+    within: bool = ...,
+    fields: bool = ...,
+    name: str = ...,
+    file: Union[_Path, None] = ...,
+    progress: Union[_Progress, None] = ...,
+) -> Any: ...

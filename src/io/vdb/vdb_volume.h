@@ -27,9 +27,14 @@ void level_set_to_fog(openvdb::GridBase& grid, const std::string& where);
 void set_transform(openvdb::GridBase& grid, const Affine& world_from_index,
                    const std::string& where);
 
+/// A grid, and what writes the values of its leaves behind the topology; empty: the grid's own.
+struct GridToWrite {
+    openvdb::GridBase::Ptr grid;
+    std::function<void(std::ostream&)> write_values;
+};
 /// Writes a file of `count` grids, with one in memory at a time; complete or not at all.
 /// grid_of  makes grid n
 void write_vdb_grids(const std::filesystem::path& file, std::size_t count,
-                     const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of);
+                     const std::function<GridToWrite(std::size_t)>& grid_of);
 
 }  // namespace vog::vdb

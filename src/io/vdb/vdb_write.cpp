@@ -63,7 +63,8 @@ std::int64_t position(std::ostream& out) {
     return at;
 }
 
-void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
+void write_grid(std::ostream& out, const GridToWrite& write) {
+    const openvdb::GridBase& grid = *write.grid;
     const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
     // The stream's metadata counts the passes in which points are written.
     openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata), none;
@@ -81,7 +82,10 @@ void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
     grid.writeTransform(out);
     grid.writeTopology(out);
     const std::int64_t voxels = position(out);
-    grid.writeBuffers(out);
+    if (write.write_values)
+        write.write_values(out);
+    else
+        grid.writeBuffers(out);
     const std::int64_t end = position(out);
     out.seekp(positions);
     for (const std::int64_t at : {begin, voxels, end}) put(out, at);
@@ -92,15 +96,15 @@ void write_grid(std::ostream& out, const openvdb::GridBase& grid) {
 }  // namespace
 
 void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
-                          const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
+                          const std::function<GridToWrite(std::size_t)>& grid_of) {
     const std::string where = file.string();
     with_vdb_errors(where, [&] {
         write_file(file, [&](std::ofstream& out) {
             write_header(out, count);
             for (std::size_t n = 0; n < count; ++n) {
-                const openvdb::GridBase::Ptr grid = grid_of(n);
-                grid->setCreator("vog");
-                write_grid(out, *grid);
+                const GridToWrite write = grid_of(n);
+                write.grid->setCreator("vog");
+                write_grid(out, write);
             }
         });
     });
@@ -118,11 +122,11 @@ void write_vdb(const std::filesystem::path& file, std::span<const Volume> volume
         if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
         if (half) require_half_range(volume, where);
     }
-    write_vdb_grids(file, volumes.size(), [&](std::size_t n) {
+    write_vdb_grids(file, volumes.size(), [&](std::size_t n) -> GridToWrite {
         const openvdb::FloatGrid::Ptr grid = grid_from_volume(volumes[n]);
         grid->setSaveFloatAsHalf(half);
         grid->addStatsMetadata();
-        return grid;
+        return {grid, {}};
     });
 }
 

@@ -108,7 +108,7 @@ void point_files::write_points_vdb(const std::filesystem::path& file, const Poin
         leaves[n] = make_leaf(points, order, h, first[n], first[n + 1], descriptors);
     });
     for (PointLeaf* leaf : leaves) grid->tree().addLeaf(leaf);  // the tree owns it
-    write_vdb_grids(file, 1, [&](std::size_t) { return grid; });
+    write_vdb_grids(file, 1, [&](std::size_t) { return GridToWrite{grid, {}}; });
 }
 
 }  // namespace vog

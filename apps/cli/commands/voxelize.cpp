@@ -1,0 +1,163 @@
+// voxelize.cpp: vog voxelize: models -> averages over the voxels of a lattice -> .vdb or .nvdb.
+#include "vog/voxelize.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "commands.h"
+#include "options/memory_options.h"
+#include "shared/inputs.h"
+#include "shared/outputs.h"
+#include "shared/sequence.h"
+#include "shared/terminal.h"
+#include "shared/validators.h"
+#include "vog/error.h"
+#include "vog/volume_io.h"
+
+namespace vog::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct VoxelizeArguments {
+    std::vector<std::string> inputs;
+    std::string output, like, grid, name = "density";
+    double voxel_size = 0;
+    bool fields = false, within = false, json = false, verbose = false;
+    int threads = 0;
+    MemoryArguments memory;
+};
+
+/// Lattice of the result, and with --within its extent.
+/// throws  vog::Error for a voxel size out of range, and as read_volume does for --like
+Affine lattice_of(const VoxelizeArguments& arguments, const Gaussians& model,
+                  VoxelizeOptions& options) {
+    if (arguments.like.empty()) return voxel_lattice(model, arguments.voxel_size);
+    // Values do not matter: grids of any sign, level sets and masks have a lattice too.
+    const Volume like = read_volume(arguments.like, {.grid = arguments.grid, .ones = true});
+    if (arguments.within) options.extent = active_box(like);
+    return like.world_from_index;
+}
+
+void check_arguments(const VoxelizeArguments& arguments, const CLI::App& command) {
+    const bool sized = command.count("--voxel-size") > 0;
+    if (sized == !arguments.like.empty())
+        throw CLI::ValidationError(
+            sized ? "--voxel-size and --like: expected one of them"
+                  : "expected --voxel-size X or --like FILE: the lattice of the voxels");
+    for (const char* option : {"--grid", "--within"})
+        if (sized && command.count(option))
+            throw CLI::ValidationError(
+                fmt::format("{}: does not go with --voxel-size, expected --like FILE", option));
+    if (arguments.name.empty())
+        throw CLI::ValidationError("--name: is empty, expected the name of a grid");
+    std::vector<std::string> read = arguments.inputs;
+    read.push_back(arguments.like);
+    check_output(arguments.output, read, {".vdb", ".nvdb"});
+    for (const std::string& input : arguments.inputs)
+        if (kind_of(input) != FileKind::model)
+            throw Error(fmt::format(
+                "{}: is no model, expected .ply files, as vog convert writes them", input));
+    if (!arguments.like.empty() && kind_of(arguments.like, arguments.grid) != FileKind::volume)
+        throw Error(
+            fmt::format("{}: is no volume, expected a .vdb or .nvdb as --like", arguments.like));
+}
+
+void run_voxelize(VoxelizeArguments arguments, const CLI::App& command) {
+    arguments.inputs = expanded(arguments.inputs);
+    check_arguments(arguments, command);
+    const ThreadLimit limit(arguments.threads);
+    const CommandMemory memory(arguments.memory);
+    if (memory.bytes() && extension_of(arguments.output) == ".nvdb")
+        throw CLI::ValidationError("--memory: a .nvdb is made in memory, expected -o FILE.vdb");
+    Stages stages(arguments.verbose);
+    const Gaussians model = stages.run("load", [&] { return load_models(arguments.inputs); });
+    VoxelizeOptions options;
+    options.name = arguments.name;
+    options.fields = arguments.fields;
+    const Affine lattice =
+        stages.run("lattice", [&] { return lattice_of(arguments, model, options); });
+    const Voxelized made = stages.run("voxelize", [&] {
+        options.progress = stages.progress();
+        return voxelize(model, lattice, options);
+    });
+    stages.run("save", [&] { write_voxels(arguments.output, made.volume, made.fields); });
+
+    const std::uint64_t voxels = active_voxels(made.volume);
+    const double outside = 1 - made.voxel_mass / made.mass;
+    std::vector<std::string> names{made.volume.name};
+    for (const VoxelField& field : made.fields) names.push_back(field.name);
+    std::error_code code;
+    const std::uintmax_t bytes =
+        std::filesystem::file_size(arguments.output, code);  // of a device: unknown
+    if (!arguments.json) {
+        std::string text = fmt::format("{}: {} Gaussians to {} voxels in {} leaves",
+                                       arguments.output, count_text(model.size()),
+                                       count_text(voxels), count_text(made.volume.leaves.size()));
+        if (names.size() > 1) text += fmt::format(", {} grids", names.size());
+        if (!code) text += ", " + bytes_text(bytes);
+        print_line(text);
+        print_line(fmt::format("mass {:.6g} of {:.6g}{}", made.voxel_mass, made.mass,
+                               arguments.within
+                                   ? fmt::format(", {:.3g} % outside of {}",
+                                                 100 * std::max(0.0, outside), arguments.like)
+                                   : ""));
+        return;
+    }
+    Json json = {{"output", arguments.output},
+                 {"gaussians", model.size()},
+                 {"voxels", voxels},
+                 {"leaves", made.volume.leaves.size()},
+                 {"grids", names},
+                 {"mass", made.mass},
+                 {"voxel_mass", made.voxel_mass}};
+    if (!code) json["bytes"] = bytes;
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    json["peak_bytes"] = peak_memory();
+    print_json(json);
+}
+
+}  // namespace
+
+void add_voxelize(CLI::App& app) {
+    auto arguments = std::make_shared<VoxelizeArguments>();
+    CLI::App* command = app.add_subcommand("voxelize",
+                                           "Turn models back into a volume: averages of their "
+                                           "Gaussians over voxels, of the same mass");
+    command->add_option("inputs", arguments->inputs, "Models (.ply, .json); several are one sum")
+        ->required();
+    command
+        ->add_option("-o,--output", arguments->output,
+                     "Volume to write: OpenVDB (.vdb) or NanoVDB (.nvdb)")
+        ->required();
+    command->add_option("--voxel-size", arguments->voxel_size,
+                        "Edge of cubic voxels along the world's axes, world units");
+    command->add_option("--like", arguments->like,
+                        "Volume whose lattice the voxels have: size, rotation, skew and alignment");
+    command->add_option("--grid", arguments->grid,
+                        "Grid of --like; default: the only scalar grid, else density");
+    command->add_flag("--within", arguments->within,
+                      "Only voxels in the box around the active voxels of --like; the share of "
+                      "mass outside is reported");
+    command->add_flag(
+        "--fields", arguments->fields,
+        "Write the model's fields too, a grid each: the mean over a voxel, weighted by density");
+    command->add_option("--name", arguments->name, "Name of the grid of density")
+        ->capture_default_str();
+    command
+        ->add_option("--threads", arguments->threads,
+                     "Number of threads; 0: one per core. The result is the same")
+        ->check(non_negative_number())
+        ->capture_default_str();
+    add_memory_options(*command, arguments->memory, "; a .vdb only");
+    command->add_flag("--json", arguments->json,
+                      "Print one JSON object and nothing else on standard output");
+    command->add_flag("--verbose,-v", arguments->verbose,
+                      "Print the time of each stage to standard error");
+    command->callback([arguments, command] { run_voxelize(*arguments, *command); });
+}
+
+}  // namespace vog::cli

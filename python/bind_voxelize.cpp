@@ -1,0 +1,82 @@
+// bind_voxelize.cpp: voxelize(): models back to volumes.
+#include <algorithm>
+#include <filesystem>
+#include <optional>
+
+#include "arrays.h"
+#include "data.h"
+#include "vog/error.h"
+#include "vog/voxelize.h"
+
+namespace vog::python {
+
+namespace {
+
+/// Values of a field in the box of the volume: [X, Y, Z], of a vector [X, Y, Z, 3].
+py::array_t<float> dense_field(const Volume& volume, const VoxelField& field) {
+    const IndexBox box = active_box(volume);
+    const Vec3i size = box.upper - box.lower + Vec3i{1, 1, 1};
+    const std::size_t count = field.component.size();
+    std::vector<py::ssize_t> shape{size.x, size.y, size.z};
+    if (count > 1) shape.push_back(static_cast<py::ssize_t>(count));
+    py::array_t<float> array(shape);
+    float* const to = array.mutable_data();
+    unlocked([&] {
+        Volume one = volume;
+        std::vector<float> values(static_cast<std::size_t>(size.x) *
+                                  static_cast<std::size_t>(size.y) *
+                                  static_cast<std::size_t>(size.z));
+        for (std::size_t c = 0; c < count; ++c) {
+            for (std::size_t n = 0; n < one.leaves.size(); ++n)
+                one.leaves[n].value = field.component[c].leaf[n];
+            copy_dense(one, box.lower, size, values);
+            for (std::size_t n = 0; n < values.size(); ++n) to[n * count + c] = values[n];
+        }
+    });
+    return array;
+}
+
+py::object voxelized(const Gaussians& model, const std::optional<double>& voxel_size,
+                     const Volume* like, bool within, bool fields, const std::string& name,
+                     const std::optional<std::filesystem::path>& file, const py::object& progress) {
+    if (voxel_size.has_value() == (like != nullptr))
+        throw Error("voxelize: expected voxel_size or like, one of them");
+    if (within && !like) throw Error("voxelize: within goes with like");
+    VoxelizeOptions options;
+    options.name = name;
+    options.fields = fields;
+    if (within) options.extent = active_box(*like);
+    options.progress = progress_of(progress);
+    const Affine lattice = like ? like->world_from_index : voxel_lattice(model, *voxel_size);
+    Voxelized made = unlocked([&] { return voxelize(model, lattice, options); });
+    if (file) unlocked([&] { write_voxels(*file, made.volume, made.fields); });
+    py::dict arrays;
+    for (const VoxelField& field : made.fields)
+        arrays[py::str(field.name)] = dense_field(made.volume, field);
+    py::object volume = py::cast(std::move(made.volume));
+    return fields ? py::object(py::make_tuple(volume, arrays)) : volume;
+}
+
+}  // namespace
+
+void bind_voxelize(py::module_& m) {
+    m.def("voxelize", &voxelized, py::arg("model"), py::kw_only(),
+          py::arg("voxel_size") = py::none(), py::arg("like") = py::none(),
+          py::arg("within") = false, py::arg("fields") = false, py::arg("name") = "density",
+          py::arg("file") = py::none(), py::arg("progress") = py::none(),
+          R"(Volume of a model: averages of its Gaussians over voxels, of the same mass.
+
+model       a Gaussians object
+voxel_size  edge of cubic voxels along the world's axes, world units, > 0
+like        Volume whose lattice the voxels have, in place of voxel_size: size, rotation, skew and alignment
+within      True: only voxels in like.index_box
+fields      True: the model's fields too, means over a voxel weighted by density
+name        name of the volume
+file        .vdb or .nvdb to write the volume and its fields to; None: not written
+progress    called with the finished fraction, [0, 1]
+
+Returns the Volume; with fields=True a pair of it and {name: array}, float32 [X, Y, Z] or [X, Y, Z, 3] over the
+volume's index_box, 0 at inactive voxels (docs/voxelize.md).)");
+}
+
+}  // namespace vog::python

@@ -1,0 +1,25 @@
+// nvdb_write.cpp: writing of OpenVDB grids as .nvdb files, one segment a grid, by NanoVDB's own converter.
+#include "io/nvdb/nvdb_write.h"
+
+#define NANOVDB_USE_ZIP
+#define NANOVDB_USE_BLOSC
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/OpenToNanoVDB.h>
+
+#include "core/atomic_file.h"
+#include "io/vdb/vdb_grid.h"
+
+namespace vog::nvdb {
+
+void write_nvdb_grids(const std::filesystem::path& file, std::size_t count,
+                      const std::function<openvdb::GridBase::Ptr(std::size_t)>& grid_of) {
+    vdb::with_vdb_errors(file.string(), [&] {
+        write_file(file, [&](std::ofstream& out) {
+            for (std::size_t n = 0; n < count; ++n)
+                nanovdb::io::writeGrid(out, nanovdb::openToNanoVDB(grid_of(n)),
+                                       nanovdb::io::Codec::BLOSC);
+        });
+    });
+}
+
+}  // namespace vog::nvdb
