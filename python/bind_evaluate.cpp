@@ -23,7 +23,8 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
                          const py::object& size, int repeats, const py::object& extinction,
                          const py::object& tf, const std::string& conversions,
                          const std::map<std::string, Gaussians>& models, const std::string& show,
-                         const py::object& fields, bool resume, const py::object& progress) {
+                         const py::object& fields, bool voxels, bool resume,
+                         const py::object& progress) {
     EvaluateOptions options;
     std::tie(options.width, options.height) = size_of(size);
     options.repeats = repeats;
@@ -43,6 +44,7 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
         throw Error("tf: several are of show='volume'");
     else if (!texts.empty())
         options.tf = texts.front();
+    options.voxels = voxels;
     options.resume = resume;
     options.progress = progress_of(progress);
     SampledFields sampled;
@@ -76,8 +78,8 @@ void bind_evaluate(py::module_& m) {
         "evaluate", &evaluate_data, py::arg("data"), py::arg("folder"), py::kw_only(),
         py::arg("size") = 512, py::arg("repeats") = 5, py::arg("extinction") = "auto",
         py::arg("tf") = py::none(), py::arg("conversions") = "all", py::arg("models") = py::dict(),
-        py::arg("show") = "T", py::arg("fields") = py::none(), py::arg("resume") = false,
-        py::arg("progress") = py::none(),
+        py::arg("show") = "T", py::arg("fields") = py::none(), py::arg("voxels") = false,
+        py::arg("resume") = false, py::arg("progress") = py::none(),
         R"(Converts a volume in many ways, renders seven views of each model, and measures them against the voxels.
 
 data         a Volume, Levels or a list of Volumes
@@ -92,6 +94,7 @@ models       {name: Gaussians}, evaluated in place of conversions
 show         'T', or 'volume': pictures by value are compared too, from seven views
 fields       {name: array, Volume or grid}, as convert takes them: maps of their mean and deviation, and of the data's
              own values, are compared too; None: no maps
+voxels       True: the field error too, each model turned back into voxels against the volume; for one Volume
 resume       True: continues an interrupted evaluation with its finished conversions
 progress     called with the finished fraction, [0, 1]
 

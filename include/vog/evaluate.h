@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "vog/shade.h"
 #include "vog/volume.h"
 #include "vog/voxel_field.h"
+#include "vog/voxelize.h"
 
 namespace vog {
 
@@ -121,6 +123,9 @@ struct EvaluationRow {
     std::vector<ViewResult> views;  ///< in the order of Evaluation::views
     /// [Evaluation::functions][kValueViews] of pictures by value; empty: none, or a row with boxes.
     std::vector<std::vector<ValueResult>> values{};
+    /// Field error: the model on the volume's own lattice (vog/voxelize.h) against the volume. None: not requested, or a
+    /// row with boxes, which are of pictures.
+    std::optional<VoxelError> voxels{};
 };
 
 /// Mean and worst value of a figure over the views of a row, in the figure's unit.
@@ -156,6 +161,7 @@ struct Evaluation {
     int threads = 1;                    ///< threads of conversions and renders
     std::vector<std::string> fields{};  ///< names of the fields whose maps are compared
     std::vector<std::string> functions{};  ///< transfer functions of the pictures by value
+    bool voxels = false;                   ///< whether rows have EvaluationRow::voxels
     std::vector<EvaluationView> views;     ///< views with their references
     std::vector<EvaluationRow> rows;       ///< one for each conversion, in their order
 };
@@ -179,6 +185,8 @@ struct EvaluateOptions {
     bool by_value = false;
     /// Further transfer functions of values for them: names or JSON files.
     std::vector<std::string> value_functions{};
+    /// Measure the field error of each row, EvaluationRow::voxels. For one volume, not for levels and several processes.
+    bool voxels = false;
     bool resume = false;  ///< keep the rows of an earlier folder/results.json
     Progress progress{};  ///< called with the finished fraction; empty: not
 };

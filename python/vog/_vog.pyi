@@ -606,6 +606,7 @@ def evaluate(
     models: dict[str, Gaussians] = ...,
     show: str = ...,
     fields: Union[dict[str, Any], None] = ...,
+    voxels: bool = ...,
     resume: bool = ...,
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...

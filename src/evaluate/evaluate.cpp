@@ -63,11 +63,12 @@ std::vector<EvaluationRow> kept_rows(const fs::path& file, const Evaluation& now
     if (!options.resume || !fs::exists(file)) return {};
     Evaluation earlier = read_results(file);
     const auto settings = [](const Evaluation& e) {
-        return fmt::format("{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}{}{}{}{}",
-                           e.title, e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction,
-                           e.fields.empty() ? "" : ", fields ", fmt::join(e.fields, ", "),
-                           e.functions.empty() ? "" : ", by value under ",
-                           fmt::join(e.functions, ", "));
+        return fmt::format(
+            "{} ({} active voxels, mass {:.9g}) at {}x{}, {}, extinction {}{}{}{}{}{}", e.title,
+            e.active_voxels, e.mass, e.width, e.height, e.tf, e.extinction,
+            e.fields.empty() ? "" : ", fields ", fmt::join(e.fields, ", "),
+            e.functions.empty() ? "" : ", by value under ", fmt::join(e.functions, ", "),
+            e.voxels ? ", voxels" : "");
     };
     if (settings(earlier) != settings(now))
         throw Error(fmt::format("{}: results of {}, expected {} (without resume they are replaced)",
@@ -118,6 +119,11 @@ class Run {
             fields_ = FieldComparison(volumes_, options);
             evaluation_.fields = fields_.names();
         }
+        if (options.voxels && (levels || volumes.size() != 1 || options.collective))
+            throw Error(fmt::format(
+                "{}: the field error is of one volume by one process, expected no levels or parts",
+                evaluation_.title));
+        evaluation_.voxels = options.voxels;
         if (options.by_value) {
             by_value_.emplace(volumes_, box_, options);
             evaluation_.functions = by_value_->names();
@@ -322,6 +328,9 @@ class Run {
         // Boxes are of T.
         if (conversion.aabb_sigma == 0) fields_.compare(model, evaluation_, references_.field, row);
         if (conversion.aabb_sigma == 0 && by_value_) row.values = by_value_->compare(model);
+        if (conversion.aabb_sigma == 0 && options_.voxels)
+            row.voxels = voxel_error(volumes_.front(),
+                                     voxelize(model, volumes_.front().world_from_index).volume);
         return row;
     }
 

@@ -140,6 +140,11 @@ Json to_json(const EvaluationRow& row, const std::vector<std::string>& fields,
                  {"psnr_rgb_db", number(row.values[n][view].psnr_rgb_db)},
                  {"ssim", number(row.values[n][view].ssim)}});
     }
+    if (row.voxels)
+        json["voxels"] = {{"relative_l2", row.voxels->relative_l2},
+                          {"psnr_db", number(row.voxels->psnr_db)},
+                          {"mean", row.voxels->mean},
+                          {"worst", row.voxels->worst}};
     for (const ViewResult& result : row.views) json["views"].push_back(to_json(result));
     return json;
 }
@@ -155,6 +160,12 @@ EvaluationRow row_from(const Json& json, const std::vector<std::string>& functio
     row.mass_ratio = json.at("mass_ratio").get<double>();
     row.convert = timing_from(json.at("convert_ms"));
     for (const Json& view : json.at("views")) row.views.push_back(result_from(view));
+    if (json.contains("voxels")) {
+        const Json& voxels = json.at("voxels");
+        row.voxels = {voxels.at("relative_l2").get<double>(),
+                      number(voxels.at("psnr_db"), kInfinity), voxels.at("mean").get<double>(),
+                      voxels.at("worst").get<double>()};
+    }
     if (!json.contains("volume")) return row;
     constexpr double kNoSsim = std::numeric_limits<double>::quiet_NaN();
     for (const std::string& function : functions) {
@@ -187,6 +198,7 @@ Evaluation evaluation_from(const std::filesystem::path& file, const Json& json) 
         evaluation.fields = settings.at("fields").get<std::vector<std::string>>();
     if (settings.contains("functions"))
         evaluation.functions = settings.at("functions").get<std::vector<std::string>>();
+    evaluation.voxels = settings.value("voxels", false);
     evaluation.machine = json.at("machine").at("processor").get<std::string>();
     evaluation.threads = json.at("machine").at("threads").get<int>();
     for (const Json& view : json.at("views")) evaluation.views.push_back(view_from(view));
@@ -229,7 +241,8 @@ void write_results(const std::filesystem::path& file, const Evaluation& evaluati
     for (const EvaluationView& view : evaluation.views) json["views"].push_back(to_json(view));
     for (const EvaluationRow& row : evaluation.rows)
         json["rows"].push_back(to_json(row, evaluation.fields, evaluation.functions));
-    // Without fields and pictures by value the file is as before.
+    // Without fields, pictures by value and voxels the file is as before.
+    if (evaluation.voxels) json["settings"]["voxels"] = true;
     if (!evaluation.fields.empty()) json["settings"]["fields"] = evaluation.fields;
     if (!evaluation.functions.empty()) json["settings"]["functions"] = evaluation.functions;
     const std::string text = json.dump(1, ' ', false, Json::error_handler_t::replace);

@@ -267,6 +267,33 @@ ReportTable value_table(const Evaluation& evaluation) {
     return table;
 }
 
+/// Errors of the voxels, of all rows that have them.
+ReportTable voxel_table(const Evaluation& evaluation) {
+    ReportTable table{"Voxels",
+                      "The model turned back into voxels, on the volume's own lattice, against the "
+                      "volume: relative L2, PSNR "
+                      "against the largest voxel, mean and worst difference of a voxel in percent "
+                      "of the largest.",
+                      {"", "Gaussians", "L2", "PSNR, dB", "mean", "worst"},
+                      {},
+                      0};
+    for (const std::string& series : series_of(evaluation)) {
+        std::vector<std::vector<std::string>> rows;
+        for (const EvaluationRow& row : evaluation.rows)
+            if (row.series == series && row.voxels)
+                rows.push_back({fmt::format("{}: {}", step_title(row.step), row.label),
+                                count_text(row.gaussians),
+                                fmt::format("{:.4f}", row.voxels->relative_l2),
+                                decibel_text(row.voxels->psnr_db),
+                                fmt::format("{:.3f} %", 100 * row.voxels->mean),
+                                fmt::format("{:.1f} %", 100 * row.voxels->worst)});
+        if (rows.empty()) continue;
+        table.rows.push_back({series_title(series)});
+        table.rows.insert(table.rows.end(), rows.begin(), rows.end());
+    }
+    return table;
+}
+
 }  // namespace
 
 std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
@@ -279,6 +306,7 @@ std::vector<ReportTable> report_tables(const Evaluation& evaluation) {
             tables.push_back(series_table(evaluation, series));
     if (!evaluation.fields.empty()) tables.push_back(field_table(evaluation));
     if (!evaluation.functions.empty()) tables.push_back(value_table(evaluation));
+    if (evaluation.voxels) tables.push_back(voxel_table(evaluation));
     tables.push_back(view_table(evaluation));
     std::erase_if(tables, [](const ReportTable& table) { return table.rows.empty(); });
     return tables;

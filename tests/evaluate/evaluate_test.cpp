@@ -1,6 +1,7 @@
 // evaluate_test.cpp: rows, views and files of an evaluation, and its resumption.
 #include "vog/evaluate.h"
 
+#include <fmt/core.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,6 +21,7 @@
 #include "vog/reference.h"
 #include "vog/sample.h"
 #include "vog/volume_io.h"
+#include "vog/voxelize.h"
 
 namespace vog::test {
 
@@ -256,6 +258,51 @@ TEST(evaluate, resuming_other_data_or_settings_throws) {
     EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
     std::ofstream(dir / "out/results.json") << "{\"format\": ";
     EXPECT_THROW((void)evaluate(volumes, dir / "out", options), Error);
+}
+
+TEST(evaluate, voxels_of_models_are_compared_on_request) {
+    const TempDir dir;
+    const std::vector<Volume> volumes = {ball()};
+    EvaluateOptions options = quick();
+    std::erase_if(options.conversions, [](const Conversion& c) {
+        return !(c.series == "uniform" && (c.step == "block2" || c.step == "block8")) &&
+               !(c.series == "mass" && c.step == "sigma3");
+    });
+    EXPECT_FALSE(evaluate(volumes, dir / "without", options).rows.front().voxels);
+    EXPECT_EQ(count_of(read_text(dir / "without/results.json"), "voxels\": {"), 0);
+    options.voxels = true;
+    const Evaluation evaluation = evaluate(volumes, dir / "out", options);
+    ASSERT_EQ(evaluation.rows.size(), 3u);
+    const EvaluationRow &boxes = *find_row(evaluation, "mass", "sigma3"),
+                        &fine = *find_row(evaluation, "uniform", "block2"),
+                        &coarse = *find_row(evaluation, "uniform", "block8");
+    EXPECT_FALSE(boxes.voxels);  // boxes are of pictures
+    // The figures are those of voxelize on the ball's lattice.
+    MomentOptions cells;
+    cells.block_voxels = 8;
+    cells.soft_steps = 0;
+    const Volume voxels =
+        voxelize(convert_moments(volumes[0], cells), volumes[0].world_from_index).volume;
+    const VoxelError expected = voxel_error(volumes[0], voxels);
+    ASSERT_TRUE(coarse.voxels && fine.voxels);
+    EXPECT_DOUBLE_EQ(coarse.voxels->relative_l2, expected.relative_l2);
+    EXPECT_DOUBLE_EQ(coarse.voxels->worst, expected.worst);
+    EXPECT_LT(fine.voxels->relative_l2, 0.5 * coarse.voxels->relative_l2);
+    EXPECT_GT(fine.voxels->psnr_db, coarse.voxels->psnr_db + 6);
+    EXPECT_LT(fine.voxels->mean, fine.voxels->worst);
+    // Files have them, and are read back.
+    const Evaluation read = read_results(dir / "out/results.json");
+    EXPECT_TRUE(read.voxels);
+    EXPECT_DOUBLE_EQ(find_row(read, "uniform", "block8")->voxels->psnr_db, coarse.voxels->psnr_db);
+    for (const char* page : {"out/results.md", "out/index.html"})
+        EXPECT_GT(
+            count_of(read_text(dir / page), fmt::format("{:.4f}", coarse.voxels->relative_l2)), 0)
+            << page;
+    // Rows without them are not resumed, and parts are refused.
+    options.resume = true;
+    EXPECT_THROW((void)evaluate(volumes, dir / "without", options), Error);
+    const std::vector<Volume> two = {ball(), ball()};
+    EXPECT_THROW((void)evaluate(two, dir / "two", options), Error);
 }
 
 TEST(evaluate, nothing_to_evaluate_throws) {

@@ -43,6 +43,16 @@ void print(const Evaluation& evaluation) {
                                    deviation.mean, deviation.worst));
         }
     }
+    if (evaluation.voxels) {
+        print_line("");
+        print_line(fmt::format("{:<20} {:>12} {:>9} {:>12} {:>9}", "voxels", "L2", "PSNR, dB",
+                               "mean", "worst"));
+        for (const EvaluationRow& row : evaluation.rows)
+            if (row.voxels)
+                print_line(fmt::format("{:<20} {:>12.4f} {:>9.2f} {:>12.5f} {:>9.4f}",
+                                       row.series + " " + row.step, row.voxels->relative_l2,
+                                       row.voxels->psnr_db, row.voxels->mean, row.voxels->worst));
+    }
     for (std::size_t n = 0; n < evaluation.functions.size(); ++n) {
         print_line("");
         print_line(fmt::format("{:<20} {:>12} {:>9} {:>12} {:>9}", evaluation.functions[n],
@@ -134,6 +144,8 @@ Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ra
 void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     take_models(arguments, ranks);
     set_transfer_functions(arguments, ranks);
+    if (ranks.load && arguments.options.voxels)
+        throw CLI::ValidationError("--voxels: is of one process, expected vog evaluate");
     if (common_kind(arguments.inputs, arguments.volume.grid) != FileKind::volume)
         throw Error(
             fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
@@ -218,6 +230,10 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
                      "under several transfer functions from seven views")
         ->check(CLI::IsMember({"T", "volume"}))
         ->capture_default_str();
+    command->add_flag("--voxels", arguments->options.voxels,
+                      "Measure the field error too: each model turned back into voxels, as vog "
+                      "voxelize --like does, "
+                      "against the volume");
     command
         ->add_option("--repeat", arguments->options.repeats,
                      "Timed renders per view, after one warm-up")
