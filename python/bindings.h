@@ -54,6 +54,7 @@ void bind_volume_picture(py::module_& m);
 void bind_convert(py::module_& m);
 void bind_render(py::module_& m);
 void bind_compare(py::module_& m);
+void bind_exchange(py::module_& m);
 void bind_voxelize(py::module_& m);
 void bind_evaluate(py::module_& m);
 void bind_web(py::module_& m);

@@ -136,6 +136,7 @@ PYBIND11_MODULE(_vog, m) {
     bind_convert(m);
     bind_render(m);
     bind_compare(m);
+    bind_exchange(m);
     bind_voxelize(m);
     bind_evaluate(m);
     bind_web(m);

@@ -54,6 +54,7 @@
 #include "vog/dense.h"
 #include "vog/error.h"
 #include "vog/evaluate.h"
+#include "vog/exchange.h"
 #include "vog/export_html.h"
 #include "vog/field_maps.h"
 #include "vog/fields.h"

@@ -40,6 +40,7 @@ __all__ = [
     "difference_map",
     "evaluate",
     "export_html",
+    "export_splats",
     "voxelize",
 ]
 __version__: str
@@ -633,6 +634,15 @@ def export_html(
     steps: bool = ...,
     precise: bool = ...,
 ) -> dict[str, int]: ...
+def export_splats(
+    model: Gaussians,
+    file: _Path,
+    *,
+    extinction: _Extinction = ...,
+    colors: Union[ArrayLike, None] = ...,
+    units: Literal["world", "box"] = ...,
+    layout: Literal["3dgs", "volprim"] = ...,
+) -> dict[str, float]: ...
 def voxelize(
     model: Gaussians,
     *,

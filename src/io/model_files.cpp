@@ -7,6 +7,7 @@
 #include <cctype>
 #include <string>
 
+#include "core/atomic_file.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
@@ -31,10 +32,12 @@ Format format_of(const std::filesystem::path& file) {
 }  // namespace
 
 Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
+    require_readable(file);
     return format_of(file) == Format::ply ? read_ply(file, hierarchy) : read_vogz(file, hierarchy);
 }
 
 Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
+    require_readable(file);
     return format_of(file) == Format::ply ? read_ply(file, part) : read_vogz(file, part);
 }
 

@@ -40,7 +40,7 @@ VALUES = {
     "--field": "density", "--for": "volume", "--joint-steps": "1", "--measure": "volume", "--scale": "linear", "--least-column": "0.01", "--values-out": "{out}/values.npy",
     "--window": "0.5,1", "--band": "0.1,0.4,red,0.5", "--iso": "0.5,#ffeedd", "--threshold": "0.2",
     "--unit-distance": "2", "--light": "1,2,3", "--slabs": "8", "--light-weights": "0.2,0.7,0.1,10", "--clip": "-5,-5,-5,20,20,20",
-    "--clip-plane": "1,0,0,3", "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--model-psnr": "40", "--step": "0.05", "--field-step": "0.01", "--description": "Some text", "--name": "a model", "--levels": "2",
+    "--clip-plane": "1,0,0,3", "--max-loss": "0.5", "--reference": "{made}/cloud.vdb", "--model-psnr": "40", "--step": "0.05", "--field-step": "0.01", "--as": "3dgs", "--description": "Some text", "--name": "a model", "--levels": "2",
     "--voxel-size": "1", "--like": "{made}/cloud.vdb",
     "--turntable": "2", "--fps": "12", "--diff": "{out}/diff.png", "--diff-limit": "3", "--seed": "2",
 }
@@ -49,7 +49,8 @@ kOptions, kRefused = 8, 16  # options of one run
 COMMANDS = {
     "convert": [["{made}/particles.csv", "-o", "{out}/m.ply"], ["{made}/cloud.vdb", "-o", "{out}/m.ply"]],
     "render": [["{made}/model.ply", "-o", "{out}/p.png"], ["{made}/cloud.vdb", "-o", "{out}/p.png"]],
-    "export": [["{made}/model.ply", "-o", "{out}/p.html"], ["{made}/model.ply", "-o", "{out}/m.vogz"]],
+    "export": [["{made}/model.ply", "-o", "{out}/p.html"], ["{made}/model.ply", "-o", "{out}/m.vogz"],
+               ["{made}/model.ply", "-o", "{out}/m.spz"]],
     "voxelize": [["{made}/model.ply", "-o", "{out}/v.vdb", "--like", "{made}/cloud.vdb"]],
     "compare": [["{made}/a.exr", "{made}/b.exr"]],
     "sample": [["cloud", "{out}/s.vdb"]],

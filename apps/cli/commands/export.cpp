@@ -6,11 +6,13 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 
 #include "commands.h"
-#include "compact/compact_options.h"
-#include "compact/compact_run.h"
 #include "fields/volume_fields.h"
+#include "models/compact_options.h"
+#include "models/compact_run.h"
+#include "models/exchange_run.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
 #include "shared/inputs.h"
@@ -40,6 +42,7 @@ struct ExportArguments {
     ColorArguments color;
     PageQuantityArguments quantity;
     CompactArguments compact;
+    SplatArguments splats;
     VolumeInputOptions volume;
     PointInputOptions points;
     ViewArguments view;
@@ -143,6 +146,11 @@ Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>
                   Stages& stages) {
     Gaussians model;
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
+    if (is_splat_output(arguments.output, arguments.splats))
+        return write_exchange(arguments.output, model, arguments.splats,
+                              {fixed_extinction(arguments.color), arguments.color.tf,
+                               arguments.quantity.quantity.field},
+                              stages, arguments.json);
     if (arguments.output.ends_with(".vogz"))
         return write_compact(arguments.output, std::move(model), arguments.compact, stages,
                              arguments.json);
@@ -239,15 +247,20 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
 
 /// Writes one page or one PLY.
 Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
-    check_output(arguments.output, arguments.inputs, {".html", ".ply", ".vogz"});
+    check_output(arguments.output, arguments.inputs,
+                 {".html", ".ply", ".vogz", ".spz", ".glb", ".usda"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
     refuse_volume_options(command, kind, arguments.inputs);
     const bool page = arguments.output.ends_with(".html");
     if (!arguments.output.ends_with(".vogz"))
         refuse_group(command, kCompactGroup, "-o " + arguments.output);
+    const bool splats = is_splat_output(arguments.output, arguments.splats);
+    if (!splats) refuse_group(command, kSplatGroup, "-o " + arguments.output);
     if (!page) {
-        refuse_group(command, kPageGroup, "-o " + arguments.output);
+        refuse_group(command, kPageGroup, "-o " + arguments.output,
+                     splats ? std::set<std::string>{"--extinction", "--tf", "--field"}
+                            : std::set<std::string>{});
         refuse_group(command, "View", "-o " + arguments.output);
     }
     Stages stages(arguments.verbose);
@@ -342,7 +355,8 @@ void add_export(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
     CLI::App* command = app.add_subcommand(
         "export",
-        "Write models to one self-contained page for a browser, one compact file or one PLY");
+        "Write models to one self-contained page for a browser, one compact file, one PLY "
+        "or splats of other programs");
     command
         ->add_option(
             "inputs", arguments->inputs,
@@ -351,10 +365,12 @@ void add_export(CLI::App& app) {
             "match files in natural order: 'frame_*.ply'")
         ->required();
     command
-        ->add_option("-o,--output", arguments->output,
-                     "Page (.html), compact model (.vogz) or model (.ply) to write. A folder (or a "
-                     "name that ends in /): "
-                     "one page per input, all under one camera and one extinction")
+        ->add_option(
+            "-o,--output", arguments->output,
+            "Page (.html), compact model (.vogz), model (.ply) or splats (.spz, .glb, .usda, "
+            ".ply with --as) to write. A folder (or a "
+            "name that ends in /): "
+            "one page per input, all under one camera and one extinction")
         ->required();
     command->add_flag("--no-fields", arguments->no_fields,
                       "Leave fields out: a smaller file, without values");
@@ -366,6 +382,7 @@ void add_export(CLI::App& app) {
         ->check(positive_number());
     add_page_options(*command, *arguments);
     add_compact_options(*command, arguments->compact);
+    add_splat_options(*command, arguments->splats);
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);

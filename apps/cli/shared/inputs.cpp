@@ -217,9 +217,10 @@ PointOptions point_options(const PointInputOptions& options) {
     return result;
 }
 
-void refuse_group(const CLI::App& command, const std::string& group, const std::string& with) {
+void refuse_group(const CLI::App& command, const std::string& group, const std::string& with,
+                  const std::set<std::string>& except) {
     for (const CLI::Option* option : command.get_options())
-        if (option->get_group() == group && option->count())
+        if (option->get_group() == group && option->count() && !except.contains(option->get_name()))
             throw CLI::ValidationError(
                 fmt::format("{} does not go with {}", option->get_name(), with));
 }

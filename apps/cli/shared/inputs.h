@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -82,7 +83,9 @@ PointOptions point_options(const PointInputOptions& options);
 /// Refuses options that would have no effect.
 /// throws CLI::ValidationError for a given option of this group: "--radius does not go with
 /// volumes"
-void refuse_group(const CLI::App& command, const std::string& group, const std::string& with);
+/// except  names of options of the group that have an effect
+void refuse_group(const CLI::App& command, const std::string& group, const std::string& with,
+                  const std::set<std::string>& except = {});
 
 /// Refuses options of volumes that would have no effect on other inputs: all of them for models, of
 /// particles those of voxels, and --grid where all files are text.

@@ -1,5 +1,5 @@
 // compact_run.cpp: writing a compact model, and its report.
-#include "compact/compact_run.h"
+#include "models/compact_run.h"
 
 #include <fmt/core.h>
 

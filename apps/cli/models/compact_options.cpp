@@ -1,5 +1,5 @@
 // compact_options.cpp: options of compact models (.vogz).
-#include "compact/compact_options.h"
+#include "models/compact_options.h"
 
 #include "shared/validators.h"
 

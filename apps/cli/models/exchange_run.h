@@ -1,0 +1,37 @@
+// exchange_run.h: models as files of other programs' splats, with their options and report.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "shared/terminal.h"
+#include "vog/gaussians.h"
+
+namespace vog::cli {
+
+inline constexpr const char* kSplatGroup = "Splats (.ply, .spz, .glb, .usda)";
+
+struct SplatArguments {
+    std::string layout = "vog";   ///< of a .ply: vog, 3dgs or volprim
+    std::string units = "world";  ///< world or box
+};
+/// Adds --as and --units.
+void add_splat_options(CLI::App& command, SplatArguments& arguments);
+/// Whether an output is a file of splats or of volumetric primitives.
+bool is_splat_output(const std::string& output, const SplatArguments& arguments);
+
+/// How splats look: options of the page that they share.
+struct SplatColors {
+    std::optional<double> extinction;  ///< none: auto_extinction of the fitted view `paper`
+    std::string tf, field;             ///< empty field: the measure itself, or white without one
+};
+/// Writes a model as splats and reports what they lose in words, unless `json`.
+/// returns  the report of --json
+/// throws   vog::Error for a field that the model lacks, and as the writers do; then nothing is written
+nlohmann::ordered_json write_exchange(const std::string& output, const Gaussians& model,
+                                      const SplatArguments& arguments, const SplatColors& colors,
+                                      Stages& stages, bool json);
+
+}  // namespace vog::cli

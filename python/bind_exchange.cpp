@@ -1,0 +1,66 @@
+// bind_exchange.cpp: export_splats(): models as files of other programs' splats.
+#include <filesystem>
+#include <optional>
+
+#include "arrays.h"
+#include "vog/error.h"
+#include "vog/exchange.h"
+#include "vog/splat.h"
+
+namespace vog::python {
+
+namespace {
+
+py::dict export_splats(const Gaussians& model, const std::filesystem::path& file,
+                       const py::object& extinction, const py::object& colors,
+                       const std::string& units, const std::string& layout) {
+    if (units != "world" && units != "box")
+        throw Error("export_splats: units '" + units + "', expected 'world' or 'box'");
+    if (layout != "3dgs" && layout != "volprim")
+        throw Error("export_splats: layout '" + layout + "', expected '3dgs' or 'volprim'");
+    BigVector<Vec3f> color;
+    if (!colors.is_none()) color = vector_of<Vec3f, float>(colors, "colors");
+    const std::optional<double> stated = extinction_of(extinction);
+    double factor = 1;
+    SplatsError error;
+    unlocked([&] {
+        constexpr int kSize = 256;
+        const Box box = view_box(model);
+        factor =
+            stated
+                ? *stated
+                : auto_extinction(render_splat(model, fitted(paper_view(box), box), kSize, kSize));
+        if (layout == "volprim") return write_volprim(file, model, factor);
+        error = splats_error(model, splats_of(model, color, {factor, false}), factor);
+        write_splats(file, splats_of(model, color, {factor, units == "box"}));
+    });
+    py::dict report;
+    report["extinction"] = factor;
+    if (layout == "volprim") return report;
+    report["mean_db"] = error.mean_db;
+    report["worst_db"] = error.worst_db;
+    report["depth"] = error.depth;
+    report["opaque"] = error.opaque;
+    return report;
+}
+
+}  // namespace
+
+void bind_exchange(py::module_& m) {
+    m.def("export_splats", &export_splats, py::arg("model"), py::arg("file"), py::kw_only(),
+          py::arg("extinction") = "auto", py::arg("colors") = py::none(),
+          py::arg("units") = "world", py::arg("layout") = "3dgs", R"(
+Writes a model as splats of one opacity each, for renderers of 3D Gaussian splatting: .ply, .spz, .glb or .usda.
+
+extinction  factor on density, or 'auto': the 99th percentile of T in the fitted view 'paper' is 4
+colors      [N, 3] red, green, blue of the Gaussians, [0, 1]; None: white
+units       'world', or 'box': the model's box centred at 0 with a longest edge of 2
+layout      of a .ply: '3dgs', or 'volprim', volumetric primitives
+
+Returns a dict: extinction, and of splats mean_db and worst_db, PSNR of V against the model over seven parallel views,
+depth, their optical depth over the model's, and opaque, the share of splats that are.
+
+Raises vog.Error for another extension or option, and for positions that .spz cannot hold.)");
+}
+
+}  // namespace vog::python
