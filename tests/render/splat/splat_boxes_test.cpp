@@ -111,7 +111,7 @@ TEST(splat_boxes, boxes_wider_than_the_support_change_nothing) {
     // Gaussians of 3 pixels and more: boxes are met by single rays, and no pixel is a mean.
     Scene scene = scene_named("many");
     for (Vec3f& scale : scene.model.scale)
-        for (int axis = 0; axis < 3; ++axis) scale[axis] += 0.11f;
+        for (int axis = 0; axis < 3; ++axis) scale[axis] += 0.18f;
     const DepthImage plain = render_splat(scene.model, scene.camera, scene.width, scene.height);
     SplatOptions options;
     options.aabb_sigma = 3;

@@ -144,8 +144,8 @@ TEST(trace, small_boxes_find_less) {
 
 TEST(trace, kappa_is_the_cutoff) {
     Scene scene = scene_named("many");
-    const DepthImage at_kappa =
-        render_trace(trace_scene(scene.model, {.kappa = 0.01}), scene.camera, 96, 64);
+    const DepthImage at_kappa = render_trace(trace_scene(scene.model, {.kappa = 0.01}),
+                                             scene.camera, scene.width, scene.height);
     scene.model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(0.01)));
     EXPECT_EQ(pixels_apart(trace(scene), at_kappa, 1e-6), 0u);
 }
