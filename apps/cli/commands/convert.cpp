@@ -46,7 +46,7 @@ std::string times_text(const std::vector<std::pair<std::string, double>>& stage_
 Hierarchy hierarchy_of(Gaussians& model, const ConvertArguments& arguments,
                        const std::optional<Affine>& index_from_world, Stages& stages) {
     // Readers of compact files build it (docs/compact.md).
-    if (arguments.no_hierarchy || arguments.output.ends_with(".vogz")) return {};
+    if (arguments.no_hierarchy || extension_of(arguments.output) == ".vogz") return {};
     return stages.run("hierarchy", [&] { return build_hierarchy(model, {index_from_world}); });
 }
 
@@ -147,7 +147,7 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
 nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
                                    const ConvertRanks& ranks) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
-    if (ranks.collective && arguments.output.ends_with(".vogz"))
+    if (ranks.collective && extension_of(arguments.output) == ".vogz")
         throw Error(fmt::format("{}: expected .ply of vog-mpi; vog export makes it .vogz",
                                 arguments.output));
     if (kind == FileKind::points)
@@ -366,7 +366,7 @@ void convert(const ConvertArguments& given, const CLI::App& command, const Conve
 }  // namespace
 
 bool is_model_output(const std::string& output) {
-    return output.ends_with(".ply") || output.ends_with(".vogz");
+    return extension_of(output) == ".ply" || extension_of(output) == ".vogz";
 }
 
 Converted converted(const Gaussians& model, const Hierarchy& hierarchy, const std::string& output) {

@@ -146,12 +146,14 @@ Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>
                   Stages& stages) {
     Gaussians model;
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
+    if (entries.size() > 1)
+        note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     if (is_splat_output(arguments.output, arguments.splats))
         return write_exchange(arguments.output, model, arguments.splats,
                               {fixed_extinction(arguments.color), arguments.color.tf,
                                arguments.quantity.quantity.field},
                               stages, arguments.json);
-    if (arguments.output.ends_with(".vogz"))
+    if (extension_of(arguments.output) == ".vogz")
         return write_compact(arguments.output, std::move(model), arguments.compact, stages,
                              arguments.json);
     stages.run("save", [&] { write_ply(arguments.output, model); });
@@ -252,8 +254,8 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
     refuse_volume_options(command, kind, arguments.inputs);
-    const bool page = arguments.output.ends_with(".html");
-    if (!arguments.output.ends_with(".vogz"))
+    const bool page = extension_of(arguments.output) == ".html";
+    if (extension_of(arguments.output) != ".vogz")
         refuse_group(command, kCompactGroup, "-o " + arguments.output);
     const bool splats = is_splat_output(arguments.output, arguments.splats);
     if (!splats) refuse_group(command, kSplatGroup, "-o " + arguments.output);
@@ -302,7 +304,7 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
     arguments.inputs = expanded(given.inputs);
     // Models that one pattern matches are steps in time, named ones are to be compared.
     if (command.count("--steps") == 0 && given.inputs.size() == 1 && arguments.inputs.size() > 1 &&
-        !is_sequence(arguments.output) && arguments.output.ends_with(".html") &&
+        !is_sequence(arguments.output) && extension_of(arguments.output) == ".html" &&
         common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model) {
         arguments.steps = true;
         note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",

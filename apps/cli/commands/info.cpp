@@ -271,7 +271,7 @@ void info(const std::vector<std::string>& files, bool json) {
             }
             continue;
         }
-        if (kind_of(file) == FileKind::points && !file.ends_with(".vdb")) {
+        if (kind_of(file) == FileKind::points && extension_of(file) != ".vdb") {
             const Points points = read_points(file);
             all.push_back({{"file", file}, {"points", as_json(points)}});
             if (!json) {
@@ -281,7 +281,7 @@ void info(const std::vector<std::string>& files, bool json) {
             continue;
         }
         const std::vector<GridInfo> infos =
-            file.ends_with(".nvdb")
+            extension_of(file) == ".nvdb"
                 ? std::vector{info_of(read_nvdb(file, {.values = {true, true}}))}
                 : inspect_vdb(file);
         if (!json) print_line(file);

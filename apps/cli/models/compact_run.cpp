@@ -81,6 +81,12 @@ Json write_compact(const std::string& output, Gaussians model, const CompactArgu
     if (arguments.max_loss_db > 0) {
         const VogzFit fitted = stages.run("fit", [&] { return fit(model, arguments); });
         options.precision = fitted.precision;
+        constexpr double kUnlike = 20;
+        if (!arguments.reference.empty() && fitted.model_db < kUnlike)
+            note(
+                fmt::format("{}: the model is {:.1f} dB from --reference {}: is it of other data? "
+                            "Rounding then loses nothing",
+                            output, fitted.model_db, arguments.reference.front()));
         loss = fmt::format(
             "V loses at most {:.3f} dB in seven views {} ({:.1f} dB); rounded against exact: "
             "{:.1f} dB",
@@ -94,8 +100,20 @@ Json write_compact(const std::string& output, Gaussians model, const CompactArgu
     if (arguments.step > 0) options.precision.step = arguments.step;
     if (arguments.field_step > 0) options.precision.field_step = arguments.field_step;
     Hierarchy hierarchy;
-    if (arguments.hierarchy)
+    if (arguments.hierarchy) {
+        std::vector<std::size_t> dense;
+        for (std::size_t i = 0; i < model.size(); ++i)
+            if (model.density[i] > 0) dense.push_back(i);
+        if (dense.size() < model.size()) {
+            note(fmt::format("{}: {} Gaussians without density left out", output,
+                             count_text(model.size() - dense.size())));
+            Gaussians some = select(model, dense);
+            some.source_voxels = model.source_voxels;
+            some.summary = model.summary;
+            model = std::move(some);
+        }
         hierarchy = stages.run("hierarchy", [&] { return build_hierarchy(model); });
+    }
     const VogzReport made =
         stages.run("save", [&] { return write_vogz(output, model, hierarchy, options); });
     const double count = std::max(1.0, static_cast<double>(made.gaussians));

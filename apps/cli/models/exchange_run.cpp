@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "shared/inputs.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
 #include "vog/shade.h"
@@ -77,13 +78,20 @@ void add_splat_options(CLI::App& command, SplatArguments& arguments) {
 }
 
 bool is_splat_output(const std::string& output, const SplatArguments& arguments) {
-    return output.ends_with(".spz") || output.ends_with(".glb") || output.ends_with(".usda") ||
-           (output.ends_with(".ply") && arguments.layout != "vog");
+    const std::string extension = extension_of(output);
+    return extension == ".spz" || extension == ".glb" || extension == ".usda" ||
+           (extension == ".ply" && arguments.layout != "vog");
 }
 
 Json write_exchange(const std::string& output, const Gaussians& model,
                     const SplatArguments& arguments, const SplatColors& colors, Stages& stages,
                     bool json) {
+    const bool ply = extension_of(output) == ".ply";
+    if (ply == (arguments.layout == "vog"))
+        throw CLI::ValidationError(
+            fmt::format("--as {} does not go with -o {}", arguments.layout, output));
+    if (arguments.layout == "volprim" && !colors.field.empty())
+        throw CLI::ValidationError("--field does not go with --as volprim");
     const double extinction = extinction_of(model, colors);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};
     std::string loss;
@@ -94,9 +102,6 @@ Json write_exchange(const std::string& output, const Gaussians& model,
         loss = fmt::format("mass kept; kernels cut at 3 standard deviations there, at {:.3g} here",
                            model.cutoff);
     } else {
-        if (output.ends_with(".ply") == (arguments.layout == "vog"))
-            throw CLI::ValidationError(
-                fmt::format("--as {} does not go with -o {}", arguments.layout, output));
         const std::vector<Vec3f> color = colors_of(model, colors);
         const SplatsError error = stages.run("measure", [&] {
             return splats_error(model, splats_of(model, color, {extinction, false}), extinction);
@@ -109,7 +114,7 @@ Json write_exchange(const std::string& output, const Gaussians& model,
         report["opaque"] = error.opaque;
         loss = fmt::format(
             "V as splats, seven parallel views: PSNR {:.1f} dB, worst {:.1f}; optical depth {:.3f} "
-            "times the model's, {:.2g} % of "
+            "times the model's, {:.3g} % of "
             "splats opaque; blending makes one colour of a ray's, and values, deviations and T "
             "itself are lost",
             error.mean_db, error.worst_db, error.depth, 100 * error.opaque);

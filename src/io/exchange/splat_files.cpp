@@ -88,6 +88,10 @@ void write_splats(const std::filesystem::path& file, const Splats& splats) {
     if (!write)
         throw Error(fmt::format("{}: extension '{}', expected .ply, .spz, .glb or .usda (splats)",
                                 file.string(), extension));
+    constexpr std::size_t kMostGlb = (std::uint64_t{1} << 32) / 60;  // lengths of 32 bits
+    if (extension == ".glb" && splats.size() > kMostGlb)
+        throw Error(fmt::format("{}: {} splats, expected at most {}", file.string(), splats.size(),
+                                kMostGlb));
     if (extension == ".spz") check_spz(splats, file.string());
     write_file(file, [&](std::ofstream& out) { write(out, splats); });
 }
@@ -100,6 +104,13 @@ void write_volprim(const std::filesystem::path& file, const Gaussians& model, do
                                            "scale_1", "scale_2", "rot_0", "rot_1",
                                            "rot_2",   "rot_3",   "sigmat"};
     const double beside = mass_within(3);  // of the kernel that volprim cuts
+    if (model.size() == 0)
+        throw Error(fmt::format("{}: no Gaussians, expected at least one", file.string()));
+    for (std::size_t i = 0; i < model.size(); ++i)
+        if (!std::isfinite(static_cast<float>(extinction * mass(model, i) / beside)))
+            throw Error(fmt::format(
+                "{}: Gaussian {}: extinction times mass is {:.3g}, expected within floats",
+                file.string(), i, extinction * mass(model, i)));
     write_file(file, [&](std::ofstream& out) {
         out << ply_header("volprim: scales are logarithms, sigmat times a Gaussian of unit mass",
                           model.size(), kProperties);

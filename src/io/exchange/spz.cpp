@@ -56,8 +56,25 @@ void check_spz(const Splats& splats, const std::string& where) {
     const int bits = fraction_bits(splats);
     float least = splats.scale.front().x;
     for (const Vec3f s : splats.scale) least = std::min({least, s.x, s.y, s.z});
+    if (bits < 0)
+        throw Error(
+            fmt::format("{}: positions beyond 24 bits, 2^23: expected a smaller box "
+                        "(--units box)",
+                        where));
+    // Scales have 8 bits, sixteenths of logarithms from -10 on.
+    float largest = least;
+    for (const Vec3f s : splats.scale) largest = std::max({largest, s.x, s.y, s.z});
+    if (std::log(double{least}) < -10 - 1.0 / 32 ||
+        std::log(double{largest}) > 255 / 16.0 - 10 + 1.0 / 32)
+        throw Error(
+            fmt::format("{}: standard deviations from {:.3g} to {:.3g}, expected from 4.5e-5 to "
+                        "379 (--units box, or other units)",
+                        where, least, largest));
+    constexpr std::size_t kMost = 200'000'000;
+    if (splats.size() > kMost)
+        throw Error(fmt::format("{}: {} splats, expected at most {}", where, splats.size(), kMost));
     // A step of positions of at most the smallest standard deviation.
-    if (bits < 0 || std::ldexp(1.0, -bits) > least)
+    if (std::ldexp(1.0, -bits) > least)
         throw Error(
             fmt::format("{}: positions of 24 bits have steps of {:.3g}, the smallest standard "
                         "deviation is {:.3g}: expected a smaller box "

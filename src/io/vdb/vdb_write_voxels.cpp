@@ -156,7 +156,10 @@ void write_voxels(const std::filesystem::path& file, const Volume& volume,
             describe(*grid, fields, n);
             return grid;
         });
-    if (file.extension() != ".vdb")
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    if (extension != ".vdb")
         throw Error(fmt::format("{}: cannot write: expected a .vdb or .nvdb", where));
     write_vdb_grids(file, count, [&](std::size_t n) {
         const GridToWrite write = make_grid(

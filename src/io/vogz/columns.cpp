@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <new>
@@ -120,6 +121,8 @@ double cost(Words words, int low_bits) {
 
 /// Number of lower bits at the least cost.
 int best_low_bits(Words words) {
+    const std::uint64_t all =
+        std::accumulate(words.begin(), words.end(), std::uint64_t{0}, std::bit_or{});
     constexpr std::size_t kSample = 4096;
     if (words.size() > kSample) words = words.subspan((words.size() - kSample) / 2, kSample);
     // Around the width that leaves half of the words below kDirect.
@@ -133,7 +136,9 @@ int best_low_bits(Words words) {
     constexpr int kFinest = 6, kCoarsest = 2;  // bits of the middle word's symbol
     int best = 0;
     double least = std::numeric_limits<double>::infinity();
-    const int first = std::clamp(middle - kFinest, 0, kMostLowBits);
+    // Upper parts of the widest word fit, too.
+    const auto widest = static_cast<int>(std::bit_width(all));
+    const int first = std::clamp(std::max(middle - kFinest, widest - kMostWidth), 0, kMostLowBits);
     for (int low = first; low <= std::clamp(middle - kCoarsest, first, kMostLowBits); ++low) {
         const double bits = cost(words, low);
         if (bits < least) least = bits, best = low;

@@ -189,10 +189,20 @@ TEST(exchange, spz_refuses_what_its_positions_cannot_hold) {
     const auto write = [&](bool unit_box) {
         write_splats(dir / "m.spz", splats_of(far, {}, {1, unit_box}));
     };
-    EXPECT_NE(refusal([&] { write(false); }).find("positions of 24 bits have steps of"),
-              std::string::npos);
+    EXPECT_NE(refusal([&] { write(false); }).find("positions beyond 24 bits"), std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(dir / "m.spz"));
     EXPECT_EQ(refusal([&] { write(true); }), "no error");
+    const auto refused = [&](double scale) {
+        return refusal([&] { write_splats(dir / "n.spz", splats_of(cloud(scale), {})); });
+    };
+    EXPECT_NE(refused(1e4).find("standard deviations from"), std::string::npos);
+    EXPECT_NE(refused(1e-5).find("standard deviations from"), std::string::npos);
+    Gaussians fine = cloud(1000);
+    fine.scale[3] = {1e-3f, 1e-3f, 1e-3f};
+    EXPECT_NE(
+        refusal([&] { write_splats(dir / "n.spz", splats_of(fine, {})); }).find("have steps of"),
+        std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(dir / "n.spz"));
 }
 
 TEST(exchange, glb_points_into_its_binary_chunk) {

@@ -294,6 +294,7 @@ TEST(vogz, odd_models_come_back) {
         return read_vogz(dir / "m.vogz");
     };
     EXPECT_EQ(back_of(Gaussians{}).size(), 0u);
+    Random random(10);
     // Coincident means; scales and densities at the ends of floats; needles and plates.
     Gaussians model;
     for (int n = 0; n < 20; ++n)
@@ -304,6 +305,9 @@ TEST(vogz, odd_models_come_back) {
     add(extreme, {0, 0, 0}, {1e-30f, 1e-30f, 1e-30f}, 3e38f);
     add(extreme, {1e-28f, 0, 0}, {1e-29f, 1e-30f, 1e-30f}, 1e-38f);
     EXPECT_EQ(back_of(extreme).size(), 2u);
+    Gaussians apart = random_gaussians(3000, 1e-4, 2e-4, 13);  // and one far away
+    add(apart, {1e6f, 1e6f, 1e6f}, {1e-4f, 1e-4f, 1e-4f}, 1, random.rotation());
+    EXPECT_EQ(back_of(apart).size(), 3001u);
     Gaussians wide;  // supports beyond the range of floats
     add(wide, {3e38f, 0, 0}, {3e38f, 1e38f, 1e38f}, 1e-38f);
     add(wide, {-3e38f, 0, 0}, {3e38f, 1e38f, 1e38f}, 1e-38f);
@@ -311,7 +315,6 @@ TEST(vogz, odd_models_come_back) {
     add(wide, {0, 0, 0}, {1e-38f, 1e-38f, 1e-38f}, 1);
     EXPECT_NE(refusal([&] { back_of(wide); }).find("too small and too far apart for one lattice"),
               std::string::npos);
-    Random random(10);
     Gaussians thin;
     for (int n = 0; n < 2000; ++n)
         add(thin, vec_cast<float>(random.in_cube(1)), {1, 1e-3f, n % 2 ? 1e-3f : 1.0f}, 1,
