@@ -198,7 +198,7 @@ TEST(exchange, spz_refuses_what_its_positions_cannot_hold) {
     EXPECT_NE(refused(1e4).find("standard deviations from"), std::string::npos);
     EXPECT_NE(refused(1e-5).find("standard deviations from"), std::string::npos);
     Gaussians fine = cloud(1000);
-    fine.scale[3] = {1e-3f, 1e-3f, 1e-3f};
+    fine.scale[3] = {6e-5f, 6e-5f, 6e-5f};
     EXPECT_NE(
         refusal([&] { write_splats(dir / "n.spz", splats_of(fine, {})); }).find("have steps of"),
         std::string::npos);
