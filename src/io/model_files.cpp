@@ -3,11 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cctype>
 #include <string>
 
 #include "core/atomic_file.h"
+#include "core/file_extension.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
@@ -20,9 +19,7 @@ namespace {
 enum class Format { ply, vogz };
 
 Format format_of(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lower_extension(file);
     if (extension == ".ply") return Format::ply;
     if (extension == ".vogz") return Format::vogz;
     throw Error(fmt::format("{}: extension '{}', expected .ply or .vogz (model)", file.string(),

@@ -4,11 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 
 #include "core/atomic_file.h"
+#include "core/file_extension.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -77,9 +77,7 @@ Vec3f exchange::harmonics(Vec3f color) {
 void write_splats(const std::filesystem::path& file, const Splats& splats) {
     if (splats.size() == 0)
         throw Error(fmt::format("{}: no splats, expected at least one", file.string()));
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    const std::string extension = lower_extension(file);
     void (*write)(std::ofstream&, const Splats&) = extension == ".ply"    ? write_ply_splats
                                                    : extension == ".spz"  ? write_spz
                                                    : extension == ".glb"  ? write_glb

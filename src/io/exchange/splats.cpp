@@ -42,7 +42,8 @@ double inverse_dilogarithm(double y) {
 /// Mean over directions of the product of the standard deviations across a direction: along the unit vector d it is
 /// s0 s1 s2 sqrt(sum (d_k / s_k)^2).
 double mean_area(Vec3d s) {
-    // Gauss points of degree 7 over an octant, by the octahedron's symmetry: axes, edges' and faces' middles.
+    // Lebedev's rule of 26 points, exact to degree 7, of which opposite ones are equal: axes, edges' and faces' middles of
+    // the octahedron.
     const double a = s.y * s.z, b = s.x * s.z, c = s.x * s.y;
     const auto area = [&](double x, double y, double z) {
         return std::sqrt(x * x * a * a + y * y * b * b + z * z * c * c);

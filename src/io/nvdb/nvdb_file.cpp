@@ -6,9 +6,9 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 
+#include "core/file_extension.h"
 #include "core/paging.h"
 #include "vog/error.h"
 
@@ -92,12 +92,7 @@ void check_header(const NanoBuffer& grid, const std::string& where) {
 
 }  // namespace
 
-bool is_nvdb(const std::filesystem::path& file) {
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    return extension == ".nvdb";
-}
+bool is_nvdb(const std::filesystem::path& file) { return lower_extension(file) == ".nvdb"; }
 
 NvdbFile::NvdbFile(const std::filesystem::path& file) : name_(file.string()), file_(file) {
     do read_segment();

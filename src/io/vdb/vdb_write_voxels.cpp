@@ -2,6 +2,7 @@
 // memory at a time.
 #include <set>
 
+#include "core/file_extension.h"
 #include "core/paging.h"
 #include "io/nvdb/nvdb_file.h"
 #include "io/nvdb/nvdb_write.h"
@@ -156,10 +157,7 @@ void write_voxels(const std::filesystem::path& file, const Volume& volume,
             describe(*grid, fields, n);
             return grid;
         });
-    std::string extension = file.extension().string();
-    std::ranges::transform(extension, extension.begin(),
-                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension != ".vdb")
+    if (lower_extension(file) != ".vdb")
         throw Error(fmt::format("{}: cannot write: expected a .vdb or .nvdb", where));
     write_vdb_grids(file, count, [&](std::size_t n) {
         const GridToWrite write = make_grid(

@@ -1,4 +1,4 @@
-// bits.h: numbers of any number of bits, one behind the other.
+// bits.h: numbers as bytes, and numbers of any number of bits, one behind the other.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,12 @@
 #include <string>
 
 namespace vog::vogz {
+
+/// Appends the bytes of a number, little-endian.
+template <class T>
+void put(std::string& out, T value) {
+    out.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
 
 /// Most bits of a number: 7 of the one before it may be pending.
 inline constexpr int kMostBits = 57;

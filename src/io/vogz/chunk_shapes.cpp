@@ -40,11 +40,6 @@ struct ChunkLattice {
     }
 };
 
-template <class T>
-void put(std::string& out, T value) {
-    out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 /// log2 of a mean ratio as a number of halvings.
 std::uint8_t halvings(double mean_of_squares) {
     constexpr double kMost = 20;

@@ -44,11 +44,6 @@ int extra_bits(std::size_t symbol) {
     return symbol < kDirect ? 0 : static_cast<int>(symbol - kDirect) + kLeastWidth - 1;
 }
 
-template <class T>
-void put(std::string& out, T value) {
-    out.append(reinterpret_cast<const char*>(&value), sizeof value);
-}
-
 // --- compressors ---
 
 /// Symbols are noise, in which short repetitions are chance: coding them costs more than the symbols themselves.

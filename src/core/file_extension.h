@@ -1,0 +1,19 @@
+// file_extension.h: the extension of a file's name in lower case, by which formats are chosen.
+#pragma once
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <string>
+
+namespace vog {
+
+/// Extension with its dot: ".vdb" of "SMOKE.VDB"; empty: none.
+inline std::string lower_extension(const std::filesystem::path& file) {
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return extension;
+}
+
+}  // namespace vog
