@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/atomic_file.h"
-#include "core/file_extension.h"
+#include "io/file_extension.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"

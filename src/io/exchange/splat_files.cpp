@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/atomic_file.h"
-#include "core/file_extension.h"
+#include "io/file_extension.h"
 #include "vog/error.h"
 
 namespace vog {

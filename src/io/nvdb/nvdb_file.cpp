@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cstring>
 
-#include "core/file_extension.h"
 #include "core/paging.h"
+#include "io/file_extension.h"
 #include "vog/error.h"
 
 namespace vog::nvdb {

@@ -2,8 +2,8 @@
 // memory at a time.
 #include <set>
 
-#include "core/file_extension.h"
 #include "core/paging.h"
+#include "io/file_extension.h"
 #include "io/nvdb/nvdb_file.h"
 #include "io/nvdb/nvdb_write.h"
 #include "io/vdb/vdb_volume.h"
