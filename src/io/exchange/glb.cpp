@@ -1,4 +1,5 @@
 // glb.cpp: binary glTF 2.0 with KHR_gaussian_splatting: points with rotations x y z w, linear scales and opacities.
+#include <algorithm>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 

@@ -1,6 +1,7 @@
 // usda.cpp: OpenUSD as text, schema ParticleField3DGaussianSplat of 26.x.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 

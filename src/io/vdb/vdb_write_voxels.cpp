@@ -1,5 +1,6 @@
 // vdb_write_voxels.cpp: a volume and fields at its voxels as grids of one file, with one leaf's values in OpenVDB's
 // memory at a time.
+#include <algorithm>
 #include <set>
 
 #include "core/paging.h"
