@@ -149,7 +149,7 @@ light        of volume: 'head', or the direction towards the light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all
 clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at most 10
 steps        True: the models are steps in time, with a play bar and one extinction
-precise      True: means, scales and rotations eight times as fine, for 4 bytes more a Gaussian
+precise      True: numbers four times as fine, for 4 bytes more a Gaussian
 
 Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.)");
 }

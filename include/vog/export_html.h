@@ -52,8 +52,8 @@ struct HtmlOptions {
     TransferFunction tf = named_transfer_function("inferno");  ///< first colours
     ShadeOptions shading{};                                    ///< background and blend
     HtmlQuantity quantity{};
-    /// Means, scales and rotations eight times as fine, for 4 bytes more a Gaussian: the rims of opaque
-    /// surfaces differ by 2 of 255 from the splat renderer's, else by up to 10 (docs/web.md).
+    /// All numbers four times as fine, for 4 bytes more a Gaussian: the rims of opaque surfaces differ by
+    /// 2 of 255 from the splat renderer's, else by up to 10 (docs/web.md).
     bool precise = false;
     /// Whether the models are steps in time: the page plays them, with one extinction and scale for all.
     bool steps = false;
@@ -69,13 +69,9 @@ struct HtmlReport {
     double extinction = 1;         ///< extinction of the first model, factor on density, > 0
 };
 
-/// Writes one page with all models, beside the file, renamed when whole. A Gaussian takes 14 bytes,
-/// or 20 with rotation, before compression (docs/web.md, "What is in the page"). Largest errors:
-///   mean      1/512 of the Gaussian's smallest standard deviation
-///   scale     1/2048 of itself, as a half float
-///   rotation  0.0005 rad
-///   density   so that mass is within 1/2048 of itself
-/// HtmlOptions::precise divides them by 8. A scalar field takes 8 bytes more, a vector field 24 (docs/web.md, "Fields").
+/// Writes one page with all models, beside the file, renamed when whole. Each level is a compact model
+/// (vog/vogz.h) of the step 1/1024, and of field steps of 1/8192: 13 bytes a Gaussian and 7 a scalar field.
+/// HtmlOptions::precise divides them by 4 and by 2.
 /// Gaussians of density 0 are left out.
 /// throws  vog::Error for no model, a model without levels, an invalid model or one too large for a
 ///         browser, a quantity that the first model has not, an unusable camera, transfer function or extinction,

@@ -3,10 +3,14 @@
 
 #include <fmt/core.h>
 
+#include <numeric>
 #include <string>
+#include <vector>
 
 #include "core/atomic_file.h"
+#include "io/exchange/splat_models.h"
 #include "io/file_extension.h"
+#include "io/model_part.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
@@ -16,31 +20,61 @@ namespace vog {
 
 namespace {
 
-enum class Format { ply, vogz };
+enum class Format { ply, vogz, splats };
 
-Format format_of(const std::filesystem::path& file) {
+/// expected  extensions, for messages
+Format format_of(const std::filesystem::path& file, const char* expected) {
     const std::string extension = lower_extension(file);
     if (extension == ".ply") return Format::ply;
     if (extension == ".vogz") return Format::vogz;
-    throw Error(fmt::format("{}: extension '{}', expected .ply or .vogz (model)", file.string(),
-                            extension));
+    if (exchange::is_splats(file)) return Format::splats;
+    throw Error(fmt::format("{}: extension '{}', expected {}", file.string(), extension, expected));
 }
+
+constexpr const char* kReadable = ".ply, .vogz (model), .spz or .glb (splats)";
 
 }  // namespace
 
 Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
     require_readable(file);
-    return format_of(file) == Format::ply ? read_ply(file, hierarchy) : read_vogz(file, hierarchy);
+    switch (format_of(file, kReadable)) {
+        case Format::ply:
+            return read_ply(file, hierarchy);
+        case Format::vogz:
+            return read_vogz(file, hierarchy);
+        case Format::splats:
+            break;
+    }
+    if (hierarchy) *hierarchy = {};
+    return exchange::read_splats(file);
 }
 
 Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
     require_readable(file);
-    return format_of(file) == Format::ply ? read_ply(file, part) : read_vogz(file, part);
+    switch (format_of(file, kReadable)) {
+        case Format::ply:
+            return read_ply(file, part);
+        case Format::vogz:
+            return read_vogz(file, part);
+        case Format::splats:
+            break;
+    }
+    require_part(part, file.string());
+    const Gaussians whole = exchange::read_splats(file);
+    const auto [begin, end] = run_of(part, whole.size());
+    std::vector<std::size_t> own(end - begin);
+    std::iota(own.begin(), own.end(), begin);
+    return select(whole, own);
 }
 
 void write_model(const std::filesystem::path& file, const Gaussians& gaussians,
                  const Hierarchy& hierarchy) {
-    if (format_of(file) == Format::ply)
+    constexpr const char* kWritable = ".ply or .vogz (model)";
+    const Format format = format_of(file, kWritable);
+    if (format == Format::splats)
+        throw Error(fmt::format("{}: splats, expected {}; vog export and write_splats write them",
+                                file.string(), kWritable));
+    if (format == Format::ply)
         write_ply(file, gaussians, hierarchy);
     else
         write_vogz(file, gaussians, hierarchy);

@@ -13,6 +13,7 @@
 
 #include "core/atomic_file.h"
 #include "core/html_text.h"
+#include "io/vogz/vogz_bytes.h"
 #include "render/pixel_limits.h"
 #include "shade/named_extinction.h"
 #include "shade/transfer_function.h"
@@ -20,7 +21,6 @@
 #include "vog/field_maps.h"
 #include "vog/splat.h"
 #include "web/page_fields.h"
-#include "web/web_codec.h"
 #include "web/web_files.h"
 
 namespace vog {
@@ -34,12 +34,13 @@ using Json = nlohmann::ordered_json;
 
 /// Modules in the order of their dependencies.
 constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js", "gaussians.js", "fields.js",        "decoder.js",  "colors.js",
-    "transfer.js", "clip.js",   "renderer.js",  "slabs.js",         "probe.js",    "quantity.js",
-    "link.js",     "input.js",  "editor.js",    "clip_controls.js", "controls.js", "overlay.js",
-    "handles.js",  "player.js", "readout.js",   "main.js"};
+    "vectors.js",  "camera.js",   "columns.js",  "vogz.js",   "gaussians.js", "fields.js",
+    "decoder.js",  "colors.js",   "transfer.js", "clip.js",   "renderer.js",  "slabs.js",
+    "probe.js",    "quantity.js", "link.js",     "input.js",  "editor.js",    "clip_controls.js",
+    "controls.js", "overlay.js",  "handles.js",  "player.js", "readout.js",   "main.js"};
 /// Those of the worker that decodes.
-constexpr const char* kWorkerModules[] = {"gaussians.js", "fields.js", "worker.js"};
+constexpr const char* kWorkerModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js",
+                                          "worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",
                                     "slab.frag",   "ranges.frag",  "light.vert", "light.frag",
                                     "layers.frag", "maximum.frag", "copy.frag",  "screen.vert",
@@ -166,6 +167,26 @@ Camera first_view(const Gaussians& model, const HtmlOptions& options) {
     return options.camera ? *options.camera : orbit_view(framed_box(model));
 }
 
+/// Fineness of a page's numbers, at which rims of opaque surfaces are a few of 255 from the splat renderer's.
+constexpr VogzPrecision kPage{1.0 / 1024, 1.0 / 8192};
+constexpr VogzPrecision kPrecisePage{kPage.step / 4, kPage.field_step / 2};
+
+/// Origin and unit of length of a page's numbers, shared by the levels of a model.
+struct PageFrame {
+    Vec3d center;  ///< world units
+    double unit = 1;
+};
+/// Centre of the means, and the radius of their box or the largest scale if larger.
+PageFrame page_frame(const Gaussians& model) {
+    Box means;
+    for (const Vec3f& mean : model.mean) means.include(vec_cast<double>(mean));
+    if (means.empty()) return {};
+    PageFrame frame{model.origin + means.center(), means.radius()};
+    for (const Vec3f& s : model.scale)
+        frame.unit = std::max({frame.unit, double{s.x}, double{s.y}, double{s.z}});
+    return frame;
+}
+
 /// Text of a script element of a model's data.
 std::string data_element(const std::string& id, const std::string& name, const std::string& bytes) {
     // Longest string of V8, the shortest limit of all engines: 2^29 - 24 characters.
@@ -181,21 +202,15 @@ std::string data_element(const std::string& id, const std::string& name, const s
 Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& options,
                 std::string& data) {
     const Gaussians& finest = model.levels.front();
-    const WebFrame frame = web_frame(finest);
     const Box box = framed_box(finest);
+    const PageFrame frame = page_frame(finest);
     Json levels = Json::array();
-    std::vector<WebShapes> shapes;
     for (std::size_t n = 0; n < model.levels.size(); ++n) {
-        shapes.push_back(web_shapes(model.levels[n], frame));
-        const WebLevel level =
-            web_level(shapes.back(), options.precise ? kPreciseWords : WebPrecision{});
-        levels.push_back({{"count", level.count},
-                          {"rotated", level.rotated},
-                          {"chunks", level.chunks.size()},
-                          {"rotationWords", level.rotation_words},
-                          {"scale", {level.scale.low, level.scale.step}},
-                          {"density", {level.density.low, level.density.step}}});
-        data += data_element(fmt::format("model-{}-{}", index, n), model.name, level.compressed());
+        const Gaussians& level = model.levels[n];
+        levels.push_back(
+            {{"count", std::ranges::count_if(level.density, [](float d) { return d > 0; })}});
+        data += data_element(fmt::format("model-{}-{}", index, n), model.name,
+                             vogz::bytes_of(level, {options.precise ? kPrecisePage : kPage, true}));
     }
     // One picture tells the automatic extinction and the largest column.
     constexpr int kSize = 256;
@@ -206,12 +221,6 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
     const double extinction = options.extinction
                                   ? *options.extinction
                                   : shading::auto_extinction_of(depth, finest.source);
-    const Json fields =
-        fields_json(model.levels, shapes, frame, view,
-                    [&](std::size_t field, std::size_t level, const std::string& bytes) {
-                        data += data_element(fmt::format("field-{}-{}-{}", index, field, level),
-                                             model.name, bytes);
-                    });
     return {{"name", model.name},
             {"center", json_of(frame.center)},
             {"unit", frame.unit},
@@ -224,7 +233,7 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
               {"radius", box.radius() > 0 ? box.radius() : 1}}},
             {"extinction", extinction},
             {"mostColumn", most_column},
-            {"fields", fields},
+            {"fields", fields_json(finest, view)},
             {"levels", levels}};
 }
 

@@ -1,4 +1,4 @@
-// page_fields.cpp: ranges, histograms and bytes of fields.
+// page_fields.cpp: ranges and histograms of fields.
 #include "web/page_fields.h"
 
 #include <algorithm>
@@ -10,7 +10,6 @@
 #include "vog/field_maps.h"
 #include "vog/maximum_picture.h"
 #include "vog/quantity.h"
-#include "web/web_fields.h"
 
 namespace vog::web {
 
@@ -52,58 +51,44 @@ Json histogram(const Gaussians& model, const ScalarField& field, bool logarithmi
     return out;
 }
 
-Json value_json(const WebField& field) {
-    Json values = Json::array();
-    for (const WebField::Value& value : field.value) values.push_back({value.low, value.step});
-    return {{"value", values}, {"change", field.change}, {"deviation", field.deviation}};
-}
-
 template <class Field>
 Json named(const Field& field, bool is_vector) {
-    const WebUnit unit = web_unit(field);
-    return {{"name", field.name},   {"unit", field.unit},     {"vector", is_vector},
-            {"lower", field.lower}, {"upper", field.upper},   {"reference", unit.reference},
-            {"scale", unit.unit},   {"levels", Json::array()}};
+    const PageUnit unit = page_unit(field);
+    return {{"name", field.name},   {"unit", field.unit},   {"vector", is_vector},
+            {"lower", field.lower}, {"upper", field.upper}, {"reference", unit.reference},
+            {"scale", unit.unit}};
 }
 
 }  // namespace
 
-Json fields_json(
-    std::span<const Gaussians> levels, std::span<const WebShapes> shapes, const WebFrame& frame,
-    const Camera& view,
-    const std::function<void(std::size_t, std::size_t, const std::string&)>& add_data) {
-    const Gaussians& finest = levels.front();
+PageUnit page_unit(const ScalarField& field) {
+    const double half = 0.5 * (field.upper - field.lower);
+    if (half > 0) return {field.lower + half, half};
+    // Data of one value: as ExpectedLight has it.
+    return {field.lower, std::max(std::abs(field.lower), 1e-300) * 1e-3};
+}
+PageUnit page_unit(const VectorField& field) { return {0, field.upper > 0 ? field.upper : 1}; }
+
+Json fields_json(const Gaussians& model, const Camera& view) {
     Json all = Json::array();
-    const auto add_levels = [&](Json& entry, const auto& field_of) {
-        for (std::size_t n = 0; n < levels.size(); ++n) {
-            const WebField field = web_field(shapes[n], frame, field_of(levels[n].fields));
-            entry["levels"].push_back(value_json(field));
-            add_data(all.size(), n, deflated(field.bytes));
-        }
-        all.push_back(std::move(entry));
-    };
-    for (const ScalarField& field : finest.fields.scalar) {
+    for (const ScalarField& field : model.fields.scalar) {
         Json entry = named(field, false);
         entry["isMeasure"] = field.is_measure;
-        entry["histogram"] = histogram(finest, field, false);
-        if (field.lower > 0) entry["logHistogram"] = histogram(finest, field, true);
-        entry["ranges"] = {{"", maps_json(finest, {field.name, FieldPart::value}, view)}};
-        entry["ranges"][""]["maximum"] = maximum_range(finest, field.name, view);
-        add_levels(entry, [&](const Fields& fields) -> const ScalarField& {
-            return *fields.find_scalar(field.name);
-        });
+        entry["histogram"] = histogram(model, field, false);
+        if (field.lower > 0) entry["logHistogram"] = histogram(model, field, true);
+        entry["ranges"] = {{"", maps_json(model, {field.name, FieldPart::value}, view)}};
+        entry["ranges"][""]["maximum"] = maximum_range(model, field.name, view);
+        all.push_back(std::move(entry));
     }
-    for (const VectorField& field : finest.fields.vector) {
+    for (const VectorField& field : model.fields.vector) {
         Json entry = named(field, true);
         for (const auto& [name, part] : {std::pair{"view", FieldPart::view},
                                          {"x", FieldPart::x},
                                          {"y", FieldPart::y},
                                          {"z", FieldPart::z},
                                          {"magnitude", FieldPart::magnitude}})
-            entry["ranges"][name] = maps_json(finest, {field.name, part}, view);
-        add_levels(entry, [&](const Fields& fields) -> const VectorField& {
-            return *fields.find_vector(field.name);
-        });
+            entry["ranges"][name] = maps_json(model, {field.name, part}, view);
+        all.push_back(std::move(entry));
     }
     return all;
 }

@@ -1,24 +1,24 @@
-// page_fields.h: fields of a page's models: what the page's JSON says of them, and their data.
+// page_fields.h: what a page's JSON says of the fields of a model.
 #pragma once
 
-#include <functional>
 #include <nlohmann/json_fwd.hpp>
-#include <span>
-#include <string>
 
 #include "vog/camera.h"
+#include "vog/fields.h"
 #include "vog/gaussians.h"
-#include "web/web_codec.h"
 
 namespace vog::web {
 
-/// Fields of a model.
-/// shapes     [levels]
-/// view       for the ranges of maps
-/// add_data   receives the encoded bytes of a field at a level: field, level, zlib stream
-nlohmann::ordered_json fields_json(
-    std::span<const Gaussians> levels, std::span<const WebShapes> shapes, const WebFrame& frame,
-    const Camera& view,
-    const std::function<void(std::size_t, std::size_t, const std::string&)>& add_data);
+/// A field's numbers in the page: (value - reference) / unit.
+struct PageUnit {
+    double reference = 0, unit = 1;
+};
+/// Of a scalar field the middle of the data's range and half of it; of a vector field 0 and the largest magnitude.
+PageUnit page_unit(const ScalarField& field);
+PageUnit page_unit(const VectorField& field);
+
+/// Fields of a model: names, units, ranges of their maps, histograms.
+/// view  for the ranges of maps
+nlohmann::ordered_json fields_json(const Gaussians& model, const Camera& view);
 
 }  // namespace vog::web

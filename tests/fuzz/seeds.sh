@@ -6,7 +6,7 @@ set -euo pipefail
 vog=$1 folder=$2
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-mkdir -p "$folder"/{points_text,ply,vogz,image,camera,transfer_function,results}
+mkdir -p "$folder"/{points_text,ply,vogz,splats,image,camera,transfer_function,results}
 
 "$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
 # The first byte of a text stands for its extension (points_text_fuzz.cpp).
@@ -24,6 +24,12 @@ for options in "" --hierarchy --deflate; do
     "$vog" export "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null
     { printf '\x00'; cat "$made/model.vogz"; } >"$folder/vogz/model$options"
 done
+for extension in spz glb; do
+    "$vog" export "$folder/ply/plain.ply" -o "$made/model.$extension" >/dev/null
+done
+{ printf '\x00'; cat "$made/model.spz"; } >"$folder/splats/spz"
+{ printf '\x01'; gzip -dc "$made/model.spz"; } >"$folder/splats/unpacked"
+{ printf '\x02'; cat "$made/model.glb"; } >"$folder/splats/glb"
 "$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
     --save-camera "$folder/camera/perspective.json" >/dev/null
 "$vog" render "$folder/ply/plain.ply" --size 16 --show column --values-out "$folder/image/column.npy" >/dev/null

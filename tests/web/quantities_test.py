@@ -73,7 +73,7 @@ class Quantities(QuantityTest):
         self.start("precise.html")
         box, lens, light = self.value("vog.page.models[0].box"), self.value("vog.state.camera"), self.value("vog.state.light")
         count = self.value("vog.page.models[0].levels[0].count")
-        self.assertLess(precise - usual, 5 * count)
+        self.assertLess(precise - usual, 6 * count)
         extinction = repr(self.value("vog.page.models[0].extinction"))
         step = ("--show", "volume", "--tf", self.write_transfer(STEP))
         beside = {"eye": [c + f * h for c, f, h in zip(box["center"], (0, 0, 1.2), box["half"])], "at": box["center"]}
@@ -297,12 +297,14 @@ class Quantities(QuantityTest):
     def test_a_link_brings_quantity_range_transfer_and_clip_back(self):
         self.start("smoke.html")
         self.change(show="volume", transfers={"0": STEP}, clip={"lower": [-5, -5, -5], "upper": [5, 60, 5]})
-        before = self.bytes()
+        self.picture("before.png")
         self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
         self.browser.key("c")
         link = self.value("window.copied")
         self.start("smoke.html", "#" + link.split("#")[1] + "&subframes=1&embed")
-        self.assertEqual(self.bytes(), before)
+        self.picture("after.png")
+        # The link has eight digits of the camera.
+        self.assertLessEqual(json.loads(vog("compare", "before.png", "after.png", "--json"))["largest"], 1)
 
     # --- Time. ---
 

@@ -338,7 +338,7 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
     command
         .add_flag(
             "--precise", arguments.precise,
-            "Means, scales and rotations eight times as fine, for 4 bytes more a Gaussian: rims "
+            "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
             "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10")
         ->group(kPageGroup);
     add_page_quantity_options(command, arguments.quantity, kPageGroup);

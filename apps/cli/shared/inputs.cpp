@@ -48,14 +48,16 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     if (extension == ".vdb" && fs::is_regular_file(file, code) && vdb_holds_points(file, grid))
         return FileKind::points;
     if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
-    if (extension == ".ply" || extension == ".vogz" || extension == ".json") return FileKind::model;
+    for (const char* model : {".ply", ".vogz", ".json", ".spz", ".glb"})
+        if (extension == model) return FileKind::model;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
         if (extension == text) return FileKind::points;
     if (!fs::exists(file, code)) throw Error(fmt::format("{}: no such file", file));
-    throw Error(
-        fmt::format("{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
-                    ".tsv, .txt or .dat (particles), .ply, .vogz or .json (model, index of models)",
-                    file, extension));
+    throw Error(fmt::format(
+        "{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
+        ".tsv, .txt or .dat (particles), .ply, .vogz or .json (model, index of models), "
+        ".spz or .glb (splats)",
+        file, extension));
 }
 
 FileKind common_kind(const std::vector<std::string>& inputs, const std::string& grid) {
@@ -259,8 +261,8 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
     for (const std::string& file : model_files(files)) {
         const std::size_t before = model.size();
         Gaussians read = read_model(file, hierarchy ? &one : nullptr);
-        // Compact files may leave the hierarchy to their readers.
-        if (hierarchy && one.empty() && extension_of(file) == ".vogz") one = build_hierarchy(read);
+        // Files of other formats leave the hierarchy to their readers.
+        if (hierarchy && one.empty() && extension_of(file) != ".ply") one = build_hierarchy(read);
         append(model, read);
         if (hierarchy) append(*hierarchy, one, before);
     }

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "vog/error.h"
-#include "web/web_fields.h"
+#include "web/page_fields.h"
 
 namespace vog::viewer {
 
@@ -161,11 +161,11 @@ Drawn drawn_for(const Quantity& quantity, std::shared_ptr<const ValueTransfer> t
 
 FieldUnit unit_of(const Fields& fields, const std::string& field) {
     if (const ScalarField* scalar = fields.find_scalar(field)) {
-        const web::WebUnit unit = web::web_unit(*scalar);
+        const web::PageUnit unit = web::page_unit(*scalar);
         return {unit.reference, unit.unit};
     }
     if (const VectorField* vector = fields.find_vector(field)) {
-        const web::WebUnit unit = web::web_unit(*vector);
+        const web::PageUnit unit = web::page_unit(*vector);
         return {unit.reference, unit.unit};
     }
     return {};

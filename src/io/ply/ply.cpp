@@ -14,6 +14,7 @@
 #include "core/paging.h"
 #include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
+#include "io/exchange/splat_density.h"
 #include "io/model_part.h"
 #include "io/ply/ply_fields.h"
 #include "io/ply/ply_header.h"
@@ -35,20 +36,14 @@ constexpr std::size_t kBlock = 1 << 16;  // rows read or written at a time
 /// Converts the conventions of 3DGS and volprim files to vog's, in place.
 void adopt_conventions(Layout layout, Gaussians& model) {
     if (layout == Layout::vog) return;
-    constexpr float kThreeSigma = 3.0f;  // where both renderers cut off the kernel
-    model.cutoff = kThreeSigma;
+    model.cutoff = exchange::kSplatCutoff;
     for (std::size_t i = 0; i < model.size(); ++i) {
         Vec3f& s = model.scale[i];
         s = {std::exp(s.x), std::exp(s.y), std::exp(s.z)};  // both files store logarithms
         if (layout == Layout::splatting) {
-            // Opacity is a logit of the largest alpha. The peak at which a ray through the centre,
-            // along the mean direction, has T = -ln(1 - alpha): a = T / (sqrt(2 pi) s), s the
-            // geometric mean scale.
-            const double alpha = 1 / (1 + std::exp(-double{model.density[i]}));
-            const double spread = std::cbrt(double{s.x} * s.y * s.z);
-            constexpr double kMaxAlpha = 0.9999;
-            model.density[i] = static_cast<float>(-std::log1p(-std::min(alpha, kMaxAlpha)) /
-                                                  (std::sqrt(2 * std::numbers::pi) * spread));
+            // Opacity is a logit.
+            model.density[i] =
+                exchange::splat_density(1 / (1 + std::exp(-double{model.density[i]})), s);
         } else {
             // volprim's weight multiplies a unit-mass pdf: peak = weight / ((2 pi)^(3/2) s1 s2 s3).
             model.density[i] = static_cast<float>(

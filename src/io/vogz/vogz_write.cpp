@@ -15,6 +15,7 @@
 #include "io/vogz/chunk_fields.h"
 #include "io/vogz/chunk_shapes.h"
 #include "io/vogz/file_table.h"
+#include "io/vogz/vogz_bytes.h"
 #include "vog/error.h"
 #include "vog/vogz.h"
 
@@ -203,7 +204,22 @@ Coding coded(const Gaussians& model, const Hierarchy& hierarchy, const VogzOptio
     return coding;
 }
 
+/// Calls a function with each blob in the order of the table.
+template <class Use>
+void for_each_blob(const Coding& coding, const Use& use) {
+    for (const Chunk& chunk : coding.chunks) std::ranges::for_each(chunk.blobs, use);
+}
+
 }  // namespace
+
+std::string vogz::bytes_of(const Gaussians& gaussians, const VogzOptions& options) {
+    Coding coding = coded(gaussians, {}, options);
+    Gaussians& description = coding.table.description;
+    description.source = description.method = description.options = description.summary = {};
+    std::string bytes = header_bytes(coding.table);
+    for_each_blob(coding, [&](const std::string& blob) { bytes += blob; });
+    return bytes;
+}
 
 VogzReport write_vogz(const std::filesystem::path& file, const Gaussians& gaussians,
                       const Hierarchy& hierarchy, const VogzOptions& options) {
@@ -217,8 +233,7 @@ VogzReport write_vogz(const std::filesystem::path& file, const Gaussians& gaussi
     const std::string header = header_bytes(coding.table);
     write_file(file, [&](std::ofstream& out) {
         out << header;
-        for (const Chunk& chunk : coding.chunks)
-            for (const std::string& blob : chunk.blobs) out << blob;
+        for_each_blob(coding, [&](const std::string& blob) { out << blob; });
     });
     VogzReport report;
     report.gaussians = coding.leaf_order.size();

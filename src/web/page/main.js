@@ -2,7 +2,7 @@
 import { length, mul, normalized, sub } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
-import { Decoder } from './picture/decoder.js';
+import { Decoder } from './model/decoder.js';
 import { reversed } from './picture/colors.js';
 import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
@@ -248,16 +248,15 @@ function setMap() {
 const decoder = new Decoder(find('worker').textContent);
 /** Decodes one level and the shown field, unless it has been. */
 async function decode(model, level) {
-  const levels = levelsOf(model), { count } = page.models[model].levels[level], { field } = state;
+  const levels = levelsOf(model), { extinction, center, unit, fields } = page.models[model], { field } = state;
+  const text = find(`model-${model}-${level}`).textContent;
   if (!levels[level]) {
-    const instances = await decoder.decoded('decodeLevel',
-      find(`model-${model}-${level}`).textContent, page.models[model].levels[level], page.models[model].extinction);
+    const instances = await decoder.decoded('decodeLevel', text, { center, unit }, extinction);
     levels[level] ??= { instances, fields: new Map(), gpu: undefined };
   }
-  const source = page.models[model].fields[field];
-  if (fieldKey(state) === null || !source || levels[level].fields.has(field)) return;
-  const data = await decoder.decoded('decodeField',
-    find(`field-${model}-${field}-${level}`).textContent, source.vector, source.levels[level], count);
+  if (fieldKey(state) === null || !fields[field] || levels[level].fields.has(field)) return;
+  const { vector, reference, scale } = fields[field];
+  const data = await decoder.decoded('decodeField', text, field, { vector, reference, scale });
   levels[level].fields.set(field, data);
 }
 

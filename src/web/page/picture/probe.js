@@ -2,8 +2,8 @@
 // the opacity of what lies in front passes one half. From the decoded Gaussians, exactly along the ray.
 import { add, dot, length, mul, sub } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
-import { instanceFloats } from './gaussians.js';
-import { scalarFloats } from './fields.js';
+import { instanceFloats } from '../model/gaussians.js';
+import { scalarFloats } from '../model/fields.js';
 import { expectedLight } from './transfer.js';
 import { kept } from './clip.js';
 

@@ -2,8 +2,8 @@
 // line integrals to sums (T, or the sums of a field), or to depth slabs (slabs.js); then the colour of the sums.
 import { sub, mul, dot } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
-import { instanceFloats } from './gaussians.js';
-import { scalarFloats, vectorFloats } from './fields.js';
+import { instanceFloats } from '../model/gaussians.js';
+import { scalarFloats, vectorFloats } from '../model/fields.js';
 import { sampled } from './colors.js';
 import { planesOf } from './clip.js';
 

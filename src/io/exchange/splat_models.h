@@ -1,0 +1,19 @@
+// splat_models.h: Gaussians of the splats of other programs: opacities become densities, colours are not read.
+#pragma once
+
+#include <filesystem>
+
+#include "vog/gaussians.h"
+
+namespace vog::exchange {
+
+/// Whether a file is splats, by its extension: .spz, .glb.
+bool is_splats(const std::filesystem::path& file);
+/// Gaussians of a file, cut off at 3 standard deviations.
+/// throws  vog::Error for another extension, a missing, truncated or corrupt file, or what it holds beside splats alone
+Gaussians read_splats(const std::filesystem::path& file);
+
+Gaussians read_spz(const std::filesystem::path& file);
+Gaussians read_glb(const std::filesystem::path& file);
+
+}  // namespace vog::exchange

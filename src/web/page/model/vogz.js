@@ -1,0 +1,201 @@
+// vogz.js: compact models (.vogz, docs/formats.md) whose columns browsers can unpack: table, shapes, fields. Encoder:
+// src/io/vogz.
+import { Bits, Bytes, Damaged, inflated, takeNumbers, takeWords } from './columns.js';
+
+const magic = [0x56, 0x4f, 0x47, 0x5a, 0x0d, 0x0a, 0x1a, 0x0a], version = 1, deflate = 1;
+const kinds = { gaussians: 0, nodes: 1, links: 2, field: 3 };
+const blobBytes = 48, mostPlaceBits = 40;
+/** Steps of a field's columns from that of its values (rounding.h). */
+const changeSteps = 1.41, deviationSteps = 4, shareSteps = 32;
+
+const crcTable = Uint32Array.from({ length: 256 }, (_, n) => {
+  for (let bit = 0; bit < 8; ++bit) n = n & 1 ? (n >>> 1) ^ 0xedb88320 : n >>> 1;
+  return n;
+});
+function checksum(bytes) {
+  let crc = ~0;
+  for (let n = 0; n < bytes.length; ++n) crc = (crc >>> 8) ^ crcTable[(crc ^ bytes[n]) & 255];
+  return ~crc >>> 0;
+}
+
+function described(json) {
+  try {
+    return JSON.parse(new TextDecoder().decode(json));
+  } catch {
+    throw new Damaged();
+  }
+}
+
+/** Description of a file and its chunks of Gaussians: [{count, shapes, fields}], bytes of each. */
+export async function opened(bytes) {
+  const from = new Bytes(bytes);
+  if (magic.some((byte) => byte !== from.u8())) throw new Damaged();
+  const found = from.u32();
+  if (found !== version) throw new Error(`a model of version ${found}, expected ${version}`);
+  if (from.u32() !== deflate) throw new Error('a model packed by zstd, expected one that was written with --deflate');
+  const jsonBytes = from.i64(), blobs = from.i64(), packed = from.i64(), crc = from.u32();
+  from.u32();
+  const header = from.take(packed);
+  if (checksum(header) !== crc) throw new Damaged();
+  const body = new Bytes(await inflated(header));
+  const file = described(body.take(jsonBytes));
+  file.chunks = [];
+  let chunk = null;
+  for (let n = 0; n < blobs; ++n) {
+    const row = new Bytes(body.take(blobBytes));
+    const kind = row.u32(), field = row.u32();
+    row.u32();
+    const count = row.u32(), blob = { bytes: from.take(row.u32()), crc: row.u32() };
+    if (kind === kinds.gaussians) file.chunks.push(chunk = { count, shapes: blob, fields: [] });
+    else if (kind === kinds.nodes) chunk = null;
+    else if (kind === kinds.field && chunk) chunk.fields[field] = blob;
+  }
+  if (!from.ended || file.chunks.reduce((sum, { count }) => sum + count, 0) !== file.gaussians) throw new Damaged();
+  return file;
+}
+
+function checked({ bytes, crc }) {
+  if (checksum(bytes) !== crc) throw new Damaged();
+  return new Bytes(bytes);
+}
+
+// --- Shapes. ---
+
+/** Bits 0, 3, 6, ... of 30. */
+function everyThird(bits) {
+  bits &= 0x09249249;
+  bits = (bits | (bits >>> 2)) & 0x030c30c3;
+  bits = (bits | (bits >>> 4)) & 0x0300f00f;
+  bits = (bits | (bits >>> 8)) & 0x030000ff;
+  return (bits | (bits >>> 16)) & 0x3ff;
+}
+
+/** Jacobi rotation in the plane of axes p and q about r: m has xx yy zz xy xz yz, quaternion is w x y z. */
+function rotate(m, quaternion, p, q, r, pq, pr, qr) {
+  if (m[pq] === 0) return;
+  const difference = m[q] - m[p], below = Math.abs(difference) + Math.sqrt(difference * difference + 4 * m[pq] * m[pq]);
+  const tangent = ((difference < 0 ? -2 : 2) * m[pq]) / below;
+  const c = 1 / Math.sqrt(1 + tangent * tangent), s = tangent * c, half = Math.sqrt(0.5 * (1 + c)), turn = (-0.5 * s) / half;
+  m[p] -= tangent * m[pq];
+  m[q] += tangent * m[pq];
+  m[pq] = 0;
+  const mpr = m[pr], mqr = m[qr];
+  m[pr] = c * mpr - s * mqr;
+  m[qr] = s * mpr + c * mqr;
+  const w = quaternion[0], x = quaternion[1 + r], y = quaternion[1 + p], z = quaternion[1 + q];
+  quaternion[0] = half * w - turn * x;
+  quaternion[1 + r] = half * x + turn * w;
+  quaternion[1 + p] = half * y + turn * z;
+  quaternion[1 + q] = half * z - turn * y;
+}
+
+/** Columns of the shapes of a chunk, read in turn, and what they say. */
+async function shapeColumns(file, chunk) {
+  const from = checked(chunk.shapes), { count } = chunk;
+  const lattice = { cell: from.i16(), finerMean: from.u8(), finerShape: from.u8() };
+  lattice.base = [from.i64(), from.i64(), from.i64()];
+  lattice.massFactor = from.f64();
+  const steps = await takeWords(from, count);
+  const entries = [];
+  for (let k = 0; k < (file.rotated ? 6 : 3); ++k) entries.push(await takeNumbers(from, count));
+  const mass = await takeNumbers(from, count);
+  const places = new Bits(from.take(from.u32()));
+  if (!from.ended) throw new Damaged();
+  return { lattice, steps, entries, mass, places, finer: 2 ** -lattice.finerShape };
+}
+
+const traceOf = ({ entries }, n) => entries[0][n] + entries[1][n] + entries[2][n];
+/** Geometric mean of a Gaussian's scales. */
+const spreadOf = (file, columns, n) => Math.exp((columns.finer * file.steps[0] * traceOf(columns, n)) / 3);
+
+/** Standard deviations and rotation of each Gaussian: set(n, scales, quaternion w x y z). */
+function eachShape(file, { entries, finer }, count, set) {
+  const [diagonal, shear] = file.steps, m = new Float64Array(6), quaternion = new Float64Array(4);
+  const scales = new Float64Array(3);
+  for (let n = 0; n < count; ++n) {
+    for (let k = 0; k < entries.length; ++k) m[k] = finer * (k < 3 ? diagonal : shear) * entries[k][n];
+    quaternion.fill(0);
+    quaternion[0] = 1;
+    // Each sweep about squares the entries beside the diagonal.
+    for (let sweep = 0; sweep < 5 && (m[3] || m[4] || m[5]); ++sweep) {
+      rotate(m, quaternion, 0, 1, 2, 3, 4, 5);
+      rotate(m, quaternion, 1, 2, 0, 5, 3, 4);
+      rotate(m, quaternion, 2, 0, 1, 4, 5, 3);
+    }
+    if (quaternion[0] < 0) for (let k = 0; k < 4; ++k) quaternion[k] = -quaternion[k];
+    for (let k = 0; k < 3; ++k) scales[k] = Math.exp(m[k]);
+    set(n, scales, quaternion);
+  }
+}
+
+/** Means of each Gaussian, relative to the corner of the file's lattice: set(n, axis, value). */
+function eachMean(file, { lattice, steps, places, ...columns }, count, set) {
+  const [atZero, perTrace] = file.exponent;
+  let upper = 0, lower = 0;  // Morton code
+  for (let n = 0; n < count; ++n) {
+    // Half of a word, its bits inverted if the word is odd, in 64 bits.
+    const invert = -(steps.lower[n] & 1), word = steps.upper[n];
+    const sum = lower + ((((steps.lower[n] >>> 1) | (word << 31)) ^ invert) >>> 0);
+    lower = sum >>> 0;
+    upper = (upper + ((word >>> 1) ^ invert) + (sum > 0xffffffff ? 1 : 0)) >>> 0;
+    const middle = (upper << 2) | (lower >>> 30), top = upper >>> 28;
+    const trace = traceOf(columns, n) * columns.finer;
+    const exponent = Math.max(-1000, Math.min(1000, Math.floor(atZero + perTrace * trace))) - lattice.finerMean;
+    const inside = Math.max(0, Math.min(mostPlaceBits, lattice.cell - exponent));
+    const edge = file.edge * 2 ** exponent;
+    for (let axis = 0; axis < 3; ++axis) {
+      const bit = 2 - axis;
+      const cell = everyThird(lower >>> bit) + 1024 * everyThird(middle >>> bit) + 1048576 * ((top >>> bit) & 1);
+      set(n, axis, edge * ((cell + lattice.base[axis]) * 2 ** inside + places.take(inside) + 0.5));
+    }
+  }
+  if (!places.ended) throw new Damaged();
+}
+
+/**
+ * Gaussians of a chunk.
+ * setShape  (n, scales, quaternion, mass / (2 pi)^1.5), world units
+ * setMean   (n, axis, value), relative to origin + corner
+ */
+export async function chunkShapes(file, chunk, setShape, setMean) {
+  const columns = await shapeColumns(file, chunk), { mass, lattice } = columns;
+  eachShape(file, columns, chunk.count, (n, scales, quaternion) =>
+    setShape(n, scales, quaternion, lattice.massFactor * Math.exp(mass[n] * file.steps[2])));
+  eachMean(file, columns, chunk.count, setMean);
+}
+
+// --- Fields. ---
+
+/**
+ * Field of a chunk, in the field's unit.
+ * set  (n, scales, quaternion, {value, deviation, gradient [component][axis], share}): value and deviation of each component;
+ *      share is the skewness, or the correlations xy xz yz
+ */
+export async function chunkField(file, chunk, field, set) {
+  const { kind, reference, scale, step } = file.fields[field], { count } = chunk;
+  const shapes = await shapeColumns(file, chunk), from = checked(chunk.fields[field]);
+  const parts = kind === 'vector' ? [0, 1, 2] : [0];
+  const columns = async (number, factor) => {
+    const all = [];
+    for (let n = 0; n < number; ++n) all.push((await takeNumbers(from, count)).map((word) => word * factor));
+    return all;
+  };
+  const roots = await columns(parts.length, step * deviationSteps);
+  const values = await columns(parts.length, scale * step);
+  const changes = await columns(3 * parts.length, scale * step * changeSteps);
+  const shares = await columns(kind === 'vector' ? 3 : 1, step * shareSteps);
+  if (!from.ended) throw new Damaged();
+  // Rounding may leave correlations that no data has; a share of the unit matrix makes up for it.
+  const [most, shrink] = kind === 'vector' ? [1, 1 / (1 + step * shareSteps)] : [3, 1];
+  const one = { value: [], deviation: [], gradient: parts.map(() => [0, 0, 0]), share: [] };
+  eachShape(file, shapes, count, (n, scales, quaternion) => {
+    const spread = spreadOf(file, shapes, n);
+    for (const part of parts) {
+      one.value[part] = values[part][n] + (kind === 'vector' ? 0 : reference);
+      one.deviation[part] = roots[part][n] ** 2 * scale;
+      for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][n] / spread;
+    }
+    shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[n])); });
+    set(n, scales, quaternion, one);
+  });
+}
