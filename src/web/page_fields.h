@@ -1,4 +1,4 @@
-// page_fields.h: what a page's JSON says of the fields of a model.
+// page_fields.h: Names, ranges and histograms of a model's fields in the JSON of a page.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -336,10 +336,9 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
         ->check(CLI::Range(1, 32))
         ->capture_default_str();
     command
-        .add_flag(
-            "--precise", arguments.precise,
-            "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
-            "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10")
+        .add_flag("--precise", arguments.precise,
+                  "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
+                  "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10")
         ->group(kPageGroup);
     add_page_quantity_options(command, arguments.quantity, kPageGroup);
     command
