@@ -14,6 +14,8 @@ packages=(
     libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libopenexr-dev libimath-dev
     # ray tracing
     libembree-dev
+    # single formats, without which vog refuses their files: TIFF, FITS, HDF5
+    libtiff-dev libcfitsio-dev libhdf5-dev
 )
 all_packages=(
     # window: OpenGL, also without a display or a graphics card

@@ -5,21 +5,27 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
 
 #include "data/volume_partition.h"
+#include "io/file_extension.h"
 #include "io/nvdb/nvdb_file.h"
+#include "io/scan/scan_file.h"
+#include "io/scan/scan_volume.h"
 #include "io/vdb/vdb_reader.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/scan_io.h"
 #include "vog/voxel_field.h"
 
 namespace vog {
 
 using namespace nvdb;
+using namespace scan;
 using namespace vdb;
 
 namespace {
@@ -72,13 +78,54 @@ std::vector<std::string> matching_grids(const std::filesystem::path& file,
     return some;
 }
 
+/// Metadata of a NanoVDB volume, in the form of an OpenVDB grid's.
+GridInfo info_of(const Volume& volume) {
+    GridInfo info;
+    info.name = volume.name;
+    info.type = "float";
+    info.grid_class = "fog volume";
+    info.active_voxels = active_voxels(volume);
+    info.leaves = volume.leaves.size();
+    info.world_from_index = volume.world_from_index;
+    info.memory_bytes = volume.leaves.size() * sizeof(Leaf) + volume.tiles.size() * sizeof(Tile);
+    Box box;  // index space: centres of the active voxels
+    float low = std::numeric_limits<float>::infinity(), high = 0;
+    const auto include = [&](Vec3i first, Vec3i last, float value) {
+        box.include(vec_cast<double>(first));
+        box.include(vec_cast<double>(last));
+        low = std::min(low, value);
+        high = std::max(high, value);
+    };
+    for (const Leaf& leaf : volume.leaves) {
+        info.dense_leaves += leaf.dense();
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (leaf.active(n)) {
+                const Vec3i voxel = leaf.origin + Vec3i{n >> 6, (n >> 3) & 7, n & 7};
+                include(voxel, voxel, leaf.value[static_cast<std::size_t>(n)]);
+            }
+    }
+    for (const Tile& tile : volume.tiles) {
+        ++info.active_tiles[tile.edge == 8 ? 0 : tile.edge == 128 ? 1 : 2];
+        const std::int32_t last = tile.edge - 1;
+        include(tile.origin, tile.origin + Vec3i{last, last, last}, tile.value);
+    }
+    info.lower = vec_cast<std::int32_t>(box.lower);
+    info.upper = vec_cast<std::int32_t>(box.upper);
+    const Vec3d half{0.5, 0.5, 0.5};
+    info.world = transformed(volume.world_from_index, {box.lower - half, box.upper + half});
+    info.min = low;
+    info.max = high;
+    return info;
+}
+
 }  // namespace
 
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
                    std::vector<std::string>* notes) {
     ValueNotes found;
-    Volume volume =
-        is_nvdb(file) ? read_nvdb(file, options, &found) : read_vdb(file, options, &found);
+    Volume volume = is_nvdb(file)   ? read_nvdb(file, options, &found)
+                    : is_scan(file) ? read_scan(file, options, &found)
+                                    : read_vdb(file, options, &found);
     const std::string text =
         values_text(found, fmt::format("{}: grid '{}'", file.string(), volume.name));
     if (notes && !text.empty()) notes->push_back(text);
@@ -86,12 +133,25 @@ Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
 }
 
 std::vector<std::string> grid_names(const std::filesystem::path& file) {
+    if (is_scan(file)) return scan_grid_names(file);
     return is_nvdb(file) ? nvdb_grid_names(file) : vdb_grid_names(file);
+}
+
+bool is_volume_file(const std::filesystem::path& file) {
+    return is_nvdb(file) || is_scan(file) || lower_extension(file) == ".vdb";
+}
+
+std::vector<VolumeInfo> inspect_volume(const std::filesystem::path& file) {
+    if (is_scan(file)) return inspect_scan(file);
+    if (is_nvdb(file)) return {{info_of(read_nvdb(file, {.values = {true, true}})), {}, {}, {}}};
+    std::vector<VolumeInfo> all;
+    for (const GridInfo& grid : inspect_vdb(file)) all.push_back({grid, {}, {}, {}});
+    return all;
 }
 
 struct VolumeReader::State {
     std::optional<VdbReader> vdb{};
-    Volume whole{};  ///< for files without partial reading (.nvdb)
+    Volume whole{};  ///< for files without partial reading
     ValueNotes notes{};
 };
 
@@ -99,6 +159,8 @@ VolumeReader::VolumeReader(const std::filesystem::path& file, const VdbOptions& 
     : state_(std::make_unique<State>()) {
     if (is_nvdb(file))
         state_->whole = read_nvdb(file, options, &state_->notes);
+    else if (is_scan(file))
+        state_->whole = read_scan(file, options, &state_->notes);
     else
         state_->vdb.emplace(file, options);
 }

@@ -10,7 +10,8 @@ void run(Bytes input) {
     if (input.empty()) return;
     // The first byte chooses the format.
     constexpr const char* kExtensions[] = {".xyz", ".csv", ".tsv", ".txt", ".dat"};
-    const char* extension = kExtensions[input[0] % 5];
+    std::string extension = kExtensions[input[0] % 5];
+    if (input[0] == 0xff) extension += ".gz";
     const std::filesystem::path file = input_file(input.subspan(1), extension);
     for (const bool lenient : {false, true}) {
         Points points;

@@ -12,7 +12,7 @@
 #include "shared/terminal.h"
 #include "vog/model_io.h"
 #include "vog/points.h"
-#include "vog/volume_io.h"
+#include "vog/scan_io.h"
 
 namespace vog::cli {
 
@@ -44,7 +44,8 @@ std::string text(const Box& box) {
 }
 std::string text(Vec3i v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
 
-Json as_json(const GridInfo& grid) {
+Json as_json(const VolumeInfo& volume) {
+    const GridInfo& grid = volume.grid;
     Json json = {{"name", grid.name},
                  {"type", grid.type},
                  {"class", grid.grid_class},
@@ -62,6 +63,9 @@ Json as_json(const GridInfo& grid) {
                  {"max", grid.max},
                  {"memory_bytes", grid.memory_bytes}};
     if (grid.points) json["points"] = grid.points;
+    if (!volume.coordinates.empty()) json["coordinates"] = volume.coordinates;
+    if (!volume.length_unit.empty()) json["length_unit"] = volume.length_unit;
+    if (!volume.value_unit.empty()) json["value_unit"] = volume.value_unit;
     if (grid.affine) {
         Json rows = Json::array();
         for (int r = 0; r < 3; ++r) {
@@ -73,7 +77,8 @@ Json as_json(const GridInfo& grid) {
     return json;
 }
 
-void print(const GridInfo& grid) {
+void print(const VolumeInfo& volume) {
+    const GridInfo& grid = volume.grid;
     const auto line = [](const char* name, const std::string& value) {
         print_line(fmt::format("  {:<14} {}", name, value));
     };
@@ -91,13 +96,16 @@ void print(const GridInfo& grid) {
         const Vec3i size = grid.upper - grid.lower + Vec3i{1, 1, 1};
         line("bounding box", fmt::format("{} to {}, {}x{}x{} voxels", text(grid.lower),
                                          text(grid.upper), size.x, size.y, size.z));
-        line("value range", fmt::format("{:.6g} to {:.6g}", grid.min, grid.max));
+        line("value range", fmt::format("{:.6g} to {:.6g}{}{}", grid.min, grid.max,
+                                        volume.value_unit.empty() ? "" : " ", volume.value_unit));
     }
+    if (!volume.coordinates.empty()) line("coordinates", volume.coordinates);
     if (grid.affine) {
         if (!grid.world.empty()) line("world box", text(grid.world));
         const Mat3& m = grid.world_from_index.linear;
-        line("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}", length(m.column(0)),
-                                       length(m.column(1)), length(m.column(2))));
+        line("voxel size", fmt::format("{:.6g} x {:.6g} x {:.6g}{}{}", length(m.column(0)),
+                                       length(m.column(1)), length(m.column(2)),
+                                       volume.length_unit.empty() ? "" : " ", volume.length_unit));
         for (int r = 0; r < 3; ++r) {
             const Vec3d row = m.row[static_cast<std::size_t>(r)];
             line(r == 0 ? "transform" : "",
@@ -108,46 +116,6 @@ void print(const GridInfo& grid) {
         line("transform", "not affine (a frustum)");
     }
     line("memory", bytes_text(grid.memory_bytes));
-}
-
-/// Metadata of a NanoVDB volume, in the form of an OpenVDB grid's.
-GridInfo info_of(const Volume& volume) {
-    GridInfo info;
-    info.name = volume.name;
-    info.type = "float";
-    info.grid_class = "fog volume";
-    info.active_voxels = active_voxels(volume);
-    info.leaves = volume.leaves.size();
-    info.world_from_index = volume.world_from_index;
-    info.memory_bytes = volume.leaves.size() * sizeof(Leaf) + volume.tiles.size() * sizeof(Tile);
-    Box box;  // index space: centres of the active voxels
-    float low = std::numeric_limits<float>::infinity(), high = 0;
-    const auto include = [&](Vec3i first, Vec3i last, float value) {
-        box.include(vec_cast<double>(first));
-        box.include(vec_cast<double>(last));
-        low = std::min(low, value);
-        high = std::max(high, value);
-    };
-    for (const Leaf& leaf : volume.leaves) {
-        info.dense_leaves += leaf.dense();
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (leaf.active(n)) {
-                const Vec3i voxel = leaf.origin + Vec3i{n >> 6, (n >> 3) & 7, n & 7};
-                include(voxel, voxel, leaf.value[static_cast<std::size_t>(n)]);
-            }
-    }
-    for (const Tile& tile : volume.tiles) {
-        ++info.active_tiles[tile.edge == 8 ? 0 : tile.edge == 128 ? 1 : 2];
-        const std::int32_t last = tile.edge - 1;
-        include(tile.origin, tile.origin + Vec3i{last, last, last}, tile.value);
-    }
-    info.lower = vec_cast<std::int32_t>(box.lower);
-    info.upper = vec_cast<std::int32_t>(box.upper);
-    const Vec3d half{0.5, 0.5, 0.5};
-    info.world = transformed(volume.world_from_index, {box.lower - half, box.upper + half});
-    info.min = low;
-    info.max = high;
-    return info;
 }
 
 /// Calls take(field, kind) for each field of a model.
@@ -280,13 +248,10 @@ void info(const std::vector<std::string>& files, bool json) {
             }
             continue;
         }
-        const std::vector<GridInfo> infos =
-            extension_of(file) == ".nvdb"
-                ? std::vector{info_of(read_nvdb(file, {.values = {true, true}}))}
-                : inspect_vdb(file);
+        const std::vector<VolumeInfo> infos = inspect_volume(file);
         if (!json) print_line(file);
         Json grids = Json::array();
-        for (const GridInfo& grid : infos) {
+        for (const VolumeInfo& grid : infos) {
             grids.push_back(as_json(grid));
             if (!json) print(grid);
         }
@@ -302,10 +267,7 @@ void add_info(CLI::App& app) {
     auto json = std::make_shared<bool>(false);
     CLI::App* command =
         app.add_subcommand("info", "Show the contents of volumes, particles and models");
-    command
-        ->add_option("files", *files,
-                     "OpenVDB or NanoVDB volumes, particles as text or .vdb, PLY models")
-        ->required();
+    command->add_option("files", *files, "Volumes, particles, models")->required();
     command->add_flag("--json", *json, "Print one JSON object and nothing else on standard output");
     command->callback([files, json] { info(*files, *json); });
 }

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "shared/inputs.h"
+#include "vog/scan_io.h"
 #include "vog/text.h"
 
 namespace vog::cli {
@@ -26,11 +27,6 @@ constexpr const char* kForms = "expected GRID, FILE:GRID or NAME=FILE:GRID";
 bool is_file(const std::string& path) {
     std::error_code code;
     return fs::is_regular_file(path, code);
-}
-
-bool is_volume(const std::string& path) {
-    const std::string extension = extension_of(path);
-    return extension == ".vdb" || extension == ".nvdb";
 }
 
 /// File and grid of FILE:GRID, by the longest part before a colon that is accepted as a file.
@@ -92,7 +88,8 @@ FieldSource parse_field(const std::string& text) {
         check_name(text, name);
         source = existing(rest);
     }
-    if (!source) source = split_at_colon(rest, is_volume);  // its reader reports the missing file
+    if (!source)
+        source = split_at_colon(rest, is_volume_file);  // its reader reports the missing file
     if (!source) source = FieldSource{.grid = rest};
     if (rest.empty() || (rest.back() == ':' && source->grid.empty()))
         refuse(text, fmt::format("no grid, {}", kForms));

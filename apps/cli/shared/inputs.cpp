@@ -13,8 +13,8 @@
 #include "vog/error.h"
 #include "vog/lod.h"
 #include "vog/model_io.h"
+#include "vog/scan_io.h"
 #include "vog/shade.h"
-#include "vog/volume_io.h"
 
 namespace vog::cli {
 
@@ -47,16 +47,21 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     std::error_code code;
     if (extension == ".vdb" && fs::is_regular_file(file, code) && vdb_holds_points(file, grid))
         return FileKind::points;
-    if (extension == ".vdb" || extension == ".nvdb") return FileKind::volume;
+    if (is_volume_file(file)) return FileKind::volume;
     for (const char* model : {".ply", ".vogz", ".json", ".spz", ".glb"})
         if (extension == model) return FileKind::model;
+    const std::string inner =
+        extension == ".gz" ? extension_of(fs::path(file).stem().string()) : extension;
     for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
-        if (extension == text) return FileKind::points;
+        if (inner == text) return FileKind::points;
+    for (const char* snapshot : {".hdf5", ".h5", ".hdf"})
+        if (extension == snapshot) return FileKind::points;
     if (!fs::exists(file, code)) throw Error(fmt::format("{}: no such file", file));
     throw Error(fmt::format(
-        "{}: unknown extension '{}', expected .vdb or .nvdb (volume), .xyz, .csv, "
-        ".tsv, .txt or .dat (particles), .ply, .vogz or .json (model, index of models), "
-        ".spz or .glb (splats)",
+        "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
+        ".mhd, .raw, .tif or .fits (volume), .xyz, .csv, .tsv, .txt, .dat or .hdf5 (particles), "
+        ".ply, "
+        ".vogz or .json (model, index of models), .spz or .glb (splats)",
         file, extension));
 }
 
@@ -238,8 +243,11 @@ void refuse_volume_options(const CLI::App& command, FileKind kind,
     const bool models = kind == FileKind::model;
     refuse({"--mask", "--sum", "--mesh", "--level-set-to-fog"}, models ? "models" : "particles");
     if (models) refuse({"--grid", "--skip-nonfinite", "--clip-negative"}, "models");
-    const bool text = std::ranges::none_of(
-        inputs, [](const std::string& input) { return extension_of(input) == ".vdb"; });
+    const bool text = std::ranges::none_of(inputs, [](const std::string& input) {
+        const std::string extension = extension_of(input);
+        return extension == ".vdb" || extension == ".hdf5" || extension == ".h5" ||
+               extension == ".hdf";
+    });
     if (text) refuse({"--grid"}, "particles in text files");
 }
 

@@ -1,10 +1,12 @@
-// field_grid.cpp: reading of a field's grid from .vdb and .nvdb files, and its vector type.
+// field_grid.cpp: reading of a field's grid from .vdb, .nvdb and dense files, and its vector type.
 #include "io/fields/field_grid.h"
 
 #include <fmt/core.h>
 
 #include "io/nvdb/nvdb_file.h"
 #include "io/nvdb/nvdb_grid.h"
+#include "io/scan/scan_file.h"
+#include "io/scan/scan_volume.h"
 #include "io/vdb/vdb_density.h"
 #include "io/vdb/vdb_grid.h"
 #include "vog/error.h"
@@ -69,7 +71,7 @@ FieldGrid load_nvdb(const FieldSource& source) {
 
 void require_file(const FieldSource& source) {
     if (source.file.empty())
-        throw Error(fmt::format("field '{}': no file, expected a .vdb or .nvdb",
+        throw Error(fmt::format("field '{}': no file, expected a .vdb, .nvdb or dense image",
                                 printable(source.name.empty() ? source.grid : source.name)));
 }
 
@@ -84,7 +86,9 @@ Vec3d VectorMap::operator()(Vec3d v) const {
 FieldGrid load_field_grid(const FieldSource& source) {
     require_file(source);
     openvdb::initialize();
-    FieldGrid field = nvdb::is_nvdb(source.file) ? load_nvdb(source) : load_vdb(source);
+    FieldGrid field = nvdb::is_nvdb(source.file)   ? load_nvdb(source)
+                      : scan::is_scan(source.file) ? scan::load_scan_field(source)
+                                                   : load_vdb(source);
     field.staggered = field.grid->getGridClass() == openvdb::GRID_STAGGERED;
     field.level_set = field.grid->getGridClass() == openvdb::GRID_LEVEL_SET;
     if (!source.name.empty()) field.name = source.name;
@@ -97,6 +101,8 @@ std::string name_of(const FieldSource& source) {
     openvdb::initialize();
     const std::string grid = nvdb::is_nvdb(source.file)
                                  ? nvdb::chosen_entry(nvdb::NvdbFile(source.file), source.grid).name
+                             : scan::is_scan(source.file)
+                                 ? scan::scan_field_name(source)
                                  : chosen_entry(VdbFile(source.file), source.grid).plain_name;
     return source.name.empty() ? grid : source.name;
 }

@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include "io/file_extension.h"
 #include "io/points/text_fields.h"
 #include "vog/error.h"
 #include "vog/text.h"
@@ -60,7 +61,7 @@ Names as_names(const std::vector<std::string_view>& fields, std::size_t columns)
 Head read_head(const std::filesystem::path& file, std::string_view text, char separator) {
     Head head;
     std::vector<std::string_view> headers, comments;
-    const bool xyz = lower(file.extension().string()) == ".xyz";
+    const bool xyz = text_extension(file) == ".xyz";
     for (; !text.empty(); ++head.line) {
         const std::string_view line = trimmed(take_line(text));
         if (line.empty()) continue;
@@ -169,14 +170,20 @@ std::vector<std::size_t> vector_columns(const std::filesystem::path& file, const
 
 }  // namespace
 
+std::string text_extension(const std::filesystem::path& file) {
+    const std::string last = lower_extension(file);
+    return last == ".gz" ? lower_extension(file.stem()) : last;
+}
+
 char text_separator(const std::filesystem::path& file, std::string_view head) {
-    const std::string extension = lower(file.extension().string());
+    const std::string extension = text_extension(file);
     if (extension == ".tsv") return '\t';
     if (extension == ".xyz" || extension == ".txt" || extension == ".dat") return 0;
     if (extension != ".csv")
-        throw Error(
-            fmt::format("{}: unknown extension '{}', expected .xyz, .txt, .dat, .csv, .tsv or .vdb",
-                        file.string(), extension));
+        throw Error(fmt::format(
+            "{}: unknown extension '{}', expected .xyz, .txt, .dat, .csv, .tsv (also .gz), "
+            ".hdf5 or .vdb",
+            file.string(), extension));
     while (!head.empty()) {
         const std::string_view line = trimmed(take_line(head));
         if (!is_comment_or_empty(line))

@@ -22,6 +22,9 @@ struct PointColumns {
     std::uint64_t first_line = 0;         ///< number of the first particle's line, from 0
 };
 
+/// Extension in lower case, with its dot: ".csv", of a gzip'd "a.csv.gz" too.
+std::string text_extension(const std::filesystem::path& file);
+
 /// Separator by extension; 0 for blanks.
 /// head    first lines of the file, to tell commas from semicolons in a .csv
 /// throws  vog::Error for an unknown extension

@@ -66,7 +66,9 @@ std::uint64_t keep_finite(Points& points, bool skip) {
 
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options,
                    ValueNotes* notes) {
-    Points points = is_vdb(file) ? read_points_vdb(file, options) : read_points_text(file, options);
+    Points points = is_vdb(file)    ? read_points_vdb(file, options)
+                    : is_hdf5(file) ? read_points_hdf5(file, options)
+                                    : read_points_text(file, options);
     const std::uint64_t skipped = keep_finite(points, options.values.skip_nonfinite);
     if (notes) notes->skipped_nonfinite += skipped;
     return points;
@@ -74,6 +76,9 @@ Points read_points(const std::filesystem::path& file, const PointReadOptions& op
 
 void write_points(const std::filesystem::path& file, const Points& points) {
     validate(points);
+    if (is_hdf5(file))
+        throw Error(
+            fmt::format("{}: cannot write HDF5, expected .xyz, .csv, .tsv or .vdb", file.string()));
     is_vdb(file) ? write_points_vdb(file, points) : write_points_text(file, points);
 }
 

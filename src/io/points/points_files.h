@@ -11,4 +11,10 @@ void write_points_text(const std::filesystem::path& file, const Points& points);
 Points read_points_vdb(const std::filesystem::path& file, const PointReadOptions& options);
 void write_points_vdb(const std::filesystem::path& file, const Points& points);
 
+/// Whether the extension is .hdf5, .h5 or .hdf.
+bool is_hdf5(const std::filesystem::path& file);
+/// Particles of one type (PartType0, ...) of a snapshot of Gadget, Arepo, Gizmo or SWIFT.
+/// throws  vog::Error as read_points does, and in a build without libhdf5
+Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options);
+
 }  // namespace vog::point_files

@@ -12,9 +12,11 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "core/parallel.h"
+#include "io/file_extension.h"
 #include "io/points/points_columns.h"
 #include "io/points/points_files.h"
 #include "io/points/text_fields.h"
+#include "io/scan/scan_values.h"
 #include "vog/error.h"
 #include "vog/text.h"
 
@@ -28,6 +30,10 @@ class LineFile {
   public:
     explicit LineFile(const std::filesystem::path& file) : name_(file.string()) {
         require_readable(file);
+        if (lower_extension(file) == ".gz") {
+            unpack(file);
+            return;
+        }
         descriptor_ = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
         struct stat status {};
         if (descriptor_ < 0 || ::fstat(descriptor_, &status) != 0 || !S_ISREG(status.st_mode))
@@ -75,6 +81,20 @@ class LineFile {
     }
 
   private:
+    /// Reads the whole of a gzip'd text.
+    void unpack(const std::filesystem::path& file) {
+        if (!scan::is_gzip(file))
+            throw Error(fmt::format("{}: not gzip, expected a packed text", name_));
+        scan::ScanBytes bytes(file, 0, true);
+        constexpr std::uint64_t kPiece = std::uint64_t{1} << 18;
+        std::vector<char> piece(kPiece);
+        while (const std::uint64_t got = bytes.read_some(piece.data(), kPiece)) {
+            unpacked_.insert(unpacked_.end(), piece.begin(),
+                             piece.begin() + static_cast<std::ptrdiff_t>(got));
+            keep_memory();
+        }
+        size_ = unpacked_.size();
+    }
     /// Spreadsheets put the mark before UTF-8 too, where it says nothing.
     std::string_view without_byte_order_mark(std::string_view text) const {
         if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
@@ -83,6 +103,10 @@ class LineFile {
         return text;
     }
     void read(std::uint64_t at, char* to, std::size_t count) const {
+        if (descriptor_ < 0) {
+            std::memcpy(to, unpacked_.data() + at, count);
+            return;
+        }
         while (count > 0) {
             const ssize_t got = ::pread(descriptor_, to, count, static_cast<off_t>(at));
             if (got < 0 && errno == EINTR) continue;
@@ -93,7 +117,8 @@ class LineFile {
         }
     }
     std::string name_;
-    int descriptor_ = -1;
+    int descriptor_ = -1;  ///< -1: the text is in unpacked_
+    BigVector<char> unpacked_{};
     std::uint64_t size_ = 0;
 };
 

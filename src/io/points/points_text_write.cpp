@@ -7,6 +7,7 @@
 
 #include "core/atomic_file.h"
 #include "core/parallel.h"
+#include "io/file_extension.h"
 #include "io/points/points_columns.h"
 #include "io/points/points_files.h"
 #include "vog/error.h"
@@ -88,6 +89,10 @@ void require_names(const std::filesystem::path& file, bool velocity,
 }  // namespace
 
 void write_points_text(const std::filesystem::path& file, const Points& points) {
+    if (lower_extension(file) == ".gz")
+        throw Error(
+            fmt::format("{}: cannot write packed text, expected .xyz, .txt, .dat, .csv or .tsv",
+                        file.string()));
     const char own = text_separator(file, "");
     const char separator = own ? own : ' ';
     const bool velocity = !points.velocity.empty();

@@ -82,7 +82,7 @@ TEST_F(voxel_field, names_units_and_wrong_grids) {
               }).find("absent.vdb: no such file"),
               std::string::npos);
     EXPECT_EQ(error_of([&] { read_field({.grid = "t"}, volume); }),
-              "field 't': no file, expected a .vdb or .nvdb");
+              "field 't': no file, expected a .vdb, .nvdb or dense image");
     Points points;
     points.position = {{1, 2, 3}};
     write_points(dir_ / "points.vdb", points);

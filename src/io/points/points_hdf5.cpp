@@ -1,0 +1,272 @@
+// points_hdf5.cpp: particles of snapshots in HDF5, in the layout of Gadget, Arepo, Gizmo and SWIFT.
+#include <fmt/ranges.h>
+
+#include "io/file_extension.h"
+#include "io/points/points_files.h"
+#include "vog/error.h"
+#include "vog/text.h"
+
+#ifdef VOG_HDF5
+#include <hdf5.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <optional>
+
+#include "core/atomic_file.h"
+#include "core/paging.h"
+#endif
+
+namespace vog::point_files {
+
+bool is_hdf5(const std::filesystem::path& file) {
+    const std::string extension = lower_extension(file);
+    return extension == ".hdf5" || extension == ".h5" || extension == ".hdf";
+}
+
+#ifndef VOG_HDF5
+
+Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions&) {
+    throw Error(fmt::format("{}: this build reads no HDF5 (libhdf5 was absent when it was built)",
+                            file.string()));
+}
+
+#else
+
+namespace {
+
+/// Identifier that is closed with its kind's function.
+class Handle {
+  public:
+    Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+    ~Handle() {
+        if (id_ >= 0) close_(id_);
+    }
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    operator hid_t() const { return id_; }
+    bool good() const { return id_ >= 0; }
+
+  private:
+    hid_t id_;
+    herr_t (*close_)(hid_t);
+};
+
+/// Keeps the library from printing; restores its printer.
+class Silence {
+  public:
+    Silence() {
+        H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    }
+    ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+    Silence(const Silence&) = delete;
+    Silence& operator=(const Silence&) = delete;
+
+  private:
+    H5E_auto2_t function_ = nullptr;
+    void* data_ = nullptr;
+};
+
+/// Array of a group: its rows and components, 1 for a single number a particle.
+struct Array {
+    std::string name;
+    hsize_t rows = 0, components = 1;
+    bool number = false;  ///< integers or floats
+};
+
+std::vector<std::string> members(hid_t group) {
+    std::vector<std::string> names;
+    H5Literate(
+        group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr,
+        [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
+            static_cast<std::vector<std::string>*>(list)->emplace_back(name);
+            return 0;
+        },
+        &names);
+    return names;
+}
+
+bool is_dataset(hid_t group, const std::string& name) {
+    H5O_info_t info;
+    return H5Oget_info_by_name(group, name.c_str(), &info, H5P_DEFAULT) >= 0 &&
+           info.type == H5O_TYPE_DATASET;
+}
+
+/// A snapshot file, and the group of one type of particles.
+class Snapshot {
+  public:
+    Snapshot(const std::filesystem::path& path, const std::string& type)
+        : name_(path.string()),
+          bytes_(std::filesystem::file_size(path)),
+          file_(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
+        if (!file_.good()) fail("not HDF5, or corrupt");
+        group_name_ = chosen_type(type);
+        group_.emplace(H5Gopen2(file_, group_name_.c_str(), H5P_DEFAULT), H5Gclose);
+        if (!group_->good()) fail(fmt::format("group '{}' cannot be read", group_name_));
+        for (const std::string& name : members(*group_))
+            if (is_dataset(*group_, name)) arrays_.push_back(described(name));
+    }
+
+    const std::vector<Array>& arrays() const { return arrays_; }
+    const Array* find(std::string_view name) const {
+        for (const Array& array : arrays_)
+            if (array.name == name) return &array;
+        return nullptr;
+    }
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(fmt::format(
+            "{}: {}, expected a snapshot with PartType0/Coordinates or the like", name_, what));
+    }
+    const std::string& group_name() const { return group_name_; }
+
+    /// Reads an array as doubles or floats, by its memory type.
+    template <class T>
+    void read(const Array& array, hid_t memory_type, T* to) const {
+        const Handle set(H5Dopen2(*group_, array.name.c_str(), H5P_DEFAULT), H5Dclose);
+        if (!set.good() || H5Dread(set, memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, to) < 0)
+            fail(fmt::format("'{}/{}' is corrupt, or packed by an unknown filter", group_name_,
+                             printable(array.name)));
+    }
+    /// Mass of the type in Header/MassTable; 0 where it has none.
+    double table_mass() const {
+        const Handle header(H5Gopen2(file_, "Header", H5P_DEFAULT), H5Gclose);
+        if (!header.good() || H5Aexists(header, "MassTable") <= 0) return 0;
+        const Handle table(H5Aopen(header, "MassTable", H5P_DEFAULT), H5Aclose);
+        const Handle space(H5Aget_space(table), H5Sclose);
+        constexpr hssize_t kMostTypes = 64;
+        const hssize_t count = H5Sget_simple_extent_npoints(space);
+        const auto type = static_cast<hssize_t>(group_name_.back() - '0');
+        if (count < 1 || count > kMostTypes || type >= count) return 0;
+        std::vector<double> masses(static_cast<std::size_t>(count));
+        if (H5Aread(table, H5T_NATIVE_DOUBLE, masses.data()) < 0) return 0;
+        return masses[static_cast<std::size_t>(type)];
+    }
+
+  private:
+    /// PartType0 of the file, or the one that --grid names.
+    std::string chosen_type(const std::string& requested) const {
+        std::vector<std::string> types;
+        for (const std::string& name : members(file_))
+            if (name.starts_with("PartType") && name.size() == 9 && name[8] >= '0' &&
+                name[8] <= '9')
+                types.push_back(name);
+        if (types.empty()) fail("no group PartType0 to PartType9");
+        if (requested.empty() && types.size() == 1) return types.front();
+        if (std::ranges::find(types, requested) != types.end()) return requested;
+        throw Error(fmt::format("{}: {}, expected one by name (--grid; it has: {})", name_,
+                                requested.empty()
+                                    ? fmt::format("{} types of particles", types.size())
+                                    : fmt::format("no particles '{}'", printable(requested)),
+                                fmt::join(types, ", ")));
+    }
+    /// Shape and type of an array. Its size is checked against the file before memory is allocated.
+    Array described(const std::string& name) const {
+        Array array;
+        array.name = name;
+        const Handle set(H5Dopen2(*group_, name.c_str(), H5P_DEFAULT), H5Dclose);
+        if (!set.good()) return array;
+        const Handle space(H5Dget_space(set), H5Sclose), type(H5Dget_type(set), H5Tclose);
+        const int rank = H5Sget_simple_extent_ndims(space);
+        hsize_t size[2] = {0, 1};
+        if (rank < 1 || rank > 2) return array;
+        H5Sget_simple_extent_dims(space, size, nullptr);
+        const H5T_class_t kind = H5Tget_class(type);
+        array.number = kind == H5T_INTEGER || kind == H5T_FLOAT;
+        array.rows = size[0];
+        array.components = size[1];
+        // Deflate's largest ratio is 1032; shuffled constants come near.
+        constexpr double kMostRatio = 1100;
+        const double bytes = static_cast<double>(size[0]) * static_cast<double>(size[1]);
+        if (array.number && (bytes > kMostRatio * static_cast<double>(bytes_) ||
+                             (array.rows > 0 && H5Dget_storage_size(set) == 0)))
+            fail(fmt::format("'{}/{}' has {} x {} values, more than the file holds", group_name_,
+                             printable(name), size[0], size[1]));
+        return array;
+    }
+
+    std::string name_;
+    std::uintmax_t bytes_;
+    Handle file_;
+    std::string group_name_;
+    std::optional<Handle> group_;
+    std::vector<Array> arrays_;
+};
+
+/// Conversion beyond float's range is undefined behaviour: such values become infinite.
+float float_of(double value) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    return std::abs(value) > kLargest ? std::numeric_limits<float>::infinity()
+                                      : static_cast<float>(value);
+}
+
+/// Values of an array, one a particle: numbers, or lengths of vectors of three.
+BigVector<float> attribute_values(const Snapshot& snapshot, const Array& array) {
+    BigVector<double> numbers;
+    resize_kept(numbers, array.rows * array.components);
+    snapshot.read(array, H5T_NATIVE_DOUBLE, numbers.data());
+    BigVector<float> values;
+    resize_kept(values, array.rows);
+    for (std::size_t n = 0; n < array.rows; ++n)
+        values[n] =
+            array.components == 1
+                ? float_of(numbers[n])
+                : float_of(length(Vec3d{numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]}));
+    return values;
+}
+
+Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
+    const Array* place = snapshot.find("Coordinates");
+    if (!place || !place->number || place->components != 3)
+        snapshot.fail(
+            fmt::format("no '{}/Coordinates' of 3 numbers a particle", snapshot.group_name()));
+    if (place->rows < 1 || place->rows > std::numeric_limits<std::int32_t>::max())
+        snapshot.fail(fmt::format("{} particles in '{}'", place->rows, snapshot.group_name()));
+    Points points;
+    points.source = printable(file.string());
+    static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+    resize_kept(points.position, place->rows);
+    snapshot.read(*place, H5T_NATIVE_DOUBLE, points.position.data());
+    bool has_mass = false;
+    for (const Array& array : snapshot.arrays()) {
+        // Numbers of particles are no quantity.
+        if (&array == place || !array.number || array.name == "ParticleIDs") continue;
+        if (array.components != 1 && array.components != 3) continue;
+        if (array.rows != place->rows)
+            snapshot.fail(fmt::format("'{}/{}' has {} rows for {} particles", snapshot.group_name(),
+                                      printable(array.name), array.rows, place->rows));
+        if (array.name == "Velocities" && array.components == 3) {
+            resize_kept(points.velocity, place->rows);
+            snapshot.read(array, H5T_NATIVE_FLOAT, points.velocity.data());
+            continue;
+        }
+        has_mass |= array.name == "Masses";
+        points.attributes.push_back({printable(array.name), attribute_values(snapshot, array)});
+    }
+    if (const double mass = has_mass ? 0 : snapshot.table_mass(); mass > 0)
+        points.attributes.push_back({"Masses", BigVector<float>(place->rows, float_of(mass))});
+    return points;
+}
+
+}  // namespace
+
+Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options) {
+    // Debian's library is not built for several threads.
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
+    require_readable(file);
+    const Silence silence;
+    try {
+        return points_of(Snapshot(file, options.grid), file);
+    } catch (const std::bad_alloc&) {
+        throw Error(fmt::format("{}: not enough memory", file.string()));
+    } catch (const std::length_error&) {
+        throw Error(fmt::format("{}: not enough memory", file.string()));
+    }
+}
+
+#endif
+
+}  // namespace vog::point_files

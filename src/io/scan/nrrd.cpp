@@ -1,0 +1,391 @@
+// nrrd.cpp: NRRD (.nrrd, .nhdr): https://teem.sourceforge.net/nrrd/format.html
+#include <fmt/core.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+#include <optional>
+
+#include "io/scan/scan_file.h"
+#include "io/scan/scan_values.h"
+#include "io/scan/text_head.h"
+#include "vog/error.h"
+#include "vog/text.h"
+
+namespace vog::scan {
+
+namespace {
+
+/// Fields of a head, by their names in lower case.
+struct NrrdHead {
+    std::filesystem::path file;
+    std::map<std::string, std::string> fields;
+    std::uint64_t bytes = 0;  ///< to the end of the empty line behind the head
+
+    std::string text(const std::string& key) const {
+        const auto at = fields.find(key);
+        return at == fields.end() ? std::string() : at->second;
+    }
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(fmt::format("{}: {}", file.string(), what));
+    }
+};
+
+/// Fields with one meaning under several names.
+std::string canonical(const std::string& key) {
+    static const std::map<std::string, std::string> kOther{
+        {"datafile", "data file"},    {"lineskip", "line skip"},
+        {"byteskip", "byte skip"},    {"sampleunits", "sample units"},
+        {"axismins", "axis mins"},    {"axismaxs", "axis maxs"},
+        {"centerings", "centers"},    {"blocksize", "block size"},
+        {"spaceunits", "space units"}};
+    const auto at = kOther.find(key);
+    return at == kOther.end() ? key : at->second;
+}
+
+NrrdHead read_nrrd_head(const std::filesystem::path& file) {
+    NrrdHead head;
+    head.file = file;
+    TextHead text(file);
+    std::string line;
+    if (!text.next(line) || !line.starts_with("NRRD000"))
+        head.fail("no first line 'NRRD000x', expected an NRRD file");
+    if (line.size() != 8 || line[7] < '1' || line[7] > '5')
+        head.fail(fmt::format("version '{}', expected NRRD0001 to NRRD0005", printable(line, 20)));
+    while (true) {
+        // The head of a detached file may end with the file.
+        if (!text.next(line)) {
+            if (!head.fields.contains("data file"))
+                head.fail("truncated: a head without the empty line at its end");
+            break;
+        }
+        if (line.empty()) break;
+        if (line.front() == '#') continue;
+        const std::size_t colon = line.find(": ");
+        const std::size_t pair = line.find(":=");
+        if (pair < colon) continue;  // keys and values of users
+        if (colon == std::string::npos)
+            head.fail(fmt::format("line '{}', expected 'field: value'", printable(line, 40)));
+        const std::string key = canonical(lower_case(line.substr(0, colon)));
+        if (!head.fields.emplace(key, without_blanks(line.substr(colon + 2))).second)
+            head.fail(fmt::format("field '{}' twice", printable(key, 40)));
+        if (key == "data file" && head.text(key).starts_with("LIST"))
+            head.fail("values in a list of files, expected one data file");
+    }
+    head.bytes = text.position();
+    return head;
+}
+
+Number type_of(const NrrdHead& head) {
+    static const std::map<std::string, Number> kTypes{{"signed char", Number::int8},
+                                                      {"int8", Number::int8},
+                                                      {"int8_t", Number::int8},
+                                                      {"uchar", Number::uint8},
+                                                      {"unsigned char", Number::uint8},
+                                                      {"uint8", Number::uint8},
+                                                      {"uint8_t", Number::uint8},
+                                                      {"short", Number::int16},
+                                                      {"short int", Number::int16},
+                                                      {"signed short", Number::int16},
+                                                      {"signed short int", Number::int16},
+                                                      {"int16", Number::int16},
+                                                      {"int16_t", Number::int16},
+                                                      {"ushort", Number::uint16},
+                                                      {"unsigned short", Number::uint16},
+                                                      {"unsigned short int", Number::uint16},
+                                                      {"uint16", Number::uint16},
+                                                      {"uint16_t", Number::uint16},
+                                                      {"int", Number::int32},
+                                                      {"signed int", Number::int32},
+                                                      {"int32", Number::int32},
+                                                      {"int32_t", Number::int32},
+                                                      {"uint", Number::uint32},
+                                                      {"unsigned int", Number::uint32},
+                                                      {"uint32", Number::uint32},
+                                                      {"uint32_t", Number::uint32},
+                                                      {"longlong", Number::int64},
+                                                      {"long long", Number::int64},
+                                                      {"long long int", Number::int64},
+                                                      {"signed long long", Number::int64},
+                                                      {"signed long long int", Number::int64},
+                                                      {"int64", Number::int64},
+                                                      {"int64_t", Number::int64},
+                                                      {"ulonglong", Number::uint64},
+                                                      {"unsigned long long", Number::uint64},
+                                                      {"unsigned long long int", Number::uint64},
+                                                      {"uint64", Number::uint64},
+                                                      {"uint64_t", Number::uint64},
+                                                      {"float", Number::float32},
+                                                      {"double", Number::float64}};
+    const auto at = kTypes.find(lower_case(head.text("type")));
+    if (at == kTypes.end())
+        head.fail(fmt::format("type '{}', expected integers of 8 to 64 bits, float or double",
+                              printable(head.text("type"), 40)));
+    return at->second;
+}
+
+/// Vectors "(1,0,0) none (0,0,2)": one for each axis; none for an axis that is not in space.
+std::vector<std::optional<Vec3d>> vectors_of(const NrrdHead& head, const std::string& key) {
+    std::vector<std::optional<Vec3d>> vectors;
+    std::string_view text = head.fields.at(key);
+    const auto fail = [&] {
+        head.fail(fmt::format("{} '{}', expected vectors (x,y,z) or none", key,
+                              printable(head.text(key), 60)));
+    };
+    while (!(text = without_blanks(text)).empty()) {
+        if (text.starts_with("none")) {
+            vectors.emplace_back();
+            text.remove_prefix(4);
+            continue;
+        }
+        const std::size_t end = text.find(')');
+        if (text.front() != '(' || end == std::string_view::npos) fail();
+        std::string inside(text.substr(1, end - 1));
+        for (char& c : inside)
+            if (c == ',') c = ' ';
+        const std::vector<double> v = numbers_of(head.file, key, inside);
+        if (v.size() != 2 && v.size() != 3) fail();
+        vectors.push_back(Vec3d{v[0], v[1], v.size() == 3 ? v[2] : 0});
+        text.remove_prefix(end + 1);
+    }
+    return vectors;
+}
+
+/// Quoted words: "mm" "mm" "".
+std::vector<std::string> quoted(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t at = text.find('"'); at != std::string::npos; at = text.find('"', at)) {
+        const std::size_t end = text.find('"', at + 1);
+        if (end == std::string::npos) break;
+        words.push_back(text.substr(at + 1, end - at - 1));
+        at = end + 1;
+    }
+    return words;
+}
+
+/// Axes in space, and the one of frames or channels.
+struct NrrdAxes {
+    std::vector<std::size_t> space;
+    std::optional<std::size_t> other;
+};
+
+bool is_space_kind(const std::string& kind) {
+    return kind == "domain" || kind == "space" || kind == "???" || kind == "none";
+}
+
+NrrdAxes axes_of(const NrrdHead& head, std::size_t dimension,
+                 const std::vector<std::optional<Vec3d>>& directions) {
+    NrrdAxes axes;
+    std::vector<std::size_t> others;
+    const std::vector<std::string> kinds = words_of(head.text("kinds"));
+    for (std::size_t n = 0; n < dimension; ++n) {
+        bool space = true;
+        if (!directions.empty())
+            space = directions[n].has_value();
+        else if (kinds.size() == dimension && dimension > 3)
+            space = is_space_kind(lower_case(kinds[n]));
+        (space ? axes.space : others).push_back(n);
+    }
+    // Without kinds the last of four axes is that of frames.
+    if (axes.space.size() == 4 && others.empty()) {
+        others.push_back(axes.space.back());
+        axes.space.pop_back();
+    }
+    if (axes.space.size() < 2 || axes.space.size() > 3 || others.size() > 1)
+        head.fail(
+            fmt::format("{} axes in space and {} others, expected 2 or 3 in space and at most "
+                        "one other (frames or channels)",
+                        axes.space.size(), others.size()));
+    if (others.empty()) return axes;
+    axes.other = others.front();
+    if (*axes.other != 0 && *axes.other + 1 != dimension)
+        head.fail(
+            fmt::format("frames or channels along axis {} of {}, expected the first or the last",
+                        *axes.other + 1, dimension));
+    return axes;
+}
+
+/// Whether the world's x runs to the left and its y to the back.
+struct Anatomy {
+    bool left = false, posterior = false, known = false;
+};
+
+Anatomy anatomy_of(const NrrdHead& head) {
+    std::string space = lower_case(head.text("space"));
+    if (space.ends_with("-time")) space.resize(space.size() - 5);
+    if (space.ends_with("t") && space.size() == 4) space.pop_back();
+    if (space == "right-anterior-superior" || space == "ras") return {false, false, true};
+    if (space == "left-anterior-superior" || space == "las") return {true, false, true};
+    if (space == "left-posterior-superior" || space == "lps") return {true, true, true};
+    if (space.empty() || space.starts_with("scanner-xyz") || space.starts_with("3d-right-handed"))
+        return {};
+    head.fail(
+        fmt::format("space '{}', expected right-anterior-superior, left-anterior-superior, "
+                    "left-posterior-superior, scanner-xyz or 3D-right-handed",
+                    printable(head.text("space"), 40)));
+}
+
+/// Voxels by spacings, from axis mins where those are given.
+Affine map_by_spacings(const NrrdHead& head, std::size_t dimension, const NrrdAxes& axes) {
+    std::array<Vec3d, 3> axis{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    Vec3d origin;
+    std::vector<double> spacings, mins;
+    if (head.fields.contains("spacings"))
+        spacings = numbers_of(head.file, "spacings", head.text("spacings"), dimension);
+    if (head.fields.contains("axis mins"))
+        mins = numbers_of(head.file, "axis mins", head.text("axis mins"), dimension);
+    const std::vector<std::string> centers = words_of(head.text("centers"));
+    for (std::size_t n = 0; n < axes.space.size(); ++n) {
+        const std::size_t from = axes.space[n];
+        const double edge = !spacings.empty() && std::isfinite(spacings[from]) ? spacings[from] : 1;
+        axis[n][static_cast<int>(n)] = edge;
+        if (mins.empty() || !std::isfinite(mins[from])) continue;
+        // A least place is that of the first sample, or of the outer face of its cell.
+        const bool node = centers.size() == dimension && centers[from] == "node";
+        origin[static_cast<int>(n)] = mins[from] + (node ? 0 : edge / 2);
+    }
+    return affine_of_axes(axis, origin);
+}
+
+Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes,
+                         const std::vector<std::optional<Vec3d>>& directions) {
+    std::array<Vec3d, 3> axis;
+    for (std::size_t n = 0; n < axes.space.size(); ++n) axis[n] = *directions[axes.space[n]];
+    // A single slice is as thick as its voxels are wide.
+    if (axes.space.size() == 2) axis[2] = length(axis[0]) * normalized(cross(axis[0], axis[1]));
+    Vec3d origin;
+    if (head.fields.contains("space origin")) {
+        const auto vectors = vectors_of(head, "space origin");
+        if (vectors.size() != 1 || !vectors[0]) head.fail("space origin, expected one vector");
+        origin = *vectors[0];
+    }
+    return affine_of_axes(axis, origin);
+}
+
+void set_encoding(const NrrdHead& head, StoredArray& array) {
+    const std::string encoding = lower_case(head.text("encoding"));
+    if (encoding == "raw")
+        array.encoding = Encoding::raw;
+    else if (encoding == "gzip" || encoding == "gz")
+        array.encoding = Encoding::deflate;
+    else if (encoding == "ascii" || encoding == "text" || encoding == "txt")
+        array.encoding = Encoding::text;
+    else
+        head.fail(
+            fmt::format("encoding '{}', expected raw, gzip or ascii", printable(encoding, 40)));
+    const std::string endian = lower_case(head.text("endian"));
+    if (endian != "little" && endian != "big" &&
+        (!endian.empty() || (bytes_of(array.type) > 1 && array.encoding != Encoding::text)))
+        head.fail(fmt::format("endian '{}', expected little or big", printable(endian, 40)));
+    array.big_endian = endian == "big";
+}
+
+/// Place of the values: behind the head, or in a file of their own.
+void set_place(const NrrdHead& head, StoredArray& array) {
+    const std::string named = head.text("data file");
+    array.file = named.empty() ? head.file : file_beside(head.file, named);
+    array.begin = named.empty() ? head.bytes : 0;
+    if (named.find('%') != std::string::npos)
+        head.fail("values in numbered files, expected one data file");
+    std::int64_t lines = 0, skip = 0;
+    if (head.fields.contains("line skip"))
+        lines = integers_of(head.file, "line skip", head.text("line skip"), 1)[0];
+    if (head.fields.contains("byte skip"))
+        skip = integers_of(head.file, "byte skip", head.text("byte skip"), 1)[0];
+    if (lines < 0 || skip < -1 || (skip == -1 && array.encoding != Encoding::raw) ||
+        (array.encoding == Encoding::deflate && lines > 0))
+        head.fail(fmt::format("line skip {} and byte skip {}, expected 0 or more", lines, skip));
+    if (lines > 0) {
+        TextHead text(array.file);
+        std::string line;
+        std::uint64_t left = array.begin;
+        while (text.position() < left && text.next(line)) {
+        }
+        for (; lines > 0; --lines)
+            if (!text.next(line)) head.fail("truncated: fewer lines than line skip");
+        array.begin = text.position();
+    }
+    if (skip >= 0) {
+        (array.encoding == Encoding::deflate ? array.skip : array.begin) +=
+            static_cast<std::uint64_t>(skip);
+        return;
+    }
+    // -1: the values are the last bytes of the file.
+    std::error_code code;
+    const std::uint64_t size = std::filesystem::file_size(array.file, code);
+    const std::uint64_t bytes = array.voxels * array.grids * bytes_of(array.type);
+    if (!code && size >= bytes) array.begin = size - bytes;
+}
+
+std::vector<std::string> nrrd_names(const NrrdHead& head, std::size_t dimension,
+                                    const NrrdAxes& axes, std::uint64_t count) {
+    if (!axes.other) return numbered_names("t", 1);
+    const std::vector<std::string> kinds = words_of(lower_case(head.text("kinds")));
+    const std::string kind = kinds.size() == dimension ? kinds[*axes.other] : "";
+    if (kind.find("color") != std::string::npos && count <= 4) return color_names(count);
+    const bool time = kind.empty() ? *axes.other > 0 : kind == "time" || kind == "list";
+    return numbered_names(time ? "t" : "c", count);
+}
+
+}  // namespace
+
+ScanFile open_nrrd(const std::filesystem::path& file) {
+    const NrrdHead head = read_nrrd_head(file);
+    for (const char* key : {"type", "dimension", "sizes", "encoding"})
+        if (!head.fields.contains(key)) head.fail(fmt::format("no field '{}'", key));
+    const std::int64_t rank = integers_of(file, "dimension", head.text("dimension"), 1)[0];
+    if (rank < 2 || rank > 4) head.fail(fmt::format("{} axes, expected 2 to 4", rank));
+    const auto dimension = static_cast<std::size_t>(rank);
+    const std::vector<std::int64_t> sizes =
+        integers_of(file, "sizes", head.text("sizes"), dimension);
+
+    std::vector<std::optional<Vec3d>> directions;
+    if (head.fields.contains("space directions")) {
+        directions = vectors_of(head, "space directions");
+        if (directions.size() != dimension)
+            head.fail(
+                fmt::format("{} space directions, expected {}", directions.size(), dimension));
+    }
+    const NrrdAxes axes = axes_of(head, dimension, directions);
+    const auto edge = [&](std::size_t n) {
+        return n < axes.space.size() ? sizes[axes.space[n]] : 1;
+    };
+    StoredArray array;
+    array.type = type_of(head);
+    array.voxels = checked_voxels(file, edge(0), edge(1), edge(2));
+    if (axes.other) {
+        const std::int64_t count = sizes[*axes.other];
+        if (count < 1 || count > kMostGrids)
+            head.fail(fmt::format("{} frames or channels, expected 1 to {}", count, kMostGrids));
+        array.grids = static_cast<std::uint64_t>(count);
+        array.interleaved = *axes.other == 0;
+    }
+    set_encoding(head, array);
+    set_place(head, array);
+
+    ScanGrid grid;
+    grid.size = {static_cast<std::int32_t>(edge(0)), static_cast<std::int32_t>(edge(1)),
+                 static_cast<std::int32_t>(edge(2))};
+    grid.type = type_name(array.type);
+    grid.value_unit = head.text("sample units");
+    const std::vector<std::string> units =
+        quoted(head.text(directions.empty() ? "units" : "space units"));
+    const std::size_t first = directions.empty() ? axes.space.front() : 0;
+    if (first < units.size()) grid.length_unit = units[first];
+    if (directions.empty()) {
+        grid.world_from_index = map_by_spacings(head, dimension, axes);
+    } else {
+        const Anatomy anatomy = anatomy_of(head);
+        grid.world_from_index =
+            to_ras(map_by_directions(head, axes, directions), anatomy.left, anatomy.posterior);
+        if (anatomy.known)
+            grid.coordinates = fmt::format("RAS (right, anterior, superior), from {}",
+                                           printable(head.text("space"), 40));
+    }
+    ScanFile scan;
+    scan.read = reader_of(array);
+    scan.grids = named_copies(grid, nrrd_names(head, dimension, axes, array.grids));
+    return scan;
+}
+
+}  // namespace vog::scan

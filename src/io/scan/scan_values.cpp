@@ -1,0 +1,351 @@
+// scan_values.cpp: unpacking, byte order, conversion to float and scaling of stored values.
+#include "io/scan/scan_values.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "core/atomic_file.h"
+#include "core/paging.h"
+#include "vog/error.h"
+#include "vog/text.h"
+
+namespace vog::scan {
+
+namespace {
+
+constexpr std::array<std::pair<const char*, std::uint64_t>, 10> kTypes{{{"int8", 1},
+                                                                        {"uint8", 1},
+                                                                        {"int16", 2},
+                                                                        {"uint16", 2},
+                                                                        {"int32", 4},
+                                                                        {"uint32", 4},
+                                                                        {"int64", 8},
+                                                                        {"uint64", 8},
+                                                                        {"float32", 4},
+                                                                        {"float64", 8}}};
+constexpr std::uint64_t kStep = std::uint64_t{1} << 18;
+/// Largest ratio of deflate: 258 bytes for two bits, and some bytes of head.
+constexpr std::uint64_t kMostRatio = 1032, kHead = 4096;
+
+/// Calls use(T{}) with the C++ type of a stored one.
+template <class Use>
+void with_type(Number type, const Use& use) {
+    switch (type) {
+        case Number::int8:
+            return use(std::int8_t{});
+        case Number::uint8:
+            return use(std::uint8_t{});
+        case Number::int16:
+            return use(std::int16_t{});
+        case Number::uint16:
+            return use(std::uint16_t{});
+        case Number::int32:
+            return use(std::int32_t{});
+        case Number::uint32:
+            return use(std::uint32_t{});
+        case Number::int64:
+            return use(std::int64_t{});
+        case Number::uint64:
+            return use(std::uint64_t{});
+        case Number::float32:
+            return use(float{});
+        case Number::float64:
+            return use(double{});
+    }
+}
+
+template <class T>
+T number_at(const char* bytes, bool big_endian) {
+    std::array<char, sizeof(T)> copy;
+    std::memcpy(copy.data(), bytes, sizeof(T));
+    if (big_endian) std::ranges::reverse(copy);
+    return std::bit_cast<T>(copy);
+}
+
+/// Conversion beyond float's range is undefined behaviour: such values become infinite.
+float float_of(double value) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    if (std::abs(value) > kLargest)
+        return std::copysign(std::numeric_limits<float>::infinity(),
+                             static_cast<float>(value > 0 ? 1 : -1));
+    return static_cast<float>(value);
+}
+
+/// Numbers of a text, between blanks.
+class TextNumbers {
+  public:
+    TextNumbers(const StoredArray& array) : name_(array.file.string()) {
+        require_readable(array.file);
+        stream_.open(array.file, std::ios::binary);
+        stream_.seekg(static_cast<std::streamoff>(array.begin));
+    }
+    double next(std::uint64_t n, std::uint64_t expected) {
+        constexpr std::size_t kLongest = 64;
+        std::string word;
+        int c = stream_.get();
+        while (c == ' ' || c == '\n' || c == '\t' || c == '\r' || c == ',') c = stream_.get();
+        for (; c != EOF && c != ' ' && c != '\n' && c != '\t' && c != '\r' && c != ',';
+             c = stream_.get())
+            if (word.size() < kLongest) word.push_back(static_cast<char>(c));
+        if (word.empty())
+            throw Error(
+                fmt::format("{}: truncated: {} values as text, expected {}", name_, n, expected));
+        double value = 0;
+        const auto [stop, code] = std::from_chars(word.data(), word.data() + word.size(), value);
+        if (code == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
+        if (code != std::errc{} || stop != word.data() + word.size())
+            throw Error(
+                fmt::format("{}: value {} is '{}', expected a number", name_, n, printable(word)));
+        return value;
+    }
+
+  private:
+    std::string name_;
+    std::ifstream stream_;
+};
+
+BigVector<float> read_text(const StoredArray& array, std::size_t grid) {
+    const std::uint64_t all = array.voxels * array.grids;
+    TextNumbers text(array);
+    BigVector<float> values;
+    for (std::uint64_t n = 0; n < all; ++n) {
+        const double value = text.next(n, all);
+        const std::uint64_t of = array.interleaved ? n % array.grids : n / array.voxels;
+        if (of == grid) values.push_back(float_of(array.slope * value + array.offset));
+    }
+    return values;
+}
+
+/// Reader of raw or deflated values that goes on where it stopped, for grids in the order of the file.
+class ArrayReader {
+  public:
+    explicit ArrayReader(const StoredArray& array) : array_(array) { open(); }
+
+    BigVector<float> operator()(std::size_t grid) {
+        const std::uint64_t bytes = bytes_of(array_.type);
+        const std::uint64_t stride = array_.interleaved ? array_.grids : 1;
+        const std::uint64_t begin =
+            array_.skip + (array_.interleaved ? grid : grid * array_.voxels) * bytes;
+        if (bytes_->position() > begin) open();
+        bytes_->skip(begin - bytes_->position());
+        BigVector<float> values;
+        resize_kept(values, array_.voxels);
+        const std::uint64_t run = std::max<std::uint64_t>(kStep / (stride * bytes), 1);
+        std::vector<char> buffer;
+        for (std::uint64_t at = 0; at < array_.voxels; at += run) {
+            const std::uint64_t count = std::min(run, array_.voxels - at);
+            const bool last = at + count == array_.voxels;
+            // Behind the last value of a channel lie those of later ones, which no one reads.
+            buffer.resize(((count - 1) * stride + (last ? 1 : stride)) * bytes);
+            bytes_->read(buffer.data(), buffer.size());
+            convert(buffer.data(), stride * bytes, {values.data() + at, count});
+            keep_memory();
+        }
+        if (grid + 1 == array_.grids) bytes_->check_end();
+        return values;
+    }
+
+  private:
+    void open() {
+        bytes_ = std::make_unique<ScanBytes>(array_.file, array_.begin,
+                                             array_.encoding == Encoding::deflate);
+    }
+    void convert(const char* from, std::uint64_t stride, std::span<float> to) const {
+        const bool plain = array_.slope == 1 && array_.offset == 0;
+        with_type(array_.type, [&](auto zero) {
+            using T = decltype(zero);
+            for (std::size_t n = 0; n < to.size(); ++n) {
+                const T stored = number_at<T>(from + n * stride, array_.big_endian);
+                if constexpr (std::is_same_v<T, double>) {
+                    to[n] = float_of(plain ? stored : array_.slope * stored + array_.offset);
+                } else {
+                    to[n] =
+                        plain
+                            ? static_cast<float>(stored)
+                            : float_of(array_.slope * static_cast<double>(stored) + array_.offset);
+                }
+            }
+        });
+    }
+
+    StoredArray array_;
+    std::unique_ptr<ScanBytes> bytes_;
+};
+
+}  // namespace
+
+const char* type_name(Number type) { return kTypes[static_cast<std::size_t>(type)].first; }
+std::uint64_t bytes_of(Number type) { return kTypes[static_cast<std::size_t>(type)].second; }
+
+std::optional<Number> number_named(std::string_view name) {
+    for (std::size_t n = 0; n < kTypes.size(); ++n)
+        if (name == kTypes[n].first) return static_cast<Number>(n);
+    return std::nullopt;
+}
+
+float number_from(const char* bytes, Number type) {
+    float value = 0;
+    with_type(type, [&](auto zero) {
+        value = float_of(static_cast<double>(number_at<decltype(zero)>(bytes, false)));
+    });
+    return value;
+}
+
+bool is_gzip(const std::filesystem::path& file) {
+    require_readable(file);
+    std::ifstream stream(file, std::ios::binary);
+    return stream.get() == 0x1f && stream.get() == 0x8b;
+}
+
+ScanBytes::ScanBytes(const std::filesystem::path& file, std::uint64_t begin, bool deflated)
+    : name_(file.string()), deflated_(deflated) {
+    require_readable(file);
+    stream_.open(file, std::ios::binary | std::ios::ate);
+    const auto end = stream_.tellg();
+    if (!stream_ || end < 0) throw Error(fmt::format("{}: cannot be read", name_));
+    size_ = static_cast<std::uint64_t>(end);
+    if (begin > size_)
+        throw Error(fmt::format("{}: truncated: {} bytes, expected values from byte {} on", name_,
+                                size_, begin));
+    read_ = begin;
+    stream_.seekg(static_cast<std::streamoff>(begin));
+    // 15 bits of window; + 32: gzip or zlib, as the head says.
+    if (deflated_ && inflateInit2(&zip_, 15 + 32) != Z_OK)
+        throw Error(fmt::format("{}: not enough memory", name_));
+}
+
+ScanBytes::~ScanBytes() {
+    if (deflated_) inflateEnd(&zip_);
+}
+
+std::uint64_t ScanBytes::most_left() const {
+    const std::uint64_t left = size_ - read_;
+    if (!deflated_) return left;
+    return (left + zip_.avail_in + kHead) * kMostRatio;
+}
+
+void ScanBytes::refill() {
+    const std::uint64_t count = std::min(kStep, size_ - read_);
+    packed_.resize(count);
+    if (count > 0 && !stream_.read(packed_.data(), static_cast<std::streamsize>(count)))
+        throw Error(fmt::format("{}: cannot be read", name_));
+    read_ += count;
+    zip_.next_in = reinterpret_cast<Bytef*>(packed_.data());
+    zip_.avail_in = static_cast<uInt>(count);
+}
+
+std::uint64_t ScanBytes::read_some(char* to, std::uint64_t count) {
+    if (!deflated_) {
+        count = std::min(count, size_ - read_);
+        if (count > 0 && !stream_.read(to, static_cast<std::streamsize>(count)))
+            throw Error(fmt::format("{}: cannot be read", name_));
+        read_ += count;
+        return count;
+    }
+    zip_.next_out = reinterpret_cast<Bytef*>(to);
+    zip_.avail_out = static_cast<uInt>(std::min(count, kStep));
+    const uInt wanted = zip_.avail_out;
+    while (zip_.avail_out == wanted && !ended_) {
+        if (zip_.avail_in == 0) {
+            refill();
+            if (zip_.avail_in == 0) {
+                if (between_members_) {
+                    ended_ = true;
+                    break;
+                }
+                throw Error(fmt::format(
+                    "{}: truncated: a deflated stream of {} bytes without its end", name_, size_));
+            }
+        }
+        if (between_members_) {
+            // Several members make one stream, as those of pigz and bgzip; zeros may pad it.
+            if (*zip_.next_in != 0x1f) {
+                ended_ = true;
+                break;
+            }
+            inflateReset(&zip_);
+            between_members_ = false;
+        }
+        const int status = inflate(&zip_, Z_NO_FLUSH);
+        if (status == Z_STREAM_END)
+            between_members_ = true;
+        else if (status != Z_OK && status != Z_BUF_ERROR)
+            throw Error(fmt::format("{}: corrupt deflated stream ({}), expected gzip or zlib",
+                                    name_, zip_.msg ? zip_.msg : "unknown fault"));
+    }
+    return wanted - zip_.avail_out;
+}
+
+void ScanBytes::read(char* to, std::uint64_t count) {
+    for (std::uint64_t done = 0; done < count;) {
+        const std::uint64_t got = read_some(to + done, count - done);
+        if (got == 0)
+            throw Error(fmt::format("{}: truncated: {} bytes{}, expected {} or more", name_,
+                                    position_, deflated_ ? " unpacked" : "",
+                                    position_ + count - done));
+        done += got;
+        position_ += got;
+    }
+}
+
+void ScanBytes::skip(std::uint64_t count) {
+    if (!deflated_) {
+        if (count > size_ - read_)
+            throw Error(fmt::format("{}: truncated: {} bytes, expected {} or more", name_, size_,
+                                    read_ + count));
+        read_ += count;
+        position_ += count;
+        stream_.seekg(static_cast<std::streamoff>(read_));
+        return;
+    }
+    std::vector<char> buffer(std::min(count, kStep));
+    while (count > 0) {
+        const std::uint64_t step = std::min<std::uint64_t>(count, buffer.size());
+        read(buffer.data(), step);
+        count -= step;
+    }
+}
+
+void ScanBytes::check_end() {
+    char byte;
+    if (deflated_) position_ += read_some(&byte, 1);
+}
+
+std::function<BigVector<float>(std::size_t)> reader_of(const StoredArray& array) {
+    if (array.encoding == Encoding::text)
+        return [array](std::size_t grid) { return read_text(array, grid); };
+    const std::uint64_t bytes = array.voxels * array.grids * bytes_of(array.type);
+    ScanBytes probe(array.file, array.begin, array.encoding == Encoding::deflate);
+    if (probe.most_left() < array.skip || probe.most_left() - array.skip < bytes)
+        throw Error(fmt::format("{}: truncated: {} bytes, expected {} for {} values of {}",
+                                array.file.string(), array.begin + probe.most_left(),
+                                array.begin + array.skip + bytes, array.voxels * array.grids,
+                                type_name(array.type)));
+    auto reader = std::make_shared<ArrayReader>(array);
+    return [reader](std::size_t grid) { return (*reader)(grid); };
+}
+
+std::uint64_t checked_voxels(const std::filesystem::path& file, std::int64_t x, std::int64_t y,
+                             std::int64_t z) {
+    constexpr std::int64_t kMostEdge = std::int64_t{1} << 30;
+    constexpr double kMost = static_cast<double>(std::uint64_t{1} << 40);
+    for (const std::int64_t edge : {x, y, z})
+        if (edge < 1 || edge > kMostEdge)
+            throw Error(fmt::format("{}: {} x {} x {} voxels, expected 1 to 2^30 along each axis",
+                                    file.string(), x, y, z));
+    if (static_cast<double>(x) * static_cast<double>(y) * static_cast<double>(z) > kMost)
+        throw Error(
+            fmt::format("{}: {} x {} x {} voxels, expected at most 2^40", file.string(), x, y, z));
+    return static_cast<std::uint64_t>(x) * static_cast<std::uint64_t>(y) *
+           static_cast<std::uint64_t>(z);
+}
+
+}  // namespace vog::scan

@@ -1,0 +1,393 @@
+// tiff.cpp: TIFF stacks by libtiff: pages of one file, or a folder or pattern of files with a slice each.
+#include <fmt/format.h>
+
+#include "io/file_extension.h"
+#include "io/scan/scan_file.h"
+#include "vog/error.h"
+
+#ifdef VOG_TIFF
+#include <tiffio.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "core/atomic_file.h"
+#include "core/paging.h"
+#include "io/scan/scan_values.h"
+#include "io/scan/text_head.h"
+#include "vog/text.h"
+#endif
+
+namespace vog::scan {
+
+bool is_tiff(const std::filesystem::path& file) {
+    const std::string extension = lower_extension(file);
+    return extension == ".tif" || extension == ".tiff";
+}
+
+bool is_tiff_folder(const std::filesystem::path& folder) {
+    std::error_code code;
+    if (!std::filesystem::is_directory(folder, code)) return false;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, code))
+        if (is_tiff(entry.path())) return true;
+    return false;
+}
+
+#ifndef VOG_TIFF
+
+ScanFile open_tiff(const std::filesystem::path& file) {
+    throw Error(fmt::format("{}: this build reads no TIFF (libtiff was absent when it was built)",
+                            file.string()));
+}
+
+#else
+
+namespace {
+
+/// Open file whose faults become messages; the library prints nothing.
+struct Tiff {
+    std::string name, fault;
+    std::unique_ptr<TIFF, void (*)(TIFF*)> handle{nullptr, TIFFClose};
+
+    explicit Tiff(const std::filesystem::path& file) : name(file.string()) {
+        require_readable(file);
+        TIFFOpenOptions* options = TIFFOpenOptionsAlloc();
+        TIFFOpenOptionsSetErrorHandlerExtR(
+            options,
+            [](TIFF*, void* self, const char*, const char* format, va_list values) {
+                char text[200];
+                std::vsnprintf(text, sizeof text, format, values);
+                if (auto* tiff = static_cast<Tiff*>(self); tiff->fault.empty()) tiff->fault = text;
+                return 1;
+            },
+            this);
+        TIFFOpenOptionsSetWarningHandlerExtR(
+            options, [](TIFF*, void*, const char*, const char*, va_list) { return 1; }, nullptr);
+        // No single table or strip of a lie in the head; pictures of 2^29 bytes a strip are rare.
+        TIFFOpenOptionsSetMaxSingleMemAlloc(options, tmsize_t{1} << 29);
+        handle.reset(TIFFOpenExt(name.c_str(), "rm", options));
+        TIFFOpenOptionsFree(options);
+        if (!handle) fail("cannot be opened");
+    }
+    Tiff(const Tiff&) = delete;
+    Tiff& operator=(const Tiff&) = delete;
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw Error(fmt::format("{}: {}{}, expected a TIFF of integers or floats", name, what,
+                                fault.empty() ? "" : " (" + printable(fault, 120) + ")"));
+    }
+    template <class T>
+    T tag(std::uint32_t which, T otherwise) const {
+        T value = otherwise;
+        TIFFGetFieldDefaulted(handle.get(), which, &value);
+        return value;
+    }
+    std::string text(std::uint32_t which) const {
+        const char* value = nullptr;
+        return TIFFGetField(handle.get(), which, &value) && value ? std::string(value)
+                                                                  : std::string();
+    }
+};
+
+/// Form of a page's pixels.
+struct PageForm {
+    std::uint32_t width = 0, height = 0;
+    std::uint16_t samples = 1;
+    Number type = Number::uint8;
+    friend bool operator==(const PageForm&, const PageForm&) = default;
+};
+
+PageForm form_of(const Tiff& tiff) {
+    PageForm form;
+    form.width = tiff.tag<std::uint32_t>(TIFFTAG_IMAGEWIDTH, 0);
+    form.height = tiff.tag<std::uint32_t>(TIFFTAG_IMAGELENGTH, 0);
+    form.samples = tiff.tag<std::uint16_t>(TIFFTAG_SAMPLESPERPIXEL, 1);
+    const auto bits = tiff.tag<std::uint16_t>(TIFFTAG_BITSPERSAMPLE, 1);
+    const auto format = tiff.tag<std::uint16_t>(TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_UINT);
+    const char* kind = format == SAMPLEFORMAT_INT      ? "int"
+                       : format == SAMPLEFORMAT_IEEEFP ? "float"
+                                                       : "uint";
+    const std::optional<Number> type = number_named(fmt::format("{}{}", kind, bits));
+    if (!type || format > SAMPLEFORMAT_VOID)
+        tiff.fail(fmt::format("samples of {} bits in format {}", bits, format));
+    form.type = *type;
+    const auto photometric = tiff.tag<std::uint16_t>(TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    if (photometric == PHOTOMETRIC_PALETTE || photometric == PHOTOMETRIC_YCBCR)
+        tiff.fail("colours by a palette or in YCbCr");
+    if (form.samples > 4 || form.samples == 0)
+        tiff.fail(fmt::format("{} samples a pixel", form.samples));
+    if (tiff.tag<std::uint16_t>(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG &&
+        form.samples > 1)
+        tiff.fail("samples in planes of their own");
+    return form;
+}
+
+/// Pages at full resolution, by file and directory.
+struct Page {
+    std::size_t file = 0;
+    std::uint16_t directory = 0;
+};
+
+/// Copies rows of `from` with pixels of all samples into `to` [width * height], by one sample.
+void put(const PageForm& form, const char* from, std::uint32_t width, std::uint32_t rows,
+         std::uint32_t stride_px, std::uint32_t x0, std::uint32_t y0, std::size_t sample,
+         float* to) {
+    const std::size_t bytes = bytes_of(form.type);
+    for (std::uint32_t y = 0; y < rows && y0 + y < form.height; ++y)
+        for (std::uint32_t x = 0; x < width && x0 + x < form.width; ++x)
+            to[std::size_t{y0 + y} * form.width + x0 + x] = number_from(
+                from + ((std::size_t{y} * stride_px + x) * form.samples + sample) * bytes,
+                form.type);
+}
+
+void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
+    TIFF* handle = tiff.handle.get();
+    if (!TIFFSetDirectory(handle, page.directory)) tiff.fail("a page cannot be read");
+    if (form_of(tiff) != form) tiff.fail("pages of several forms");
+    const std::size_t pixel = form.samples * bytes_of(form.type);
+    std::vector<char> buffer;
+    if (TIFFIsTiled(handle)) {
+        const auto width = tiff.tag<std::uint32_t>(TIFFTAG_TILEWIDTH, 0);
+        const auto height = tiff.tag<std::uint32_t>(TIFFTAG_TILELENGTH, 0);
+        if (width == 0 || height == 0 ||
+            std::uint64_t{width} * height > (std::uint64_t{1} << 29) / pixel)
+            tiff.fail(fmt::format("tiles of {} x {}", width, height));
+        buffer.resize(std::size_t{width} * height * pixel);
+        if (TIFFTileSize(handle) > static_cast<tmsize_t>(buffer.size()))
+            tiff.fail("tiles of another size");
+        for (std::uint32_t y = 0; y < form.height; y += height)
+            for (std::uint32_t x = 0; x < form.width; x += width) {
+                if (TIFFReadTile(handle, buffer.data(), x, y, 0, 0) < 0)
+                    tiff.fail("truncated or corrupt");
+                put(form, buffer.data(), width, height, width, x, y, sample, to);
+            }
+        return;
+    }
+    const auto rows =
+        std::min(tiff.tag<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, form.height), form.height);
+    if (rows == 0 || rows > (std::uint64_t{1} << 29) / (pixel * form.width))
+        tiff.fail(fmt::format("strips of {} rows", rows));
+    buffer.resize(std::size_t{rows} * form.width * pixel);
+    for (std::uint32_t y = 0; y < form.height; y += rows) {
+        const std::uint32_t count = std::min(rows, form.height - y);
+        const auto bytes = static_cast<tmsize_t>(std::size_t{count} * form.width * pixel);
+        if (TIFFReadEncodedStrip(handle, TIFFComputeStrip(handle, y, 0), buffer.data(), bytes) !=
+            bytes)
+            tiff.fail("truncated or corrupt");
+        put(form, buffer.data(), form.width, count, form.width, 0, y, sample, to);
+    }
+}
+
+/// Least number of a stored page's bytes; more pixels than 2000 a byte no codec packs.
+void check_bytes(const Tiff& tiff, const PageForm& form) {
+    constexpr double kMostRatio = 4000;
+    const double pixels = static_cast<double>(form.width) * form.height * form.samples;
+    const double bytes = static_cast<double>(std::filesystem::file_size(tiff.name));
+    if (pixels > kMostRatio * bytes)
+        tiff.fail(fmt::format("{} x {} pixels in {} bytes", form.width, form.height, bytes));
+}
+
+/// Value of "key=text" in ImageJ's description.
+std::string imagej(const std::string& description, const std::string& key) {
+    const std::size_t at = description.find("\n" + key + "=");
+    if (at == std::string::npos) return {};
+    const std::size_t begin = at + key.size() + 2;
+    return description.substr(begin, description.find('\n', begin) - begin);
+}
+double number_or(const std::string& text, double otherwise) {
+    double value = otherwise;
+    std::from_chars(text.data(), text.data() + text.size(), value);
+    return std::isfinite(value) && value > 0 ? value : otherwise;
+}
+/// Value of an attribute in OME's description: PhysicalSizeX="0.1".
+std::string ome(const std::string& description, const std::string& key) {
+    const std::size_t at = description.find(" " + key + "=\"");
+    if (at == std::string::npos) return {};
+    const std::size_t begin = at + key.size() + 3;
+    return description.substr(begin, description.find('"', begin) - begin);
+}
+
+/// Channels, slices and frames of a stack, channels first, and its voxels.
+struct Stack {
+    std::uint64_t channels = 1, frames = 1;
+    Vec3d edge{1, 1, 1};
+    std::string unit, source = "voxels of 1, the file states none";
+};
+
+Stack stack_of(const Tiff& tiff) {
+    Stack stack;
+    const std::string text = tiff.text(TIFFTAG_IMAGEDESCRIPTION);
+    const float x = tiff.tag<float>(TIFFTAG_XRESOLUTION, 0),
+                y = tiff.tag<float>(TIFFTAG_YRESOLUTION, 0);
+    const auto unit = tiff.tag<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
+    const bool resolved = x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y);
+    constexpr double kMost = 1e6;
+    if (text.starts_with("ImageJ=")) {
+        stack.channels =
+            static_cast<std::uint64_t>(std::min(number_or(imagej(text, "channels"), 1), kMost));
+        stack.frames =
+            static_cast<std::uint64_t>(std::min(number_or(imagej(text, "frames"), 1), kMost));
+        if (resolved) stack.edge = {1.0 / x, 1.0 / y, 1};
+        stack.edge.z = number_or(imagej(text, "spacing"), 1);
+        stack.unit = imagej(text, "unit");
+        if (stack.unit == "\\u00B5m" || stack.unit == "micron") stack.unit = "um";
+        stack.source = "rows down, pages along z; voxels as ImageJ states";
+    } else if (text.find("<OME") != std::string::npos) {
+        stack.channels =
+            static_cast<std::uint64_t>(std::min(number_or(ome(text, "SizeC"), 1), kMost));
+        stack.frames =
+            static_cast<std::uint64_t>(std::min(number_or(ome(text, "SizeT"), 1), kMost));
+        if ((stack.channels > 1 || stack.frames > 1) && ome(text, "DimensionOrder") != "XYCZT")
+            tiff.fail(fmt::format("OME's order {} of channels and frames, expected XYCZT",
+                                  printable(ome(text, "DimensionOrder"), 20)));
+        stack.edge = {number_or(ome(text, "PhysicalSizeX"), 1),
+                      number_or(ome(text, "PhysicalSizeY"), 1),
+                      number_or(ome(text, "PhysicalSizeZ"), 1)};
+        stack.unit = ome(text, "PhysicalSizeXUnit");
+        if (stack.unit.empty() || stack.unit == "\xc2\xb5m") stack.unit = "um";
+        stack.source = "rows down, pages along z; voxels as OME states";
+    } else if (resolved && unit != RESUNIT_NONE) {
+        // 72 and 96 pixels an inch are the defaults of programs, which measured nothing.
+        if (unit == RESUNIT_INCH && x == y && (x == 72 || x == 96)) return stack;
+        const double millimetres = unit == RESUNIT_INCH ? 25.4 : 10;
+        stack.edge = {millimetres / x, millimetres / y, millimetres / x};
+        stack.unit = "mm";
+        stack.source =
+            "rows down, pages along z; pixels by the resolution, slices as thick as they are wide";
+    }
+    return stack;
+}
+
+/// Whether a name matches a pattern with one or several *.
+bool matches(std::string_view pattern, std::string_view name) {
+    const std::size_t star = pattern.find('*');
+    if (star == std::string_view::npos) return pattern == name;
+    if (!name.starts_with(pattern.substr(0, star))) return false;
+    for (std::size_t from = star; from <= name.size(); ++from)
+        if (matches(pattern.substr(star + 1), name.substr(from))) return true;
+    return false;
+}
+
+/// Order of names in which slice 10 lies behind slice 9.
+bool by_number(const std::filesystem::path& a, const std::filesystem::path& b) {
+    const std::string x = a.filename().string(), y = b.filename().string();
+    const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
+    for (std::size_t i = 0, j = 0; i < x.size() && j < y.size();) {
+        if (digit(x[i]) && digit(y[j])) {
+            std::string first, second;
+            for (; i < x.size() && digit(x[i]); ++i) first += x[i];
+            for (; j < y.size() && digit(y[j]); ++j) second += y[j];
+            first.erase(0, std::min(first.find_first_not_of('0'), first.size()));
+            second.erase(0, std::min(second.find_first_not_of('0'), second.size()));
+            if (first != second)
+                return first.size() != second.size() ? first.size() < second.size()
+                                                     : first < second;
+        } else if (x[i] != y[j]) {
+            return x[i] < y[j];
+        } else {
+            ++i, ++j;
+        }
+    }
+    return x < y;
+}
+
+/// The file, or the slices of a folder or a pattern in the order of their numbers.
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& file) {
+    std::error_code code;
+    const bool folder = std::filesystem::is_directory(file, code);
+    const std::string pattern = folder ? "*" : file.filename().string();
+    if (!folder && (pattern.find('*') == std::string::npos || std::filesystem::exists(file, code)))
+        return {file};
+    const std::filesystem::path parent = folder                   ? file
+                                         : file.has_parent_path() ? file.parent_path()
+                                                                  : std::filesystem::path(".");
+    constexpr std::size_t kLongest = 200;
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(parent, code))
+        if (const std::string name = entry.path().filename().string();
+            is_tiff(entry.path()) && name.size() < kLongest && matches(pattern, name))
+            files.push_back(entry.path());
+    if (files.empty()) throw Error(fmt::format("{}: no TIFF files of this pattern", file.string()));
+    std::ranges::sort(files, by_number);
+    return files;
+}
+
+}  // namespace
+
+ScanFile open_tiff(const std::filesystem::path& file) {
+    const std::vector<std::filesystem::path> files = files_of(file);
+    std::vector<Page> pages;
+    PageForm form;
+    Stack stack;
+    for (std::size_t n = 0; n < files.size(); ++n) {
+        Tiff tiff(files[n]);
+        if (n == 0) form = form_of(tiff), stack = stack_of(tiff);
+        check_bytes(tiff, form);
+        for (std::uint32_t directory = 0;; ++directory) {
+            if (directory > std::numeric_limits<std::uint16_t>::max())
+                tiff.fail("more than 65,535 pages");
+            // Smaller copies of a page are not slices.
+            if ((tiff.tag<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0) & FILETYPE_REDUCEDIMAGE) == 0) {
+                if (form_of(tiff) != form) tiff.fail("pages of several forms");
+                pages.push_back({n, static_cast<std::uint16_t>(directory)});
+            }
+            if (!TIFFReadDirectory(tiff.handle.get())) break;
+        }
+        if (!tiff.fault.empty()) tiff.fail("truncated or corrupt");
+        if (const double images =
+                number_or(imagej(tiff.text(TIFFTAG_IMAGEDESCRIPTION), "images"), 1);
+            files.size() == 1 && images > static_cast<double>(pages.size()))
+            tiff.fail(fmt::format("ImageJ's {} images in {} pages", images, pages.size()));
+    }
+    const std::uint64_t images = stack.channels * stack.frames;
+    if (images == 0 || pages.size() % images != 0 || (images > 1 && form.samples > 1))
+        throw Error(fmt::format("{}: {} pages of {} samples for {} channels and {} frames",
+                                file.string(), pages.size(), form.samples, stack.channels,
+                                stack.frames));
+    const std::uint64_t slices = pages.size() / images;
+    const std::uint64_t slice = checked_voxels(file, form.width, form.height, 1);
+    checked_voxels(file, form.width, form.height, static_cast<std::int64_t>(slices));
+
+    ScanGrid grid;
+    grid.size = {static_cast<std::int32_t>(form.width), static_cast<std::int32_t>(form.height),
+                 static_cast<std::int32_t>(slices)};
+    grid.type = type_name(form.type);
+    grid.world_from_index =
+        affine_of_axes({Vec3d{stack.edge.x, 0, 0}, {0, stack.edge.y, 0}, {0, 0, stack.edge.z}}, {});
+    grid.coordinates = stack.source;
+    grid.length_unit = stack.unit;
+    std::vector<std::string> names;
+    for (std::uint64_t t = 0; t < stack.frames; ++t)
+        for (std::uint64_t c = 0; c < stack.channels; ++c)
+            names.push_back((stack.frames > 1 ? fmt::format("t{}", t) : "") +
+                            (stack.channels > 1 ? fmt::format("c{}", c) : ""));
+    if (images == 1) names = numbered_names("c", 1);
+    if (form.samples > 1) names = color_names(form.samples);
+    ScanFile scan;
+    scan.grids = named_copies(grid, names);
+    scan.read = [files, pages, form, stack, slices, slice](std::size_t n) {
+        const std::size_t sample = form.samples > 1 ? n : 0, image = form.samples > 1 ? 0 : n;
+        const std::size_t channel = image % stack.channels, frame = image / stack.channels;
+        BigVector<float> values;
+        resize_kept(values, slices * slice);
+        std::optional<Tiff> tiff;
+        std::size_t open = files.size();
+        for (std::size_t z = 0; z < slices; ++z) {
+            const Page& page = pages[(frame * slices + z) * stack.channels + channel];
+            if (page.file != open) tiff.emplace(files[page.file]), open = page.file;
+            read_page(*tiff, page, form, sample, values.data() + z * slice);
+            keep_memory();
+        }
+        return values;
+    };
+    return scan;
+}
+
+#endif
+
+}  // namespace vog::scan

@@ -1,0 +1,184 @@
+// tiff_fits_test.cpp: TIFF stacks and FITS cubes, made byte by byte.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "io/scan/scan_files.h"
+#include "support/data.h"
+#include "support/image_bytes.h"
+#include "support/refusal.h"
+#include "vog/scan_io.h"
+
+namespace vog::test {
+
+namespace {
+
+/// A little-endian TIFF of pages with uint16 pixels, one strip each.
+std::string tiff_of(const std::vector<std::vector<std::uint16_t>>& pages, std::uint16_t width,
+                    std::uint16_t height, const std::string& description = "") {
+    std::string file = "II*";
+    const auto put = [&](auto value) {
+        file.append(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    file.push_back('\0');
+    put(std::uint32_t{8});
+    for (std::size_t n = 0; n < pages.size(); ++n) {
+        const bool described = n == 0 && !description.empty();
+        const std::uint16_t count = described ? 9 : 8;
+        const auto behind = static_cast<std::uint32_t>(file.size() + 2 + 12 * count + 4);
+        const auto bytes = static_cast<std::uint32_t>(pages[n].size() * 2);
+        const auto text = static_cast<std::uint32_t>(description.size() + 1);
+        put(count);
+        const auto entry = [&](std::uint16_t tag, std::uint16_t type, std::uint32_t size,
+                               std::uint32_t value) { put(tag), put(type), put(size), put(value); };
+        entry(256, 3, 1, width), entry(257, 3, 1, height), entry(258, 3, 1, 16);
+        entry(259, 3, 1, 1), entry(262, 3, 1, 1);
+        if (described) entry(270, 2, text, behind + bytes);
+        entry(273, 4, 1, behind), entry(277, 3, 1, 1);
+        entry(279, 4, 1, bytes);
+        const bool last = n + 1 == pages.size();
+        put(last ? std::uint32_t{0} : behind + bytes + (described ? text + text % 2 : 0));
+        for (const std::uint16_t v : pages[n]) put(v);
+        if (described) file += description + std::string(1 + text % 2, '\0');
+    }
+    return file;
+}
+
+/// A header block of cards, and values behind it.
+std::string fits_of(const std::vector<std::string>& cards, const std::string& values) {
+    constexpr std::size_t kBlock = 2880, kCard = 80;
+    std::string file;
+    for (const std::string& card : cards) file += card + std::string(kCard - card.size(), ' ');
+    file += "END";
+    file.resize((file.size() + kBlock - 1) / kBlock * kBlock, ' ');
+    file += values;
+    file.resize((file.size() + kBlock - 1) / kBlock * kBlock, '\0');
+    return file;
+}
+std::string card(const std::string& key, const std::string& value) {
+    return fmt::format("{:<8}= {:>20}", key, value);
+}
+std::vector<std::string> cube_cards(const std::string& bits) {
+    return {card("SIMPLE", "T"), card("BITPIX", bits), card("NAXIS", "3"),
+            card("NAXIS1", "2"), card("NAXIS2", "3"),  card("NAXIS3", "4")};
+}
+
+Volume read_bytes(const TempDir& dir, const std::string& name, const std::string& bytes,
+                  const VdbOptions& options = {}) {
+    write_bytes(dir / name, bytes);
+    return read_volume(dir / name, options);
+}
+
+/// Whether this build has the library of a format.
+bool absent(const std::filesystem::path& file) {
+    return refusal([&] { read_volume(file); }).find("this build reads no") != std::string::npos;
+}
+
+}  // namespace
+
+TEST(scan_tiff, pages_are_slices_and_imagej_states_voxels) {
+    const TempDir dir;
+    const std::string words = "ImageJ=1.53t\nimages=2\nslices=2\nunit=um\nspacing=2.5\n";
+    const std::string bytes = tiff_of({{1, 2, 3, 4, 5, 6}, {7, 8, 9, 10, 11, 12}}, 3, 2, words);
+    write_bytes(dir / "a.tif", bytes);
+    if (absent(dir / "a.tif")) GTEST_SKIP() << "this build has no libtiff";
+    const Volume volume = read_volume(dir / "a.tif");
+    EXPECT_EQ(active_voxels(volume), 12u);
+    const auto at = [&](int x, int y, int z) {
+        return volume.leaves.at(0).value[static_cast<std::size_t>(leaf_offset(x, y, z))];
+    };
+    EXPECT_EQ(at(2, 0, 0), 3);
+    EXPECT_EQ(at(0, 1, 0), 4);
+    EXPECT_EQ(at(2, 1, 1), 12);
+    EXPECT_EQ(volume.world_from_index.linear(2, 2), 2.5);
+    EXPECT_EQ(inspect_volume(dir / "a.tif")[0].length_unit, "um");
+    testing::internal::CaptureStderr();
+    for (std::size_t size = 0; size < bytes.size() - 60; ++size)
+        EXPECT_THROW(read_bytes(dir, "cut.tif", bytes.substr(0, size)), Error) << size;
+    for (std::size_t n = 0; n < bytes.size(); ++n) {
+        std::string changed = bytes;
+        changed[n] = static_cast<char>(~changed[n]);
+        const std::string message = refusal([&] { read_bytes(dir, "changed.tif", changed); });
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST(scan_tiff, slices_of_a_folder_and_a_pattern_by_their_numbers) {
+    const TempDir dir;
+    std::filesystem::create_directory(dir / "slices");
+    for (const std::uint16_t n : std::vector<std::uint16_t>{9, 10, 11})
+        write_bytes(dir / ("slices/s" + std::to_string(n) + ".tif"), tiff_of({{n, 1}}, 2, 1));
+    if (absent(dir / "slices")) GTEST_SKIP() << "this build has no libtiff";
+    for (const char* name : {"slices", "slices/s*.tif"}) {
+        const Volume volume = read_volume(dir / name);
+        for (int z = 0; z < 3; ++z)
+            EXPECT_EQ(volume.leaves.at(0).value[static_cast<std::size_t>(leaf_offset(0, 0, z))],
+                      9 + z)
+                << name;
+    }
+    write_bytes(dir / "slices/s12.tif", tiff_of({{1, 1, 1}}, 3, 1));
+    EXPECT_NE(refusal([&] { read_volume(dir / "slices"); }).find("pages of several forms"),
+              std::string::npos);
+}
+
+TEST(scan_fits, values_are_scaled_and_blanks_are_none) {
+    const TempDir dir;
+    std::vector<std::string> cards = cube_cards("16");
+    for (const auto& [key, value] :
+         std::vector<std::pair<std::string, std::string>>{{"BSCALE", "0.5"},
+                                                          {"BZERO", "10.0"},
+                                                          {"BLANK", "24"},
+                                                          {"BUNIT", "'K       '"},
+                                                          {"CRPIX1", "1.0"},
+                                                          {"CRVAL1", "5.0"},
+                                                          {"CDELT1", "0.5"},
+                                                          {"CRPIX2", "2.0"},
+                                                          {"CDELT2", "2.0"},
+                                                          {"CRPIX3", "1.0"},
+                                                          {"CDELT3", "3.0"}})
+        cards.push_back(card(key, value));
+    const std::string bytes = fits_of(cards, bytes_of(scan_values(), true));
+    write_bytes(dir / "a.fits", bytes);
+    if (absent(dir / "a.fits")) GTEST_SKIP() << "this build has no cfitsio";
+    EXPECT_NE(refusal([&] { read_volume(dir / "a.fits"); }).find("1 active values are not finite"),
+              std::string::npos);
+    const Volume volume = read_volume(dir / "a.fits", {.values = {true, false}});
+    EXPECT_EQ(active_voxels(volume), 23u);
+    EXPECT_EQ(volume.leaves.at(0).value[static_cast<std::size_t>(leaf_offset(1, 0, 0))], 11);
+    EXPECT_EQ(volume.world_from_index.linear(0, 0), 0.5);
+    EXPECT_EQ(volume.world_from_index.translation, (Vec3d{5, -2, 0}));
+    EXPECT_EQ(inspect_volume(dir / "a.fits")[0].value_unit, "K");
+    EXPECT_EQ(
+        active_voxels(read_bytes(dir, "a.fits.gz", gzipped(bytes), {.values = {true, false}})),
+        23u);
+    cards.push_back(card("CTYPE1", "'RA---TAN'"));
+    const Volume sky = read_bytes(dir, "sky.fits", fits_of(cards, bytes_of(scan_values(), true)),
+                                  {.values = {true, false}});
+    EXPECT_EQ(sky.world_from_index, Affine{}) << "angles are no lengths";
+}
+
+TEST(scan_fits, truncated_and_changed_files_are_refused_in_silence) {
+    const TempDir dir;
+    const std::string bytes = fits_of(cube_cards("16"), bytes_of(scan_values(), true));
+    write_bytes(dir / "a.fits", bytes);
+    if (absent(dir / "a.fits")) GTEST_SKIP() << "this build has no cfitsio";
+    testing::internal::CaptureStderr();
+    for (std::size_t size = 0; size < 2880 + 48; size += 13)
+        EXPECT_THROW(read_bytes(dir, "cut.fits", bytes.substr(0, size)), Error) << size;
+    for (std::size_t n = 0; n < 600; ++n) {
+        std::string changed = bytes;
+        changed[n] = static_cast<char>(~changed[n]);
+        const std::string message = refusal([&] { read_bytes(dir, "changed.fits", changed); });
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+    std::vector<std::string> huge = cube_cards("16");
+    huge[3] = card("NAXIS1", "1000000000");
+    EXPECT_NE(refusal([&] { read_bytes(dir, "huge.fits", fits_of(huge, "")); }).find("huge.fits"),
+              std::string::npos);
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+}  // namespace vog::test
