@@ -30,7 +30,7 @@ def find_chromium():
 class Browser:
     """Browser with one page, closed at the end of a `with` block."""
 
-    def __init__(self, timeout_s=120):
+    def __init__(self, timeout_s=300):
         self.timeout_s = timeout_s
         self.profile = tempfile.TemporaryDirectory(prefix="vog-web-", ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
@@ -132,10 +132,13 @@ class Browser:
         listed = [{"name": k.replace("_", "-"), "value": v} for k, v in features.items()]
         self.call("Emulation.setEmulatedMedia", features=listed)
 
+    def leave(self):
+        """Leaves the page, which would draw again for every other size of the window."""
+        self.call("Page.navigate", url="about:blank")
+
     def open(self, path, fragment=""):
         """Opens a file and waits until its module has run."""
-        # A blank page first: a change of the fragment alone does not reload a page.
-        self.call("Page.navigate", url="about:blank")
+        self.leave()  # a change of the fragment alone does not reload a page
         self.complaints.clear()
         self.requests.clear()
         answer = self.call("Page.navigate", url=f"file://{os.path.abspath(path)}{fragment}")

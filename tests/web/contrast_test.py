@@ -7,7 +7,7 @@ where there is no Chromium.
 """
 import json
 
-from page_test_case import PageTest, run, vog, write_model
+from page_test_case import COARSE, PageTest, run, vog, write_model
 from quantity_test_case import write_flow
 
 # [text, contrast, wanted] of each visible element with a text of its own; disabled controls are exempt.
@@ -45,9 +45,9 @@ class Contrast(PageTest):
     def make(cls):
         write_flow(cls.folder / "flow.ply", 40)
         write_model(cls.folder / "round.ply", [0, 0, 0, 1, 1, 1, 1])
-        vog("export", "flow.ply", "round.ply", "-o", "page.html", "--levels", 1, "--background", "system", "--title", "A title",
-            "--description", "Words below the title.", "--clip-plane", "1,0,0,-9")
-        vog("export", "flow.ply", "round.ply", "-o", "steps.html", "--levels", 1, "--steps")
+        vog("export", "flow.ply", "round.ply", "-o", "page.html", "--levels", 1, "--show", "volume", "--slabs", 8, "--background", "system",
+            "--title", "A title", "--description", "Words below the title.", "--clip-plane", "1,0,0,-9")
+        vog("export", "flow.ply", "round.ply", "-o", "steps.html", "--levels", 1, "--show", "volume", "--slabs", 8, "--steps")
 
     def expect_contrast(self, picture, shown):
         """Expects every text to differ enough from its ground; picture: the ground of texts over the picture."""
@@ -62,12 +62,15 @@ class Contrast(PageTest):
         for scheme, picture in (("dark", [0, 0, 0]), ("light", [255, 255, 255])):
             self.browser.prefer(prefers_color_scheme=scheme)
             for width, height in ((1000, 1400), (360, 740)):
-                self.browser.viewport(width, height)
+                self.browser.leave()
+                self.browser.viewport(width, height, COARSE / 2)
                 for page in ("page.html", "steps.html"):
                     ground = picture if page == "page.html" else [0, 0, 0]
+                    self.open(page, "#subframes=1&show=T")
+                    self.value("document.getElementById('clip-row').open = true")
                     for show in ("T", "mean", "volume") if width > 640 else ("volume",):
-                        self.open(page, f"#subframes=1&show={show}")
-                        self.value("document.getElementById('clip-row').open = true")
+                        self.value(f"vog.change({{show: '{show}', panel: true}})")
+                        self.browser.settle()
                         for panel in ("true", "false"):
                             self.value(f"vog.change({{panel: {panel}}})")
                             texts |= self.expect_contrast(ground, f"{scheme} {width} {page} {show}")

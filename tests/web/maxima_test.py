@@ -6,7 +6,7 @@ where there is no Chromium.
 """
 import array
 
-from page_test_case import run, vog
+from page_test_case import COARSE, run, vog
 from quantity_test_case import QuantityTest
 
 RANGE = ("--range", "0,2.5")
@@ -34,13 +34,13 @@ class Maxima(QuantityTest):
         self.pictures("precise.html", 6)
 
     def test_maxima_have_a_number_and_a_link(self):
-        self.browser.viewport(700, 450)
+        self.browser.viewport(1000, 800, COARSE)
         self.open("smoke.html", "#subframes=1&show=maximum&range=0,2.5")
         width, height = self.write_camera()
         self.assertEqual(self.value("document.getElementById('of-quantity').textContent"), "maximum of density")
         self.assertEqual(self.value("[show.value, document.getElementById('scale-row').hidden]"), ["maximum", False])
         x, y = width // 2, height // 2
-        self.browser.mouse("mouseMoved", x, y)
+        self.browser.mouse("mouseMoved", (x + 0.5) / COARSE, (y + 0.5) / COARSE)
         vog("render", "smoke.ply", "--show", "maximum", "--values-out", "maximum.npy", "--camera", "camera.json", "--size", f"{width}x{height}")
         largest = array.array("f", (self.folder / "maximum.npy").read_bytes()[-4 * width * height:])
         shown = self.value("document.getElementById('probe').textContent")

@@ -16,6 +16,8 @@ VOG = os.environ.get("VOG_COMMAND", "vog")
 HOUSE = pathlib.Path(__file__).resolve().parents[2]
 DATA = pathlib.Path(os.environ.get("VOG_DATA", HOUSE / "../shared/data"))
 WIDTH, HEIGHT = 320, 240
+# Pixels of the screen to a CSS pixel, for tests of what surrounds the picture: its area is what a GPU in software takes long for.
+COARSE = 0.5
 # Both renderers are exact; the page's numbers are quantised (docs/web.md). Measured: 79 dB.
 LEAST_PSNR_DB = 60
 
@@ -69,7 +71,9 @@ class PageTest(unittest.TestCase):
         self.browser.prefer()
 
     def tearDown(self):
-        self.assertEqual(self.browser.complaints, [], "the page's console is not silent")
+        complaints = list(self.browser.complaints)
+        self.browser.leave()
+        self.assertEqual(complaints, [], "the page's console is not silent")
 
     def open(self, page="page.html", fragment="#subframes=1"):
         self.browser.open(self.folder / page, fragment)

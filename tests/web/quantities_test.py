@@ -9,7 +9,7 @@ import array
 import json
 import math
 
-from page_test_case import run, smoke, vog
+from page_test_case import COARSE, run, smoke, vog
 from quantity_test_case import LEAST_PSNR_DB, QuantityTest
 
 RAMP = {"name": "ramp", "unit": 1, "opacity": [[0, 0], [1, 0.5]],
@@ -135,7 +135,7 @@ class Quantities(QuantityTest):
             "--clip=-100,-100,-100,100,100,100")
 
     def test_planes_are_added_moved_turned_and_removed_by_keys(self):
-        self.browser.viewport(1000, 800)
+        self.browser.viewport(1000, 800, COARSE)
         self.open("smoke.html", "#subframes=1")
         whole = self.bytes()
         self.value("document.getElementById('clip-row').open = true; document.getElementById('add-plane').focus()")
@@ -220,11 +220,11 @@ class Quantities(QuantityTest):
         self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis",
                            "--range", ",".join(map(repr, self.value("vog.page.models[0].fields[1].ranges.magnitude.mean"))))
         self.assertLess(float(ends[0]), float(ends[1]))
-        self.browser.viewport(1000, 800)
+        self.browser.viewport(1000, 800, COARSE)
         self.browser.settle()
         width, height = self.write_camera()
         x, y = width // 2, height // 2
-        self.browser.mouse("mouseMoved", x, y)
+        self.browser.mouse("mouseMoved", (x + 0.5) / COARSE, (y + 0.5) / COARSE)
         vog("render", "flow.ply", "--show", "mean", "--field", "velocity.magnitude", "--values-out", "rms.npy", "--camera", "camera.json",
             "--size", f"{width}x{height}")
         rms = array.array("f", (self.folder / "rms.npy").read_bytes()[-4 * width * height:])
@@ -250,7 +250,7 @@ class Quantities(QuantityTest):
         self.assertAlmostEqual(unit / chosen["unit_distance"], 1, delta=0.02)
 
     def test_the_curve_is_edited_undone_and_saved(self):
-        self.browser.viewport(1000, 800)
+        self.browser.viewport(1000, 800, COARSE)
         self.open("smoke.html", "#subframes=1&show=volume")
         before = self.bytes()
         box = self.value("(() => { const b = editor.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
@@ -310,10 +310,10 @@ class Quantities(QuantityTest):
 
     def test_steps_play_scrub_and_keep_one_range(self):
         for step, block in ((1, 8), (2, 16), (10, 32)):
-            vog("convert", smoke(), "-o", f"t_{step}.ply", "--block", block)
+            vog("convert", smoke(), "-o", f"t_{step}.ply", "--block", block, "--soft-steps", 0)
         vog("export", "t_*.ply", "-o", "steps.html", "--levels", 1)
         self.start("steps.html", "#subframes=1")
-        self.browser.viewport(1000, 800)
+        self.browser.viewport(1000, 800, COARSE)
         names = self.value("vog.page.models.map(({name}) => name)")
         self.assertEqual(names, ["t_1", "t_2", "t_10"])
         self.assertEqual(len(set(self.value("vog.page.models.map(({extinction}) => extinction)"))), 1)
@@ -344,7 +344,7 @@ class Quantities(QuantityTest):
     # --- Around the picture. ---
 
     def test_the_scale_bar_has_its_length(self):
-        self.browser.viewport(1000, 800)
+        self.browser.viewport(1000, 800, COARSE)
         self.open("smoke.html", "#subframes=1")
         lens = self.value("vog.state.camera")
         self.value("vog.change({camera: {...vog.state.camera, span: 100}})")
