@@ -68,8 +68,8 @@ struct VoxelError {
     double mean = 0;   ///< sum |b - a| over a's number of active voxels, divided by the largest a
     double worst = 0;  ///< largest |b - a|, divided by the largest a
 };
-/// Compares the volume `b`, without tiles, with `a`, the reference.
-/// throws  vog::Error for different lattices, and for an `a` whose densities are all 0
+/// Compares the volume `b` with `a`, the reference. Leaves of `b` may lie in tiles of `a`, its tiles are among those of `a`.
+/// throws  vog::Error for different lattices, other tiles, and for an `a` whose densities are all 0
 /// cost    O(leaves and tiles)
 [[nodiscard]] VoxelError voxel_error(const Volume& a, const Volume& b);
 

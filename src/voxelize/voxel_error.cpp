@@ -27,12 +27,25 @@ struct ErrorSums {
     }
 };
 
-/// Tiles of a volume by their origin, and the voxels of each that leaves and tiles of the other volume cover.
+/// Tiles of a volume by their origin, and the voxels of each that leaves of the other volume cover.
 class TileMap {
   public:
     explicit TileMap(const Volume& volume) {
         for (const Tile& tile : volume.tiles)
-            tiles_[{tile.edge, origin_of(tile.origin)}] = {tile.value, 0};
+            tiles_[{tile.edge, origin_of(tile.origin)}] = {tile.value, 0, 0};
+    }
+    /// Tiles of the other volume.
+    /// throws  vog::Error for one where this volume has none of its size
+    void compare(const Volume& other) {
+        for (const Tile& tile : other.tiles) {
+            const auto found = tiles_.find({tile.edge, origin_of(tile.origin)});
+            if (found == tiles_.end())
+                throw Error(fmt::format(
+                    "{}: a tile of {}^3 voxels at {}, {}, {}, expected leaves or tiles of the "
+                    "reference",
+                    other.source, tile.edge, tile.origin.x, tile.origin.y, tile.origin.z));
+            found->second.other = tile.value;
+        }
     }
     /// Density at the node of this origin, which lies in one tile or in none; counts the voxels as covered.
     double cover(Vec3i origin, double voxels) {
@@ -50,14 +63,14 @@ class TileMap {
         for (const auto& [place, tile] : tiles_) {
             const double edge = place.first;
             if (tile.covered < edge * edge * edge)
-                sums.add(tile.value, edge * edge * edge - tile.covered);
+                sums.add(tile.other - tile.value, edge * edge * edge - tile.covered);
         }
     }
     bool empty() const { return tiles_.empty(); }
 
   private:
     struct Entry {
-        double value = 0, covered = 0;
+        double value = 0, other = 0, covered = 0;  ///< densities here and there; number of voxels
     };
     std::map<std::pair<int, Origin>, Entry> tiles_;
 };
@@ -68,8 +81,6 @@ VoxelError voxel_error(const Volume& a, const Volume& b) {
     if (!(a.world_from_index == b.world_from_index))
         throw Error(fmt::format("{} and {}: different lattices of voxels, expected one", a.source,
                                 b.source));
-    if (!b.tiles.empty())
-        throw Error(fmt::format("{}: has tiles, expected leaves alone", b.source));
     double largest = 0, squares = 0;
     for (const Leaf& leaf : a.leaves)
         for (const float value : leaf.value) {
@@ -86,6 +97,7 @@ VoxelError voxel_error(const Volume& a, const Volume& b) {
     // Both are sorted by origin: one pass over the two.
     ErrorSums sums;
     TileMap tiles(a);
+    tiles.compare(b);
     std::size_t n = 0, m = 0;
     while (n < a.leaves.size() || m < b.leaves.size()) {
         const bool of_a =

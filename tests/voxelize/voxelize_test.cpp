@@ -447,6 +447,21 @@ TEST(voxel_error, tiles_count_where_leaves_cover_a_part) {
     EXPECT_NEAR(error.worst, 1, 1e-12);
 }
 
+TEST(voxel_error, tiles_of_both_are_compared_where_they_are_the_same) {
+    const Volume a = random_volume(3);
+    Volume b = a;
+    EXPECT_EQ(voxel_error(a, b).relative_l2, 0);
+    const auto tile = std::ranges::find(b.tiles, 128, &Tile::edge);
+    tile->value += 0.5f;
+    const VoxelError error = voxel_error(a, b);
+    const auto voxels = static_cast<double>(active_voxels(a));
+    EXPECT_NEAR(error.mean * voxels, error.worst * 128 * 128 * 128, 1e-3);
+    EXPECT_GT(error.worst, 0);
+    tile->origin.x += 128;
+    EXPECT_NE(refusal([&] { (void)voxel_error(a, b); }).find("a tile of 128^3 voxels"),
+              std::string::npos);
+}
+
 TEST(voxel_error, refuses_other_lattices_and_nothing) {
     Volume a = random_volume(3), b = a;
     a.tiles.clear(), b.tiles.clear();

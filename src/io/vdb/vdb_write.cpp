@@ -8,6 +8,7 @@
 
 #include "core/atomic_file.h"
 #include "io/vdb/vdb_volume.h"
+#include "io/vdb/vdb_zip.h"
 #include "vog/openvdb.h"
 #include "vog/volume_io.h"
 
@@ -63,9 +64,15 @@ std::int64_t position(std::ostream& out) {
     return at;
 }
 
-void write_grid(std::ostream& out, const GridToWrite& write) {
+/// OpenVDB's flags; its default is a variable, blosc where it was built with that.
+std::uint32_t compression_flags(bool zip) {
+    return zip ? openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK
+               : openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
+}
+
+void write_grid(std::ostream& out, const GridToWrite& write, bool zip) {
+    const std::uint32_t compression = compression_flags(zip);
     const openvdb::GridBase& grid = *write.grid;
-    const std::uint32_t compression = openvdb::io::Archive::DEFAULT_COMPRESSION_FLAGS;
     // The stream's metadata counts the passes in which points are written.
     openvdb::io::StreamMetadata::Ptr metadata(new openvdb::io::StreamMetadata), none;
     openvdb::io::setStreamMetadataPtr(out, metadata, false);
@@ -93,10 +100,9 @@ void write_grid(std::ostream& out, const GridToWrite& write) {
     openvdb::io::setStreamMetadataPtr(out, none, false);
 }
 
-}  // namespace
-
-void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
-                          const std::function<GridToWrite(std::size_t)>& grid_of) {
+/// Writes grids; their values by zip, or by OpenVDB's default.
+void write_grids(const std::filesystem::path& file, std::size_t count,
+                 const std::function<GridToWrite(std::size_t)>& grid_of, bool zip) {
     const std::string where = file.string();
     with_vdb_errors(where, [&] {
         write_file(file, [&](std::ofstream& out) {
@@ -104,17 +110,14 @@ void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
             for (std::size_t n = 0; n < count; ++n) {
                 const GridToWrite write = grid_of(n);
                 write.grid->setCreator("vog");
-                write_grid(out, write);
+                write_grid(out, write, zip);
             }
         });
     });
 }
 
-void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
-    write_vdb(file, std::span(&volume, 1), half);
-}
-
-void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes, bool half) {
+void write_volumes(const std::filesystem::path& file, std::span<const Volume> volumes, bool half,
+                   bool zip) {
     const std::string where = file.string();
     require_names(volumes, where);
     for (const Volume& volume : volumes) {
@@ -122,12 +125,32 @@ void write_vdb(const std::filesystem::path& file, std::span<const Volume> volume
         if (volume.empty()) throw Error(fmt::format("{}: cannot write: no active voxels", where));
         if (half) require_half_range(volume, where);
     }
-    write_vdb_grids(file, volumes.size(), [&](std::size_t n) -> GridToWrite {
+    const auto grid_of = [&](std::size_t n) -> GridToWrite {
         const openvdb::FloatGrid::Ptr grid = grid_from_volume(volumes[n]);
         grid->setSaveFloatAsHalf(half);
         grid->addStatsMetadata();
         return {grid, {}};
-    });
+    };
+    write_grids(file, volumes.size(), grid_of, zip);
+}
+
+}  // namespace
+
+void vdb::write_vdb_grids(const std::filesystem::path& file, std::size_t count,
+                          const std::function<GridToWrite(std::size_t)>& grid_of) {
+    write_grids(file, count, grid_of, false);
+}
+
+void vdb::write_vdb_zip(const std::filesystem::path& file, const Volume& volume, bool half) {
+    write_volumes(file, std::span(&volume, 1), half, true);
+}
+
+void write_vdb(const std::filesystem::path& file, const Volume& volume, bool half) {
+    write_vdb(file, std::span(&volume, 1), half);
+}
+
+void write_vdb(const std::filesystem::path& file, std::span<const Volume> volumes, bool half) {
+    write_volumes(file, volumes, half, false);
 }
 
 }  // namespace vog
