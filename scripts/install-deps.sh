@@ -24,6 +24,8 @@ all_packages=(
     chromium python3
     # Python package and its tests; the stubs are checked by mypy
     python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
+    # the codec that vog evaluate --rate-distortion compares with
+    libzfp-dev
     # clusters
     libopenmpi-dev openmpi-bin
     # tests, benches, checks of format and house

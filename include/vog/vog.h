@@ -34,6 +34,7 @@
 //            value_transfer.h   transfer functions of a field's values
 //   judge    compare.h          differences between two images
 //            evaluate.h         tables and figures of many conversions of one data set
+//            rate_distortion.h  bytes against error, of models and of the voxels themselves
 //   share    export_html.h      models as one HTML page
 //   all      error.h            the exception type
 //            linear.h           vectors, matrices, affine maps, boxes
@@ -73,6 +74,7 @@
 #include "vog/points.h"
 #include "vog/progress.h"
 #include "vog/quantity.h"
+#include "vog/rate_distortion.h"
 #include "vog/reference.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"

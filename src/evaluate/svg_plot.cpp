@@ -14,12 +14,22 @@ namespace vog::evaluation {
 namespace {
 
 // Okabe & Ito, "Color Universal Design" (2008), in an order whose neighbours differ in brightness.
-constexpr std::array<const char*, 6> kColors = {"#0072b2", "#d55e00", "#009e73",
-                                                "#cc79a7", "#e69f00", "#56b4e9"};
+// Two more for longer lists.
+constexpr std::array<const char*, 8> kColors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                                "#e69f00", "#56b4e9", "#1d2329", "#7b5c34"};
 constexpr const char* kOthersColor = "#777777";
 
 constexpr double kWidth = 460, kHeight = 330;
 constexpr double kLeft = 50, kRight = 14, kBottom = 46, kLegendLine = 17, kTitle = 26;
+
+/// Of a file of its own; pages have theirs.
+constexpr const char* kStyle = R"(<style>
+text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #3d4650; }
+.title { font-size: 14px; font-weight: 600; fill: #1d2329; } .label { fill: #5b6670; }
+.grid { stroke: #e6e9ec; } .axis { stroke: #1d2329; } .series { fill: none; stroke-width: 2; }
+</style>
+<rect width="100%" height="100%" fill="#ffffff"/>
+)";
 
 struct Axis {
     double low = 0, high = 1;
@@ -97,7 +107,7 @@ struct LegendEntry {
     int line = 0;
 };
 std::vector<LegendEntry> legend_of(const Plot& plot) {
-    constexpr double kCharacter = 6.2, kSample = 28,
+    constexpr double kCharacter = 7, kSample = 28,
                      kGap = 14;  // of a character at 12 pixels, rounded up
     std::vector<LegendEntry> entries;
     LegendEntry at{kLeft, 0};
@@ -175,14 +185,15 @@ std::string axes(const Plot& plot, const Frame& frame) {
 }
 
 std::string line_style(const PlotSeries& series, std::size_t index) {
-    return fmt::format("stroke=\"{}\"{}", series.dashed ? kOthersColor : kColors[index % 6],
+    return fmt::format("stroke=\"{}\"{}",
+                       series.dashed ? kOthersColor : kColors[index % kColors.size()],
                        series.dashed ? " stroke-dasharray=\"5 4\"" : "");
 }
 
 std::string draw(const Plot& plot, const Frame& frame, const PlotSeries& series,
                  std::size_t index) {
     std::string path, marks;
-    const char* color = series.dashed ? kOthersColor : kColors[index % 6];
+    const char* color = series.dashed ? kOthersColor : kColors[index % kColors.size()];
     bool joined = false;
     for (const PlotPoint& point : series.points) {
         if (!drawable(plot, point)) {
@@ -222,6 +233,18 @@ std::string svg(const Plot& plot) {
         out += draw(plot, frame, series, n);
     }
     return out + "</svg>\n";
+}
+
+std::string svg_file(const Plot& plot) {
+    constexpr double kScale = 1.6;  // to the width of a page
+    constexpr std::string_view kElement = "<svg class=\"plot\"";
+    const std::string element = svg(plot);
+    const std::size_t inside = element.find('\n') + 1;
+    return fmt::format(
+               "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\"",
+               kScale * kWidth, kScale * kHeight) +
+           element.substr(kElement.size(), inside - kElement.size()) + kStyle +
+           element.substr(inside);
 }
 
 }  // namespace vog::evaluation

@@ -21,12 +21,14 @@ struct Plot {
     std::string title, x_label, y_label;
     std::vector<std::string> categories;  ///< labels of x = 0, 1, ...; empty: a numeric axis
     bool log_x = false, log_y = false;
-    std::vector<PlotSeries> series;  ///< at most six
+    std::vector<PlotSeries> series;  ///< at most eight, and dashed ones
     bool lines = true;               ///< join the points of a series
 };
 
 /// The plot as an <svg> element, with axes, ticks at round values, a legend, and colours that
 /// colour-blind readers can tell apart.
 std::string svg(const Plot& plot);
+/// The same as a file of its own, with its style and a white background.
+std::string svg_file(const Plot& plot);
 
 }  // namespace vog::evaluation

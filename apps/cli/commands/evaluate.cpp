@@ -141,6 +141,18 @@ Evaluation evaluated(const EvaluateArguments& arguments, const EvaluateRanks& ra
     });
 }
 
+/// Options that all evaluations share: folder, size, extinction.
+void set_common(EvaluateArguments& arguments) {
+    if (std::filesystem::exists(arguments.folder) &&
+        !std::filesystem::is_directory(arguments.folder))
+        throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
+    const Size size = parse_size(arguments.size);
+    arguments.options.width = size.width;
+    arguments.options.height = size.height;
+    if (arguments.extinction != "auto")
+        arguments.options.extinction = parse_extinction(arguments.extinction);
+}
+
 void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     take_models(arguments, ranks);
     set_transfer_functions(arguments, ranks);
@@ -150,14 +162,7 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
         throw Error(
             fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
                         arguments.inputs.front()));
-    if (std::filesystem::exists(arguments.folder) &&
-        !std::filesystem::is_directory(arguments.folder))
-        throw Error(fmt::format("{}: is a file, expected a folder as -o", arguments.folder));
-    const Size size = parse_size(arguments.size);
-    arguments.options.width = size.width;
-    arguments.options.height = size.height;
-    if (arguments.extinction != "auto")
-        arguments.options.extinction = parse_extinction(arguments.extinction);
+    set_common(arguments);
     const ThreadLimit limit(arguments.threads);
     if (!arguments.models.empty()) arguments.options.conversions = model_rows(arguments.models);
     const bool is_root = collective_or_single(ranks.collective).is_root();
@@ -248,7 +253,13 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
                       "Print results.json and nothing else on standard output");
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");
-    command->callback([arguments, ranks] { evaluate_files(*arguments, ranks); });
+    if (!ranks.load) add_rate_options(*command, arguments->rate);
+    command->callback([arguments, ranks] {
+        if (!arguments->rate.chosen) return evaluate_files(*arguments, ranks);
+        set_common(*arguments);
+        const ThreadLimit limit(arguments->threads);
+        run_rate_distortion(*arguments);
+    });
 }
 
 }  // namespace vog::cli
