@@ -39,6 +39,7 @@ __all__ = [
     "compare_shaded",
     "difference_map",
     "evaluate",
+    "rate_distortion",
     "export_html",
     "export_splats",
     "voxelize",
@@ -609,6 +610,18 @@ def evaluate(
     fields: Union[dict[str, Any], None] = ...,
     voxels: bool = ...,
     resume: bool = ...,
+    progress: Union[_Progress, None] = ...,
+) -> dict[str, Any]: ...
+def rate_distortion(
+    volume: Volume,
+    folder: _Path,
+    *,
+    size: _Size = ...,
+    extinction: _Extinction = ...,
+    tf: Sequence[str] = ...,
+    model_sizes: int = ...,
+    tolerances: int = ...,
+    max_loss: float = ...,
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...
 def export_html(
