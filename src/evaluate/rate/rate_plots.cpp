@@ -72,12 +72,12 @@ std::vector<RatePlot> rate_plots(const RateDistortion& results) {
         plots.push_back({file + ".svg", svg_file(plot_of(results, results.title + ": " + title,
                                                          figure, function, low, high))});
     };
-    add("V", "V = 1 - exp(-T), mean of seven views", RateFigure::v_mean, 0, kLowestDb, kHighestDb);
-    add("V-worst", "V, worst of seven views", RateFigure::v_worst, 0, kLowestDb, kHighestDb);
+    add("V", "V = 1 - exp(-T), mean of views", RateFigure::v_mean, 0, kLowestDb, kHighestDb);
+    add("V-worst", "V, worst of the views", RateFigure::v_worst, 0, kLowestDb, kHighestDb);
     for (std::size_t f = 0; f < results.functions.size(); ++f)
         add(file_name(results.functions[f], f),
-            fmt::format("by value, {}, mean of seven views", results.functions[f]),
-            RateFigure::rgb_mean, f, kLowestDb, kHighestDb);
+            fmt::format("by value, {}, mean of views", results.functions[f]), RateFigure::rgb_mean,
+            f, kLowestDb, kHighestDb);
     add("voxels", "voxels", RateFigure::voxels, 0, 0, kHighestVoxelDb);
     return plots;
 }
