@@ -214,7 +214,7 @@ per world unit of length. Created by Volume.load, Volume.from_numpy and vog.samp
          py::arg("file"), py::arg("grid") = "", py::kw_only(), py::arg("level_set_to_fog") = false,
          py::arg("mask") = false, py::arg("skip_nonfinite") = false,
          py::arg("clip_negative") = false,
-         R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file. Returns a Volume.
+         R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file, or a dense image. Returns a Volume.
 
 grid              name of the grid; '': the only scalar grid, else 'density'
 level_set_to_fog  converts a level set to fog: density inside its surface
@@ -434,7 +434,8 @@ void bind_volume(py::module_& m) {
     bind_levels_class(m);
     m.def(
         "grid_names", [](const std::filesystem::path& file) { return grid_names(file); },
-        py::arg("file"), "Names of the grids in a .vdb or .nvdb file, in file order.");
+        py::arg("file"),
+        "Names of the grids in a .vdb or .nvdb file, or of the images in another, in file order.");
 }
 
 }  // namespace vog::python

@@ -55,7 +55,7 @@ std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
 /// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
 
-/// Reads one grid as density, by extension: read_nvdb for .nvdb, else read_vdb.
+/// Reads one grid as density, by extension: read_nvdb for .nvdb, dense images (vog/scan_io.h), else read_vdb.
 /// notes   receives a line on changes made to values, behind those already there; null: not
 ///         reported
 /// throws  vog::Error as these readers do

@@ -449,8 +449,9 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb) or particles (.xyz, .csv, .tsv, .vdb). Several give one model, "
-            "or one model each where -o is a folder. Quoted patterns match files in natural order: "
+            "Volumes (.vdb, .nvdb; .nii, .nrrd, .mha, .tif, .fits) or particles (.xyz, .csv, .tsv, "
+            ".vdb, .hdf5). Several give one model, or one model each where -o is a folder. Quoted "
+            "patterns match files in natural order: "
             "'frame_*.vdb'")
         ->required();
     command

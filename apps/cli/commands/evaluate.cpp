@@ -202,8 +202,8 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     command
         ->add_option(
             "inputs", arguments->inputs,
-            "Volumes (.vdb, .nvdb); several: levels or parts of one mesh. Models of them (.ply, "
-            ".json) are evaluated in place of conversions")
+            "Volumes (.vdb, .nvdb, dense images); several: levels or parts of one mesh. Models of "
+            "them (.ply, .vogz, .json) are evaluated in place of conversions")
         ->required();
     command
         ->add_option("-o,--output", arguments->folder,
