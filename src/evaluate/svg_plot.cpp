@@ -23,7 +23,7 @@ constexpr double kWidth = 460, kHeight = 330;
 constexpr double kLeft = 50, kRight = 14, kBottom = 46, kLegendLine = 17, kTitle = 26;
 
 /// Of a file of its own; pages have theirs.
-constexpr const char* kStyle = R"(<style>
+constexpr const char* kPlotStyle = R"(<style>
 text { font: 12px system-ui, "DejaVu Sans", sans-serif; fill: #3d4650; }
 .title { font-size: 14px; font-weight: 600; fill: #1d2329; } .label { fill: #5b6670; }
 .grid { stroke: #e6e9ec; } .axis { stroke: #1d2329; } .series { fill: none; stroke-width: 2; }
@@ -243,7 +243,7 @@ std::string svg_file(const Plot& plot) {
     return fmt::format(
                "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\"",
                kScale * kWidth, kScale * kHeight) +
-           element.substr(kElement.size(), inside - kElement.size()) + kStyle +
+           element.substr(kElement.size(), inside - kElement.size()) + kPlotStyle +
            element.substr(inside);
 }
 
