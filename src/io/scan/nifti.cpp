@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <span>
 
 #include "io/scan/scan_file.h"
 #include "io/scan/scan_values.h"
