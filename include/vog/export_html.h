@@ -70,7 +70,7 @@ struct HtmlReport {
 };
 
 /// Writes one page with all models, beside the file, renamed when whole. Each level is a compact model
-/// (vog/vogz.h) of the step 1/1024, and of field steps of 1/8192: 13 bytes a Gaussian and 7 a scalar field.
+/// (vog/vogz.h) of the step 1/1440, and of field steps of 1/8192: 13 bytes a Gaussian and 7 a scalar field.
 /// HtmlOptions::precise divides them by 4 and by 2.
 /// Gaussians of density 0 are left out.
 /// throws  vog::Error for no model, a model without levels, an invalid model or one too large for a

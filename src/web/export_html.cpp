@@ -32,15 +32,16 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Modules in the order of their dependencies.
-constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js",   "columns.js",  "vogz.js",   "gaussians.js", "fields.js",
-    "decoder.js",  "colors.js",   "transfer.js", "clip.js",   "renderer.js",  "slabs.js",
-    "probe.js",    "quantity.js", "link.js",     "input.js",  "editor.js",    "clip_controls.js",
-    "controls.js", "overlay.js",  "handles.js",  "player.js", "readout.js",   "main.js"};
+/// The reader of compact models, for the page and for its worker.
+constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
+/// The page's other modules in the order of their dependencies.
+constexpr const char* kModules[] = {"vectors.js",  "camera.js",        "decoder.js",  "colors.js",
+                                    "transfer.js", "clip.js",          "renderer.js", "slabs.js",
+                                    "probe.js",    "quantity.js",      "link.js",     "input.js",
+                                    "editor.js",   "clip_controls.js", "controls.js", "overlay.js",
+                                    "handles.js",  "player.js",        "readout.js",  "main.js"};
 /// Those of the worker that decodes.
-constexpr const char* kWorkerModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js",
-                                          "worker.js"};
+constexpr const char* kWorkerModules[] = {"worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",
                                     "slab.frag",   "ranges.frag",  "light.vert", "light.frag",
                                     "layers.frag", "maximum.frag", "copy.frag",  "screen.vert",
@@ -168,7 +169,7 @@ Camera first_view(const Gaussians& model, const HtmlOptions& options) {
 }
 
 /// Fineness of a page's numbers, at which rims of opaque surfaces are a few of 255 from the splat renderer's.
-constexpr VogzPrecision kPage{1.0 / 1024, 1.0 / 8192};
+constexpr VogzPrecision kPage{1.0 / 1440, 1.0 / 8192};
 constexpr VogzPrecision kPrecisePage{kPage.step / 4, kPage.field_step / 2};
 
 /// Origin and unit of length of a page's numbers, shared by the levels of a model.
@@ -378,6 +379,7 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
                                        {"page", script_json(page)},
                                        {"shaders", shaders},
                                        {"models", std::move(data)},
+                                       {"reader", bundle(kReaderModules)},
                                        {"worker", bundle(kWorkerModules)},
                                        {"script", bundle(kModules)}});
     report.bytes = text.size();

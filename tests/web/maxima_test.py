@@ -5,7 +5,6 @@ VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77
 where there is no Chromium.
 """
 import array
-import math
 
 from page_test_case import COARSE, run, vog
 from quantity_test_case import QuantityTest
@@ -15,32 +14,24 @@ SCALE = {"low": 0, "high": 2.5, "log": False}
 
 
 class Maxima(QuantityTest):
-    def expect_near(self, most, *options):
-        """Expects no more than a share of pixels off by more than 4 of 255."""
-        found = self.compared("smoke.ply", "--show", "maximum", *RANGE, *options)
-        self.assertGreater(found["psnr_rgb_db"] or math.inf, 60, options)
-        self.assertLess(found["off_by_more_than_4"], most, options)
-        self.assertLess(found["off_by_more_than_1"], 10 * most, options)
-
-    def pictures(self, page, most):
+    def pictures(self, page, off):
         """Clipped, and under parallel rays."""
         self.start(page)
         box, lens = self.value("vog.page.models[0].box"), self.value("vog.state.camera")
         lower = [c - 0.4 * h for c, h in zip(box["center"], box["half"])]
         upper = [c + s * h for c, h, s in zip(box["center"], box["half"], (0.5, 0.2, 1))]
         self.change(show="maximum", scale=SCALE, clip={"lower": lower, "upper": upper})
-        self.expect_near(most, "--clip", ",".join(map(repr, lower + upper)))
+        self.expect_page_is("smoke.ply", "--show", "maximum", *RANGE, "--clip", ",".join(map(repr, lower + upper)), off=off)
         self.change(clip=None, camera={**lens, "span": 80})
-        self.expect_near(most)
+        self.expect_page_is("smoke.ply", "--show", "maximum", *RANGE, off=off)
 
     def test_maxima_are_vog_renders(self):
-        # Rims that rounded numbers move change the ends of slabs: measured 25 at most, above 4 at 10 of 108,000 pixels; with
-        # --precise 7, at 5.
-        self.pictures("smoke.html", 1.5e-4)
+        # Rims that rounded numbers move change the ends of slabs: measured 10 at 6 of 108,000 pixels, 5 with --precise.
+        self.pictures("smoke.html", 12)
 
     def test_maxima_of_precise_pages_are_nearer(self):
         vog("export", "smoke.ply", "-o", "precise.html", "--levels", 1, "--precise")
-        self.pictures("precise.html", 8e-5)
+        self.pictures("precise.html", 6)
 
     def test_maxima_have_a_number_and_a_link(self):
         self.browser.viewport(1000, 800, COARSE)

@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "core/atomic_file.h"
+#include "io/byte_source.h"
 #include "vog/error.h"
 
 namespace vog::evaluation {
@@ -67,25 +68,6 @@ void put(std::string& out, const T& value) {
     out.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-/// Values one after the other out of checked bytes.
-class Taker {
-  public:
-    Taker(const std::string& bytes, std::string where) : bytes_(bytes), where_(std::move(where)) {}
-    template <class T>
-    T take() {
-        T value;
-        if (bytes_.size() - at_ < sizeof value) throw Error(fmt::format("{}: corrupt", where_));
-        std::memcpy(&value, bytes_.data() + at_, sizeof value);
-        at_ += sizeof value;
-        return value;
-    }
-
-  private:
-    const std::string& bytes_;
-    std::string where_;
-    std::size_t at_ = 0;
-};
-
 /// Rows of 8 voxels differ little from the row beside them.
 std::array<std::uint64_t, 8> row_differences(const std::array<std::uint64_t, 8>& mask) {
     std::array<std::uint64_t, 8> out;
@@ -129,28 +111,28 @@ std::string topology_of(const Volume& volume, LeafMask mask, bool differences) {
 }
 
 Volume volume_from(const std::string& topology, LeafMask mask, const std::string& where) {
-    Taker in(topology, where);
+    MemoryBytes in(topology, where, 0);
     Volume volume;
-    volume.world_from_index = in.take<Affine>();
-    const auto leaves = in.take<std::uint64_t>(), tiles = in.take<std::uint64_t>();
-    const bool differences = in.take<std::uint8_t>() != 0;
+    volume.world_from_index = in.number<Affine>();
+    const auto leaves = in.number<std::uint64_t>(), tiles = in.number<std::uint64_t>();
+    const bool differences = in.number<std::uint8_t>() != 0;
     if (leaves > topology.size() / 12 || tiles > topology.size() / 20)
         throw Error(fmt::format("{}: corrupt", where));
     volume.leaves.resize(leaves);
     for (int Vec3i::*axis : {&Vec3i::x, &Vec3i::y, &Vec3i::z}) {
         std::uint32_t at = 0;
         for (Leaf& leaf : volume.leaves) {
-            at += in.take<std::uint32_t>();
+            at += in.number<std::uint32_t>();
             leaf.origin.*axis = static_cast<int>(at * std::uint32_t{kLeafEdge});
         }
     }
     std::vector<std::uint8_t> dense(leaves, 0);
     if (mask == LeafMask::stored) {
-        for (std::uint8_t& flag : dense) flag = in.take<std::uint8_t>();
+        for (std::uint8_t& flag : dense) flag = in.number<std::uint8_t>();
         for (std::size_t n = 0; n < leaves; ++n) {
             if (dense[n])
                 volume.leaves[n].mask.fill(~std::uint64_t{0});
-            else if (const auto words = in.take<std::array<std::uint64_t, 8>>(); differences)
+            else if (const auto words = in.number<std::array<std::uint64_t, 8>>(); differences)
                 volume.leaves[n].mask = rows_of(words);
             else
                 volume.leaves[n].mask = words;
@@ -158,11 +140,11 @@ Volume volume_from(const std::string& topology, LeafMask mask, const std::string
     }
     for (std::size_t n = 0; n < tiles; ++n) {
         Tile& tile = volume.tiles.emplace_back();
-        tile.origin.x = in.take<std::int32_t>();
-        tile.origin.y = in.take<std::int32_t>();
-        tile.origin.z = in.take<std::int32_t>();
-        tile.edge = in.take<std::int32_t>();
-        tile.value = in.take<float>();
+        tile.origin.x = in.number<std::int32_t>();
+        tile.origin.y = in.number<std::int32_t>();
+        tile.origin.z = in.number<std::int32_t>();
+        tile.edge = in.number<std::int32_t>();
+        tile.value = in.number<float>();
     }
     return volume;
 }

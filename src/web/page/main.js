@@ -245,7 +245,7 @@ function setMap() {
   renderer?.setMap(mapNow());
 }
 
-const decoder = new Decoder(find('worker').textContent);
+const decoder = new Decoder(find('reader').textContent + find('worker').textContent);
 /** Decodes one level and the shown field, unless it has been. */
 async function decode(model, level) {
   const levels = levelsOf(model), { extinction, center, unit, fields } = page.models[model], { field } = state;
