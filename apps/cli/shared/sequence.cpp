@@ -14,6 +14,7 @@
 #include <system_error>
 #include <thread>
 
+#include "shared/inputs.h"
 #include "vog/error.h"
 #include "vog/ply.h"
 #include "vog/progress.h"
@@ -55,7 +56,9 @@ std::vector<std::string> expanded(const std::vector<std::string>& inputs) {
     std::vector<std::string> files;
     for (const std::string& input : inputs) {
         std::error_code code;
-        if (input.find_first_of("*?") == std::string::npos || fs::exists(input, code)) {
+        const std::string extension = extension_of(input);
+        const bool stack = extension == ".tif" || extension == ".tiff";
+        if (stack || input.find_first_of("*?") == std::string::npos || fs::exists(input, code)) {
             files.push_back(input);
             continue;
         }

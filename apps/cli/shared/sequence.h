@@ -9,7 +9,7 @@
 namespace vog::cli {
 
 /// Expands file patterns with * or ?, so that quoted patterns work. Matches are in natural order:
-/// frame_2 before frame_10. Names of existing files and names without * or ? stay.
+/// frame_2 before frame_10. Names of existing files and names without * or ? stay, as do patterns of TIFF, slices of one volume.
 /// throws vog::Error for a pattern that nothing matches
 std::vector<std::string> expanded(const std::vector<std::string>& inputs);
 

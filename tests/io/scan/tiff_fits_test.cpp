@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "io/scan/scan_files.h"
+#include "support/command.h"
 #include "support/data.h"
 #include "support/image_bytes.h"
 #include "support/refusal.h"
@@ -122,6 +123,20 @@ TEST(scan_tiff, slices_of_a_folder_and_a_pattern_by_their_numbers) {
     write_bytes(dir / "slices/s12.tif", tiff_of({{1, 1, 1}}, 3, 1));
     EXPECT_NE(refusal([&] { read_volume(dir / "slices"); }).find("pages of several forms"),
               std::string::npos);
+}
+
+class scan_command : public CommandLine {};
+
+TEST_F(scan_command, a_quoted_pattern_is_one_volume_as_its_folder_is) {
+    std::filesystem::create_directory(dir_ / "slices");
+    for (const std::uint16_t n : std::vector<std::uint16_t>{9, 10, 11})
+        write_bytes(dir_ / ("slices/s" + std::to_string(n) + ".tif"), tiff_of({{n, 1}}, 2, 1));
+    if (absent(dir_ / "slices")) GTEST_SKIP() << "this build has no libtiff";
+    must("render 'slices/s*.tif' -o pattern.png --size 16");
+    must("render slices -o folder.png --size 16");
+    EXPECT_EQ(read_text(dir_ / "pattern.png"), read_text(dir_ / "folder.png"));
+    must("convert 'slices/s*.tif' -o model.ply --block 1");
+    must_fail(1, "convert 'none/s*.tif' -o other.ply", "none/s*.tif: no TIFF files");
 }
 
 TEST(scan_fits, values_are_scaled_and_blanks_are_none) {
