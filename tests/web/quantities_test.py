@@ -73,7 +73,7 @@ class Quantities(QuantityTest):
         self.start("precise.html")
         box, lens, light = self.value("vog.page.models[0].box"), self.value("vog.state.camera"), self.value("vog.state.light")
         count = self.value("vog.page.models[0].levels[0].count")
-        self.assertLess(precise - usual, 6 * count)
+        self.assertLess(precise - usual, 5 * count)
         extinction = repr(self.value("vog.page.models[0].extinction"))
         step = ("--show", "volume", "--tf", self.write_transfer(STEP))
         beside = {"eye": [c + f * h for c, f, h in zip(box["center"], (0, 0, 1.2), box["half"])], "at": box["center"]}
