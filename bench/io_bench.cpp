@@ -1,13 +1,16 @@
-// io_bench.cpp: reading a .vdb, writing and reading a model as PLY. Files lie in the system's
+// io_bench.cpp: reading a .vdb, writing and reading a model as PLY and .vogz. Files lie in the system's
 // temporary folder and in its cache: this times our code, not a disk.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstdint>
 #include <string>
 
 #include "support.h"
 #include "vog/convert_moments.h"
 #include "vog/ply.h"
+#include "vog/vogz.h"
 #include "vog/volume_io.h"
 
 namespace {
@@ -90,8 +93,46 @@ void read_ply(benchmark::State& state) {
     rate(state, file);
 }
 
+/// Whether a compact model has the mass of the bench's own, to 1e-6.
+bool whole(const vog::Gaussians& read) {
+    const double mass = vog::mass(model());
+    return std::abs(vog::mass(read) - mass) <= 1e-6 * mass;
+}
+
+/// Gaussians a second, as counted by the files' loops.
+void gaussian_rate(benchmark::State& state, const fs::path& file) {
+    state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(model().size()));
+    state.counters["bytes"] = static_cast<double>(fs::file_size(file));
+}
+
+void write_vogz(benchmark::State& state) {
+    const fs::path file = folder() / "model.vogz";
+    for (auto _ : state) vog::write_vogz(file, model());
+    if (!whole(vog::read_vogz(file))) {
+        state.SkipWithError("the model has another mass than that written");
+        return;
+    }
+    gaussian_rate(state, file);
+}
+
+void read_vogz(benchmark::State& state) {
+    const fs::path file = folder() / "model.vogz";
+    vog::write_vogz(file, model());
+    if (!whole(vog::read_vogz(file))) {
+        state.SkipWithError("the model has another mass than that written");
+        return;
+    }
+    for (auto _ : state) {
+        const vog::Gaussians read = vog::read_vogz(file);
+        benchmark::DoNotOptimize(read.mean.data());
+    }
+    gaussian_rate(state, file);
+}
+
 BENCHMARK(read_vdb)->Apply(measure);
 BENCHMARK(write_ply)->Apply(measure);
 BENCHMARK(read_ply)->Apply(measure);
+BENCHMARK(write_vogz)->Apply(measure);
+BENCHMARK(read_vogz)->Apply(measure);
 
 }  // namespace

@@ -31,7 +31,7 @@ if [[ ${#quick[@]} -gt 0 ]]; then
     bench trace --benchmark_filter='trace/accumulate/block:8'
     bench convert --benchmark_filter='lod1'
     bench moments --benchmark_filter='block8$|budget3148'
-    bench io --benchmark_filter='ply'
+    bench io --benchmark_filter='ply|vogz'
     bench points --benchmark_filter='/100/'
     bench lod --benchmark_filter='size:128/pixels:256/'
 else

@@ -20,47 +20,70 @@ inline constexpr int kMostBits = 57;
 
 class BitWriter {
   public:
+    /// most_bits  of all numbers together, at least
+    explicit BitWriter(std::size_t most_bits) : out_(most_bits / 8 + sizeof pending_ + 1, '\0') {}
     /// bits   below 2^count
     /// count  0 to kMostBits
-    void put(std::uint64_t bits, int count) {
+    void put(std::uint64_t bits, unsigned count) {
         pending_ |= bits << held_;
+        std::memcpy(out_.data() + size_, &pending_, sizeof pending_);
         held_ += count;
-        for (; held_ >= 8; held_ -= 8, pending_ >>= 8) out_ += static_cast<char>(pending_);
+        size_ += held_ / 8;
+        // In two steps: held_ may be 64.
+        pending_ = pending_ >> (held_ / 8 * 4) >> (held_ / 8 * 4);
+        held_ %= 8;
+    }
+    /// Lower bits of each word.
+    void put_each(std::span<const std::uint64_t> words, unsigned count) {
+        // A copy of its own stays in registers.
+        char* const out = out_.data();
+        std::uint64_t pending = pending_;
+        std::size_t at = size_;
+        unsigned held = held_;
+        for (const std::uint64_t word : words) {
+            pending |= (word & ((std::uint64_t{1} << count) - 1)) << held;
+            std::memcpy(out + at, &pending, sizeof pending);
+            held += count;
+            at += held / 8;
+            pending = pending >> (held / 8 * 4) >> (held / 8 * 4);
+            held %= 8;
+        }
+        pending_ = pending, size_ = at, held_ = held;
     }
     /// All bytes, the last one filled with zeros.
     std::string take() {
-        if (held_ > 0) out_ += static_cast<char>(pending_);
+        out_.resize(size_ + (held_ > 0 ? 1 : 0));
         return std::move(out_);
     }
 
   private:
     std::string out_;
+    std::size_t size_ = 0;  ///< whole bytes
     std::uint64_t pending_ = 0;
-    int held_ = 0;
+    unsigned held_ = 0;  ///< bits of pending_
 };
 
 class BitReader {
   public:
-    explicit BitReader(std::span<const char> bytes) : bytes_(bytes) {}
+    explicit BitReader(std::span<const char> bytes)
+        : bytes_(bytes.size() + sizeof(std::uint64_t), '\0'), size_(bytes.size()) {
+        std::ranges::copy(bytes, bytes_.begin());
+    }
     /// Next number; zeros behind the end.
     /// count  0 to kMostBits
-    std::uint64_t take(int count) {
+    std::uint64_t take(unsigned count) {
         std::uint64_t load = 0;
-        const std::size_t byte = bit_ / 8;
-        if (byte + sizeof load <= bytes_.size())
-            std::memcpy(&load, bytes_.data() + byte, sizeof load);
-        else if (byte < bytes_.size())
-            std::memcpy(&load, bytes_.data() + byte, bytes_.size() - byte);
+        std::memcpy(&load, bytes_.data() + std::min(bit_ / 8, size_), sizeof load);
         load >>= bit_ % 8;
-        bit_ += static_cast<std::size_t>(count);
+        bit_ += count;
         return load & ((std::uint64_t{1} << count) - 1);
     }
     /// Whether the bytes are those of the numbers taken, no more and no less.
-    bool at_end() const { return (bit_ + 7) / 8 == bytes_.size(); }
+    bool at_end() const { return (bit_ + 7) / 8 == size_; }
 
   private:
-    std::span<const char> bytes_;
-    std::size_t bit_ = 0;
+    std::string bytes_;  ///< and zeros behind them: each number is loaded as 8 bytes
+    std::size_t size_ = 0, bit_ = 0;
 };
 
 }  // namespace vog::vogz

@@ -24,7 +24,7 @@ class ColumnWriter {
     template <class Value>
     void add(double step, const Value& value) {
         for (std::size_t n = 0; n < numbers_.size(); ++n)
-            numbers_[n] = std::llround(std::clamp(value(n) / step, -kMost, kMost));
+            numbers_[n] = std::llrint(std::clamp(value(n) / step, -kMost, kMost));
         put_numbers(bytes_, numbers_, compression_);
     }
     std::string take() { return std::move(bytes_); }

@@ -9,6 +9,8 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "core/morton.h"
 #include "io/vogz/bits.h"
@@ -25,6 +27,13 @@ using Place = std::array<std::int64_t, 3>;
 /// Most bits of a place inside of its cell, along an axis.
 constexpr int kMostPlaceBits = 40;
 
+/// 2^exponent
+/// exponent  of a normal number: -1022 to 1023
+double power_of_two(int exponent) {
+    constexpr int kBias = 1023, kDigits = 52;
+    return std::bit_cast<double>(static_cast<std::uint64_t>(exponent + kBias) << kDigits);
+}
+
 /// Lattices of one chunk. Where Gaussians are much longer than thick, they are finer by powers of two.
 struct ChunkLattice {
     std::int16_t cell_exponent = 0;  ///< edge of a cell: edge * 2^this
@@ -33,7 +42,8 @@ struct ChunkLattice {
     double mass_factor = 1;  ///< on all masses, near 1: that of the chunk is exact
 
     int exponent(const ShapeRounding& rounding, std::int64_t trace) const {
-        return rounding.exponent(std::ldexp(static_cast<double>(trace), -finer_shape)) - finer_mean;
+        return rounding.exponent(power_of_two(-finer_shape) * static_cast<double>(trace)) -
+               finer_mean;
     }
     int place_bits(int exponent) const {
         return std::clamp(cell_exponent - exponent, 0, kMostPlaceBits);
@@ -47,21 +57,53 @@ std::uint8_t halvings(double mean_of_squares) {
         std::clamp(std::floor(0.5 * std::log2(mean_of_squares)), 0.0, kMost));
 }
 
-/// How much finer the means and shapes of a chunk are rounded than of round Gaussians.
-void set_fineness(const Gaussians& model, std::span<const std::uint32_t> index,
-                  ChunkLattice& lattice) {
-    double mean = 0, shape = 0;
-    for (const std::uint32_t i : index) {
-        const Vec3d s = vec_cast<double>(model.scale[i]);
-        const double spread = std::cbrt(s.x * s.y * s.z);
-        // An error of 1 along the thinnest axis is one of spread / s in standard deviations.
-        mean += (spread * spread) * (1 / (s.x * s.x) + 1 / (s.y * s.y) + 1 / (s.z * s.z)) / 3;
-        // A shear e of axes of the ratio exp(r) turns them by e / r, which changes the Gaussian by sinh(r) e / r.
-        const double r = std::log(std::max({s.x, s.y, s.z}) / std::min({s.x, s.y, s.z}));
-        const double turn = r > 0 ? std::sinh(std::min(r, 40.0)) / r : 1;
-        shape += model.axis_aligned() ? 1 : turn * turn;
+/// Logarithms of a run of Gaussians, in its order.
+struct Logarithms {
+    std::array<std::vector<double>, 3> scale;  ///< along the Gaussians' own axes
+    std::vector<double> mass;                  ///< of density * s0 * s1 * s2
+};
+Logarithms logarithms(const Gaussians& model, std::span<const std::uint32_t> index) {
+    Logarithms logs;
+    auto& [x, y, z] = logs.scale;
+    for (auto* numbers : {&x, &y, &z, &logs.mass}) numbers->resize(index.size());
+    for (std::size_t n = 0; n < index.size(); ++n) {
+        const Vec3f s = model.scale[index[n]];
+        x[n] = double{s.x}, y[n] = double{s.y}, z[n] = double{s.z};
+        logs.mass[n] = double{model.density[index[n]]};
     }
-    const auto n = static_cast<double>(index.size());
+    for (auto* numbers : {&x, &y, &z, &logs.mass}) take_logarithms(*numbers);
+    for (const auto& scale : logs.scale)
+        for (std::size_t n = 0; n < index.size(); ++n) logs.mass[n] += scale[n];
+    return logs;
+}
+
+/// How much finer the means and shapes of a chunk are rounded than of round Gaussians.
+void set_fineness(const Logarithms& logs, bool rotated, ChunkLattice& lattice) {
+    const auto& [x, y, z] = logs.scale;
+    const std::size_t count = x.size();
+    // An error of 1 along an axis is one of spread / s in standard deviations. Its square:
+    double mean = 0;
+    std::vector<double> numbers(count);
+    for (const auto& scale : logs.scale) {
+        for (std::size_t n = 0; n < count; ++n)
+            numbers[n] = 2 * ((x[n] + y[n] + z[n]) / 3 - scale[n]);
+        take_exponentials(numbers);
+        for (const double square : numbers) mean += square / 3;
+    }
+    // A shear e of axes of the ratio exp(r) turns them by e / r, which changes the Gaussian by sinh(r) e / r.
+    double shape = 0;
+    const auto ratio = [&](std::size_t n) {
+        return std::min(std::max({x[n], y[n], z[n]}) - std::min({x[n], y[n], z[n]}), 40.0);
+    };
+    for (std::size_t n = 0; n < count; ++n) numbers[n] = ratio(n);
+    take_exponentials(numbers);
+    for (std::size_t n = 0; n < count; ++n) {
+        // sinh(r) / r is 1 + r^2 / 6 for small r, where the difference of exponentials has lost its digits.
+        const double r = ratio(n);
+        const double turn = r > 1e-3 ? (numbers[n] - 1 / numbers[n]) / (2 * r) : 1 + r * r / 6;
+        shape += rotated ? turn * turn : 1;
+    }
+    const auto n = static_cast<double>(count);
     lattice.finer_mean = halvings(mean / n);
     lattice.finer_shape = halvings(shape / n);
 }
@@ -92,52 +134,99 @@ std::vector<std::uint64_t> curve_steps(std::span<const Place> cells, const Place
         "within a factor of 10^9 of each other and of the model's box");
 }
 
-/// Bits of a place: those of its cell, and those inside.
+/// Cells of places, and steps along the Morton curve from one to the next.
 struct Cells {
-    std::vector<Place> cell;
+    std::vector<std::uint64_t> steps;
     Place base{};
-    double bits = 0;
+    std::int64_t bits_inside = 0;
     bool fit = true;  ///< whether Morton codes hold them
 };
 Cells cells_at(std::span<const Place> place, std::span<const int> exponent, int cell_exponent) {
     Cells cells;
+    std::vector<Place> cell(place.size());
     cells.base.fill(std::numeric_limits<std::int64_t>::max());
     Place last{};
     last.fill(std::numeric_limits<std::int64_t>::min());
     for (std::size_t n = 0; n < place.size(); ++n) {
-        const int bits = std::max(cell_exponent - exponent[n], 0);
-        cells.cell.push_back(cell_of(place[n], std::min(bits, 62)));
-        cells.bits += 3 * bits;
-        cells.fit = cells.fit && bits <= kMostPlaceBits && cell_exponent >= exponent[n];
+        const int bits = cell_exponent - exponent[n];
+        cell[n] = cell_of(place[n], std::clamp(bits, 0, 62));
+        cells.bits_inside += 3 * bits;
+        cells.fit = cells.fit && bits >= 0 && bits <= kMostPlaceBits;
         for (std::size_t axis = 0; axis < 3; ++axis) {
-            cells.base[axis] = std::min(cells.base[axis], cells.cell.back()[axis]);
-            last[axis] = std::max(last[axis], cells.cell.back()[axis]);
+            cells.base[axis] = std::min(cells.base[axis], cell[n][axis]);
+            last[axis] = std::max(last[axis], cell[n][axis]);
         }
     }
     for (std::size_t axis = 0; axis < 3; ++axis)
         cells.fit = cells.fit && last[axis] - cells.base[axis] < std::int64_t{1} << kMortonAxisBits;
-    if (!cells.fit) return cells;
-    cells.bits += column_bits(curve_steps(cells.cell, cells.base));
+    if (cells.fit) cells.steps = curve_steps(cell, cells.base);
     return cells;
 }
 
-/// Edge of the cells that takes the fewest bits.
-Cells best_cells(std::span<const Place> place, std::span<const int> exponent,
-                 ChunkLattice& lattice) {
+/// Exponent of the cells that take the fewest bits; none if none fit.
+/// first  where the search begins
+std::optional<int> best_exponent(std::span<const Place> place, std::span<const int> exponent,
+                                 int first) {
     const auto [finest, coarsest] = std::ranges::minmax(exponent);
-    Cells best;
-    best.fit = false;
-    // Gaussians lie a few standard deviations apart, hundreds of steps. Cells are as much larger as it takes for Morton
-    // codes to hold them.
-    constexpr int kLeast = 2, kMost = 14;
-    for (int e = coarsest + kLeast; e <= finest + kMostPlaceBits; ++e) {
-        if (best.fit && e > coarsest + kMost) break;
-        Cells tried = cells_at(place, exponent, e);
-        if (!tried.fit || (best.fit && tried.bits >= best.bits)) continue;
-        best = std::move(tried);
-        lattice.cell_exponent = static_cast<std::int16_t>(e);
+    const int most = finest + kMostPlaceBits;
+    const auto bits_at = [&](int e) {
+        const Cells cells = cells_at(place, exponent, e);
+        return cells.fit ? static_cast<double>(cells.bits_inside) + column_bits(cells.steps)
+                         : std::numeric_limits<double>::infinity();
+    };
+    // Cells are at least as much larger as it takes for Morton codes to hold them; larger ones cost less, then more.
+    int best = std::clamp(first, coarsest, std::max(coarsest, most));
+    double least = bits_at(best);
+    while (std::isinf(least) && best < most) least = bits_at(++best);
+    if (std::isinf(least)) return std::nullopt;
+    for (const int direction : {-1, 1}) {
+        const int before = best;
+        for (int e = best + direction; e >= coarsest && e <= most; e += direction) {
+            const double bits = bits_at(e);
+            if (!(bits < least)) break;
+            least = bits, best = e;
+        }
+        if (best != before) break;
     }
     return best;
+}
+
+/// Exponent of cells as large as the place that each Gaussian has in the box of all.
+int even_exponent(std::span<const Place> place, std::span<const int> exponent) {
+    double log_volume = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+        for (std::size_t n = 0; n < place.size(); ++n) {
+            const double at = std::ldexp(static_cast<double>(place[n][axis]), exponent[n]);
+            lower = std::min(lower, at), upper = std::max(upper, at);
+        }
+        log_volume += std::log2(std::max(upper - lower, std::ldexp(1.0, exponent.front())));
+    }
+    return static_cast<int>(
+        std::lround((log_volume - std::log2(static_cast<double>(place.size()))) / 3));
+}
+
+/// Cells of all places at the exponent that takes the fewest bits.
+Cells best_cells(std::span<const Place> place, std::span<const int> exponent,
+                 ChunkLattice& lattice) {
+    // The choice by a part of the chunk, near each other as all are; it must hold them all.
+    constexpr std::size_t kSample = 1024;
+    const std::size_t sample = std::min(place.size(), kSample), from = (place.size() - sample) / 2;
+    const auto some_places = place.subspan(from, sample);
+    const auto some_exponents = exponent.subspan(from, sample);
+    std::optional<int> best =
+        best_exponent(some_places, some_exponents, even_exponent(some_places, some_exponents));
+    Cells cells;
+    cells.fit = false;
+    if (best) cells = cells_at(place, exponent, *best);
+    if (!cells.fit) {
+        best = best_exponent(place, exponent, best.value_or(std::ranges::max(exponent)));
+        if (!best) refuse_scales();
+        cells = cells_at(place, exponent, *best);
+    }
+    lattice.cell_exponent = static_cast<std::int16_t>(*best);
+    lattice.base = cells.base;
+    return cells;
 }
 
 }  // namespace
@@ -145,67 +234,70 @@ Cells best_cells(std::span<const Place> place, std::span<const int> exponent,
 ShapeChunk shape_chunk(const Gaussians& model, std::span<const std::uint32_t> index,
                        const ShapeRounding& rounding, Compression compression) {
     const std::size_t count = index.size();
-    const std::size_t entries = model.axis_aligned() ? kDiagonal : std::tuple_size_v<LogShape>;
-    ShapeChunk chunk;
-    chunk.spread.resize(count);
+    const std::size_t entries = model.axis_aligned() ? kDiagonal : std::tuple_size_v<ShapeEntries>;
+    const Logarithms logs = logarithms(model, index);
     ChunkLattice lattice;
-    set_fineness(model, index, lattice);
+    set_fineness(logs, !model.axis_aligned(), lattice);
 
     // Words of shapes and masses; places on the lattices that follow from them.
+    LogShapes shapes = log_shapes(model, index, logs.scale);
     std::array<std::vector<std::int64_t>, 7> column;
     for (auto& words : column) words.resize(count);
+    const double finer = std::ldexp(1.0, -lattice.finer_shape);
+    for (std::size_t k = 0; k < entries; ++k) {
+        const double step = finer * (k < kDiagonal ? rounding.diagonal_step : rounding.shear_step);
+        for (std::size_t n = 0; n < count; ++n)
+            column[k][n] = std::llrint(shapes.entry[k][n] / step);
+    }
+    ShapeChunk chunk;
+    chunk.extent = std::move(shapes.extent);
+    chunk.spread.resize(count);
+    std::vector<double> rounded_mass(count);
     std::vector<int> exponent(count);
     std::vector<Place> place(count);
-    double mass = 0, rounded_mass = 0;
-    const double finer = std::ldexp(1.0, -lattice.finer_shape);
     for (std::size_t n = 0; n < count; ++n) {
-        const std::uint32_t i = index[n];
-        const LogShape shape = log_shape(model, i);
-        for (std::size_t k = 0; k < entries; ++k)
-            column[k][n] = std::llround(shape[k] / (finer * (k < kDiagonal ? rounding.diagonal_step
-                                                                           : rounding.shear_step)));
         const std::int64_t trace = column[0][n] + column[1][n] + column[2][n];
-        chunk.spread[n] = std::exp(finer * rounding.diagonal_step * static_cast<double>(trace) / 3);
-        const Vec3d s = vec_cast<double>(model.scale[i]);
-        const double log_mass =
-            std::log(double{model.density[i]}) + std::log(s.x) + std::log(s.y) + std::log(s.z);
-        column[6][n] = std::llround(log_mass / rounding.mass_step);
-        mass += std::exp(log_mass);
-        rounded_mass += std::exp(static_cast<double>(column[6][n]) * rounding.mass_step);
+        chunk.spread[n] = finer * rounding.diagonal_step * static_cast<double>(trace) / 3;
+        column[6][n] = std::llrint(logs.mass[n] / rounding.mass_step);
+        rounded_mass[n] = static_cast<double>(column[6][n]) * rounding.mass_step;
         exponent[n] = lattice.exponent(rounding, trace);
-        const Vec3d from = vec_cast<double>(model.mean[i]) - rounding.corner;
-        const double cell = std::ldexp(rounding.edge, exponent[n]);
+        const Vec3d from = vec_cast<double>(model.mean[index[n]]) - rounding.corner;
+        const double cells = power_of_two(-exponent[n]) / rounding.edge;
         for (int axis = 0; axis < 3; ++axis) {
-            const double steps = std::floor(from[axis] / cell);
+            const double steps = from[axis] * cells;  // 0 at least: rounded down by the conversion
             if (!(steps < 0x1p62)) refuse_scales();
             place[n][static_cast<std::size_t>(axis)] = static_cast<std::int64_t>(steps);
         }
     }
-    // The choice by a part of the chunk, near each other as all are; it must hold them all.
-    constexpr std::size_t kSample = 1024;
-    const std::size_t sample = std::min(count, kSample), from = (count - sample) / 2;
-    Cells cells = best_cells(std::span(place).subspan(from, sample),
-                             std::span(exponent).subspan(from, sample), lattice);
-    if (cells.fit) cells = cells_at(place, exponent, lattice.cell_exponent);
-    if (!cells.fit) cells = best_cells(place, exponent, lattice);
-    if (!cells.fit) refuse_scales();
-    lattice.base = cells.base;
-    lattice.mass_factor = mass / rounded_mass;
+    take_exponentials(chunk.spread);
+    take_exponentials(rounded_mass);
+    double mass = 0, all_rounded = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+        const Vec3d s = vec_cast<double>(model.scale[index[n]]);
+        mass += double{model.density[index[n]]} * s.x * s.y * s.z;
+        all_rounded += rounded_mass[n];
+    }
+    const Cells cells = best_cells(place, exponent, lattice);
+    lattice.mass_factor = mass / all_rounded;
 
     put(chunk.bytes, lattice.cell_exponent);
     put(chunk.bytes, lattice.finer_mean);
     put(chunk.bytes, lattice.finer_shape);
     for (const std::int64_t base : lattice.base) put(chunk.bytes, base);
     put(chunk.bytes, lattice.mass_factor);
-    put_words(chunk.bytes, curve_steps(cells.cell, lattice.base), compression);
+    put_words(chunk.bytes, cells.steps, compression);
     for (std::size_t k = 0; k < entries; ++k) put_numbers(chunk.bytes, column[k], compression);
     put_numbers(chunk.bytes, column[6], compression);
-    BitWriter bits;
+    BitWriter bits(static_cast<std::size_t>(cells.bits_inside));
     for (std::size_t n = 0; n < count; ++n) {
-        const int inside = lattice.place_bits(exponent[n]);
+        const auto inside = static_cast<unsigned>(lattice.place_bits(exponent[n]));
         const std::uint64_t mask = (std::uint64_t{1} << inside) - 1;
-        for (const std::int64_t p : place[n])
-            bits.put(static_cast<std::uint64_t>(p) & mask, inside);
+        const auto [x, y, z] = place[n];
+        const auto lower = [&](std::int64_t at) { return static_cast<std::uint64_t>(at) & mask; };
+        if (3 * inside <= kMostBits)
+            bits.put(lower(x) | lower(y) << inside | lower(z) << 2 * inside, 3 * inside);
+        else
+            for (const std::int64_t at : place[n]) bits.put(lower(at), inside);
     }
     const std::string places = bits.take();
     put(chunk.bytes, static_cast<std::uint32_t>(places.size()));
@@ -216,7 +308,7 @@ ShapeChunk shape_chunk(const Gaussians& model, std::span<const std::uint32_t> in
 void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression compression,
                  Gaussians& model, std::size_t begin, std::span<double> spread) {
     const std::size_t count = spread.size();
-    const std::size_t entries = model.axis_aligned() ? kDiagonal : std::tuple_size_v<LogShape>;
+    const std::size_t entries = model.axis_aligned() ? kDiagonal : std::tuple_size_v<ShapeEntries>;
     ChunkLattice lattice;
     lattice.cell_exponent = in.number<std::int16_t>();
     lattice.finer_mean = in.number<std::uint8_t>();
@@ -234,13 +326,18 @@ void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression com
     BitReader bits({in.take(place_bytes), place_bytes});
 
     const double finer = std::ldexp(1.0, -lattice.finer_shape);
-    std::vector<LogShape> shapes(count);
-    for (std::size_t k = 0; k < entries; ++k) {
+    ShapeEntries shapes;
+    for (std::size_t k = 0; k < shapes.size(); ++k) {
         const double step = finer * (k < kDiagonal ? rounding.diagonal_step : rounding.shear_step);
-        for (std::size_t n = 0; n < count; ++n)
-            shapes[n][k] = step * static_cast<double>(column[k][n]);
+        if (k < entries) shapes[k].resize(count);
+        for (std::size_t n = 0; n < shapes[k].size(); ++n)
+            shapes[k][n] = step * static_cast<double>(column[k][n]);
     }
-    set_shapes(model, begin, shapes);
+    set_shapes(model, begin, shapes, spread);
+    std::vector<double> masses(count);
+    for (std::size_t n = 0; n < count; ++n)
+        masses[n] = static_cast<double>(column[6][n]) * rounding.mass_step;
+    take_exponentials(masses);
     std::uint64_t code = 0;
     for (std::size_t n = 0; n < count; ++n) {
         const std::size_t i = begin + n;
@@ -248,25 +345,22 @@ void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression com
         const auto trace = static_cast<std::int64_t>(static_cast<std::uint64_t>(column[0][n]) +
                                                      static_cast<std::uint64_t>(column[1][n]) +
                                                      static_cast<std::uint64_t>(column[2][n]));
-        spread[n] = std::exp(finer * rounding.diagonal_step * static_cast<double>(trace) / 3);
-
         const Vec3d s = vec_cast<double>(model.scale[i]);
-        const double mass =
-            lattice.mass_factor * std::exp(static_cast<double>(column[6][n]) * rounding.mass_step);
+        const double mass = lattice.mass_factor * masses[n];
         model.density[i] = static_cast<float>(
-            std::min(mass / s.x / s.y / s.z, double{std::numeric_limits<float>::max()}));
+            std::min(mass / (s.x * s.y * s.z), double{std::numeric_limits<float>::max()}));
 
         code += static_cast<std::uint64_t>(from_zigzag(steps[n]));
         const int exponent = lattice.exponent(rounding, trace);
         const int inside = lattice.place_bits(exponent);
         const std::array<std::uint64_t, 3> cell{gather_bits(code >> 2), gather_bits(code >> 1),
                                                 gather_bits(code)};
-        const double edge = std::ldexp(rounding.edge, exponent);
+        const double edge = rounding.edge * power_of_two(exponent);
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
             const auto place = static_cast<std::int64_t>(
                 (cell[a] + static_cast<std::uint64_t>(lattice.base[a])) << inside |
-                bits.take(inside));
+                bits.take(static_cast<unsigned>(inside)));
             model.mean[i][axis] = static_cast<float>(rounding.corner[axis] +
                                                      edge * (static_cast<double>(place) + 0.5));
         }

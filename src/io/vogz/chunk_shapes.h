@@ -1,6 +1,7 @@
 // chunk_shapes.h: means, shapes and masses of a run of Gaussians as bytes.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -18,6 +19,7 @@ inline constexpr std::size_t kChunk = 8192;
 struct ShapeChunk {
     std::string bytes;
     std::vector<double> spread;  ///< geometric mean of each rounded Gaussian's scales
+    std::array<std::vector<double>, 3> extent;  ///< standard deviations along the world's axes
 };
 /// index  Gaussians with density > 0, in the order of the chunk
 ShapeChunk shape_chunk(const Gaussians& model, std::span<const std::uint32_t> index,

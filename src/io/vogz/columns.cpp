@@ -31,8 +31,6 @@ using Numbers = std::span<const std::int64_t>;
 constexpr std::uint64_t kDirect = 192;
 constexpr int kLeastWidth = 8;  // of kDirect
 constexpr int kMostLowBits = 48, kMostWidth = kMostBits + 1;
-constexpr std::size_t kSymbols =
-    kDirect + 64 - kLeastWidth + 1;  // of all words; files have those up to kMostWidth
 
 std::size_t symbol_of(std::uint64_t upper) {
     return upper < kDirect
@@ -40,8 +38,8 @@ std::size_t symbol_of(std::uint64_t upper) {
                : kDirect + static_cast<std::size_t>(std::bit_width(upper)) - kLeastWidth;
 }
 /// Bits of an upper part beside its symbol.
-int extra_bits(std::size_t symbol) {
-    return symbol < kDirect ? 0 : static_cast<int>(symbol - kDirect) + kLeastWidth - 1;
+unsigned extra_bits(std::size_t symbol) {
+    return symbol < kDirect ? 0 : static_cast<unsigned>(symbol - kDirect) + kLeastWidth - 1;
 }
 
 // --- compressors ---
@@ -98,45 +96,84 @@ std::string by_deflate(std::span<const char> bytes, int strategy) {
 
 // --- symbols and lower bits ---
 
-/// Bits of a column by an ideal entropy coder.
-/// low_bits  of each word that are stored as they are
-double cost(Words words, int low_bits) {
-    std::array<std::uint32_t, kSymbols> count{};
-    for (const std::uint64_t word : words) ++count[symbol_of(word >> low_bits)];
-    const auto n = static_cast<double>(words.size());
-    double bits = low_bits * n;
-    for (std::size_t symbol = 0; symbol < kSymbols; ++symbol) {
-        // A Huffman code has a table of half a byte for each symbol.
-        constexpr double kTable = 4;
-        const double c = count[symbol];
-        if (c > 0) bits += c * (std::log2(n / c) + extra_bits(symbol)) + kTable;
-    }
-    return bits;
+/// Most words that the number of lower bits is chosen by: those in the middle of a column.
+constexpr std::size_t kSample = 2048;
+
+template <class Number>
+std::span<const Number> sample_of(std::span<const Number> numbers) {
+    const std::size_t count = std::min(numbers.size(), kSample);
+    return numbers.subspan((numbers.size() - count) / 2, count);
 }
 
-/// Number of lower bits at the least cost.
-int best_low_bits(Words words) {
-    const std::uint64_t all =
-        std::accumulate(words.begin(), words.end(), std::uint64_t{0}, std::bit_or{});
-    constexpr std::size_t kSample = 4096;
-    if (words.size() > kSample) words = words.subspan((words.size() - kSample) / 2, kSample);
-    // Around the width that leaves half of the words below kDirect.
-    std::array<std::size_t, 65> widths{};
-    for (const std::uint64_t word : words) ++widths[static_cast<std::size_t>(std::bit_width(word))];
+/// c log2(c) of counts.
+double count_bits(std::uint32_t count) {
+    static const std::vector<double> table = [] {
+        std::vector<double> bits(kSample + 1, 0.0);
+        for (std::size_t c = 2; c < bits.size(); ++c)
+            bits[c] = static_cast<double>(c) * std::log2(static_cast<double>(c));
+        return bits;
+    }();
+    return table[count];
+}
+
+/// Lower bits of words that are stored as they are, and the bits of a column by an ideal entropy coder of the symbols.
+struct Division {
+    int low_bits = 0;
+    double bits = 0;
+};
+
+/// Numbers of bits tried: those that leave the middle word an upper part of 2 to 6 bits.
+constexpr int kFinest = 6, kCoarsest = 2, kTried = kFinest - kCoarsest + 1;
+
+/// Division at the least cost.
+/// words  kSample at most
+Division best_division(Words words) {
+    std::array<std::uint32_t, 65> widths{};
+    constexpr std::size_t kEvery = 8;
+    for (std::size_t n = 0; n < words.size(); n += kEvery)
+        ++widths[static_cast<std::size_t>(std::bit_width(words[n]))];
     int middle = 0;
     for (std::size_t below = 0; middle < 64; ++middle) {
         below += widths[static_cast<std::size_t>(middle)];
-        if (2 * below >= words.size()) break;
+        if (2 * kEvery * below >= words.size()) break;
     }
-    constexpr int kFinest = 6, kCoarsest = 2;  // bits of the middle word's symbol
-    int best = 0;
-    double least = std::numeric_limits<double>::infinity();
-    // Upper parts of the widest word fit, too.
-    const auto widest = static_cast<int>(std::bit_width(all));
-    const int first = std::clamp(std::max(middle - kFinest, widest - kMostWidth), 0, kMostLowBits);
-    for (int low = first; low <= std::clamp(middle - kCoarsest, first, kMostLowBits); ++low) {
-        const double bits = cost(words, low);
-        if (bits < least) least = bits, best = low;
+    const int finest = std::clamp(middle - kFinest, 0, kMostLowBits),
+              coarsest = std::clamp(middle - kCoarsest, finest, kMostLowBits);
+    // Numbers of each upper part at the finest division, as far as it is a symbol of its own at the coarsest one, and of each
+    // width of larger ones. Coarser divisions add up neighbours.
+    constexpr std::size_t kUpper = kDirect << (kTried - 1);
+    std::array<std::uint32_t, kUpper> upper{};
+    std::array<std::uint32_t, 65> wider{};
+    for (const std::uint64_t word : words) {
+        const std::uint64_t part = word >> finest;
+        if (part < kUpper)
+            ++upper[part];
+        else
+            ++wider[static_cast<std::size_t>(std::bit_width(part))];
+    }
+    const auto n = static_cast<double>(words.size());
+    Division best{finest, std::numeric_limits<double>::infinity()};
+    for (int low = finest, end = kUpper; low <= coarsest; ++low, end /= 2) {
+        // A Huffman code has a table of half a byte for each symbol.
+        constexpr double kTable = 4;
+        double bits = n * (low + std::log2(std::max(n, 1.0)));
+        const auto add = [&](std::uint32_t count, int extra) {
+            if (count > 0) bits += kTable + count * double(extra) - count_bits(count);
+        };
+        for (std::size_t part = 0; part < kDirect; ++part) add(upper[part], 0);
+        std::size_t begin = kDirect;
+        for (int width = kLeastWidth; width <= 64; ++width) {
+            const std::size_t stop = std::min<std::size_t>(std::size_t{1} << std::min(width, 63),
+                                                           static_cast<std::size_t>(end));
+            std::uint32_t count = 0;
+            for (; begin < stop; ++begin) count += upper[begin];
+            if (const int at_finest = width + low - finest; at_finest <= 64)
+                count += wider[static_cast<std::size_t>(at_finest)];
+            add(count, width - 1);
+        }
+        if (bits < best.bits) best = {low, bits};
+        for (std::size_t part = 0; part < static_cast<std::size_t>(end / 2); ++part)
+            upper[part] = upper[2 * part] + upper[2 * part + 1];
     }
     return best;
 }
@@ -150,34 +187,8 @@ enum class Form : std::uint8_t { constant, plain, compressed };
 enum class Prediction : std::uint8_t { fixed, previous, mean_of_four };
 constexpr int kPredictions = 3;
 
-/// Predictions in turn: next() for a number, then add(number).
-class Predictor {
-  public:
-    Predictor(Prediction kind, std::int64_t base) : kind_(kind), base_(base) { last_.fill(base); }
-    std::int64_t next() const {
-        switch (kind_) {
-            case Prediction::fixed:
-                return base_;
-            case Prediction::previous:
-                return last_[0];
-            case Prediction::mean_of_four:
-                break;
-        }
-        return sum_of_last() >> 2;
-    }
-    void add(std::int64_t number) { last_ = {number, last_[0], last_[1], last_[2]}; }
-
-  private:
-    // Unsigned: numbers of a corrupt file may wrap around.
-    std::int64_t sum_of_last() const {
-        std::uint64_t sum = 2;
-        for (const std::int64_t number : last_) sum += static_cast<std::uint64_t>(number);
-        return static_cast<std::int64_t>(sum);
-    }
-    Prediction kind_;
-    std::int64_t base_;
-    std::array<std::int64_t, 4> last_;
-};
+/// Numbers that stand before the first one: the base.
+constexpr std::size_t kBefore = 4;
 
 std::int64_t sum(std::int64_t a, std::int64_t b) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) + static_cast<std::uint64_t>(b));
@@ -186,15 +197,36 @@ std::int64_t difference(std::int64_t a, std::int64_t b) {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) - static_cast<std::uint64_t>(b));
 }
 
-std::vector<std::uint64_t> residuals(Numbers numbers, Prediction kind, std::int64_t base) {
-    std::vector<std::uint64_t> words;
-    words.reserve(numbers.size());
-    Predictor predictor(kind, base);
-    for (const std::int64_t number : numbers) {
-        words.push_back(zigzag(difference(number, predictor.next())));
-        predictor.add(number);
+/// Prediction of a number.
+/// at  the number; kBefore others stand before it
+template <Prediction kind>
+std::int64_t predicted(const std::int64_t* at, std::int64_t base) {
+    if constexpr (kind == Prediction::fixed) return base;
+    if constexpr (kind == Prediction::previous) return at[-1];
+    return sum(sum(sum(at[-1], at[-2]), sum(at[-3], at[-4])), 2) >> 2;
+}
+/// use.operator()<kind>()
+template <class Use>
+void with_prediction(Prediction kind, const Use& use) {
+    switch (kind) {
+        case Prediction::fixed:
+            return use.template operator()<Prediction::fixed>();
+        case Prediction::previous:
+            return use.template operator()<Prediction::previous>();
+        case Prediction::mean_of_four:
+            return use.template operator()<Prediction::mean_of_four>();
     }
-    return words;
+}
+
+/// Differences of numbers from their predictions, as words.
+/// run  kBefore numbers, then those to predict
+void residuals(Numbers run, Prediction kind, std::int64_t base, std::span<std::uint64_t> words) {
+    with_prediction(kind, [&]<Prediction known>() {
+        for (std::size_t n = 0; n < words.size(); ++n) {
+            const std::int64_t* at = run.data() + kBefore + n;
+            words[n] = zigzag(difference(*at, predicted<known>(at, base)));
+        }
+    });
 }
 
 }  // namespace
@@ -225,22 +257,40 @@ void decompress(const ByteSource& in, std::span<const char> bytes, Compression c
                             out.size()));
 }
 
-double column_bits(Words words) { return cost(words, best_low_bits(words)); }
+double column_bits(Words words) {
+    const Words sample = sample_of(words);
+    if (sample.empty()) return 0;
+    const double share = static_cast<double>(words.size()) / static_cast<double>(sample.size());
+    return share * best_division(sample).bits;
+}
 
-void put_words(std::string& out, Words words, Compression compression) {
-    const int low_bits = best_low_bits(words);
+namespace {
+
+/// put_words at a number of lower bits, or as many more as it takes for the largest word.
+void put_divided(std::string& out, Words words, int low_bits, Compression compression) {
+    const std::uint64_t all =
+        std::accumulate(words.begin(), words.end(), std::uint64_t{0}, std::bit_or{});
+    const auto widest = static_cast<int>(std::bit_width(all));
+    low_bits = std::clamp(widest - kMostWidth, low_bits, std::max(low_bits, kMostLowBits));
     std::string symbols(words.size(), '\0');
-    BitWriter bits;
-    for (std::size_t n = 0; n < words.size(); ++n) {
-        const std::uint64_t upper = words[n] >> low_bits;
-        if (std::bit_width(upper) > kMostWidth)
-            throw Error(fmt::format("compact model: the number {}, expected below 2^{}", words[n],
-                                    kMostWidth));
-        const std::size_t symbol = symbol_of(upper);
-        symbols[n] = static_cast<char>(symbol);
-        if (const int extra = extra_bits(symbol); extra > 0)
-            bits.put(upper & ((std::uint64_t{1} << extra) - 1), extra);
-        bits.put(words[n] & ((std::uint64_t{1} << low_bits) - 1), low_bits);
+    BitWriter bits(words.size() * static_cast<std::size_t>(std::max(widest, low_bits)));
+    const auto low = static_cast<unsigned>(low_bits);
+    if (all >> low_bits < kDirect) {
+        for (std::size_t n = 0; n < words.size(); ++n)
+            symbols[n] = static_cast<char>(words[n] >> low_bits);
+        bits.put_each(words, low);
+    } else {
+        for (std::size_t n = 0; n < words.size(); ++n) {
+            const std::uint64_t upper = words[n] >> low_bits;
+            if (std::bit_width(upper) > kMostWidth)
+                throw Error(fmt::format("compact model: the number {}, expected below 2^{}",
+                                        words[n], kMostWidth));
+            const std::size_t symbol = symbol_of(upper);
+            symbols[n] = static_cast<char>(symbol);
+            if (const unsigned extra = extra_bits(symbol); extra > 0)
+                bits.put(upper & ((std::uint64_t{1} << extra) - 1), extra);
+            bits.put(words[n] & ((std::uint64_t{1} << low) - 1), low);
+        }
     }
     const bool constant =
         std::ranges::all_of(symbols, [&](char c) { return c == symbols.front(); });
@@ -256,9 +306,15 @@ void put_words(std::string& out, Words words, Compression compression) {
     out += packed;
 }
 
+}  // namespace
+
+void put_words(std::string& out, Words words, Compression compression) {
+    put_divided(out, words, best_division(sample_of(words)).low_bits, compression);
+}
+
 void take_words(MemoryBytes& in, std::span<std::uint64_t> words, Compression compression) {
     const auto form = in.number<std::uint8_t>();
-    const int low_bits = in.number<std::uint8_t>();
+    const unsigned low_bits = in.number<std::uint8_t>();
     const auto size = in.number<std::uint32_t>(), packed = in.number<std::uint32_t>();
     if (form > static_cast<std::uint8_t>(Form::compressed) || low_bits > kMostLowBits)
         in.fail(fmt::format("corrupt: a column of form {} with {} lower bits", form, low_bits));
@@ -276,14 +332,20 @@ void take_words(MemoryBytes& in, std::span<std::uint64_t> words, Compression com
     else
         std::ranges::fill(symbols, static_cast<unsigned char>(plain ? bytes[0] : 0));
     BitReader bits({in.take(packed), packed});
-    for (std::size_t n = 0; n < words.size(); ++n) {
-        std::uint64_t upper = symbols[n];
-        if (upper >= kDirect) {
-            const int extra = extra_bits(upper);
-            if (extra >= kMostWidth) in.fail(fmt::format("corrupt: symbol {}", upper));
-            upper = std::uint64_t{1} << extra | bits.take(extra);
+    const unsigned char largest = symbols.empty() ? 0 : std::ranges::max(symbols);
+    if (largest < kDirect) {
+        for (std::size_t n = 0; n < words.size(); ++n)
+            words[n] = std::uint64_t{symbols[n]} << low_bits | bits.take(low_bits);
+    } else {
+        if (extra_bits(largest) >= kMostWidth) in.fail(fmt::format("corrupt: symbol {}", largest));
+        for (std::size_t n = 0; n < words.size(); ++n) {
+            std::uint64_t upper = symbols[n];
+            if (upper >= kDirect) {
+                const unsigned extra = extra_bits(upper);
+                upper = std::uint64_t{1} << extra | bits.take(extra);
+            }
+            words[n] = upper << low_bits | bits.take(low_bits);
         }
-        words[n] = upper << low_bits | bits.take(low_bits);
     }
     if (!bits.at_end())
         in.fail(fmt::format("corrupt: {} bytes beside the symbols of a column, expected others",
@@ -291,27 +353,34 @@ void take_words(MemoryBytes& in, std::span<std::uint64_t> words, Compression com
 }
 
 void put_numbers(std::string& out, Numbers numbers, Compression compression) {
-    // The middle number, so that half of the others lie on either side.
+    // The middle number of a sample, so that about half of the others lie on either side.
+    const Numbers sample = sample_of(numbers);
     std::int64_t base = 0;
-    if (!numbers.empty()) {
-        std::vector<std::int64_t> sorted(numbers.begin(), numbers.end());
+    if (!sample.empty()) {
+        constexpr std::size_t kEvery = 4;
+        std::vector<std::int64_t> sorted;
+        for (std::size_t n = 0; n < sample.size(); n += kEvery) sorted.push_back(sample[n]);
         const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
         std::nth_element(sorted.begin(), middle, sorted.end());
         base = *middle;
     }
-    double least = std::numeric_limits<double>::infinity();
+    std::vector<std::int64_t> run(kBefore + numbers.size(), base);
+    std::ranges::copy(numbers, run.begin() + kBefore);
+    const auto first = static_cast<std::size_t>(sample.data() - numbers.data());
+    std::vector<std::uint64_t> words(numbers.size());
     Prediction best = Prediction::fixed;
-    std::vector<std::uint64_t> words;
+    Division division{0, std::numeric_limits<double>::infinity()};
     for (int kind = 0; kind < kPredictions; ++kind) {
-        std::vector<std::uint64_t> tried = residuals(numbers, Prediction(kind), base);
-        const double bits = column_bits(tried);
-        if (!(bits < least)) continue;
-        least = bits, best = Prediction(kind);
-        words = std::move(tried);
+        const std::span<std::uint64_t> tried(words.data(), sample.size());
+        residuals(Numbers(run).subspan(first, kBefore + sample.size()), Prediction(kind), base,
+                  tried);
+        const Division found = best_division(tried);
+        if (found.bits < division.bits) division = found, best = Prediction(kind);
     }
+    residuals(run, best, base, words);
     put(out, best);
     put(out, base);
-    put_words(out, words, compression);
+    put_divided(out, words, division.low_bits, compression);
 }
 
 void take_numbers(MemoryBytes& in, std::span<std::int64_t> numbers, Compression compression) {
@@ -320,11 +389,14 @@ void take_numbers(MemoryBytes& in, std::span<std::int64_t> numbers, Compression 
     const auto base = in.number<std::int64_t>();
     std::vector<std::uint64_t> words(numbers.size());
     take_words(in, words, compression);
-    Predictor predictor(Prediction(kind), base);
-    for (std::size_t n = 0; n < numbers.size(); ++n) {
-        numbers[n] = sum(predictor.next(), from_zigzag(words[n]));
-        predictor.add(numbers[n]);
-    }
+    std::vector<std::int64_t> run(kBefore + numbers.size(), base);
+    with_prediction(Prediction(kind), [&]<Prediction known>() {
+        for (std::size_t n = 0; n < words.size(); ++n) {
+            std::int64_t* at = run.data() + kBefore + n;
+            *at = sum(predicted<known>(at, base), from_zigzag(words[n]));
+        }
+    });
+    std::copy(run.begin() + kBefore, run.end(), numbers.begin());
 }
 
 }  // namespace vog::vogz

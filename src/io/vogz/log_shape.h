@@ -5,19 +5,35 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
 #include "vog/gaussians.h"
 
 namespace vog::vogz {
 
-/// Entries xx, yy, zz, xy, xz, yz; the last three are 0 without rotation.
-using LogShape = std::array<double, 6>;
+/// Columns of entries xx, yy, zz, xy, xz, yz, a number a Gaussian; the last three are 0 without rotation.
+using ShapeEntries = std::array<std::vector<double>, 6>;
 inline constexpr std::size_t kDiagonal = 3;  ///< number of entries on the diagonal, the first ones
 
-LogShape log_shape(const Gaussians& model, std::size_t i);
+/// Logarithms of shapes, and the standard deviations along the world's axes.
+struct LogShapes {
+    ShapeEntries entry;
+    std::array<std::vector<double>, 3> extent;
+};
+/// log_scale  ln of the scales along the Gaussians' own axes, in the order of `index`
+LogShapes log_shapes(const Gaussians& model, std::span<const std::uint32_t> index,
+                     const std::array<std::vector<double>, 3>& log_scale);
 /// Sets scales and, if the model is rotated, rotations of the Gaussians from `begin` on. Scales beyond the range of
 /// floats take its ends.
-void set_shapes(Gaussians& model, std::size_t begin, std::span<const LogShape> shapes);
+/// spread  receives the geometric mean of each one's scales
+void set_shapes(Gaussians& model, std::size_t begin, const ShapeEntries& shapes,
+                std::span<double> spread);
+
+/// exp of numbers, in place, with vector instructions. Exponents beyond +-700 count as these.
+void take_exponentials(std::span<double> numbers);
+/// ln of positive numbers, in place.
+void take_logarithms(std::span<double> numbers);
 
 }  // namespace vog::vogz

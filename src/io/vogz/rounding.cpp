@@ -3,28 +3,68 @@
 // 1/2), are e^2 times 1/2, 3/4, 1 and 1: the steps are the inverse roots.
 #include "io/vogz/rounding.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
+
+#include "io/vogz/log_shape.h"
 
 namespace vog::vogz {
 
 int ShapeRounding::exponent(double trace) const {
     constexpr double kMost = 1000;
-    return static_cast<int>(
-        std::clamp(std::floor(exponent_at_zero + exponent_per_trace * trace), -kMost, kMost));
+    const double number = std::clamp(exponent_at_zero + exponent_per_trace * trace, -kMost, kMost);
+    const int toward_zero = static_cast<int>(number);
+    return toward_zero - (number < toward_zero ? 1 : 0);
 }
 
-ShapeRounding shape_rounding(const Gaussians& model, double step) {
+namespace {
+
+/// Box of means, and sizes, of a run of Gaussians.
+struct Extent {
     Box means;
-    double widest = 0, log_spread = 0;
-    for (std::size_t i = 0; i < model.size(); ++i) {
-        means.include(vec_cast<double>(model.mean[i]));
-        const Vec3f s = model.scale[i];
-        const double spread = std::cbrt(double{s.x} * s.y * s.z);
-        widest = std::max(widest, spread);
-        log_spread += std::log2(spread) / static_cast<double>(model.size());
-    }
+    double largest = 0;     ///< product of three scales
+    double logarithms = 0;  ///< of these products, added up
+};
+
+/// The same sums for any number of threads.
+Extent extent_of(const Gaussians& model) {
+    constexpr std::size_t kGrain = 1 << 14;
+    return tbb::parallel_deterministic_reduce(
+        tbb::blocked_range<std::size_t>(0, model.size(), kGrain), Extent{},
+        [&](const tbb::blocked_range<std::size_t>& run, Extent extent) {
+            std::vector<double> product(run.size());
+            for (std::size_t n = 0; n < run.size(); ++n) {
+                const Vec3d s = vec_cast<double>(model.scale[run.begin() + n]);
+                product[n] = s.x * s.y * s.z;
+                extent.largest = std::max(extent.largest, product[n]);
+                extent.means.include(vec_cast<double>(model.mean[run.begin() + n]));
+            }
+            take_logarithms(product);
+            for (const double logarithm : product) extent.logarithms += logarithm;
+            return extent;
+        },
+        [](Extent a, const Extent& b) {
+            a.means.include(b.means);
+            a.largest = std::max(a.largest, b.largest);
+            a.logarithms += b.logarithms;
+            return a;
+        });
+}
+
+}  // namespace
+
+ShapeRounding shape_rounding(const Gaussians& model, double step) {
+    const Extent extent = extent_of(model);
+    const Box& means = extent.means;
+    const double widest = std::cbrt(extent.largest);
+    const double log_spread = model.size() ? std::numbers::log2e * extent.logarithms /
+                                                 (3 * static_cast<double>(model.size()))
+                                           : 0;
     ShapeRounding rounding;
     const Vec3d edges = model.size() ? means.upper - means.lower : Vec3d{};
     if (model.size() > 0) rounding.corner = means.lower;

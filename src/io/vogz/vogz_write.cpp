@@ -34,19 +34,28 @@ void check(const VogzPrecision& precision) {
 
 /// Gaussians with density, in Morton order.
 std::vector<std::uint32_t> morton_order(const Gaussians& model, const ShapeRounding& rounding) {
-    std::vector<std::uint32_t> order;
+    struct Place {
+        std::uint64_t code;
+        std::uint32_t gaussian;
+        bool operator<(const Place& other) const {
+            return code != other.code ? code < other.code : gaussian < other.gaussian;
+        }
+    };
+    std::vector<Place> places;
+    places.reserve(model.size());
     for (std::uint32_t i = 0; i < model.size(); ++i)
-        if (model.density[i] > 0) order.push_back(i);
+        if (model.density[i] > 0) places.push_back({0, i});
     const double cells = 0.999 * (1 << kMortonAxisBits) / rounding.edge;
-    std::vector<std::uint64_t> code(model.size());
-    vog::parallel_for(std::size_t{0}, model.size(), [&](std::size_t i) {
-        const Vec3d at = cells * (vec_cast<double>(model.mean[i]) - rounding.corner);
-        code[i] = morton_code(static_cast<std::uint64_t>(at.x), static_cast<std::uint64_t>(at.y),
-                              static_cast<std::uint64_t>(at.z));
+    vog::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
+        const Vec3d at =
+            cells * (vec_cast<double>(model.mean[places[n].gaussian]) - rounding.corner);
+        places[n].code =
+            morton_code(static_cast<std::uint64_t>(at.x), static_cast<std::uint64_t>(at.y),
+                        static_cast<std::uint64_t>(at.z));
     });
-    tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return code[a] != code[b] ? code[a] < code[b] : a < b;
-    });
+    tbb::parallel_sort(places.begin(), places.end());
+    std::vector<std::uint32_t> order(places.size());
+    std::ranges::transform(places, order.begin(), &Place::gaussian);
     return order;
 }
 
@@ -94,26 +103,25 @@ std::vector<Chunk> chunks_of(const Hierarchy& hierarchy, std::size_t leaves) {
 }
 
 /// Box of the supports of Gaussians, as rounded, in floats.
-/// step  VogzPrecision::step: what a mean moves by in standard deviations, and a support grows by
+/// extent  standard deviations along the world's axes
+/// step    VogzPrecision::step: what a mean moves by in standard deviations, and a support grows by
 std::array<float, 6> box_of(const Gaussians& model, std::span<const std::uint32_t> index,
-                            double step) {
-    Box box;
-    for (const std::uint32_t i : index) {
-        Box support = support_box(model, i);
-        const Vec3d margin = 2 * step * (support.upper - support.lower);
-        support.lower = support.lower - margin;
-        support.upper = support.upper + margin;
-        box.include(support);
-    }
+                            const std::array<std::vector<double>, 3>& extent, double step) {
     constexpr float kMost = std::numeric_limits<float>::max();
     const auto outward = [](double v, float limit) {
         return std::nextafter(static_cast<float>(std::clamp<double>(v, -kMost, kMost)), limit);
     };
+    const double reach = model.cutoff * (1 + 4 * step);
     std::array<float, 6> corners{};
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        corners[a] = outward(box.lower[axis] - model.origin[axis], -kMost);
-        corners[a + 3] = outward(box.upper[axis] - model.origin[axis], kMost);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        double lower = std::numeric_limits<double>::infinity(), upper = -lower;
+        for (std::size_t n = 0; n < index.size(); ++n) {
+            const double center = double{model.mean[index[n]][static_cast<int>(axis)]};
+            lower = std::min(lower, center - reach * extent[axis][n]);
+            upper = std::max(upper, center + reach * extent[axis][n]);
+        }
+        corners[axis] = outward(lower, -kMost);
+        corners[axis + 3] = outward(upper, kMost);
     }
     return corners;
 }
@@ -136,7 +144,7 @@ void encode(const Coding& coding, Chunk& chunk) {
     const FileTable& table = coding.table;
     ShapeChunk shapes = shape_chunk(model, index, table.shapes, table.compression);
     chunk.blobs.push_back(std::move(shapes.bytes));
-    chunk.box = box_of(model, index, table.precision.step);
+    chunk.box = box_of(model, index, shapes.extent, table.precision.step);
     if (nodes)
         chunk.blobs.push_back(link_chunk(coding.hierarchy, chunk.begin, chunk.end,
                                          table.precision.step, table.compression));

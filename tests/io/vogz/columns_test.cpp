@@ -125,12 +125,12 @@ TEST(vogz_columns, survive_changed_bytes) {
 }
 
 TEST(vogz_bits, come_back) {
-    BitWriter writer;
-    for (int count = 0; count <= kMostBits; ++count)
+    BitWriter writer(kMostBits * (kMostBits + 1) / 2);
+    for (unsigned count = 0; count <= kMostBits; ++count)
         writer.put((std::uint64_t{1} << count) - 1 - (count > 3 ? 5 : 0), count);
     const std::string bytes = writer.take();
     BitReader reader(bytes);
-    for (int count = 0; count <= kMostBits; ++count)
+    for (unsigned count = 0; count <= kMostBits; ++count)
         EXPECT_EQ(reader.take(count), (std::uint64_t{1} << count) - 1 - (count > 3 ? 5 : 0));
     EXPECT_TRUE(reader.at_end());
 }
