@@ -1,5 +1,7 @@
 // bind_sample.cpp: procedural volumes and particles.
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "bindings.h"
 #include "vog/levels.h"
@@ -30,6 +32,23 @@ void bind_sample(py::module_& m) {
     define(
         m, "sample_explosion", [](const SampleOptions& o) { return sample_explosion(o); },
         "Procedural fireball with a turbulent shell as a Volume. size: voxels across, 64 to 1024.");
+    define(
+        m, "sample_head", [](const SampleOptions& o) { return sample_head(o); },
+        "Procedural CT of a head as a Volume, Hounsfield units + 1000, world units mm. size: "
+        "voxels along an edge, 64 to "
+        "1024.");
+    m.def(
+        "sample_fire",
+        [](int size, std::uint32_t seed) {
+            std::vector<Volume> volumes =
+                unlocked([&] { return sample_fire({.size = size, .seed = seed}); });
+            return std::pair(std::make_shared<Volume>(std::move(volumes[0])),
+                             std::make_shared<Volume>(std::move(volumes[1])));
+        },
+        py::arg("size") = SampleOptions{}.size, py::arg("seed") = SampleOptions{}.seed,
+        "Procedural fireball as two Volumes of the same voxels, density and temperature in K. "
+        "size: voxels across, 64 to "
+        "1024.");
     define(
         m, "sample_levels",
         [](const SampleOptions& o) {

@@ -27,6 +27,17 @@ struct SampleOptions {
 /// throws  vog::Error if size is out of range
 [[nodiscard]] Volume sample_explosion(const SampleOptions& options = {});
 
+/// The explosion with its temperature: grids `density` of sample_explosion and `temperature`, K, of the same voxels, about
+/// 1,900 in the thin gas of the core, 400 in the cold smoke.
+/// throws  vog::Error if size is out of range
+[[nodiscard]] std::vector<Volume> sample_fire(const SampleOptions& options = {});
+
+/// Computed tomography of a head: grid `ct` of Hounsfield units + 1000 (air 0, water 1000, bone 1700 to 2100), with skull,
+/// brain, ventricles, a lesion, calcium, eyes and an air-filled sinus. World units are mm, x to the left, y to the front,
+/// z up; voxels of 240 / size mm.
+/// throws  vog::Error if size is out of range
+[[nodiscard]] Volume sample_head(const SampleOptions& options = {});
+
 /// Adaptive mesh of a small universe in the world cube [-1/2, 1/2]^3: three nested levels, coarsest
 /// first, named density_L0 to density_L2, each of half the voxel edge of the one before. Halos and
 /// the filaments between them are refined in blocks; coarse voxels under a finer block are kept.

@@ -2,7 +2,7 @@
 # tests/python/test_stubs.py checks the stubs against the module.
 import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal, Optional, SupportsFloat, SupportsIndex, Union, overload
+from typing import Any, Literal, Optional, SupportsFloat, SupportsIndex, Tuple, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,8 @@ __all__ = [
     "Gaussians",
     "sample_cloud",
     "sample_explosion",
+    "sample_head",
+    "sample_fire",
     "sample_levels",
     "sample_particles",
     "convert",
@@ -380,6 +382,8 @@ class Gaussians:
 
 def sample_cloud(size: int = ..., seed: int = ...) -> Volume: ...
 def sample_explosion(size: int = ..., seed: int = ...) -> Volume: ...
+def sample_head(size: int = ..., seed: int = ...) -> Volume: ...
+def sample_fire(size: int = ..., seed: int = ...) -> Tuple[Volume, Volume]: ...
 def sample_levels(size: int = ..., seed: int = ...) -> Levels: ...
 def sample_particles(size: int = ..., seed: int = ...) -> Points: ...
 def convert(

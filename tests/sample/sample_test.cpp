@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "core/morton.h"
 #include "sample/density_field.h"
 #include "vog/error.h"
 #include "vog/levels.h"
@@ -381,6 +382,66 @@ TEST(sample_levels, same_bytes_for_any_number_of_threads_and_another_with_anothe
     EXPECT_NE(hash_of(levels[0]), hash_of(sample_levels(options)[0]));
     options.size = 63;
     EXPECT_THROW((void)sample_levels(options), Error);
+}
+
+/// Value of the voxel around a point; 0 where none is active.
+float value_at(const Volume& volume, Vec3d point) {
+    const Vec3d at = inverse(volume.world_from_index)(point);
+    const Vec3i voxel{static_cast<int>(std::lround(at.x)), static_cast<int>(std::lround(at.y)),
+                      static_cast<int>(std::lround(at.z))};
+    for (const Leaf& leaf : volume.leaves)
+        if (leaf.origin == aligned(voxel, 3))
+            return leaf.value[static_cast<std::size_t>(
+                leaf_offset(voxel.x & 7, voxel.y & 7, voxel.z & 7))];
+    return 0;
+}
+
+TEST(sample_head, tissues_have_their_hounsfield_units_where_they_lie_at_every_size) {
+    for (const int size : {64, 150}) {
+        const Volume head = sample_head({.size = size});
+        validate(head);
+        EXPECT_EQ(head.name, "ct");
+        EXPECT_NEAR(length(head.world_from_index.linear * Vec3d{0, 0, 1}), 240.0 / size, 1e-12);
+        const auto near = [&](Vec3d point, double units, double by) {
+            EXPECT_NEAR(value_at(head, point) - 1000.0, units, by)
+                << size << ": " << point.x << " " << point.y << " " << point.z;
+        };
+        near({0, -60, 40}, 36, 25);    // brain, within the texture
+        near({29, -42, 48}, 75, 25);   // lesion
+        near({0, 84, -32}, -950, 25);  // air of the nose
+        near({31, 84, -14}, 15, 25);   // eye
+        EXPECT_GT(value_at(head, {0, 0, 107}), 1300) << "skull, in part of a voxel";
+        EXPECT_EQ(value_at(head, {100, 100, 100}), 0) << "air";
+    }
+    const Volume one = sample_head({.size = 64}), other = sample_head({.size = 64, .seed = 2});
+    EXPECT_NE(hash_of(one), hash_of(other));
+    const ThreadLimit limit(1);
+    EXPECT_EQ(hash_of(one), hash_of(sample_head({.size = 64})));
+    EXPECT_THROW((void)sample_head({.size = 63}), Error);
+}
+
+TEST(sample_fire, has_the_explosion_and_its_temperature) {
+    const std::vector<Volume> fire = sample_fire({.size = 64});
+    ASSERT_EQ(fire.size(), 2u);
+    EXPECT_TRUE(same_bytes(fire[0], sample_explosion({.size = 64})));
+    EXPECT_EQ(fire[1].name, "temperature");
+    EXPECT_EQ(active_voxels(fire[0]), active_voxels(fire[1]));
+    float coldest = 1e9f, hottest = 0;
+    for (std::size_t i = 0; i < fire[0].leaves.size(); ++i)
+        for (int n = 0; n < kLeafVoxels; ++n) {
+            const Leaf& leaf = fire[1].leaves[i];
+            ASSERT_EQ(leaf.active(n), fire[0].leaves[i].active(n));
+            if (!leaf.active(n)) continue;
+            coldest = std::min(coldest, leaf.value[static_cast<std::size_t>(n)]);
+            hottest = std::max(hottest, leaf.value[static_cast<std::size_t>(n)]);
+        }
+    EXPECT_EQ(coldest, 400);
+    EXPECT_GT(hottest, 1800);
+    EXPECT_LE(hottest, 1900);
+    // Tiles continue their neighbours: the core is as hot as its thin gas allows.
+    for (const Tile& tile : fire[1].tiles) EXPECT_NEAR(tile.value, 1867, 1);
+    const ThreadLimit limit(1);
+    EXPECT_TRUE(same_bytes(fire[1], sample_fire({.size = 64})[1]));
 }
 
 }  // namespace

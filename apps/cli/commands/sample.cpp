@@ -48,6 +48,8 @@ void sample(const SampleArguments& arguments) {
         throw CLI::ValidationError(fmt::format("--size {}: expected 64 to 1024", options.size));
     const std::vector<Volume> volumes = stages.run("sample", [&]() -> std::vector<Volume> {
         if (arguments.kind == "amr") return sample_levels(options);
+        if (arguments.kind == "fire") return sample_fire(options);
+        if (arguments.kind == "head") return {sample_head(options)};
         return {arguments.kind == "cloud" ? sample_cloud(options) : sample_explosion(options)};
     });
     stages.run("write", [&] { write_vdb(arguments.output, volumes, arguments.half); });
@@ -68,10 +70,13 @@ void add_sample(CLI::App& app) {
         ->add_option(
             "what", arguments->kind,
             "cloud: a cumulus cloud with soft edges and a constant core; explosion: a turbulent, "
-            "hollow fireball; amr: halos and filaments on three nested levels of an adaptive mesh, "
+            "hollow fireball; fire: the same with its temperature in K as a second grid; head: a "
+            "CT "
+            "of a head, grid ct, Hounsfield units + 1000, mm; amr: halos and filaments on three "
+            "nested levels of an adaptive mesh, "
             "one grid each; particles: a box of a cosmological simulation, with velocities")
         ->required()
-        ->check(CLI::IsMember({"cloud", "explosion", "amr", "particles"}));
+        ->check(CLI::IsMember({"cloud", "explosion", "fire", "head", "amr", "particles"}));
     command
         ->add_option("output", arguments->output,
                      "OpenVDB file to write (.vdb); particles also as .xyz, .csv or .tsv")
