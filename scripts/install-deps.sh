@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
-# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|fuzz]. Default: all.
+# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|fuzz|docs]. Default: all.
 #   command  enough to build the command `vog` (scripts/demo.sh)
 #   all      window, Python package, vog-mpi, tests, benches and checks as well
 #   fuzz     the compiler of the fuzz targets as well (scripts/fuzz.sh)
+#   docs     the documents' site alone (scripts/docs.sh)
 # Runs as root or with sudo.
 set -euo pipefail
 
@@ -35,7 +36,8 @@ case ${1:-all} in
     command) ;;
     all) packages+=("${all_packages[@]}") ;;
     fuzz) packages+=("${all_packages[@]}" clang-16 libclang-rt-16-dev) ;;
-    *) echo "install-deps: set '$1', expected command, all or fuzz" >&2; exit 2 ;;
+    docs) packages=(mkdocs) ;;
+    *) echo "install-deps: set '$1', expected command, all, fuzz or docs" >&2; exit 2 ;;
 esac
 
 missing=()
