@@ -132,7 +132,8 @@ class CompactModels(PageTest):
         whole = (self.folder / "m.vogz").read_bytes()
         draw = random.Random(1)
         broken = [whole[:draw.randrange(len(whole))] for _ in range(8)] + [whole + b"0"]
-        for place in [*range(0, 44, 2), *(draw.randrange(48, len(whole)) for _ in range(60))]:
+        # All but the minor version and the reserved word.
+        for place in [*range(0, 9, 2), *range(12, 44, 2), *(draw.randrange(48, len(whole)) for _ in range(60))]:
             broken.append(whole[:place] + bytes([whole[place] ^ (1 << draw.randrange(8))]) + whole[place + 1:])
         data = json.dumps([base64.b64encode(one).decode() for one in broken])
         answers = self.value(f"Promise.all({data}.map((one) => numbers(one).then(() => 'read', (error) => error.message)))")

@@ -237,6 +237,9 @@ std::size_t check_nodes(const std::filesystem::path& file, const Header& header,
 
 void read_comments(const std::filesystem::path& file, const Header& header, Gaussians& model) {
     std::string value;
+    // Minor versions add comments, which readers of the same major version leave out.
+    if (comment(header, "vog", value) && value != "1" && !value.starts_with("1."))
+        fail(file, fmt::format("a model of version {}, expected 1: written by another vog", value));
     if (!comment(header, "cutoff", value)) fail(file, "no header line 'comment cutoff'");
     model.cutoff = static_cast<float>(numbers(file, "cutoff", value, 1)[0]);
     if (comment(header, "origin", value)) {

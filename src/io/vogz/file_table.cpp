@@ -17,7 +17,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::array<char, 8> kMagic{'V', 'O', 'G', 'Z', '\r', '\n', '\x1a', '\n'};
+/// Major version in the lower 16 bits: readers refuse others. Minor version in the upper ones: what a newer one adds, readers of
+/// the same major version can leave out.
 constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t major_version(std::uint32_t version) { return version & 0xffff; }
 /// Far above those of any model; a corrupt length does not allocate more.
 constexpr std::uint64_t kMostHeader = std::uint64_t{1} << 32;
 
@@ -185,9 +188,9 @@ FileTable read_table(ByteSource& in, std::uint64_t size) {
         std::memcmp(in.take(kMagic.size()), kMagic.data(), kMagic.size()) != 0)
         in.fail("not a compact model (.vogz): another format");
     const auto start = in.number<Start>();
-    if (start.version != kVersion)
+    if (major_version(start.version) != kVersion)
         in.fail(fmt::format("a compact model of version {}, expected {}: written by another vog",
-                            start.version, kVersion));
+                            major_version(start.version), kVersion));
     if (start.compression > static_cast<std::uint32_t>(Compression::deflate))
         in.fail(fmt::format("corrupt: compression {}", start.compression));
     const std::uint64_t table_bytes = start.blobs < kMostHeader ? start.blobs * sizeof(Blob) : 0;

@@ -326,6 +326,14 @@ TEST(ply, what_it_does_not_understand_is_refused_by_name) {
     };
     EXPECT_EQ(with({{"density", 1}}), "no error");
     EXPECT_NE(with({{"density", 1}}, "").find("comment cutoff"), std::string::npos);
+    for (const char* version : {"1", "1.0", "1.12"})
+        EXPECT_EQ(
+            with({{"density", 1}}, fmt::format("comment vog {}\ncomment cutoff 2\n", version)),
+            "no error");
+    for (const char* version : {"2", "2.0", "10", "0.9"})
+        EXPECT_NE(with({{"density", 1}}, fmt::format("comment vog {}\ncomment cutoff 2\n", version))
+                      .find(fmt::format("a model of version {}, expected 1", version)),
+                  std::string::npos);
     EXPECT_NE(with({{"density", 1}}, "comment cutoff wide\n").find("not a number"),
               std::string::npos);
     EXPECT_NE(with({{"density", 1}}, "comment cutoff 2\ncomment origin 1 2\n").find("expected 3"),

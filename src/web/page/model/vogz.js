@@ -30,7 +30,7 @@ function described(json) {
 export async function opened(bytes) {
   const from = new Bytes(bytes);
   if (magic.some((byte) => byte !== from.u8())) throw new Damaged();
-  const found = from.u32();
+  const found = from.u32() & 0xffff;  // the major version
   if (found !== version) throw new Error(`a model of version ${found}, expected ${version}`);
   if (from.u32() !== deflate) throw new Error('a model packed by zstd, expected one that was written with --deflate');
   const jsonBytes = from.i64(), blobs = from.i64(), packed = from.i64(), crc = from.u32();
