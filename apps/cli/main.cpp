@@ -3,28 +3,58 @@
 #include <algorithm>
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <filesystem>
 #include <new>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "commands.h"
+#include "help/help_text.h"
+#include "help/mistakes.h"
+#include "help/version.h"
 #include "shared/terminal.h"
 
 namespace {
 
+/// Whether a word is rather meant as a file than as a command.
+bool is_like_a_file(const std::string& word) {
+    std::error_code code;
+    return std::filesystem::exists(word, code) || word.find_first_of("./*?") != std::string::npos;
+}
+
+/// The first words: a command, files without one, or neither.
+/// throws  CLI::ValidationError for an unknown command
+/// returns whether the words were files, which are shown now
+bool look_at_files(const CLI::App& app, const std::vector<std::string>& words) {
+    if (words.empty() || words.front().starts_with('-')) return false;
+    for (const CLI::App* command : vog::cli::commands_of(app))
+        if (command->get_name() == words.front()) return false;
+    if (!is_like_a_file(words.front()))
+        throw CLI::ValidationError(vog::cli::unknown_command_text(app, words.front()));
+    for (const std::string& word : words)
+        if (word.starts_with('-'))
+            throw CLI::ValidationError("option " + word + " without a command, expected vog " +
+                                       "info, render, convert, ... " + words.front() + " " + word);
+    vog::cli::look_at(words);
+    return true;
+}
+
 void run(CLI::App& app, int argc, char** argv) {
-    // CLI11 would report a missing subcommand, not the unknown one.
-    const auto commands = app.get_subcommands([](const CLI::App*) { return true; });
-    if (argc > 1 && argv[1][0] != '-' &&
-        std::none_of(commands.begin(), commands.end(),
-                     [&](const CLI::App* command) { return command->get_name() == argv[1]; }))
-        throw CLI::ValidationError(std::string("no subcommand '") + argv[1] + "'");
-    try {
-        app.parse(argc, argv);
-    } catch (const CLI::Success& text) {
-        std::ostringstream out;
-        app.exit(text, out, out);  // --help, --version
-        vog::cli::print_text(out.str());
+    std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
+    if (words.empty() || words.front() == "help") {  // vog, vog help render
+        if (!words.empty()) words.erase(words.begin());
+        words.emplace_back("--help");
+    }
+    if (!look_at_files(app, words)) {
+        std::ranges::reverse(words);  // CLI11 takes the last word first
+        try {
+            app.parse(words);
+        } catch (const CLI::Success& text) {
+            std::ostringstream out;
+            app.exit(text, out, out);  // --help, --version
+            vog::cli::print_text(out.str());
+        }
     }
     vog::cli::finish_output();
 }
@@ -47,12 +77,16 @@ int main(int argc, char** argv) {
         "  share       Gaussians divided by active voxels (or particles) of the input\n"
         "  cell        group of voxels that becomes one Gaussian; a cut is a choice of cells\n\n"
         "  vog sample cloud cloud.vdb\n"
+        "  vog cloud.vdb                            its contents, and commands to try\n"
         "  vog convert cloud.vdb -o cloud.ply\n"
         "  vog render cloud.ply -o cloud.png --tf blue-white"};
     app.name("vog");
-    app.set_version_flag("--version", std::string("vog ") + VOG_VERSION);
+    vog::cli::set_help(app);
+    app.set_version_flag("--version", vog::cli::version_text("vog"),
+                         "Print version, commit and build type");
     app.require_subcommand(1);
-    app.get_formatter()->column_width(34);
+    app.footer(
+        "vog COMMAND --help explains the common options of a command, --help-all every one.");
     vog::cli::add_sample(app);
     vog::cli::add_info(app);
     vog::cli::add_convert(app);
@@ -62,17 +96,19 @@ int main(int argc, char** argv) {
     vog::cli::add_view(app);
     vog::cli::add_export(app);
     vog::cli::add_voxelize(app);
+    vog::cli::add_doctor(app);
+    vog::cli::add_guides(app);
 
     try {
         run(app, argc, argv);
         return 0;
     } catch (const CLI::ParseError& error) {
-        vog::cli::print_failure("vog", error.what(), 2);
+        vog::cli::print_failure("vog", vog::cli::usage_text(app, error), 2);
         return 2;
     } catch (const std::bad_alloc&) {
         vog::cli::print_failure("vog", "out of memory");
     } catch (const std::exception& error) {
-        vog::cli::print_failure("vog", vog::cli::failure_text(error));
+        vog::cli::print_failure("vog", vog::cli::with_remedy(vog::cli::failure_text(error)));
     }
     return 1;
 }

@@ -5,6 +5,9 @@
 #include <sstream>
 
 #include "commands.h"
+#include "help/help_text.h"
+#include "help/mistakes.h"
+#include "help/version.h"
 #include "ranks.h"
 #include "shared/terminal.h"
 
@@ -26,11 +29,11 @@ Failure run(CLI::App& app, const Ranks& ranks, int argc, char** argv) {
         vog::cli::finish_output();
         return {};
     } catch (const CLI::ParseError& error) {
-        return {2, error.what()};
+        return {2, vog::cli::usage_text(app, error)};
     } catch (const std::bad_alloc&) {
         return {1, "out of memory"};
     } catch (const std::exception& error) {
-        return {1, vog::cli::failure_text(error)};
+        return {1, vog::cli::with_remedy(vog::cli::failure_text(error))};
     }
 }
 
@@ -47,9 +50,9 @@ int main(int argc, char** argv) {
         "  mpirun -n 8 vog-mpi convert cloud.vdb -o cloud.ply --block 2\n"
         "  mpirun -n 8 vog-mpi render cloud.vdb -o cloud.png"};
     app.name("vog-mpi");
-    app.set_version_flag("--version", std::string("vog-mpi ") + VOG_VERSION);
+    vog::cli::set_help(app);
+    app.set_version_flag("--version", vog::cli::version_text("vog-mpi"));
     app.require_subcommand(1);
-    app.get_formatter()->column_width(34);
     add_convert(app, ranks);
     add_render(app, ranks);
     add_evaluate(app, ranks);

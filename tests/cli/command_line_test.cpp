@@ -177,8 +177,7 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
 
 TEST_F(cli, wrong_usage_is_exit_code_two) {
     write("m.ply", "ply\n");
-    must_fail(2, "", "subcommand");
-    must_fail(2, "paint", "no subcommand 'paint'");
+    must_fail(2, "paint", "no command or file 'paint'");
     must_fail(2, "sample cloud", "output");
     must_fail(2, "sample cloud c.vdb --size 63", "size");
     must_fail(2, "convert a.vdb -o a.ply --lod 6", "lod");
@@ -187,7 +186,7 @@ TEST_F(cli, wrong_usage_is_exit_code_two) {
     must_fail(2, "render m.ply -o m.png --background 1,2", "--background 1,2");
     must_fail(2, "render m.ply -o m.png --eye 1,2", "--eye: 1,2: expected x,y,z");
     must_fail(2, "render m.ply -o m.png --extinction -1", "--extinction");
-    must_fail(2, "render m.ply", "nothing to make");
+    must_fail(2, "render m.ply --turntable 3", "--turntable: many pictures");
 }
 
 TEST_F(cli, every_failure_is_one_line_that_names_the_file) {

@@ -62,11 +62,11 @@ ALWAYS = {"render": ["--size", "16x12"], "sample": ["--size", "64"]}
 
 def options_of(command):
     """Long names of the options of a command, with their values: [["--axis-aligned"], ["--block", "4"], ...]"""
-    text = subprocess.run([VOG, command, "--help"], capture_output=True, text=True, check=True).stdout
+    text = subprocess.run([VOG, command, "--help-all"], capture_output=True, text=True, check=True).stdout
     options = []
-    for match in re.finditer(r"^ +(?:-\w,)?(--[a-z-]+)(.*)$", text, re.MULTILINE):
+    for match in re.finditer(r"^  (?:-\w,)?(--[a-z-]+)(.*)$", text, re.MULTILINE):
         name, rest = match[1], match[2]
-        if name in ("--help", "--output", *(option[0] for option in options)):
+        if name in ("--help", "--help-all", "--output", *(option[0] for option in options)):
             continue
         if re.match(r" (TEXT|INT|UINT|FLOAT)", rest):
             assert name in VALUES, f"vog {command} {name}: no value for it in {__file__}"

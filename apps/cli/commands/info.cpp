@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "help/next_steps.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
 #include "vog/model_io.h"
@@ -225,13 +226,19 @@ void print(const Points& points) {
         line(range.name, fmt::format("{:.6g} to {:.6g}", range.low, range.high));
 }
 
-void info(const std::vector<std::string>& files, bool json) {
+}  // namespace
+
+std::vector<FileContents> print_contents(const std::vector<std::string>& files, bool json) {
     Json all = Json::array();
+    std::vector<FileContents> contents;
     for (const std::string& file : files) {
-        if (kind_of(file) == FileKind::model) {
+        const FileKind kind = kind_of(file);
+        contents.push_back({file, kind, {}, {}});
+        if (kind == FileKind::model) {
             Hierarchy hierarchy;
             const Gaussians model = read_model(file, &hierarchy);
             const std::uint64_t bytes = std::filesystem::file_size(file);
+            contents.back().fields = model.fields.names();
             all.push_back({{"file", file}, {"model", as_json(model, hierarchy, bytes)}});
             if (!json) {
                 print_line(file);
@@ -239,7 +246,7 @@ void info(const std::vector<std::string>& files, bool json) {
             }
             continue;
         }
-        if (kind_of(file) == FileKind::points && extension_of(file) != ".vdb") {
+        if (kind == FileKind::points && extension_of(file) != ".vdb") {
             const Points points = read_points(file);
             all.push_back({{"file", file}, {"points", as_json(points)}});
             if (!json) {
@@ -248,19 +255,18 @@ void info(const std::vector<std::string>& files, bool json) {
             }
             continue;
         }
-        const std::vector<VolumeInfo> infos = inspect_volume(file);
+        contents.back().grids = inspect_volume(file);
         if (!json) print_line(file);
         Json grids = Json::array();
-        for (const VolumeInfo& grid : infos) {
+        for (const VolumeInfo& grid : contents.back().grids) {
             grids.push_back(as_json(grid));
             if (!json) print(grid);
         }
         all.push_back({{"file", file}, {"grids", grids}});
     }
     if (json) print_json(Json{{"files", all}});
+    return contents;
 }
-
-}  // namespace
 
 void add_info(CLI::App& app) {
     auto files = std::make_shared<std::vector<std::string>>();
@@ -269,7 +275,7 @@ void add_info(CLI::App& app) {
         app.add_subcommand("info", "Show the contents of volumes, particles and models");
     command->add_option("files", *files, "Volumes, particles, models")->required();
     command->add_flag("--json", *json, "Print one JSON object and nothing else on standard output");
-    command->callback([files, json] { info(*files, *json); });
+    command->callback([files, json] { print_contents(*files, *json); });
 }
 
 }  // namespace vog::cli

@@ -253,6 +253,25 @@ Json render_many(RenderArguments arguments, const CLI::App& command, const Rende
     return report;
 }
 
+/// Name of the picture where the command line states none: smoke.png of data/smoke.vdb in the working folder, or
+/// smoke-2.png, ... where that exists already.
+std::string free_name(const std::string& input) {
+    namespace fs = std::filesystem;
+    const fs::path path(input);
+    const std::string stem = (path.has_filename() ? path : path.parent_path()).stem().string();
+    std::error_code code;
+    for (int n = 1;; ++n) {
+        const std::string name = n == 1 ? stem + ".png" : fmt::format("{}-{}.png", stem, n);
+        if (!fs::exists(fs::symlink_status(name, code))) return name;
+    }
+}
+
+/// Whether the command line states nothing that the command would make.
+bool makes_nothing(const RenderArguments& arguments) {
+    return arguments.output.empty() && arguments.depth_output.empty() &&
+           arguments.quantity.values_output.empty() && !arguments.repeat;
+}
+
 /// Files that are written, without the folders of a sequence, whose files have different extensions.
 std::vector<std::string> written_files(const RenderArguments& arguments) {
     std::vector<std::string> files{arguments.output, arguments.depth_output,
@@ -270,6 +289,13 @@ std::vector<std::string> read_files(const RenderArguments& arguments) {
 void render_files(const RenderArguments& given, const CLI::App& command, const RenderRanks& ranks) {
     RenderArguments arguments = given;
     arguments.drawing.inputs = expanded(given.drawing.inputs);
+    if (makes_nothing(arguments)) {
+        if (arguments.turntable)
+            throw CLI::ValidationError(
+                "--turntable: many pictures, expected -o with a folder (turn/), a "
+                "name with a number (t_%04d.png) or a film (turn.mp4)");
+        arguments.output = free_name(arguments.drawing.inputs.front());
+    }
     if (ranks.is_root) check_distinct(written_files(arguments), read_files(arguments));
     const CommandMemory memory(arguments.memory);
     if (command.count("--fps") && !is_film(arguments.output))

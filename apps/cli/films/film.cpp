@@ -29,18 +29,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Path of a program in the folders of PATH; empty: there is none.
-std::string program_path(const std::string& name) {
-    const char* folders = std::getenv("PATH");
-    std::istringstream list(folders ? folders : "");
-    for (std::string folder; std::getline(list, folder, ':');) {
-        const fs::path path = fs::path(folder.empty() ? "." : folder) / name;
-        std::error_code code;
-        if (fs::is_regular_file(path, code) && ::access(path.c_str(), X_OK) == 0) return path;
-    }
-    return {};
-}
-
 /// Arguments of ffmpeg for a film of raw pictures on its standard input.
 std::vector<std::string> encoder_arguments(int width, int height, double per_second, bool webm,
                                            const fs::path& output) {
@@ -103,6 +91,17 @@ int nameless_file() {
 }
 
 }  // namespace
+
+std::string program_path(const std::string& name) {
+    const char* folders = std::getenv("PATH");
+    std::istringstream list(folders ? folders : "");
+    for (std::string folder; std::getline(list, folder, ':');) {
+        const fs::path path = fs::path(folder.empty() ? "." : folder) / name;
+        std::error_code code;
+        if (fs::is_regular_file(path, code) && ::access(path.c_str(), X_OK) == 0) return path;
+    }
+    return {};
+}
 
 bool is_film(const std::string& output) {
     const std::string extension = extension_of(output);

@@ -15,6 +15,9 @@ namespace vog::cli {
 /// Whether an output is a film: .mp4 or .webm.
 bool is_film(const std::string& output);
 
+/// Path of a program in the folders of PATH; empty: there is none.
+std::string program_path(const std::string& name);
+
 /// A film that is being written, beside its file, which it replaces when whole.
 class Film {
   public:

@@ -57,6 +57,9 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     for (const char* snapshot : {".hdf5", ".h5", ".hdf"})
         if (extension == snapshot) return FileKind::points;
     if (!fs::exists(file, code)) throw Error(fmt::format("{}: no such file", file));
+    if (fs::is_directory(file, code))
+        throw Error(fmt::format("{}: a folder, expected files, such as '{}' (vog {} lists it)",
+                                file, (fs::path(file) / "*.vdb").string(), file));
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
         ".mhd, .raw, .tif or .fits (volume), .xyz, .csv, .tsv, .txt, .dat or .hdf5 (particles), "

@@ -21,10 +21,6 @@ namespace {
 /// throws CLI::ValidationError and vog::Error before any work
 void check_arguments(const RenderArguments& arguments, const CLI::App& command, bool writes) {
     const QuantityArguments& quantity = arguments.quantity;
-    if (arguments.output.empty() && arguments.depth_output.empty() &&
-        quantity.values_output.empty() && !arguments.repeat)
-        throw CLI::ValidationError(
-            "nothing to make: expected -o, --depth-out, --values-out or --repeat");
     check_quantity_options(quantity, command, !arguments.output.empty());
     check_value_options(arguments.value, command, quantity.show);
     // Folders and names with a number are checked where they are made.
@@ -244,7 +240,9 @@ void print(const RenderedPicture& picture, bool repeated) {
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
     command.add_option(
         "-o,--output", arguments.output,
-        "Picture to write, .png or float .exr. A folder (or a name that ends in /), a "
+        "Picture to write, .png or float .exr; default: the input's name with .png in the working "
+        "folder, "
+        "-2, -3, ... added where that exists. A folder (or a name that ends in /), a "
         "name with a number (t_%04d.png) or a film (.mp4, .webm: by ffmpeg): one "
         "picture per input, all under one camera and one extinction");
     command

@@ -48,4 +48,8 @@ std::unique_ptr<Screen> open_window(PixelSize size);
 /// throws vog::Error where EGL has no OpenGL 3.3
 std::unique_ptr<Screen> open_headless(PixelSize size);
 
+/// Version and renderer of the OpenGL that open_headless draws with.
+/// throws vog::Error as open_headless does
+std::string headless_gl_name();
+
 }  // namespace vog::viewer

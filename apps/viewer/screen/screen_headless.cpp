@@ -139,4 +139,13 @@ std::unique_ptr<Screen> open_headless(PixelSize size) {
     return std::make_unique<HeadlessScreen>(size);
 }
 
+std::string headless_gl_name() {
+    const EglContext context;
+    const auto text = [](GLenum name) {
+        const GLubyte* value = glGetString(name);
+        return value ? reinterpret_cast<const char*>(value) : "unknown";
+    };
+    return fmt::format("{}, {}", text(GL_VERSION), text(GL_RENDERER));
+}
+
 }  // namespace vog::viewer

@@ -1,0 +1,251 @@
+// machine_report.cpp: the processor's instructions, memory, graphics and libraries.
+#include "help/machine_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <gnu/libc-version.h>
+#include <hwy/targets.h>
+#include <sys/utsname.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <thread>
+
+#include "films/film.h"
+#include "help/version.h"
+#include "vog/error.h"
+#include "vog/gpu.h"
+#include "vog/progress.h"
+#include "vog/text.h"
+
+namespace vog::cli {
+
+namespace {
+
+using ReportJson = nlohmann::ordered_json;
+
+/// Value of a line "key: value" or KEY="value" of a system's file; empty: no such line.
+std::string line_of(const char* file, const std::string& key) {
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+        if (!line.starts_with(key)) continue;
+        const std::size_t begin = line.find_first_of(":=");
+        if (begin == line.npos) continue;
+        std::string value = line.substr(line.find_first_not_of(" \t\"", begin + 1));
+        while (!value.empty() && (value.back() == '"' || value.back() == ' ')) value.pop_back();
+        return value;
+    }
+    return {};
+}
+
+/// Bytes of a line of /proc/meminfo; 0 where the system has none.
+std::uint64_t memory_line(const std::string& key) {
+    return std::strtoull(line_of("/proc/meminfo", key).c_str(), nullptr, 10) * 1024;
+}
+
+/// Limit of this process's control group, bytes; 0: none.
+std::uint64_t group_limit() {
+    std::ifstream in("/sys/fs/cgroup/memory.max");
+    std::uint64_t limit = 0;
+    return in >> limit ? limit : 0;
+}
+
+/// Highway's names of the SIMD targets in a set, the best first.
+std::vector<std::string> target_names(std::int64_t set) {
+    std::vector<std::string> names;
+    for (int bit = 0; bit < 62; ++bit)
+        if (set >> bit & 1) names.emplace_back(hwy::TargetName(std::int64_t{1} << bit));
+    return names;
+}
+
+ReportJson processor() {
+    const std::int64_t supported = hwy::SupportedTargets();
+    // Of all targets that the loops are compiled for, the first that the processor has is run.
+    const std::vector<std::string> usable = target_names(supported & HWY_TARGETS);
+    std::string name = line_of("/proc/cpuinfo", "model name");
+    if (name.empty()) name = "unknown";
+    return {{"name", name},
+            {"architecture",
+             [] {
+                 utsname system{};
+                 return ::uname(&system) == 0 ? std::string(system.machine)
+                                              : std::string("unknown");
+             }()},
+            {"cores", std::thread::hardware_concurrency()},
+            {"threads", thread_count()},
+            {"simd", usable.empty() ? std::string("none") : usable.front()},
+            {"simd_supported", target_names(supported)},
+            {"simd_compiled", target_names(HWY_TARGETS)}};
+}
+
+/// What a try found; its message where it failed.
+template <class Try>
+ReportJson found_by(const Try& attempt) {
+    try {
+        return {{"found", true}, {"name", attempt()}};
+    } catch (const std::exception& error) {
+        return {{"found", false}, {"reason", printable(error.what())}};
+    }
+}
+
+/// A model of one Gaussian: renderers of the GPU say in their constructors what they lack.
+Gaussians one_gaussian() {
+    Gaussians model;
+    model.mean.push_back({0, 0, 0});
+    model.scale.push_back({1, 1, 1});
+    model.density.push_back(1);
+    return model;
+}
+
+struct OptionalLibrary {
+    const char *name, *purpose, *version;  ///< version empty: not in this build
+};
+#ifndef VOG_WITH_TIFF
+#define VOG_WITH_TIFF ""
+#endif
+#ifndef VOG_WITH_CFITSIO
+#define VOG_WITH_CFITSIO ""
+#endif
+#ifndef VOG_WITH_HDF5
+#define VOG_WITH_HDF5 ""
+#endif
+#ifndef VOG_WITH_ZFP
+#define VOG_WITH_ZFP ""
+#endif
+#ifndef VOG_WITH_SZ3
+#define VOG_WITH_SZ3 ""
+#endif
+#ifndef VOG_WITH_OPENVDB
+#define VOG_WITH_OPENVDB "yes"
+#endif
+#ifndef VOG_WITH_VIEWER
+#define VOG_WITH_VIEWER ""
+#endif
+constexpr OptionalLibrary kLibraries[] = {
+    {"OpenVDB", ".vdb and .nvdb", VOG_WITH_OPENVDB},
+    {"Embree", "ray tracing on the processor", VOG_WITH_EMBREE},
+    {"libtiff", "stacks of .tif", VOG_WITH_TIFF},
+    {"cfitsio", "cubes of .fits", VOG_WITH_CFITSIO},
+    {"HDF5", "particles in .hdf5", VOG_WITH_HDF5},
+    {"zfp", "vog evaluate --rate-distortion", VOG_WITH_ZFP},
+    {"SZ3", "vog evaluate --rate-distortion", VOG_WITH_SZ3},
+    {"window", "vog view", VOG_WITH_VIEWER}};
+
+ReportJson libraries() {
+    ReportJson list = ReportJson::array();
+    for (const OptionalLibrary& library : kLibraries) {
+        ReportJson one = {
+            {"name", library.name}, {"purpose", library.purpose}, {"found", *library.version != 0}};
+        if (*library.version && std::string_view(library.version) != "yes")
+            one["version"] = library.version;
+        list.push_back(one);
+    }
+    return list;
+}
+
+std::string display() {
+    for (const char* variable : {"WAYLAND_DISPLAY", "DISPLAY"})
+        if (const char* value = std::getenv(variable); value && *value)
+            return fmt::format("{}={}", variable, printable(value));
+    return {};
+}
+
+std::string yes_or_no(const ReportJson& part) {
+    return part["found"] ? part["name"].get<std::string>()
+                         : "no: " + part["reason"].get<std::string>();
+}
+
+}  // namespace
+
+ReportJson machine_report(const std::function<std::string()>& open_gl) {
+    utsname system{};
+    (void)::uname(&system);
+    std::string distribution = line_of("/etc/os-release", "PRETTY_NAME");
+    ReportJson report = {
+        {"version", version_number()},
+        {"commit", commit_text()},
+        {"build", build_type()},
+        {"compiler", VOG_COMPILER},
+        {"system",
+         {{"distribution", distribution.empty() ? "unknown" : distribution},
+          {"kernel", fmt::format("{} {}", system.sysname, system.release)},
+          {"libc", std::string("glibc ") + gnu_get_libc_version()}}},
+        {"processor", processor()},
+        {"memory",
+         {{"total_bytes", memory_line("MemTotal")},
+          {"available_bytes", memory_line("MemAvailable")},
+          {"limit_bytes", group_limit()}}},
+        {"opengl", found_by([&] {
+             if (!open_gl)
+                 throw Error("this build has no window (it was configured with -DVOG_VIEWER=OFF)");
+             return open_gl();
+         })},
+        {"display", display()},
+        {"cuda", found_by([] {
+             (void)CudaSplat(one_gaussian());
+             return "an NVIDIA GPU: --renderer cuda";
+         })},
+        {"optix", found_by([] {
+             (void)OptixModel(one_gaussian());
+             return "an NVIDIA GPU with OptiX: --renderer optix";
+         })},
+        {"libraries", libraries()}};
+    const std::string ffmpeg = program_path("ffmpeg");
+    report["ffmpeg"] =
+        ffmpeg.empty()
+            ? ReportJson{{"found", false}, {"reason", "not in PATH; films (.mp4, .webm) need it"}}
+            : ReportJson{{"found", true}, {"name", ffmpeg}};
+    return report;
+}
+
+std::string machine_text(const ReportJson& report) {
+    std::string text;
+    const auto line = [&](const std::string& name, const std::string& value) {
+        text += fmt::format("{:<12} {}\n", name, value);
+    };
+    const ReportJson& processor = report["processor"];
+    line("vog", fmt::format("{}, commit {}, {}, {}", report["version"].get<std::string>(),
+                            report["commit"].get<std::string>(), report["build"].get<std::string>(),
+                            report["compiler"].get<std::string>()));
+    line("system", fmt::format("{}, {}, {}", report["system"]["distribution"].get<std::string>(),
+                               report["system"]["kernel"].get<std::string>(),
+                               report["system"]["libc"].get<std::string>()));
+    line("processor",
+         fmt::format("{}, {} cores, {} threads used", processor["name"].get<std::string>(),
+                     processor["cores"].get<unsigned>(), processor["threads"].get<int>()));
+    line("SIMD",
+         fmt::format("{} (this processor has {}; compiled for {})",
+                     processor["simd"].get<std::string>(),
+                     fmt::join(processor["simd_supported"].get<std::vector<std::string>>(), " "),
+                     fmt::join(processor["simd_compiled"].get<std::vector<std::string>>(), " ")));
+    const ReportJson& memory = report["memory"];
+    std::string sizes =
+        fmt::format("{}, {} available", bytes_text(memory["total_bytes"].get<std::uint64_t>()),
+                    bytes_text(memory["available_bytes"].get<std::uint64_t>()));
+    if (const auto limit = memory["limit_bytes"].get<std::uint64_t>())
+        sizes += fmt::format(", limited to {}", bytes_text(limit));
+    line("memory", sizes);
+    line("OpenGL", yes_or_no(report["opengl"]));
+    const auto shown = report["display"].get<std::string>();
+    line("display", shown.empty() ? "no: neither DISPLAY nor WAYLAND_DISPLAY is set; vog view "
+                                    "--headless --script FILE works without"
+                                  : shown);
+    line("CUDA", yes_or_no(report["cuda"]));
+    line("OptiX", yes_or_no(report["optix"]));
+    for (const ReportJson& library : report["libraries"])
+        line(library["name"].get<std::string>(),
+             fmt::format("{} ({})",
+                         !library["found"]             ? "not in this build"
+                         : library.contains("version") ? library["version"].get<std::string>()
+                                                       : "yes",
+                         library["purpose"].get<std::string>()));
+    line("ffmpeg", yes_or_no(report["ffmpeg"]));
+    return text;
+}
+
+}  // namespace vog::cli

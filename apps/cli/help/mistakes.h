@@ -1,0 +1,30 @@
+// mistakes.h: messages for wrong usage that state the remedy.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace vog::cli {
+
+/// Smallest number of letters inserted, removed, replaced or swapped with their neighbour that turn
+/// one word into the other (optimal string alignment).
+std::size_t edit_distance(const std::string& a, const std::string& b);
+
+/// The word of a list that is nearest to a mistyped one: at most a third of its letters differ, or
+/// it begins with them. Empty: none is near.
+std::string nearest(const std::string& word, const std::vector<std::string>& known);
+
+/// Message for a word that is neither a command nor a file: "no command or file 'rendr'; did you mean
+/// 'render'?"
+std::string unknown_command_text(const CLI::App& app, const std::string& word);
+
+/// Message for a failed parse, with the nearest option, the missing argument or an example added to
+/// the parser's.
+std::string usage_text(const CLI::App& app, const CLI::ParseError& error);
+
+/// A failure's message with the remedy where its list of grids looks like the levels of a mesh: "...; --grid 'density_L*'
+/// reads all of them as levels".
+std::string with_remedy(const std::string& message);
+
+}  // namespace vog::cli

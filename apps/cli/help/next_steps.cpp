@@ -1,0 +1,209 @@
+// next_steps.cpp: command lines that fit grids, particles and models.
+#include "help/next_steps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace vog::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Types of grids with one number a voxel.
+bool is_scalar_grid(const VolumeInfo& volume) {
+    const std::string& type = volume.grid.type;
+    return !volume.grid.points && !type.starts_with("vec") && type != "bool" && type != "mask" &&
+           type != "string";
+}
+
+/// Name of an output beside nothing else: smoke.ply of data/smoke.vdb, in the working folder.
+std::string beside(const std::string& file, const std::string& extension) {
+    fs::path name = fs::path(file).filename();
+    if (!name.has_filename()) name = fs::path(file).parent_path().filename();  // of a folder
+    fs::path stem = name.stem();
+    if (name.extension() == ".gz" || name.extension() == ".fz") stem = stem.stem();
+    return quoted(stem.string() + extension);
+}
+
+/// Steps of a grid, or of the levels of one mesh.
+/// grid  option that chooses it, with a space before; empty: the default
+void add_volume_steps(const FileContents& contents, const VolumeInfo& volume,
+                      const std::string& grid, std::vector<NextStep>& steps) {
+    const std::string file = quoted(contents.file);
+    const std::string ply = beside(contents.file, ".ply"), png = beside(contents.file, ".png");
+    if (volume.grid.grid_class == "level set") {
+        const std::string fog = grid + " --level-set-to-fog";
+        steps.push_back({fmt::format("vog render {}{} -o {}", file, fog, png),
+                         "a picture of the inside of the surface"});
+        steps.push_back({fmt::format("vog convert {}{} -o {}", file, fog, ply), "Gaussians"});
+        return;
+    }
+    if (volume.grid.min < 0) {
+        // Signed values are no density: they become a field of Gaussians that count volume.
+        steps.push_back({fmt::format("vog convert {}{} -o {} --measure volume", file, grid, ply),
+                         "Gaussians that carry the values, which are of both signs"});
+        steps.push_back({fmt::format("vog render {} -o {} --show volume", ply, png),
+                         "then a picture by value"});
+        steps.push_back({fmt::format("vog render {}{} -o {} --clip-negative", file, grid, png),
+                         "a picture of the positive values as a density"});
+        return;
+    }
+    steps.push_back({fmt::format("vog render {}{} -o {}", file, grid, png), "a picture"});
+    steps.push_back(
+        {fmt::format("vog render {}{} -o {} --show volume", file, grid, png), "the same by value"});
+    steps.push_back({fmt::format("vog convert {}{} -o {}", file, grid, ply), "Gaussians"});
+    steps.push_back(
+        {fmt::format("vog export {}{} -o {}", file, grid, beside(contents.file, ".html")),
+         "a page for a browser"});
+    steps.push_back({fmt::format("vog view {}{}", file, grid), "a window"});
+}
+
+std::vector<NextStep> steps_of_volume(const FileContents& contents) {
+    std::vector<const VolumeInfo*> scalar;
+    std::vector<std::string> names;
+    for (const VolumeInfo& volume : contents.grids) {
+        if (!is_scalar_grid(volume) || !volume.grid.affine || !volume.grid.active_voxels) continue;
+        scalar.push_back(&volume);
+        names.push_back(volume.grid.name);
+    }
+    std::vector<NextStep> steps;
+    if (scalar.empty()) {
+        for (const VolumeInfo& volume : contents.grids)
+            if (volume.grid.type.starts_with("vec") && volume.grid.active_voxels) {
+                add_volume_steps(contents, volume, " --grid " + quoted(volume.grid.name), steps);
+                break;
+            }
+        return steps;
+    }
+    const std::string pattern = level_pattern(names);
+    if (!pattern.empty()) {
+        add_volume_steps(contents, *scalar.front(), " --grid " + quoted(pattern), steps);
+        return steps;
+    }
+    const auto density = std::ranges::find(names, "density");
+    const bool named = names.size() > 1 && density == names.end();
+    const auto chosen = density == names.end() ? 0 : density - names.begin();
+    const VolumeInfo& volume = *scalar[static_cast<std::size_t>(chosen)];
+    add_volume_steps(contents, volume, named ? " --grid " + quoted(volume.grid.name) : "", steps);
+    // A second grid of a file is most often a field of the first.
+    if (names.size() > 1 && volume.grid.min >= 0 && volume.grid.grid_class != "level set") {
+        const std::string& other = names[chosen == 0 ? 1 : 0];
+        steps.push_back(
+            {fmt::format("vog convert {} --grid {} -o {} --field {}", quoted(contents.file),
+                         quoted(volume.grid.name), beside(contents.file, ".ply"), quoted(other)),
+             fmt::format("Gaussians that carry {} too", other)});
+    }
+    return steps;
+}
+
+/// Contents of a JSON file; discarded where it is none.
+nlohmann::json json_of(const std::string& file) {
+    std::ifstream in(file);
+    return nlohmann::json::parse(in, nullptr, false);
+}
+
+}  // namespace
+
+std::string quoted(const std::string& word) {
+    const auto plain = [](unsigned char letter) {
+        return std::isalnum(letter) ||
+               std::string_view("_-./:,+=@%").find(char(letter)) != std::string_view::npos;
+    };
+    if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+    std::string text = "'";
+    for (const char letter : word)
+        text += letter == '\'' ? std::string("'\\''") : std::string{letter};
+    return text + "'";
+}
+
+std::string level_pattern(const std::vector<std::string>& names) {
+    if (names.size() < 2) return {};
+    std::size_t same = names.front().size();
+    for (const std::string& name : names) {
+        const auto [a, b] = std::ranges::mismatch(names.front(), name);
+        same = std::min(same, static_cast<std::size_t>(a - names.front().begin()));
+    }
+    std::string start = names.front().substr(0, same);
+    // Numbers of several digits may begin alike: density_L10 and density_L11.
+    while (!start.empty() && std::isdigit(static_cast<unsigned char>(start.back())))
+        start.pop_back();
+    if (start.empty()) return {};
+    const bool numbers = std::ranges::all_of(names, [&](const std::string& name) {
+        return name.size() > start.size() &&
+               std::all_of(name.begin() + static_cast<std::ptrdiff_t>(start.size()), name.end(),
+                           [](unsigned char letter) { return std::isdigit(letter); });
+    });
+    return numbers ? start + "*" : "";
+}
+
+std::vector<NextStep> next_steps(const FileContents& contents) {
+    const std::string file = quoted(contents.file);
+    const std::string png = beside(contents.file, ".png");
+    if (contents.kind == FileKind::volume) return steps_of_volume(contents);
+    if (contents.kind == FileKind::points)
+        return {{fmt::format("vog render {} -o {}", file, png), "a picture"},
+                {fmt::format("vog convert {} -o {} --budget 10000", file,
+                             beside(contents.file, ".ply")),
+                 "at most 10,000 Gaussians"},
+                {fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
+                 "a page for a browser"},
+                {fmt::format("vog view {}", file), "a window"}};
+    std::vector<NextStep> steps{{fmt::format("vog render {} -o {}", file, png), "a picture"}};
+    if (!contents.fields.empty())
+        steps.push_back({fmt::format("vog render {} -o {} --show volume --field {}", file, png,
+                                     quoted(contents.fields.front())),
+                         fmt::format("a picture by the value of {}", contents.fields.front())});
+    steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
+                     "a page for a browser"});
+    steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, "-small.vogz")),
+                     "a compact model"});
+    steps.push_back({fmt::format("vog view {}", file), "a window"});
+    return steps;
+}
+
+std::string advice_on(const std::string& file) {
+    const std::string extension = extension_of(file);
+    const std::string name = quoted(file);
+    if (extension == ".html") return "a page: open it in a browser";
+    if (extension == ".png" || extension == ".jpg" || extension == ".jpeg")
+        return fmt::format("a picture; vog compare REFERENCE.png {} measures its error", name);
+    if (extension == ".exr")
+        return fmt::format(
+            "an image of optical depth or values; vog compare REFERENCE.exr {} "
+            "measures its error",
+            name);
+    if (extension == ".npy" || extension == ".npz")
+        return "a NumPy array: in Python "
+               "vog.Volume.from_numpy(numpy.load(...)).save(\"volume.vdb\") "
+               "makes it a volume";
+    if (extension == ".dcm")
+        return "a slice of DICOM: dcm2niix makes a series one .nii, which vog reads; or pydicom "
+               "(docs/scans.md)";
+    if (extension == ".vti" || extension == ".vtk" || extension == ".vtu" || extension == ".pvd")
+        return "a file of VTK: ParaView saves it as .mha or .nrrd, which vog reads";
+    if (extension == ".obj" || extension == ".stl")
+        return "a mesh of triangles, not a volume: vdb_tool or Blender's Mesh to Volume makes it a "
+               ".vdb";
+    if (extension == ".usd" || extension == ".usda" || extension == ".usdz")
+        return "a scene of OpenUSD, which vog writes (vog export) and does not read";
+    if (extension == ".mp4" || extension == ".webm") return "a film: open it in a player";
+    if (extension == ".json") {
+        const nlohmann::json json = json_of(file);
+        if (!json.is_object() && !json.is_array()) return {};
+        const nlohmann::json& first = json.is_array() && !json.empty() ? json.front() : json;
+        if (!first.is_object()) return {};
+        if (first.contains("eye") && first.contains("look_at"))
+            return fmt::format("a camera; vog render FILE -o picture.png --camera {}", name);
+        if (first.contains("RGBPoints") || first.contains("colors"))
+            return fmt::format("a transfer function; vog render FILE -o picture.png --tf {}", name);
+    }
+    return {};
+}
+
+}  // namespace vog::cli

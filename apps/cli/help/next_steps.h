@@ -1,0 +1,41 @@
+// next_steps.h: command lines to try on a file, by its contents.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shared/inputs.h"
+#include "vog/scan_io.h"
+
+namespace vog::cli {
+
+/// Contents of a file as far as they decide what can be done with it.
+struct FileContents {
+    std::string file;
+    FileKind kind = FileKind::volume;
+    std::vector<VolumeInfo> grids;    ///< of volumes, and of particles in a .vdb
+    std::vector<std::string> fields;  ///< names of a model's fields
+};
+
+/// Prints the contents of files, as vog info does.
+/// returns  the same, one entry a file
+std::vector<FileContents> print_contents(const std::vector<std::string>& files, bool json);
+
+/// One command line and its effect in a few words.
+struct NextStep {
+    std::string command, effect;
+};
+/// Command lines that work on this file as they stand, the simplest first. Empty where vog can do nothing with it.
+std::vector<NextStep> next_steps(const FileContents& contents);
+
+/// A pattern with one * that several names match and all of which it matches: "density_L*" of density_L0 and
+/// density_L1, whose rest is a number. Empty: the names are not levels.
+std::string level_pattern(const std::vector<std::string>& names);
+
+/// Advice on a file of a kind that no command reads as its input, such as a picture or a camera; empty: none.
+std::string advice_on(const std::string& file);
+
+/// A word of a shell command: in quotes where it holds other letters than those of plain names.
+std::string quoted(const std::string& word);
+
+}  // namespace vog::cli

@@ -1,0 +1,21 @@
+# cmake -DSOURCE=DIR -DOUTPUT=commit.h -DGIVEN=TEXT -P write_commit.cmake: the commit of the sources, as VOG_COMMIT. A name
+# that ends in "+" has changes that are not committed. Written only where it differs, so that nothing compiles twice.
+set(commit "${GIVEN}")
+if(NOT commit)
+    execute_process(COMMAND git rev-parse --short=10 HEAD WORKING_DIRECTORY ${SOURCE} OUTPUT_VARIABLE commit
+                    OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
+    execute_process(COMMAND git diff --quiet HEAD WORKING_DIRECTORY ${SOURCE} ERROR_QUIET RESULT_VARIABLE changed)
+    if(failed OR NOT commit)
+        set(commit "unknown")
+    elseif(changed)
+        string(APPEND commit "+")
+    endif()
+endif()
+set(text "// Made by write_commit.cmake.\n#define VOG_COMMIT \"${commit}\"\n")
+set(before "")
+if(EXISTS ${OUTPUT})
+    file(READ ${OUTPUT} before)
+endif()
+if(NOT text STREQUAL before)
+    file(WRITE ${OUTPUT} "${text}")
+endif()
