@@ -247,6 +247,10 @@ for gradient and covariance of a vector field, which are read-only copies.)");
             "is_vector", [](const Field& self) { return self.vector() != nullptr; },
             "Whether it is a vector field, of components along the world's axes.")
         .def_property_readonly(
+            "is_measure",
+            [](const Field& self) { return self.scalar() != nullptr && self.scalar()->is_measure; },
+            "Whether it is the density itself: the values of the volume that was converted.")
+        .def_property_readonly(
             "unit", [](const Field& self) { return with(self, [](auto& f) { return f.unit; }); },
             "Unit: 'K'; empty if it is not known.")
         .def_property_readonly(

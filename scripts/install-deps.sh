@@ -23,8 +23,8 @@ all_packages=(
     libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libgl1-mesa-dri libegl-mesa0 fonts-dejavu-core xvfb xauth
     # tests of the page for browsers
     chromium python3
-    # Python package and its tests; the stubs are checked by mypy
-    python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
+    # Python package and its tests; the stubs are checked by mypy, a notebook is run by Jupyter
+    python3-nbclient python3-ipykernel python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
     # the codec that vog evaluate --rate-distortion compares with
     libzfp-dev
     # clusters

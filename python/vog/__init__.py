@@ -10,5 +10,20 @@ Data flow: load -> convert -> render -> shade -> compare. Volumes are arrays [x,
 [row, column] with rows from the top. Lengths are in world units, densities per world unit of length.
 Tutorial: docs/python.md.
 """
+from ._python import require_python
+
+require_python()
+
+from . import _messages, _show, _units, _vog
+
+_messages.shorten(_vog)
+_units.accept_quantities()
+_show.show_models()
+
+from ._projection import Projection as Projection, projection as projection
+from ._readers import from_nifti as from_nifti, from_tiff as from_tiff, from_xarray as from_xarray, from_yt as from_yt
+from ._show import Page as Page, Settings as Settings, show as show
+from ._units import Units as Units, set_units as set_units, units_of as units_of
 from ._vog import *
 from ._vog import __version__ as __version__
+from ._vtk import to_pyvista as to_pyvista, to_vtk as to_vtk

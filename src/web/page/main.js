@@ -15,6 +15,7 @@ import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
 import { Handles } from './handles.js';
 import { Player } from './player.js';
+import { Outer } from './outer.js';
 import { Readout } from './readout.js';
 import { remapped } from './editor.js';
 
@@ -325,6 +326,7 @@ function change(part) {
     load().catch((error) => giveUp(`The page cannot be read: ${error.message}.`));
   }
   showControls();
+  outer?.tell();
   redraw();
 }
 
@@ -423,9 +425,9 @@ const still = () => state.still;
 const firstView = () => (page.chosenView
   ? page.camera : filling(page.camera, box(0), canvas.clientWidth, canvas.clientHeight));
 
-/** Applies the settings in the address; others stay. */
-function follow() {
-  const link = readLink(location.hash, firstView());
+/** Applies settings, as in the address behind #; others stay. */
+function follow(settings) {
+  const link = readLink(settings, firstView());
   const part = { embed: link.embed, still: link.still };
   for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip', 'planes'])
     if (link[key] !== null) part[key] = link[key];
@@ -455,12 +457,16 @@ function save() {
   link.click();
 }
 
-async function copyLink() {
+function linkNow() {
   const source = fieldKey(state) === null ? null : page.models[state.model].fields[state.field];
-  const text = location.href.replace(/#.*$/, '') + writeLink(state, {
+  return writeLink(state, {
     field: source?.name, scale: state.scale, transfer: state.show === 'volume' ? state.transfers[state.field] : null,
     planes: state.planes.length + page.quantity.planes.length > 0,
   });
+}
+
+async function copyLink() {
+  const text = location.href.replace(/#.*$/, '') + linkNow();
   try {
     await navigator.clipboard.writeText(text);
     say('Link to this view copied');
@@ -544,7 +550,8 @@ canvas.addEventListener('webglcontextrestored', () => {
   startRenderer();
   redraw();
 });
-window.addEventListener('hashchange', follow);
+window.addEventListener('hashchange', () => follow(location.hash));
+const outer = new Outer(window, { now: linkNow, follow });
 
 /** Sets the canvas to the screen's resolution, at most two pixels per CSS pixel. */
 function fitCanvas() {
@@ -584,9 +591,10 @@ function followSystem() {
 lightSystem.addEventListener('change', followSystem);
 
 state.camera = firstView();
-follow();
+follow(location.hash);
 followSystem();
 find('open').href = location.href.replace(/#.*$/, '');
+if (location.protocol === 'about:') find('open').hidden = true;  // a page inside of another has no address
 startRenderer();
 new ResizeObserver(fitCanvas).observe(canvas);
 fitCanvas();

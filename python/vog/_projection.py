@@ -1,0 +1,345 @@
+"""Projections along an axis: column density, and means of fields weighted by density, as arrays for imshow."""
+from typing import Any, NamedTuple, Optional, Sequence, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _vog
+from ._packages import described
+from ._units import is_quantity, parsed, product, units_of, value_in, with_unit
+
+_Array = NDArray[Any]
+_AXES = "xyz"
+# Pictures beyond this are a mistake rather than a wish: the renderer's own limit, 2^28 pixels.
+_MOST_PIXELS = 1 << 28
+
+
+class _Pair(NamedTuple):
+    array: Any
+    extent: "tuple[float, float, float, float]"
+
+
+class Projection(_Pair):
+    """Array and extent of a projection: `array, extent = vog.projection(...)`.
+
+    array        [rows, columns] float64, rows from the bottom up, for imshow(origin="lower"); with a unit where units are known
+    extent       (left, right, bottom, top), coordinates of the outer edges of the pixels, in `length_unit`
+    field        name of the projected field; '' for column density
+    quantity     'column', 'mean', 'deviation' or 'integral'
+    axes         the two directions of the picture, right and up, as unit vectors [2, 3]
+    towards      unit vector towards the observer
+    unit         unit of the array: an object or a text; None: not known
+    length_unit  unit of the extent, likewise
+    """
+
+    field: str = ""
+    quantity: str = "column"
+    axes: _Array
+    towards: _Array
+    unit: Any = None
+    length_unit: Any = None
+
+    @property
+    def pixel_area(self) -> float:
+        """Area of a pixel, world units squared."""
+        rows, columns = np.shape(self.array)
+        left, right, bottom, top = self.extent
+        return (right - left) / columns * (top - bottom) / rows
+
+    @property
+    def total(self) -> Any:
+        """Sum over the pixels times their area: of column density the mass inside the extent."""
+        total = np.nansum(_bare(self.array)) * self.pixel_area
+        if is_quantity(self.array) and self.length_unit is not None:
+            return total * (self.unit * self.length_unit**2)
+        return total
+
+    def header(self) -> "dict[str, Any]":
+        """Cards of a FITS header: linear world coordinates of the pixels, units, and what the array is.
+
+        For astropy: fits.PrimaryHDU(bare_array, fits.Header(projection.header())), where the array's first row is the
+        bottom one, as FITS has it.
+        """
+        rows, columns = np.shape(self.array)
+        left, right, bottom, top = self.extent
+        names = [_name_of(axis) for axis in self.axes]
+        cards: "dict[str, Any]" = {}
+        for n, (name, low, high, count) in enumerate(zip(names, (left, bottom), (right, top), (columns, rows)), 1):
+            cards[f"CTYPE{n}"] = name
+            cards[f"CRPIX{n}"] = 0.5  # the outer edge of the first pixel, whose centre is 1
+            cards[f"CRVAL{n}"] = low
+            cards[f"CDELT{n}"] = (high - low) / count
+            if self.length_unit is not None:
+                cards[f"CUNIT{n}"] = _unit_text(self.length_unit)
+        if self.unit is not None:
+            cards["BUNIT"] = _unit_text(self.unit)
+        cards["BTYPE"] = self.quantity if not self.field else f"{self.quantity} of {self.field}"
+        cards["VIEWDIR"] = ",".join(f"{-x + 0.0:.9g}" for x in self.towards)
+        cards["ORIGIN"] = f"vog {_vog.__version__}"
+        return cards
+
+    def __repr__(self) -> str:
+        rows, columns = np.shape(self.array)
+        what = "column density" if self.quantity == "column" else f"{self.quantity} of {self.field}"
+        unit = f" [{self.unit}]" if self.unit is not None else ""
+        return f"<vog.Projection: {what}{unit}, {columns}x{rows}, extent {tuple(round(x, 6) for x in self.extent)}>"
+
+
+def _bare(array: Any) -> _Array:
+    """The numbers of an array with or without a unit."""
+    return np.asarray(getattr(array, "magnitude", getattr(array, "value", array)))
+
+
+def _name_of(axis: _Array) -> str:
+    for k in range(3):
+        if abs(axis[k]) > 1 - 1e-12:
+            return ("" if axis[k] > 0 else "-") + _AXES[k].upper()
+    return "OFFSET"
+
+
+def _unit_text(unit: Any) -> str:
+    """Text of a unit for a FITS header: astropy's own form of it where astropy has the unit."""
+    to_string = getattr(unit, "to_string", None)
+    try:
+        return str(to_string("fits")) if to_string else str(unit)
+    except Exception:  # no FITS form of this unit: its usual text
+        return str(unit)
+
+
+def _vector(value: Any, name: str) -> _Array:
+    try:
+        vector = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        vector = np.zeros(0)
+    length = float(np.linalg.norm(vector)) if vector.shape == (3,) else 0.0
+    if not (np.isfinite(length) and length > 0):
+        expected = "'x', 'y', 'z', '-x', '-y', '-z', 0, 1, 2 or a vector of three numbers"
+        raise _vog.Error(f"projection: {name} {described(value)}, expected {expected}")
+    return vector / length
+
+
+def _frame(axis: Any, up: Any) -> "tuple[_Array, _Array, _Array]":
+    """Unit vectors to the right, up, and towards the observer: right x up = towards."""
+    name = axis[-1:] if isinstance(axis, str) and axis.lstrip("+-") in ("x", "y", "z") and len(axis) <= 2 else ""
+    if name or (not isinstance(axis, (str, bool)) and isinstance(axis, (int, np.integer)) and 0 <= axis <= 2):
+        n = _AXES.index(name) if name else int(axis)
+        towards = np.zeros(3)
+        towards[n] = -1.0 if isinstance(axis, str) and axis[0] == "-" else 1.0
+        # Cyclic, as in yt: the axes of the picture along x are y and z, along y z and x, along z x and y.
+        default = np.zeros(3)
+        default[(n + 2) % 3] = 1.0
+    else:
+        towards = _vector(axis, "axis")
+        default = np.array([0.0, 0.0, 1.0] if abs(towards[2]) < 0.999 else [0.0, 1.0, 0.0])
+    above = default if up is None else _frame(up, None)[2] if isinstance(up, str) else _vector(up, "up")
+    right = np.cross(above, towards)
+    if np.linalg.norm(right) < 1e-9:
+        raise _vog.Error(f"projection: up {described(up)}, expected a direction that is not the axis'")
+    right /= np.linalg.norm(right)
+    return right, np.cross(towards, right), towards
+
+
+def _corners(lower: Any, upper: Any) -> _Array:
+    return np.array([[(lower, upper)[n >> k & 1][k] for k in range(3)] for n in range(8)], dtype=float)
+
+
+def _bounds(data: Any, axes: _Array) -> "tuple[_Array, _Array]":
+    """Least and largest coordinates of the data along unit vectors [n, 3], in double precision."""
+    if isinstance(data, _vog.Gaussians):
+        means = data.world_mean
+        used = data.density > 0
+        if not used.any():
+            raise _vog.Error("projection: the model is empty, expected Gaussians, or width=")
+        low, high = [], []
+        w, x, y, z = np.moveaxis(np.asarray(data.rotation, dtype=float), -1, 0)
+        rows = np.array([
+            [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
+            [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
+        ])  # axis of the ellipsoid, world axis, Gaussian  # fmt: skip
+        for axis in axes:
+            along = np.einsum("ijn,j->ni", rows, axis) * data.scale
+            reach = data.cutoff * np.sqrt((along**2).sum(axis=1))
+            center = means @ axis
+            low.append((center - reach)[used].min())
+            high.append((center + reach)[used].max())
+        return np.array(low), np.array(high)
+    volumes = [data] if isinstance(data, _vog.Volume) else [data[n] for n in range(len(data))]
+    points = []
+    for volume in volumes:
+        if volume.active_voxels == 0:
+            continue
+        lower, upper = (np.array(corner, dtype=float) for corner in volume.index_box)
+        at = _corners(lower - 0.5, upper + 0.5)
+        points.append(at @ volume.matrix[:3, :3].T + volume.matrix[:3, 3])
+    if not points:
+        raise _vog.Error("projection: the volume has no active voxel, expected one, or width=")
+    along = np.concatenate(points) @ axes.T
+    return along.min(axis=0), along.max(axis=0)
+
+
+def _length(value: Any, unit: Any, name: str) -> float:
+    if is_quantity(value):
+        if unit is None:
+            raise _vog.Error(f"projection: {name} has a unit, but the data have none, expected a number (vog.set_units sets units)")
+        value = value_in(value, parsed(unit, "projection") if isinstance(unit, str) else unit, f"projection: {name}")
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise TypeError(f"projection: {name}: got {described(value)}, expected a number or two") from None
+
+
+def _pair_of(value: Any) -> "tuple[Any, Any]":
+    """Two values of one, or of a sequence of two."""
+    if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and np.ndim(value) == 1):
+        if len(value) != 2:
+            raise _vog.Error(f"projection: got {described(value)}, expected one number or two")
+        return value[0], value[1]
+    return value, value
+
+
+def _pixels(resolution: Any, sides: "tuple[float, float]") -> "tuple[int, int, tuple[float, float]]":
+    """Columns, rows, and the sides of the picture, whose pixels are square."""
+    given = list(_pair_of(resolution))
+    for n, count in enumerate(given):
+        if isinstance(count, bool) or not isinstance(count, (int, np.integer)) or count < 1:
+            raise _vog.Error(f"projection: resolution {described(given[n])}, expected pixels, 1 or more: 512 or (640, 480)")
+    if isinstance(resolution, (int, np.integer)):
+        edge = max(sides) / int(resolution)
+        columns, rows = (max(1, int(np.ceil(side / edge - 1e-9))) for side in sides)
+    else:
+        columns, rows = int(given[0]), int(given[1])
+        edge = max(sides[0] / columns, sides[1] / rows)
+    if columns * rows > _MOST_PIXELS:
+        raise _vog.Error(f"projection: {columns} x {rows} pixels, expected at most 2^28 in all")
+    return columns, rows, (edge * columns, edge * rows)
+
+
+_Direction = Union[str, int, Sequence[float], _Array]
+
+
+def projection(
+    data: Any,
+    field: Optional[str] = None,
+    axis: _Direction = "z",
+    width: Any = None,
+    resolution: Union[int, "tuple[int, int]"] = 512,
+    *,
+    center: Any = None,
+    up: Optional[_Direction] = None,
+    quantity: Optional[str] = None,
+    fields: Optional["dict[str, Any]"] = None,
+    unit: Any = None,
+) -> Projection:
+    """Projects a model or a volume along an axis: array and extent, for imshow.
+
+    data        Gaussians, a Volume, Levels or a list of Volumes
+    field       name of a field; None: column density, the integral of density along each ray. Of vectors 'velocity' is the
+                component away from the observer, 'velocity.x' that along x, 'velocity.magnitude' the root mean square
+    axis        direction towards the observer: 'x', 'y', 'z', '-x', ..., 0, 1, 2 or a vector (x, y, z). Along x the picture has y
+                to the right and z up, along y z and x, along z x and y, as in yt; along -x, -y, -z the right is turned round
+    width       width of the picture, world units: a number (a square) or (width, height), or Quantities; None: all of the data
+    resolution  pixels of the longer side, or (columns, rows). Pixels are square: where the two differ in shape the extent is
+                enlarged about its centre
+    center      world point (x, y, z) in the middle; None: the middle of the data
+    up          direction that is up in the picture, of a vector `axis` by default z, or y where the view is along z
+    quantity    of a field: 'mean', weighted by density (default), 'deviation', the standard deviation about it, or 'integral' of
+                density times field. Means are NaN where the ray meets no density
+    fields      {name: array or grid} of a volume, as in vog.convert
+    unit        unit of the result: a text or a unit of astropy, pint or unyt; None: density times length of the data's units,
+                or the field's unit; without units a plain array
+
+    Every pixel is the exact integral along the ray through its centre, of Gaussians as of voxels. The sum of the pixels times
+    their area is the mass to the error of that sampling (docs/python.md, "Projections").
+
+    Returns a Projection, which unpacks to (array, extent).
+    """
+    if isinstance(data, (list, tuple)) and data and all(isinstance(one, _vog.Volume) for one in data):
+        data = _vog.Levels(data)
+    if not isinstance(data, (_vog.Gaussians, _vog.Volume, _vog.Levels)):
+        hint = "; vog.convert makes one of Points" if isinstance(data, _vog.Points) else ""
+        raise TypeError(f"projection: got {described(data)}, expected Gaussians, a Volume, Levels or a list of Volumes{hint}")
+    if quantity is None:
+        quantity = "mean" if field else "column"
+    allowed = ("mean", "deviation", "integral") if field else ("column",)
+    if quantity not in allowed:
+        raise _vog.Error(f"projection: quantity '{quantity}' {'of a field' if field else 'without a field'}, expected {' or '.join(allowed)}")
+    units = units_of(data)
+    right, above, towards = _frame(axis, up)
+    axes = np.array([right, above, towards])
+    if width is not None and center is not None:
+        low = high = np.zeros(3)
+    else:
+        low, high = _bounds(data, axes)
+    middle = 0.5 * (low + high)
+    if center is not None:
+        parts = list(center) if isinstance(center, (list, tuple, np.ndarray)) or np.ndim(center) == 1 else []
+        if len(parts) != 3:
+            raise _vog.Error(f"projection: center {described(center)}, expected three numbers")
+        middle = axes @ np.array([_length(part, units.length, "center") for part in parts])
+    if width is None:
+        reach = 2 * np.maximum(high - middle, middle - low)
+        sides = (float(reach[0]), float(reach[1]))
+    else:
+        wide, tall = _pair_of(width)
+        sides = (_length(wide, units.length, "width"), _length(tall, units.length, "width"))
+    if not all(np.isfinite(side) and side > 0 for side in sides):
+        raise _vog.Error(f"projection: width {sides[0]:g} x {sides[1]:g}, expected finite numbers above 0")
+    columns, rows, sides = _pixels(resolution, sides)
+
+    # Rays start in front of everything, whatever the width.
+    box = data.box
+    deep = float(np.linalg.norm(box[1] - box[0])) if box is not None else 1.0
+    place = middle @ axes
+    front = place + towards * (max((_corners(*box) @ towards).max() - middle[2], 0) + deep if box is not None else deep)
+    camera = _vog.Camera(front, place, above, orthographic_width=sides[0])
+    array, field_unit = _drawn(data, camera, (columns, rows), field, quantity, fields)
+    extent = (middle[0] - sides[0] / 2, middle[0] + sides[0] / 2, middle[1] - sides[1] / 2, middle[1] + sides[1] / 2)
+
+    natural = None
+    if units.density is not None and units.length is not None:
+        natural = product(units.density, units.length, 1, "projection")
+    if field:
+        known = parsed(field_unit, "projection", natural) if field_unit and natural is not None else None
+        natural = known if quantity != "integral" else known * natural if known is not None else None
+    result: Any = array
+    if natural is not None:
+        result = with_unit(array, natural, "projection")
+        if unit is not None:
+            result = _converted(result, unit)
+            natural = parsed(unit, "projection", natural) if isinstance(unit, str) else unit
+    elif unit is not None:
+        raise _vog.Error(
+            f"projection: unit '{unit}', but the data have no units, expected Quantities in from_numpy, or vog.set_units(data, density, length)"
+        )
+    made = Projection(result, tuple(float(x) for x in extent))  # type: ignore[arg-type]
+    made.field, made.quantity = field or "", quantity
+    made.axes, made.towards = axes[:2], towards
+    length = units.length
+    made.unit = natural
+    made.length_unit = parsed(length, "projection", natural) if isinstance(length, str) and natural is not None else length
+    return made
+
+
+def _converted(quantity: Any, unit: Any) -> Any:
+    try:
+        return quantity.to(unit)
+    except Exception as error:
+        if not any(word in type(error).__name__ for word in ("Unit", "Dimension", "Conversion", "Value", "Undefined")):
+            raise
+        raise _vog.Error(f"projection: unit '{unit}', expected one that {quantity.units if hasattr(quantity, 'units') else quantity.unit} converts to") from None
+
+
+def _drawn(data: Any, camera: _vog.Camera, size: "tuple[int, int]", field: Optional[str], quantity: str, fields: Any) -> "tuple[_Array, str]":
+    """Array [rows, columns] from the bottom up, and the text of the field's unit."""
+    if not field:
+        if fields is not None:
+            raise _vog.Error("projection: fields without a field, expected the name of one")
+        depth = _vog.render(data, camera, size, extinction=1.0)
+        return np.asarray(depth, dtype=float)[::-1].copy(), ""
+    show: Any = "deviation" if quantity == "deviation" else "mean"
+    maps = _vog.render(data, camera, size, show=show, field=field, fields=fields)
+    shown = np.asarray(maps.to_numpy(), dtype=float)
+    if quantity == "integral":
+        shown = np.where(maps.column > 0, shown * maps.column, 0.0)
+    return shown[::-1].copy(), maps.unit

@@ -1,0 +1,302 @@
+"""Volumes of other packages' data: yt, xarray, nibabel and tifffile."""
+import gzip
+import os
+import struct
+from typing import Any, Iterator, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _vog
+from ._packages import described, need, root_package
+from ._units import set_units
+
+# Share of a voxel by which coordinates may be off an even spacing: longitudes in float32 and rounded texts are.
+_EVEN = 1e-3
+
+
+def _is_path(value: object) -> bool:
+    return isinstance(value, (str, os.PathLike))
+
+
+# --- yt
+
+
+def _blocks(ds: Any, level: int, values: Any) -> "Iterator[tuple[tuple[int, ...], Any]]":
+    """Index of the first cell of each grid of a level, in cells of that level, and values(grid)."""
+    left = ds.domain_left_edge.in_units("code_length").d
+    edge = ds.domain_width.in_units("code_length").d / ds.domain_dimensions / ds.refine_by**level
+    for grid in ds.index.select_grids(level):
+        first = np.rint((grid.LeftEdge.in_units("code_length").d - left) / edge).astype(int)
+        yield tuple(int(i) for i in first), values(grid)
+
+
+def from_yt(
+    ds: Any,
+    field: Any = ("gas", "density"),
+    *,
+    level: Optional[int] = None,
+    unit: Optional[str] = None,
+    skip_nonfinite: bool = False,
+    clip_negative: bool = False,
+) -> Any:
+    """A field of a data set of yt's as Levels, one for each level of refinement, or as one covering grid.
+
+    ds              data set of yt.load: patch-based codes (Enzo, FLASH, Athena, Boxlib); with `level` octree codes, too
+    field           name of the field: 'density' or ('gas', 'density')
+    level           None: all levels, where finer ones hide coarser ones; 0, 1, ...: a covering grid of the domain at the cell
+                    size of that level, as one Volume
+    unit            unit of the values: 'g/cm**3'; None: yt's code units, as densities in g/cm**3 are below the range of float32
+    skip_nonfinite, clip_negative  as in Volume.from_numpy
+
+    Lengths are in code_length, with the origin of the data set. The result has units, those of yt (vog.projection).
+    """
+    if not hasattr(ds, "domain_left_edge") or not hasattr(ds, "index"):
+        raise TypeError(f"from_yt: got {described(ds)}, expected a data set of yt.load")
+    names = [tuple(name) for name in (*ds.field_list, *ds.derived_field_list)]
+    wanted = tuple(field) if isinstance(field, (tuple, list)) else field
+    if wanted not in names and wanted not in [name[1] for name in names]:
+        known = ", ".join(sorted({name[1] for name in ds.field_list})[:20])
+        raise _vog.Error(f"from_yt: no field {wanted!r}, expected one of the data set: {known}")
+    rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
+    left = ds.domain_left_edge.in_units("code_length").d
+    width = ds.domain_width.in_units("code_length").d
+    units: "list[Any]" = []
+
+    def numbers(values: Any) -> Any:
+        values = values.in_base("code") if unit is None else values.in_units(unit)
+        units.append(values.units)
+        return np.asarray(values.d, dtype=np.float32)
+
+    name = wanted[1] if isinstance(wanted, tuple) else str(wanted)
+    length = ds.length_unit.units if hasattr(ds.length_unit, "units") else None
+    code_length = ds.quan(1, "code_length").units if length is not None else None
+    if level is not None:
+        if isinstance(level, bool) or not 0 <= level <= ds.index.max_level:
+            raise _vog.Error(f"from_yt: level {described(level)}, expected 0 to {ds.index.max_level}")
+        cells = ds.domain_dimensions * ds.refine_by**level
+        # Dimensions of a domain of less than three axes stay 1.
+        cells = np.where(np.arange(3) < ds.dimensionality, cells, 1)
+        grid = ds.covering_grid(level, left_edge=ds.domain_left_edge, dims=cells)
+        edge = width / cells
+        volume = _vog.Volume.from_numpy(numbers(grid[wanted]), voxel_size=edge, origin=left + edge / 2, name=name, **rules)
+        return set_units(volume, units[0], code_length)
+    if not len(getattr(ds.index, "grids", ())):
+        raise _vog.Error("from_yt: the data set has no grids (an octree or particles), expected patches, or level= for a covering grid")
+    volumes = []
+    for n in range(ds.index.max_level + 1):
+        edge = width / ds.domain_dimensions / ds.refine_by**n
+        blocks = _blocks(ds, n, lambda grid: numbers(grid[wanted]))
+        # The centre of the first voxel lies half a cell inside the domain.
+        made = _vog.Volume.from_blocks(blocks, voxel_size=edge, origin=left + edge / 2, all_active=True, name=name, **rules)
+        volumes.append(set_units(made, units[-1], code_length))
+    return set_units(_vog.Levels(volumes), units[0], code_length)
+
+
+# --- xarray
+
+
+def _even(axis: str, values: Any) -> "tuple[float, float]":
+    """First coordinate and spacing of evenly spaced coordinates."""
+    values = np.asarray(values)
+    if values.dtype.kind not in "fiu":
+        raise _vog.Error(f"from_xarray: coordinate '{axis}' of dtype {values.dtype}, expected numbers (isel selects one time)")
+    values = values.astype(float)
+    if not np.isfinite(values).all():
+        raise _vog.Error(f"from_xarray: coordinate '{axis}' has values that are not finite, expected numbers")
+    if len(values) == 1:
+        return float(values[0]), 1.0
+    step = float(values[-1] - values[0]) / (len(values) - 1)
+    off = np.abs(values - (values[0] + step * np.arange(len(values))))
+    if step == 0 or off.max() > _EVEN * abs(step):
+        n = int(off.argmax())
+        raise _vog.Error(
+            f"from_xarray: coordinate '{axis}' is not evenly spaced: {values[n]:g} at {n} is {off[n]:g} off, expected steps of "
+            f"{step:g} (interp() makes even ones, or voxel_size= sets them)"
+        )
+    return float(values[0]), step
+
+
+def from_xarray(
+    array: Any,
+    dims: Optional[Sequence[str]] = None,
+    *,
+    voxel_size: Any = None,
+    skip_nonfinite: bool = False,
+    clip_negative: bool = False,
+) -> _vog.Volume:
+    """A DataArray of xarray as a Volume, with its coordinates and units.
+
+    array       DataArray of three dimensions, or of more where the others have length 1
+    dims        names of the dimensions along x, y and z: ('lon', 'lat', 'lev'); None: those called x, y and z, else the last
+                three in reverse, as image stacks and models of the atmosphere have z first
+    voxel_size  in place of the coordinates' spacing: a number or (x, y, z)
+    skip_nonfinite, clip_negative  as in Volume.from_numpy; missing values are NaN
+
+    Coordinates are the centres of voxels and must be evenly spaced, up or down. The attribute `units` of the array and the common
+    one of the coordinates become the units of the result; coordinates of different units need voxel_size.
+    """
+    if root_package(array) != "xarray" or not hasattr(array, "dims") or not hasattr(array, "coords") or hasattr(array, "data_vars"):
+        more = ", one of the data set's variables: data['name']" if hasattr(array, "data_vars") else ""
+        raise TypeError(f"from_xarray: got {described(array)}, expected a DataArray of xarray{more}")
+    lengths = dict(zip(array.dims, array.shape))
+    if dims is None:
+        real = [name for name in array.dims if lengths[name] > 1 or name in ("x", "y", "z")]
+        named = all(axis in lengths for axis in "xyz")
+        dims = ("x", "y", "z") if named else tuple(reversed(real[-3:] if len(real) >= 3 else array.dims[-3:]))
+    if len(dims) != 3 or len(set(dims)) != 3 or any(name not in lengths for name in dims):
+        raise _vog.Error(f"from_xarray: dims {tuple(dims)}, expected three of {tuple(array.dims)}")
+    for name in array.dims:
+        if name not in dims:
+            if lengths[name] != 1:
+                raise _vog.Error(f"from_xarray: dimension '{name}' of length {lengths[name]} beside {tuple(dims)}, expected isel({name}=0), say")
+            array = array.isel({name: 0})
+    array = array.transpose(*dims)
+    first, edge, units = [], [], []
+    for name in dims:
+        has = name in array.coords
+        start, step = _even(name, array.coords[name].values) if has and voxel_size is None else (0.0, 1.0)
+        if step < 0:
+            array = array.isel({name: slice(None, None, -1)})
+            start, step = start + step * (lengths[name] - 1), -step
+        first.append(start)
+        edge.append(step)
+        units.append(str(array.coords[name].attrs.get("units", "")) if has else "")
+    if voxel_size is None and len(set(units)) > 1:
+        listed = ", ".join(f"{name} [{unit}]" for name, unit in zip(dims, units))
+        raise _vog.Error(f"from_xarray: coordinates of different units: {listed}, expected one unit of length, or voxel_size=")
+    origin: Any = first if voxel_size is None else None
+    size: Any = edge if voxel_size is None else voxel_size
+    values = array.data if root_package(array.data) in ("pint", "astropy", "unyt") else array.values
+    volume = _vog.Volume.from_numpy(
+        values, voxel_size=size, origin=origin, name=str(array.name or "density"), skip_nonfinite=skip_nonfinite,
+        clip_negative=clip_negative,
+    )  # fmt: skip
+    from ._units import units_of
+
+    known = units_of(volume)
+    density = known.density if known.density is not None else array.attrs.get("units")
+    return set_units(volume, density, known.length if known.length is not None else (units[0] or None if voxel_size is None else None)) if density or units[0] or known.length is not None else volume
+
+
+# --- nibabel
+
+_NIFTI_LENGTHS = {1: "m", 2: "mm", 3: "um"}
+
+
+def _nifti_length(path: "Union[str, os.PathLike[str]]") -> Optional[str]:
+    """Unit of length in the header of a NIfTI file."""
+    opened: Any = gzip.open if str(path).endswith(".gz") else open
+    with opened(path, "rb") as file:
+        head = file.read(540)
+    order = "<" if head[:4] in (struct.pack("<i", 348), struct.pack("<i", 540)) else ">"
+    if struct.unpack(order + "i", head[:4])[0] == 348:
+        return _NIFTI_LENGTHS.get(head[123] & 7)
+    return _NIFTI_LENGTHS.get(struct.unpack(order + "i", head[500:504])[0] & 7)
+
+
+def from_nifti(
+    image: Any,
+    *,
+    frame: int = 0,
+    skip_nonfinite: bool = False,
+    clip_negative: bool = False,
+) -> _vog.Volume:
+    """A NIfTI image as a Volume in RAS coordinates (x to the right, y to the front, z up).
+
+    image   path of a .nii or .nii.gz file, read without nibabel; or an image of nibabel.load
+    frame   of an image of several frames: which one
+    skip_nonfinite, clip_negative  as in Volume.from_numpy; Hounsfield units are negative
+
+    The unit of length of the header becomes the result's.
+    """
+    rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
+    if _is_path(image):
+        names = _vog.grid_names(image)
+        if isinstance(frame, bool) or not 0 <= frame < len(names):
+            raise _vog.Error(f"from_nifti: {os.fspath(image)}: frame {described(frame)}, expected 0 to {len(names) - 1}")
+        return set_units(_vog.Volume.load(image, grid=names[frame], **rules), None, _nifti_length(image))
+    if not (hasattr(image, "affine") and hasattr(image, "dataobj")):
+        raise TypeError(f"from_nifti: got {described(image)}, expected a path or an image of nibabel.load")
+    shape = image.shape
+    frames = int(np.prod(shape[3:])) if len(shape) > 3 else 1
+    if len(shape) < 3 or isinstance(frame, bool) or not 0 <= frame < frames:
+        raise _vog.Error(f"from_nifti: image of shape {shape}, frame {described(frame)}, expected (X, Y, Z) or a frame of more")
+    data = image.dataobj
+    values = np.asanyarray(data[(..., *np.unravel_index(frame, shape[3:]))] if len(shape) > 3 else data)
+    volume = _vog.Volume.from_numpy(values, matrix=image.affine, name="value", **rules)
+    to_units = getattr(image.header, "get_xyzt_units", None)
+    length = {"meter": "m", "mm": "mm", "micron": "um"}.get(to_units()[0]) if to_units else None
+    return set_units(volume, None, length)
+
+
+# --- tifffile
+
+
+def _tiff_sizes(file: Any) -> "tuple[Optional[tuple[float, float, float]], Optional[str]]":
+    """Voxel sizes (x, y, z) and their unit, of ImageJ's description or the resolution tags; (None, None): not known."""
+    tags, ij = file.pages[0].tags, file.imagej_metadata or {}
+    found = [tags[name].value for name in ("XResolution", "YResolution") if name in tags]
+    if len(found) < 2 or any(a == 0 or b == 0 for a, b in found):
+        return None, None
+    unit = {"micron": "um", "µm": "um", "\\u00B5m": "um"}.get(str(ij.get("unit")), ij.get("unit"))
+    scale = 1.0
+    if not ij:
+        scale = {2: 25.4, 3: 10.0}.get(int(tags["ResolutionUnit"].value) if "ResolutionUnit" in tags else 1, 0.0)
+        unit = "mm"
+        # 72 and 96 pixels an inch are programs' defaults.
+        if scale == 0 or (scale == 25.4 and found[0][0] / found[0][1] in (1, 72, 96)):
+            return None, None
+    x, y = (scale * b / a for a, b in found)
+    return (x, y, float(ij.get("spacing", x))), unit
+
+
+def from_tiff(
+    image: Any,
+    *,
+    voxel_size: Any = None,
+    frame: int = 0,
+    channel: int = 0,
+    skip_nonfinite: bool = False,
+    clip_negative: bool = False,
+) -> _vog.Volume:
+    """A TIFF stack as a Volume: x along rows, y down, z from page to page.
+
+    image       path of a file or a folder of slices, or a pattern 's*.tif', read without tifffile; or a tifffile.TiffFile
+    voxel_size  edge of a voxel: a number, (x, y, z) or Quantities; None: ImageJ's or OME's, else of the resolution tags, else 1
+    frame, channel  of a stack with several times or channels (of a path: channel alone, of its images)
+    skip_nonfinite, clip_negative  as in Volume.from_numpy
+    """
+    rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
+    if _is_path(image):
+        names = _vog.grid_names(image)
+        if isinstance(channel, bool) or not 0 <= channel < len(names) or frame != 0:
+            raise _vog.Error(f"from_tiff: {os.fspath(image)}: frame {described(frame)}, channel {described(channel)}, expected frame 0, channel 0 to {len(names) - 1}")
+        volume = _vog.Volume.load(image, grid=names[channel], **rules)
+        if voxel_size is None:
+            return volume
+        lower, upper = volume.index_box
+        made: _vog.Volume = _vog.Volume.from_numpy(
+            volume.to_numpy(), voxel_size=voxel_size, first=lower, name=volume.name, **rules
+        )
+        return made
+    if not (hasattr(image, "pages") and hasattr(image, "series") and hasattr(image, "asarray")):
+        raise TypeError(f"from_tiff: got {described(image)}, expected a path or a tifffile.TiffFile")
+    series = image.series[0]
+    stack, axes = series.asarray(), series.axes
+    wanted = {"T": frame, "C": channel, "S": channel}
+    for name in [axis for axis in axes if axis not in "YX"]:
+        at = axes.index(name)
+        # One axis of pages is z: Z, I (a series of pages) or Q (unknown to tifffile).
+        if name in ("Z", "I", "Q") and sum(axis in "ZIQ" for axis in axes) == 1:
+            continue
+        index = wanted.get(name, 0)
+        if isinstance(index, bool) or not 0 <= index < stack.shape[at] or (name not in wanted and stack.shape[at] > 1):
+            raise _vog.Error(f"from_tiff: axes {axes} of shape {stack.shape}, no {described(index)} along {name}, expected ZYX, frame or channel")
+        stack, axes = np.take(stack, index, axis=at), axes[:at] + axes[at + 1 :]
+    if stack.ndim == 2:
+        stack = stack[None]
+    if stack.ndim != 3 or not axes.endswith("YX"):
+        raise _vog.Error(f"from_tiff: axes {axes} of shape {stack.shape}, expected ZYX")
+    size, unit = (voxel_size, None) if voxel_size is not None else _tiff_sizes(image)
+    volume = _vog.Volume.from_numpy(stack.T, voxel_size=size, name="value", **rules)
+    return set_units(volume, None, unit) if unit else volume

@@ -1,0 +1,309 @@
+"""Pages inside of notebooks, and live widgets where anywidget is installed."""
+import html
+import importlib
+import os
+import tempfile
+from pathlib import Path
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Union
+from urllib.parse import parse_qsl, quote
+
+from . import _vog
+from ._packages import described
+
+_HEIGHT = 520
+_Models = Any
+
+
+def _models(data: Any, call: str) -> Any:
+    """Models of what can be shown; volumes and particles are converted."""
+    if isinstance(data, Mapping):
+        return {name: _models(one, call) for name, one in data.items()}
+    if isinstance(data, (list, tuple)) and data and not all(isinstance(one, _vog.Volume) for one in data):
+        return [_models(one, call) for one in data]
+    if isinstance(data, _vog.Gaussians):
+        return data
+    if isinstance(data, (_vog.Volume, _vog.Levels, _vog.Points, list, tuple)) and (not isinstance(data, (list, tuple)) or data):
+        return _vog.convert(data)
+    raise TypeError(f"{call}: got {described(data)}, expected Gaussians, a Volume, Levels, Points, or a list or dict of them")
+
+
+def page_html(data: Any, **options: Any) -> str:
+    """Text of the page that vog.export_html writes.
+
+    data     Gaussians, a Volume, Levels or Points, or a list or dict of them; all but Gaussians are converted
+    options  of vog.export_html
+    """
+    models = _models(data, "page_html")
+    folder = tempfile.mkdtemp(prefix="vog-page-")
+    file = os.path.join(folder, "page.html")
+    try:
+        _vog.export_html(file, models, **options)
+        return Path(file).read_text(encoding="utf-8")
+    finally:
+        if os.path.exists(file):
+            os.unlink(file)
+        os.rmdir(folder)
+
+
+class Page:
+    """A page for browsers, which notebooks show in the output of a cell. vog.show makes one."""
+
+    def __init__(self, text: str, height: int = _HEIGHT) -> None:
+        self.html: str = text  #: the whole page, without anything outside of it
+        self.height: int = height  #: of the output, CSS pixels
+
+    def save(self, file: "Union[str, os.PathLike[str]]") -> None:
+        """Writes the page to a file."""
+        Path(file).write_text(self.html, encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        style = f"width: 100%; height: {self.height}px; border: 0"
+        return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" allowfullscreen></iframe>'
+
+    def __repr__(self) -> str:
+        return f"<vog.Page: {len(self.html)} bytes>"
+
+
+# --- settings of the page, in the words of its links (docs/web.md)
+
+
+def _numbers(text: str) -> List[float]:
+    return [float(part) for part in text.split(",")]
+
+
+def _text(values: Any) -> str:
+    return ",".join(f"{float(value):.9g}" for value in values)
+
+
+def settings_of(link: str) -> "dict[str, str]":
+    """Settings of a link: {'map': 'viridis', 'eye': '1,2,3'}."""
+    return dict(parse_qsl(link.lstrip("#"), keep_blank_values=True))
+
+
+def link_of(settings: "Mapping[str, str]") -> str:
+    """Link with settings."""
+    return "#" + "&".join(f"{name}={quote(value, safe=',;.-')}" for name, value in settings.items())
+
+
+class Settings:
+    """Settings of a shown page that Python reads and sets: a part of the widget, and usable without a notebook.
+
+    send  receives a link with the settings that change
+    """
+
+    def __init__(self, send: "Callable[[str], None]") -> None:
+        self._out = send
+        self._now: "dict[str, str]" = {}
+        self._callbacks: "List[Callable[[Settings], Any]]" = []
+
+    def _set(self, **settings: str) -> None:
+        self._now.update(settings)
+        self._out(link_of(settings))
+
+    def receive(self, link: str) -> None:
+        """Takes the settings that a page reports, and calls on_change's functions where they differ."""
+        settings = settings_of(link)
+        if settings == self._now:
+            return
+        self._now = settings
+        for callback in list(self._callbacks):
+            callback(self)
+
+    def on_change(self, callback: "Callable[[Any], Any]") -> "Callable[[Any], Any]":
+        """Calls a function with this object whenever the page's settings change by hand. Returns it: a decorator, too."""
+        if not callable(callback):
+            raise TypeError(f"on_change: got {described(callback)}, expected a function")
+        self._callbacks.append(callback)
+        return callback
+
+    @property
+    def settings(self) -> "dict[str, str]":
+        """All settings in the words of the page's links."""
+        return dict(self._now)
+
+    @property
+    def camera(self) -> "Optional[_vog.Camera]":
+        """The view; None until the page has reported one."""
+        s = self._now
+        if "eye" not in s or "at" not in s:
+            return None
+        more: "dict[str, Any]" = {"orthographic_width": float(s["span"])} if "span" in s else {"fov_degrees": float(s.get("fov", "40"))}
+        return _vog.Camera(_numbers(s["eye"]), _numbers(s["at"]), _numbers(s.get("up", "0,1,0")), **more)
+
+    @camera.setter
+    def camera(self, camera: "_vog.Camera") -> None:
+        if not isinstance(camera, _vog.Camera):
+            raise TypeError(f"camera: got {described(camera)}, expected a Camera")
+        more = {"span": _text([camera.orthographic_width])} if camera.orthographic_width else {"fov": _text([camera.fov_degrees])}
+        self._set(eye=_text(camera.eye), at=_text(camera.look_at), up=_text(camera.up), **more)
+
+    @property
+    def tf(self) -> str:
+        """Name of the colour map."""
+        return self._now.get("map", "")
+
+    @tf.setter
+    def tf(self, name: str) -> None:
+        if name not in _vog.TransferFunction.names():
+            raise _vog.Error(f"tf: got {described(name)}, expected one of {', '.join(_vog.TransferFunction.names())}")
+        self._set(map=name)
+
+    @property
+    def show(self) -> str:
+        """Quantity: 'T', 'column', 'mean', 'deviation', 'volume' or 'maximum'."""
+        return self._now.get("show", "T")
+
+    @show.setter
+    def show(self, quantity: str) -> None:
+        allowed = ("T", "column", "mean", "deviation", "volume", "maximum")
+        if quantity not in allowed:
+            raise _vog.Error(f"show: got {described(quantity)}, expected one of {', '.join(allowed)}")
+        self._set(show=quantity)
+
+    @property
+    def field(self) -> str:
+        """Name of the field; empty: none is shown."""
+        return self._now.get("field", "")
+
+    @field.setter
+    def field(self, name: str) -> None:
+        if not isinstance(name, str):
+            raise TypeError(f"field: got {described(name)}, expected a name")
+        self._set(field=name)
+
+    @property
+    def range(self) -> "Optional[tuple[float, float]]":
+        """Values at the two ends of the colours; None: the page's own."""
+        low, high = _numbers(self._now["range"]) if "range" in self._now else (0.0, 0.0)
+        return (low, high) if "range" in self._now else None
+
+    @range.setter
+    def range(self, values: "Sequence[float]") -> None:
+        low, high = _checked(values, 2, "range")
+        if not low < high:
+            raise _vog.Error(f"range: got {low:g}, {high:g}, expected the lower value first")
+        self._set(range=_text([low, high]))
+
+    @property
+    def clip(self) -> "Optional[tuple[List[float], List[float]]]":
+        """Box that is left of the data, (lower, upper), world units; None: all of it."""
+        if "clip" not in self._now:
+            return None
+        numbers = _numbers(self._now["clip"])
+        return numbers[:3], numbers[3:]
+
+    @clip.setter
+    def clip(self, box: Any) -> None:
+        try:
+            lower, upper = box
+        except (TypeError, ValueError):
+            raise _vog.Error(f"clip: got {described(box)}, expected (lower, upper)") from None
+        corners = _checked(lower, 3, "clip") + _checked(upper, 3, "clip")
+        if not all(a < b for a, b in zip(corners[:3], corners[3:])):
+            raise _vog.Error("clip: expected each lower corner below the upper one")
+        self._set(clip=_text(corners))
+
+    @property
+    def transfer_function(self) -> "Optional[dict[str, Any]]":
+        """Own transfer function of show='volume': {'colors': [[value, r, g, b], ...], 'opacity': [[value, opacity], ...], 'unit':
+        world length over which opacities hold}; None: the page's own."""
+        s = self._now
+        if not {"colors", "opacity", "unit"} <= set(s):
+            return None
+        points = lambda text: [_numbers(point) for point in text.split(";")]  # noqa: E731
+        return {"colors": points(s["colors"]), "opacity": points(s["opacity"]), "unit": float(s["unit"])}
+
+    @transfer_function.setter
+    def transfer_function(self, transfer: "Mapping[str, Any]") -> None:
+        if not isinstance(transfer, Mapping) or not {"colors", "opacity", "unit"} <= set(transfer):
+            raise _vog.Error(f"transfer_function: got {described(transfer)}, expected a dict with colors, opacity and unit")
+        points = lambda name, count: ";".join(_text(_checked(point, count, f"transfer_function: {name}")) for point in transfer[name])  # noqa: E731
+        unit = _checked([transfer["unit"]], 1, "transfer_function: unit")
+        if not unit[0] > 0:
+            raise _vog.Error(f"transfer_function: unit {unit[0]:g}, expected a length above 0")
+        self._set(colors=points("colors", 4), opacity=points("opacity", 2), unit=_text(unit))
+
+
+def _checked(values: Any, count: int, name: str) -> List[float]:
+    try:
+        numbers = [float(value) for value in values]
+    except (TypeError, ValueError):
+        numbers = []
+    if len(numbers) != count or not all(number - number == 0 for number in numbers):
+        raise _vog.Error(f"{name}: got {described(values)}, expected {count} finite number{'s' if count > 1 else ''}")
+    return numbers
+
+
+def _widget_class() -> Any:
+    """The widget's class; None without anywidget."""
+    try:
+        anywidget: Any = importlib.import_module("anywidget")
+        traitlets: Any = importlib.import_module("traitlets")
+    except ModuleNotFoundError as error:
+        if error.name not in ("anywidget", "traitlets"):
+            raise
+        return None
+    script = Path(__file__).with_name("_widget.js")
+
+    class Widget(anywidget.AnyWidget, Settings):
+        """A live page: settings of Settings go both ways. vog.show makes one where anywidget is installed."""
+
+        _esm = script.read_text(encoding="utf-8")
+        html = traitlets.Unicode().tag(sync=True)
+        height = traitlets.Int(_HEIGHT).tag(sync=True)
+        sent = traitlets.Unicode().tag(sync=True)  # settings for the page
+        link = traitlets.Unicode().tag(sync=True)  # settings of the page
+
+        def __init__(self, data: Any, height: int = _HEIGHT, **options: Any) -> None:
+            self._options = options
+            self._count = 0
+            Settings.__init__(self, self._to_page)
+            anywidget.AnyWidget.__init__(self, html=page_html(data, **options), height=height)
+            self.observe(lambda change: self.receive(change["new"]), "link")
+
+        def _to_page(self, link: str) -> None:
+            # A number makes equal settings another message: the page may have changed meanwhile.
+            self._count += 1
+            self.sent = f"{self._count} {link}"
+
+        def set_model(self, data: Any) -> None:
+            """Shows another model in place, under the same settings."""
+            self.html = page_html(data, **self._options)
+
+    Widget.__module__ = "vog"
+    return Widget
+
+
+def show(data: _Models, *, live: Optional[bool] = None, height: int = _HEIGHT, **options: Any) -> Any:
+    """Shows models, volumes or particles in a notebook: a page to turn and explore, without server or network.
+
+    data     Gaussians, a Volume, Levels or Points, or a list or dict of them (a switch in the page); all but Gaussians are
+             converted by vog.convert
+    live     whether Python and the page share settings: needs anywidget. None: if it is installed
+    height   of the output, CSS pixels
+    options  of vog.export_html: title, show, field, tf, light, levels, ...
+
+    Returns a Page (`.html`, `.save(file)`), or with anywidget a Widget, whose `camera`, `tf`, `show`, `field`, `range`, `clip` and
+    `transfer_function` are read and set, with `on_change(function)` and `set_model(model)`.
+    """
+    if isinstance(height, bool) or not isinstance(height, int) or not 100 <= height <= 10000:
+        raise _vog.Error(f"show: height {described(height)}, expected 100 to 10000 pixels")
+    if live is not False:
+        widget = _widget_class()
+        if widget is not None:
+            return widget(data, height=height, **options)
+        if live:
+            raise ImportError("show: live=True needs the Python package anywidget, which is not installed: pip install anywidget", name="anywidget")
+    return Page(page_html(data, **options), height)
+
+
+def _repr_html_(data: Any) -> str:
+    return Page(page_html(data))._repr_html_()
+
+
+def show_models() -> None:
+    """Makes models show themselves as the last value of a cell."""
+    model: Any = _vog.Gaussians
+    model._repr_html_ = _repr_html_
+
+

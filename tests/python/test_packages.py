@@ -1,0 +1,142 @@
+"""Data of other packages: readers without them say what to install; VTK, xarray, yt where they are."""
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import vog
+from conftest import SOURCE
+from vog import _packages, _python
+
+
+def test_absent_packages_are_named_with_the_remedy():
+    with pytest.raises(ImportError, match=r"vog.to_x: the Python package nothing_of_this_name is not installed.*pip install nothing_of_this_name"):
+        _packages.need("nothing_of_this_name.part", "vog.to_x")
+
+
+def test_other_interpreters_are_told(tmp_path):
+    with pytest.raises(ImportError, match="expected Python 3.9 or later"):
+        _python.require_python((3, 6, 0))
+    (tmp_path / "_vog.cpython-27-x86_64-linux-gnu.so").touch()
+    with pytest.raises(ImportError, match="is built for another: _vog.cpython-27"):
+        _python.require_python(folder=str(tmp_path))
+
+
+def test_vtk_has_points_and_voxels():
+    pytest.importorskip("vtkmodules", reason="needs python3-vtk9")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    density, heat = vog.sample_fire(64)
+    model = vog.convert(density, block=8, fields={"temperature": heat})
+    points = vog.to_vtk(model)
+    assert points.GetNumberOfPoints() == points.GetNumberOfVerts() == len(model)
+    arrays = points.GetPointData()
+    np.testing.assert_array_equal(vtk_to_numpy(arrays.GetArray("density")), model.density)
+    np.testing.assert_array_equal(vtk_to_numpy(arrays.GetArray("scale")), model.scale)
+    assert vtk_to_numpy(arrays.GetArray("mass")).sum() == pytest.approx(model.mass, rel=1e-6)
+    assert arrays.GetArray("temperature") and arrays.GetArray("temperature_gradient")
+
+    image = vog.to_vtk(density)
+    lower, upper = density.index_box
+    assert image.GetDimensions() == tuple(np.array(upper) - np.array(lower) + 1)
+    values = vtk_to_numpy(image.GetPointData().GetArray("density")).reshape(image.GetDimensions(), order="F")
+    np.testing.assert_array_equal(values, density.to_numpy())
+    place = image.GetOrigin()
+    np.testing.assert_allclose(place, (density.matrix @ [*lower, 1])[:3])
+    voxels = vog.to_vtk(model, like=density)
+    assert voxels.GetPointData().GetArray("temperature")
+    with pytest.raises(vog.Error, match="a Volume has its own lattice"):
+        vog.to_vtk(density, voxel_size=1)
+    with pytest.raises(TypeError, match="expected Gaussians or a Volume"):
+        vog.to_vtk(np.zeros(3))
+
+
+def test_xarray_brings_coordinates_and_units():
+    xarray = pytest.importorskip("xarray", reason="needs xarray (pip install xarray)")
+    values = np.arange(1, 25, dtype=float).reshape(2, 3, 4)
+    array = xarray.DataArray(values, dims=("z", "y", "x"), name="rain", attrs={"units": "g/m3"},
+                             coords={"z": ("z", [10.0, 20.0], {"units": "m"}), "y": ("y", [2.0, 1.0, 0.0], {"units": "m"}),
+                                     "x": ("x", [0.0, 1.0, 2.0, 3.0], {"units": "m"})})  # fmt: skip
+    volume = vog.from_xarray(array)
+    assert volume.name == "rain" and vog.units_of(volume) == ("g/m3", "m")
+    got = volume.to_numpy()
+    np.testing.assert_array_equal(got, values.transpose(2, 1, 0)[:, ::-1, :])
+    np.testing.assert_allclose(volume.matrix[:3, 3], [0, 0, 10])
+    with pytest.raises(vog.Error, match="not evenly spaced"):
+        vog.from_xarray(array.assign_coords(x=("x", [0.0, 1.0, 2.0, 9.0])))
+    with pytest.raises(TypeError, match="expected a DataArray"):
+        vog.from_xarray(values)
+
+
+def test_nibabel_and_paths_agree(tmp_path):
+    nibabel = pytest.importorskip("nibabel", reason="needs nibabel (pip install nibabel)")
+    values = np.random.default_rng(1).random((5, 6, 7)).astype(np.float32) + 0.1
+    affine = np.array([[0, -2, 0, 5], [1.5, 0, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1.0]])
+    image = nibabel.Nifti1Image(values, affine)
+    image.header.set_xyzt_units("mm")
+    nibabel.save(image, tmp_path / "a.nii.gz")
+    by_path, by_image = vog.from_nifti(str(tmp_path / "a.nii.gz")), vog.from_nifti(nibabel.load(tmp_path / "a.nii.gz"))
+    np.testing.assert_array_equal(by_path.to_numpy(), by_image.to_numpy())
+    np.testing.assert_allclose(by_path.matrix, by_image.matrix)
+    assert vog.units_of(by_path).length == vog.units_of(by_image).length == "mm"
+
+
+def test_tifffile_and_paths_agree(tmp_path):
+    tifffile = pytest.importorskip("tifffile", reason="needs tifffile (pip install tifffile)")
+    values = np.random.default_rng(1).integers(1, 200, (4, 5, 6)).astype(np.uint8)
+    tifffile.imwrite(tmp_path / "s.tif", values, imagej=True, resolution=(2, 2), metadata={"spacing": 3, "unit": "um", "axes": "ZYX"})
+    by_path = vog.from_tiff(tmp_path / "s.tif")
+    with tifffile.TiffFile(tmp_path / "s.tif") as file:
+        by_file = vog.from_tiff(file)
+    np.testing.assert_array_equal(by_file.to_numpy(), values.T)
+    np.testing.assert_array_equal(by_path.to_numpy(), by_file.to_numpy())
+    np.testing.assert_allclose(np.diag(by_file.matrix)[:3], [0.5, 0.5, 3])
+
+
+def test_yt_levels_and_covering_grid():
+    yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
+    data = {"density": (np.random.default_rng(1).random((16, 16, 16)) + 0.5, "g/cm**3")}
+    ds = yt.load_uniform_grid(data, (16, 16, 16), length_unit="Mpc", nprocs=8)
+    levels, volume = vog.from_yt(ds, "density", unit="g/cm**3"), vog.from_yt(ds, "density", level=0, unit="g/cm**3")
+    np.testing.assert_allclose(levels[0].to_numpy(), volume.to_numpy(), rtol=1e-6)
+    with pytest.raises(vog.Error, match="no field"):
+        vog.from_yt(ds, "nothing")
+
+
+def test_pyvista_wraps():
+    pytest.importorskip("pyvista", reason="needs pyvista (pip install pyvista)")
+    model = vog.convert(vog.sample_cloud(64), block=8)
+    assert vog.to_pyvista(model).n_points == len(model)
+
+
+def test_paraview_example(tmp_path, monkeypatch):
+    pytest.importorskip("vtkmodules", reason="needs python3-vtk9")
+    from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData
+
+    model = vog.convert(vog.sample_cloud(64), block=8)
+    model.save(tmp_path / "m.ply")
+    monkeypatch.setenv("VOG_MODEL", str(tmp_path / "m.ply"))
+    script = (SOURCE / "examples" / "paraview_source.py").read_text()
+    for size, output in (("0", vtkPolyData()), ("0.1", vtkImageData())):
+        monkeypatch.setenv("VOG_VOXEL_SIZE", size)
+
+        class Source:  # as ParaView's
+            @staticmethod
+            def GetOutputDataObject(_, made=output):
+                return made
+
+        exec(compile(script, "paraview_source.py", "exec"), {"self": Source})
+        assert output.GetPointData().GetArray("density") and output.GetNumberOfPoints() > 100
+
+
+def test_fits_example(tmp_path):
+    fits = pytest.importorskip("astropy.io.fits", reason="needs astropy (pip install astropy)")
+    vog.convert(vog.sample_cloud(64), block=8).save(tmp_path / "m.ply")
+    command = [sys.executable, SOURCE / "examples" / "projection_to_fits.py", tmp_path / "m.ply", tmp_path / "m.fits", "g / cm3", "kpc"]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    with fits.open(tmp_path / "m.fits") as file:
+        head = file[0].header
+        assert head["CUNIT1"] == "kpc" and head["CTYPE1"] == "X" and head["BUNIT"]
+        assert file[0].data.shape[1] == 512

@@ -1,0 +1,101 @@
+"""vog.projection: mass, directions, fields, units, and what it refuses."""
+import numpy as np
+import pytest
+
+import vog
+
+
+@pytest.fixture(scope="module")
+def volume():
+    return vog.sample_cloud(64)
+
+
+@pytest.fixture(scope="module")
+def model(volume):
+    return vog.convert(volume, block=4)
+
+
+def mass_of(projection):
+    array, (left, right, bottom, top) = projection
+    return float(array.sum()) * (right - left) * (top - bottom) / array.size
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z", "-x", "-y", "-z", 0, 2, (1, 2, 3)])
+def test_pixels_add_up_to_the_mass(model, axis):
+    # Pixels are as fine as a hundredth of a Gaussian's extent: sampling them is exact to rounding there.
+    assert mass_of(vog.projection(model, axis=axis, resolution=256)) == pytest.approx(model.mass, rel=2e-3)
+
+
+def test_voxels_and_model_agree(volume, model):
+    truth = vog.projection(volume, resolution=200)
+    made = vog.projection(model, width=(truth.extent[1] - truth.extent[0], truth.extent[3] - truth.extent[2]),
+                          center=(0.5 * (truth.extent[0] + truth.extent[1]), 0.5 * (truth.extent[2] + truth.extent[3]), 0), resolution=truth.array.shape[::-1])
+    assert made.extent == pytest.approx(truth.extent, abs=1e-9)
+    error = np.linalg.norm(made.array - truth.array) / np.linalg.norm(truth.array)
+    assert error < 0.12
+
+
+def test_rows_begin_at_the_bottom_and_axes_are_right_handed():
+    # A voxel at x = 3, y = 1, z = 2 of a lattice of 4.
+    array = np.zeros((4, 4, 4), dtype=np.float32)
+    array[3, 1, 2] = 1
+    array[0, 0, 0] = array[3, 3, 3] = 1e-6
+    volume = vog.Volume.from_numpy(array)
+    for axis, column, row in [("z", 3, 1), ("x", 1, 2), ("y", 2, 3), ("-z", 0, 1)]:
+        found = vog.projection(volume, axis=axis, resolution=4)
+        place = np.unravel_index(found.array.argmax(), found.array.shape)
+        assert (place[1], place[0]) == (column, row), axis
+        assert found.array.max() == pytest.approx(1, rel=1e-5)
+
+
+def test_fields_are_means_by_density():
+    density, heat = vog.sample_fire(64)
+    got = vog.projection(density, "temperature", axis="z", resolution=64, fields={"temperature": heat})
+    column = vog.projection(density, axis="z", resolution=64)
+    inside = column.array > 0
+    assert np.isnan(got.array[~inside]).all() and np.isfinite(got.array[inside]).all()
+    assert got.array[inside].min() >= 400 and got.array[inside].max() <= 1900
+    whole = vog.projection(density, "temperature", quantity="integral", resolution=64, fields={"temperature": heat})
+    np.testing.assert_allclose(whole.array[inside], (got.array * column.array)[inside], rtol=1e-5)
+    model = vog.convert(density, block=4, fields={"temperature": heat})
+    mean = vog.projection(model, "temperature", resolution=64)
+    assert np.nanmean(mean.array) == pytest.approx(np.nanmean(got.array), rel=0.05)
+    assert (vog.projection(model, "temperature", quantity="deviation", resolution=32).array >= 0).any()
+
+
+def test_texts_of_units_need_a_package_of_units(model):
+    with pytest.raises(vog.Error, match="the data have no units"):
+        vog.projection(model, unit="g/cm2")
+
+
+def test_astropy_units_go_through():
+    units = pytest.importorskip("astropy.units", reason="needs astropy (pip install astropy)")
+    array = np.ones((8, 8, 8)) * units.Unit("g / cm3")
+    volume = vog.Volume.from_numpy(array, voxel_size=2 * units.kpc)
+    found = vog.projection(volume, resolution=8, unit="g / cm2")
+    assert found.unit == units.Unit("g / cm2")
+    assert found.array.to_value("g / kpc2").max() == pytest.approx((1 * units.Unit("g / cm3")).to_value("g / kpc3") * 16, rel=1e-5)
+    assert found.header()["BUNIT"]
+    with pytest.raises(vog.Error, match="expected one that"):
+        vog.projection(volume, unit="K")
+    with pytest.raises(vog.Error, match="has a unit|converts"):
+        vog.projection(volume, width=3 * units.K)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [{"axis": "w"}, {"axis": (0, 0, 0)}, {"resolution": 0}, {"resolution": 10**6}, {"width": -1}, {"width": float("nan")}, {"quantity": "mean"},
+     {"center": 3}, {"field": "nothing"}, {"axis": "z", "up": "z"}, {"axis": np.zeros((50, 50))}],
+)  # fmt: skip
+def test_wrong_arguments_are_one_short_line(model, arguments):
+    with pytest.raises((vog.Error, TypeError)) as error:
+        vog.projection(model, **arguments)
+    text = str(error.value)
+    assert "\n" not in text and len(text) < 300 and "array(" not in text
+
+
+def test_other_data_are_refused():
+    with pytest.raises(TypeError, match="ndarray of shape"):
+        vog.projection(np.zeros((4, 4, 4)))
+    with pytest.raises(TypeError, match="vog.convert makes one of Points"):
+        vog.projection(vog.sample_particles(8))
