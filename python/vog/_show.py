@@ -297,8 +297,15 @@ def show(data: _Models, *, live: Optional[bool] = None, height: int = _HEIGHT, *
     return Page(page_html(data, **options), height)
 
 
+# A page as the last value of a cell stays in the notebook's file: of larger models it has so many, with a line that says so.
+_MOST_SHOWN = 200_000
+
+
 def _repr_html_(data: Any) -> str:
-    return Page(page_html(data))._repr_html_()
+    if len(data) <= _MOST_SHOWN:
+        return Page(page_html(data))._repr_html_()
+    few = data.coarsen(_MOST_SHOWN)
+    return f"{Page(page_html(few))._repr_html_()}<p>{len(few):,} of {len(data):,} Gaussians; vog.show(model) has all of them.</p>"
 
 
 def show_models() -> None:

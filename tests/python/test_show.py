@@ -21,6 +21,13 @@ def test_models_show_themselves_as_a_page_of_their_own(model):
     assert vog.show(model, live=False, title="A <cloud>").html != inner
 
 
+def test_large_models_show_fewer_and_say_so(model, monkeypatch):
+    monkeypatch.setattr(vog._show, "_MOST_SHOWN", len(model) // 2)
+    text = model._repr_html_()
+    assert f" of {len(model):,} Gaussians" in text
+    assert len(text) < len(vog.show(model, live=False)._repr_html_())
+
+
 def test_pages_are_saved_and_take_what_is_no_model_yet(model, tmp_path):
     page = vog.show({"a": model, "b": vog.sample_cloud(64)}, live=False, height=300)
     page.save(tmp_path / "page.html")
