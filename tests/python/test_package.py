@@ -29,7 +29,7 @@ def test_what_pip_configures_is_the_package_and_nothing_else(project, tmp_path):
     known = set(re.findall(r"^option\((\w+)", (SOURCE / "CMakeLists.txt").read_text(), re.M))
     assert {re.match(r"-D(\w+)=", option).group(1) for option in options} <= known
     done = subprocess.run(
-        ["cmake", "-S", SOURCE, "-B", tmp_path, "-G", "Ninja", "-DSKBUILD=ON", *options], capture_output=True, text=True
+        ["cmake", "-S", SOURCE, "-B", tmp_path, "-G", "Ninja", "-DSKBUILD=ON", "-DSKBUILD_SCRIPTS_DIR=scripts", *options], capture_output=True, text=True
     )
     assert done.returncode == 0, done.stderr
     build = (tmp_path / "build.ninja").read_text()

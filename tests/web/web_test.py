@@ -221,7 +221,8 @@ class Pages(PageTest):
         self.value("document.getElementById('save').click()")
         self.value("""new Promise((done) => setTimeout(done, 0))""")
         for _ in range(200):
-            if [f for f in target.iterdir() if f.suffix == ".png"]:
+            # While Chromium writes the file, it has another name, for a moment both.
+            if {f.suffix for f in target.iterdir()} == {".png"}:
                 break
             self.value("new Promise((done) => setTimeout(done, 20))")
         self.assertEqual([f.name for f in target.iterdir()], ["Smoke-mirrors.png"])
