@@ -17,6 +17,8 @@ packages=(
     libembree-dev
     # single formats, without which vog refuses their files: TIFF, FITS, HDF5
     libtiff-dev libcfitsio-dev libhdf5-dev
+    # vog serve
+    libcpp-httplib-dev
 )
 all_packages=(
     # window: OpenGL, also without a display or a graphics card

@@ -25,7 +25,7 @@ commit=$(git rev-parse --short=10 HEAD 2>/dev/null || echo unknown)
 # Licences of what auditwheel will bundle: those of the Debian packages that the libraries come from.
 mkdir "$made/notices"
 libraries=(openvdb embree3 tbb blosc Imath-3_1 OpenEXR-3_1 IlmThread-3_1 Iex-3_1 fmt hwy png16 zstd lz4 snappy boost_iostreams log4cplus z
-    tiff webp Lerc jbig jpeg deflate lzma)
+    tiff webp Lerc jbig jpeg deflate lzma cpp-httplib ssl crypto brotlicommon brotlidec brotlienc)
 for library in "${libraries[@]}"; do
     file=$(ldconfig -p | awk -v name="lib$library" 'index($1, name ".so") == 1 && !found {found = $NF} END {print found}')
     [[ -n $file ]] || continue

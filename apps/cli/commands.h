@@ -15,6 +15,7 @@ void add_compare(CLI::App& app);
 void add_evaluate(CLI::App& app);
 void add_view(CLI::App& app);
 void add_export(CLI::App& app);
+void add_serve(CLI::App& app);
 void add_voxelize(CLI::App& app);
 void add_doctor(CLI::App& app);
 /// Adds completion and man, which print what the other commands of the program say of themselves.

@@ -95,6 +95,7 @@ int main(int argc, char** argv) {
     vog::cli::add_evaluate(app);
     vog::cli::add_view(app);
     vog::cli::add_export(app);
+    vog::cli::add_serve(app);
     vog::cli::add_voxelize(app);
     vog::cli::add_doctor(app);
     vog::cli::add_guides(app);

@@ -11,7 +11,7 @@ import unittest
 from pathlib import Path
 
 VOG = os.environ.get("VOG_COMMAND", "vog")
-COMMANDS = ["sample", "info", "convert", "render", "compare", "evaluate", "view", "export", "voxelize", "doctor", "completion", "man"]
+COMMANDS = ["sample", "info", "convert", "render", "compare", "evaluate", "view", "export", "serve", "voxelize", "doctor", "completion", "man"]
 
 
 def run(*words, folder=None, program=VOG):

@@ -123,6 +123,9 @@ struct OptionalLibrary {
 #ifndef VOG_WITH_OPENVDB
 #define VOG_WITH_OPENVDB "yes"
 #endif
+#ifndef VOG_WITH_HTTPLIB
+#define VOG_WITH_HTTPLIB ""
+#endif
 #ifndef VOG_WITH_VIEWER
 #define VOG_WITH_VIEWER ""
 #endif
@@ -134,6 +137,7 @@ constexpr OptionalLibrary kLibraries[] = {
     {"HDF5", "particles in .hdf5", VOG_WITH_HDF5},
     {"zfp", "vog evaluate --rate-distortion", VOG_WITH_ZFP},
     {"SZ3", "vog evaluate --rate-distortion", VOG_WITH_SZ3},
+    {"cpp-httplib", "vog serve", VOG_WITH_HTTPLIB},
     {"window", "vog view", VOG_WITH_VIEWER}};
 
 ReportJson libraries() {

@@ -1,0 +1,129 @@
+// serve.cpp: vog serve: a site, a page or a compact model by HTTP on this machine.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <csignal>
+#include <memory>
+#include <string>
+
+#include "commands.h"
+#include "films/film.h"
+#include "serve/site_folder.h"
+#include "serve/site_server.h"
+#include "shared/terminal.h"
+
+namespace vog::cli {
+
+namespace {
+
+struct ServeArguments {
+    std::string input;
+    ServerOptions server;
+    bool open = false, verbose = false;
+};
+
+/// An origin is a scheme, a host and perhaps a port, as browsers send it: https://example.org:8443
+CLI::Validator origin() {
+    const auto check = [](const std::string& text) -> std::string {
+        const std::size_t scheme = text.starts_with("http://")    ? 7
+                                   : text.starts_with("https://") ? 8
+                                                                  : 0;
+        const bool fits =
+            scheme && text.size() > scheme &&
+            std::all_of(text.begin() + std::ptrdiff_t(scheme), text.end(), [](char letter) {
+                return letter > ' ' && letter < 0x7f && letter != '/' && letter != ',';
+            });
+        return fits || text == "*"
+                   ? std::string{}
+                   : fmt::format("{}: expected an origin, as https://example.org, or *", text);
+    };
+    return {check, "ORIGIN"};
+}
+
+/// Opens an address in the desktop's browser, without waiting for it.
+void open_browser(std::string url) {
+    std::string program = program_path("xdg-open");
+    if (program.empty())
+        return note("--open: the program xdg-open is not installed; open the address in a browser");
+    // Nobody waits for the program: the system forgets it when it ends.
+    struct sigaction action {};
+    action.sa_handler = SIG_DFL;
+    action.sa_flags = SA_NOCLDWAIT;
+    (void)::sigaction(SIGCHLD, &action, nullptr);
+    posix_spawnattr_t attributes;
+    ::posix_spawnattr_init(&attributes);
+    sigset_t none;
+    ::sigemptyset(&none);
+    ::posix_spawnattr_setsigmask(&attributes, &none);  // ours holds back what ends the server
+    ::posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+    posix_spawn_file_actions_t actions;
+    ::posix_spawn_file_actions_init(&actions);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        ::posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_RDWR, 0);
+    std::array<char*, 3> words = {program.data(), url.data(), nullptr};
+    pid_t process = 0;
+    const int failure =
+        ::posix_spawn(&process, program.c_str(), &actions, &attributes, words.data(), environ);
+    ::posix_spawn_file_actions_destroy(&actions);
+    ::posix_spawnattr_destroy(&attributes);
+    if (failure != 0) note("--open: xdg-open does not start; open the address in a browser");
+}
+
+void serve(ServeArguments arguments, bool port_given) {
+    const SiteFolder folder(arguments.input);
+    ServerOptions& server = arguments.server;
+    server.next_port = !port_given;
+    server.on_listening = [&](const std::string& url, int port, bool loopback) {
+        if (!port_given && port != server.port)
+            note(fmt::format("port {} is in use, this is {}", server.port, port));
+        if (!loopback)
+            note(fmt::format("--host {}: every machine that reaches this one can read {}",
+                             server.host, arguments.input));
+        print_line(url);
+        finish_output();
+        if (arguments.open) open_browser(url);
+    };
+    if (arguments.verbose) server.on_request = [](const std::string& line) { note(line); };
+    serve_files(folder, server);
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app) {
+    auto arguments = std::make_shared<ServeArguments>();
+    CLI::App* command = app.add_subcommand("serve",
+                                           "Serve a site of vog export to the browsers of this "
+                                           "machine; prints its address, Ctrl-C ends it");
+    command
+        ->add_option(
+            "site", arguments->input,
+            "Folder that vog export MODEL -o site/ has written, one page (.html) or one compact "
+            "model (.vogz). Nothing outside of it is served")
+        ->required();
+    CLI::Option* port =
+        command
+            ->add_option("--port", arguments->server.port,
+                         "Port to listen at; 0: any free one. Default: 8080, or the next free one")
+            ->check(CLI::Range(0, 65535));
+    command
+        ->add_option(
+            "--host", arguments->server.host,
+            "Address or name to listen at; other machines can read the site where it is not "
+            "this machine's loopback: 0.0.0.0, all addresses")
+        ->capture_default_str();
+    command
+        ->add_option("--allow-origin", arguments->server.allow_origin,
+                     "Origin whose pages may read the files, as https://example.org, or * for all; "
+                     "default: the site's own page alone")
+        ->check(origin());
+    command->add_flag("--open", arguments->open,
+                      "Open the address in the desktop's browser (xdg-open)");
+    command->add_flag("--verbose,-v", arguments->verbose, "Print each request to standard error");
+    command->callback([arguments, port] { serve(*arguments, port->count() > 0); });
+}
+
+}  // namespace vog::cli
