@@ -1,10 +1,11 @@
-// bind_web.cpp: export_html(): models to a self-contained HTML page.
+// bind_web.cpp: export_html(): models to a self-contained HTML page, or to a site.
 #include <memory>
 
 #include "bindings.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
 #include "vog/lod.h"
+#include "vog/site.h"
 #include "volume_look.h"
 
 namespace vog::python {
@@ -75,6 +76,35 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
     return quantity;
 }
 
+/// Whether a path names a folder: an existing one, or by a slash at its end.
+bool is_folder(const std::filesystem::path& path) {
+    return !path.has_filename() || std::filesystem::is_directory(path);
+}
+
+/// Writes models as a site.
+py::dict export_site(const std::filesystem::path& folder, const Named& named,
+                     const HtmlOptions& options) {
+    std::uint64_t page_bytes = 0;
+    const SiteReport report = unlocked([&] {
+        SiteWriter site(folder, options.precise ? kPagePrecision : VogzPrecision{});
+        std::vector<HtmlModel> entries;
+        for (const auto& [name, model] : named) {
+            Gaussians copy = *model;
+            Hierarchy hierarchy;
+            entries.push_back(add_to_site(site, name, copy, hierarchy));
+        }
+        const SiteReport written = site.finish(options.steps);
+        page_bytes = write_site_page(folder, entries, options).bytes;
+        return written;
+    });
+    py::dict result;
+    result["bytes"] = report.bytes + page_bytes;
+    result["viewer_bytes"] = page_bytes;
+    result["gaussians"] = report.gaussians;
+    result["chunks"] = report.chunks;
+    return result;
+}
+
 py::dict export_html(const std::filesystem::path& file, const py::object& models,
                      const std::string& title, const std::string& description, int levels,
                      const std::optional<Camera>& camera, const py::object& extinction,
@@ -103,6 +133,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
         py::isinstance<py::str>(background) && background.cast<std::string>() == "system";
     if (!options.system_background) options.shading.background = background_of(background);
     options.shading.blend = blend;
+    if (is_folder(file)) return export_site(file, named, options);
     const HtmlReport report = unlocked([&] {
         std::vector<HtmlModel> entries;
         for (const auto& [name, model] : named)
@@ -130,7 +161,8 @@ void bind_web(py::module_& m) {
         py::arg("precise") = false,
         R"(Writes models to one self-contained HTML page, which needs no server, network or other file.
 
-file         page to write
+file         page to write; or a folder, an existing one or a name that ends in /: a site, of whose models a browser loads what its
+             views need from any web server (vog serve shows it)
 models       Gaussians, or {name: Gaussians}: the page lets its reader select one
 title        title of the page; default: the first name
 description  text below the title

@@ -12,6 +12,7 @@ packages=(
     g++ cmake ninja-build pkg-config ccache
     # volumes, threads, text, images
     libopenvdb-dev libnanovdb-dev libtbb-dev libhwy-dev libboost-iostreams-dev libblosc-dev zlib1g-dev libzstd-dev
+    libxxhash-dev
     libcli11-dev libfmt-dev nlohmann-json3-dev libpng-dev libopenexr-dev libimath-dev
     # ray tracing
     libembree-dev

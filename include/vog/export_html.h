@@ -11,10 +11,13 @@
 
 #include "vog/camera.h"
 #include "vog/gaussians.h"
+#include "vog/lod.h"
 #include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "vog/shade.h"
+#include "vog/site.h"
 #include "vog/value_transfer.h"
+#include "vog/vogz.h"
 
 namespace vog {
 
@@ -23,6 +26,9 @@ struct HtmlModel {
     std::string name;               ///< label in the switch
     std::vector<Gaussians> levels;  ///< levels of detail for the slider, at least 1, finest first
 };
+
+/// Fineness of a page's numbers, at which rims of opaque surfaces are a few of 255 from the splat renderer's.
+inline constexpr VogzPrecision kPagePrecision{1.0 / 1440, 1.0 / 8192};
 
 /// Largest number of clip planes beside a box.
 inline constexpr std::size_t kMostHtmlPlanes = 10;
@@ -78,5 +84,20 @@ struct HtmlReport {
 ///         an unwritable file
 HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
                       const HtmlOptions& options = {});
+
+/// Writes a model's chunks into a site. Gaussians without density are removed first.
+/// hierarchy  of this model; empty: built with `options`, which sorts the model
+/// returns    the model for write_site_page: a cut as fine as the pixels of a small picture, from which the page has its first
+///            extinction, ranges and histograms
+/// throws     vog::Error as SiteWriter::add
+HtmlModel add_to_site(SiteWriter& site, const std::string& name, Gaussians& model,
+                      Hierarchy& hierarchy, const HierarchyOptions& options = {});
+
+/// Writes the page of a site (vog/site.h), `folder`/index.html: the same viewer, which loads the models' chunks from the folder as
+/// views need them.
+/// models   in the order of the site's, of add_to_site
+/// throws   vog::Error as write_html
+HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const HtmlModel> models,
+                           const HtmlOptions& options = {});
 
 }  // namespace vog

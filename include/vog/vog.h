@@ -36,6 +36,7 @@
 //            evaluate.h         tables and figures of many conversions of one data set
 //            rate_distortion.h  bytes against error, of models and of the voxels themselves
 //   share    export_html.h      models as one HTML page
+//            site.h             models that browsers and views load in parts
 //   all      error.h            the exception type
 //            linear.h           vectors, matrices, affine maps, boxes
 //            memory.h           arrays larger than memory
@@ -79,6 +80,7 @@
 #include "vog/renderer.h"
 #include "vog/sample.h"
 #include "vog/shade.h"
+#include "vog/site.h"
 #include "vog/splat.h"
 #include "vog/temporary_file.h"
 #include "vog/text.h"

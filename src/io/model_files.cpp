@@ -14,6 +14,7 @@
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
+#include "vog/site.h"
 #include "vog/vogz.h"
 
 namespace vog {
@@ -31,11 +32,23 @@ Format format_of(const std::filesystem::path& file, const char* expected) {
     throw Error(fmt::format("{}: extension '{}', expected {}", file.string(), extension, expected));
 }
 
-constexpr const char* kReadable = ".ply, .vogz (model), .spz or .glb (splats)";
+constexpr const char* kReadable = ".ply, .vogz (model), .spz, .glb (splats) or a site's folder";
+
+/// Run of a model that was read whole.
+Gaussians part_of(const Gaussians& whole, const ModelPart& part) {
+    const auto [begin, end] = run_of(part, whole.size());
+    std::vector<std::size_t> own(end - begin);
+    std::iota(own.begin(), own.end(), begin);
+    return select(whole, own);
+}
 
 }  // namespace
 
 Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
+    if (is_site(file)) {
+        if (hierarchy) *hierarchy = {};
+        return read_site(file);
+    }
     require_readable(file);
     switch (format_of(file, kReadable)) {
         case Format::ply:
@@ -50,6 +63,10 @@ Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
 }
 
 Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
+    if (is_site(file)) {
+        require_part(part, file.string());
+        return part_of(read_site(file), part);
+    }
     require_readable(file);
     switch (format_of(file, kReadable)) {
         case Format::ply:
@@ -60,11 +77,7 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
             break;
     }
     require_part(part, file.string());
-    const Gaussians whole = exchange::read_splats(file);
-    const auto [begin, end] = run_of(part, whole.size());
-    std::vector<std::size_t> own(end - begin);
-    std::iota(own.begin(), own.end(), begin);
-    return select(whole, own);
+    return part_of(exchange::read_splats(file), part);
 }
 
 void write_model(const std::filesystem::path& file, const Gaussians& gaussians,

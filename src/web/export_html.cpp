@@ -168,9 +168,7 @@ Camera first_view(const Gaussians& model, const HtmlOptions& options) {
     return options.camera ? *options.camera : orbit_view(framed_box(model));
 }
 
-/// Fineness of a page's numbers, at which rims of opaque surfaces are a few of 255 from the splat renderer's.
-constexpr VogzPrecision kPage{1.0 / 1440, 1.0 / 8192};
-constexpr VogzPrecision kPrecisePage{kPage.step / 4, kPage.field_step / 2};
+constexpr VogzPrecision kPrecisePage{kPagePrecision.step / 4, kPagePrecision.field_step / 2};
 
 /// Origin and unit of length of a page's numbers, shared by the levels of a model.
 struct PageFrame {
@@ -199,20 +197,27 @@ std::string data_element(const std::string& id, const std::string& name, const s
     return fmt::format("<script type=\"text/plain\" id=\"{}\">", id) + text + "</script>\n";
 }
 
-/// A model's entry in the page's JSON; its levels are appended to `data` as elements.
-Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& options,
-                std::string& data) {
-    const Gaussians& finest = model.levels.front();
-    const Box box = framed_box(finest);
-    const PageFrame frame = page_frame(finest);
+/// Levels of a model as elements of a page, appended to `data`.
+/// returns  their entry in the page's JSON
+Json levels_json(const HtmlModel& model, std::size_t index, const HtmlOptions& options,
+                 std::string& data) {
     Json levels = Json::array();
     for (std::size_t n = 0; n < model.levels.size(); ++n) {
         const Gaussians& level = model.levels[n];
         levels.push_back(
             {{"count", std::ranges::count_if(level.density, [](float d) { return d > 0; })}});
-        data += data_element(fmt::format("model-{}-{}", index, n), model.name,
-                             vogz::bytes_of(level, {options.precise ? kPrecisePage : kPage, true}));
+        data += data_element(
+            fmt::format("model-{}-{}", index, n), model.name,
+            vogz::bytes_of(level, {options.precise ? kPrecisePage : kPagePrecision, true}));
     }
+    return levels;
+}
+
+/// A model's entry in the page's JSON, without its levels.
+Json model_json(const HtmlModel& model, const HtmlOptions& options) {
+    const Gaussians& finest = model.levels.front();
+    const Box box = framed_box(finest);
+    const PageFrame frame = page_frame(finest);
     // One picture tells the automatic extinction and the largest column.
     constexpr int kSize = 256;
     const Camera view = first_view(finest, options);
@@ -235,7 +240,7 @@ Json model_json(const HtmlModel& model, std::size_t index, const HtmlOptions& op
             {"extinction", extinction},
             {"mostColumn", most_column},
             {"fields", fields_json(finest, view)},
-            {"levels", levels}};
+            {"levels", Json::array()}};
 }
 
 /// throws  vog::Error for a quantity that the model has not
@@ -325,6 +330,20 @@ void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
     if (options.camera) frame_of(*options.camera, 1, 1);
 }
 
+/// Removes Gaussians without density, which nodes do not stand for.
+/// returns  whether there were any
+bool drop_empty(Gaussians& model) {
+    if (std::ranges::all_of(model.density, [](float d) { return d > 0; })) return false;
+    std::vector<std::size_t> kept;
+    for (std::size_t n = 0; n < model.size(); ++n)
+        if (model.density[n] > 0) kept.push_back(n);
+    Gaussians rest = select(model, kept);
+    rest.source_voxels = model.source_voxels;
+    rest.summary = model.summary;
+    model = std::move(rest);
+    return true;
+}
+
 /// Style of the text over a background: "light", "dark", or "clear" for a transparent one.
 std::string ground_of(const Rgba& background) {
     if (background.a < 0.5f) return "clear";
@@ -332,24 +351,25 @@ std::string ground_of(const Rgba& background) {
     return luma > 0.5f ? "light" : "dark";
 }
 
-}  // namespace
-
-HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
-                      const HtmlOptions& options) {
-    check(models, options);
-    HtmlReport report;
-    std::string data, map_name, shaders;
+/// Entries of models in the page's JSON; their levels are appended to `data` unless the page is a site's.
+Json entries_json(std::span<const HtmlModel> models, const HtmlOptions& options, bool site,
+                  std::string& data) {
     Json entries = Json::array();
     HtmlOptions shared = options;
     for (const HtmlModel& model : models) {
-        entries.push_back(model_json(model, entries.size(), shared, data));
+        Json entry = model_json(model, shared);
+        if (!site) entry["levels"] = levels_json(model, entries.size(), options, data);
+        entries.push_back(std::move(entry));
         if (options.steps) shared.extinction = entries.front().at("extinction").get<double>();
-        report.gaussians += model.levels.front().size();
     }
-    report.extinction = entries.front().at("extinction");
-    const Camera camera =
-        options.camera ? *options.camera : orbit_view(framed_box(models.front().levels.front()));
+    return entries;
+}
+
+/// The page's JSON without its models.
+Json page_json(const Gaussians& first, const HtmlOptions& options) {
+    const Camera camera = options.camera ? *options.camera : orbit_view(framed_box(first));
     const Rgba& ground = options.shading.background;
+    std::string map_name;
     Json page = {{"title", options.title},
                  {"camera",
                   {{"eye", json_of(camera.eye)},
@@ -364,28 +384,76 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
                  {"fade", options.shading.blend}};
     page["maps"] = maps_json(options.tf, map_name);
     page["map"] = map_name;
-    page["quantity"] = quantity_json(models.front().levels.front(), options.quantity);
+    page["quantity"] = quantity_json(first, options.quantity);
     page["steps"] = options.steps;
-    page["models"] = std::move(entries);
+    return page;
+}
+
+/// Writes a page.
+/// data       elements of the models
+/// connect    sources of the page's requests, for its security policy; empty: none
+HtmlReport write_page(const std::filesystem::path& file, const HtmlOptions& options,
+                      const Json& page, std::string data, const std::string& connect) {
+    std::string shaders;
     for (const char* name : kShaders)
         shaders += fmt::format("<script type=\"text/plain\" data-shader=\"{}\">\n{}</script>\n",
                                name, without_comments(web_file(name)));
+    HtmlReport report;
+    report.extinction = page.at("models").front().at("extinction");
     report.viewer_bytes = data.size();
-    const std::string text =
-        filled(web_file("page.html"), {{"title", escaped(options.title)},
-                                       {"description", escaped(options.description)},
-                                       {"ground", ground_of(ground)},
-                                       {"style", without_comments(web_file("page.css"))},
-                                       {"page", script_json(page)},
-                                       {"shaders", shaders},
-                                       {"models", std::move(data)},
-                                       {"reader", bundle(kReaderModules)},
-                                       {"worker", bundle(kWorkerModules)},
-                                       {"script", bundle(kModules)}});
+    const std::string text = filled(
+        web_file("page.html"), {{"title", escaped(options.title)},
+                                {"description", escaped(options.description)},
+                                {"ground", ground_of(options.shading.background)},
+                                {"connect", connect.empty() ? "" : " connect-src " + connect + ";"},
+                                {"style", without_comments(web_file("page.css"))},
+                                {"page", script_json(page)},
+                                {"shaders", shaders},
+                                {"models", std::move(data)},
+                                {"reader", bundle(kReaderModules)},
+                                {"worker", bundle(kWorkerModules)},
+                                {"script", bundle(kModules)}});
     report.bytes = text.size();
     report.viewer_bytes = report.bytes - report.viewer_bytes;
     write_file(file, [&](std::ofstream& out) { out << text; });
     return report;
+}
+
+}  // namespace
+
+HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
+                      const HtmlOptions& options) {
+    check(models, options);
+    std::string data;
+    Json page = page_json(models.front().levels.front(), options);
+    page["models"] = entries_json(models, options, false, data);
+    HtmlReport report = write_page(file, options, page, std::move(data), "");
+    for (const HtmlModel& model : models) report.gaussians += model.levels.front().size();
+    return report;
+}
+
+HtmlModel add_to_site(SiteWriter& site, const std::string& name, Gaussians& model,
+                      Hierarchy& hierarchy, const HierarchyOptions& options) {
+    if (drop_empty(model)) hierarchy = {};
+    if (hierarchy.empty()) hierarchy = build_hierarchy(model, options);
+    site.add(name, model, hierarchy);
+    constexpr int kSize = 256;
+    const Box box = view_box(model);
+    Gaussians coarse =
+        ViewCut(model, hierarchy).choose(frame_of(orbit_view(box), kSize, kSize), {1, false});
+    coarse.box = box;
+    coarse.source = model.source;
+    return {name, {std::move(coarse)}};
+}
+
+HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const HtmlModel> models,
+                           const HtmlOptions& options) {
+    check(models, options);
+    std::string data;
+    Json page = page_json(models.front().levels.front(), options);
+    page["site"] = {{"manifest", "manifest.json"}, {"base", ""}};
+    page["models"] = entries_json(models, options, true, data);
+    return write_page(folder / "index.html", options, page, "", "'self'");
 }
 
 }  // namespace vog

@@ -50,7 +50,7 @@ COMMANDS = {
     "convert": [["{made}/particles.csv", "-o", "{out}/m.ply"], ["{made}/cloud.vdb", "-o", "{out}/m.ply"]],
     "render": [["{made}/model.ply", "-o", "{out}/p.png"], ["{made}/cloud.vdb", "-o", "{out}/p.png"]],
     "export": [["{made}/model.ply", "-o", "{out}/p.html"], ["{made}/model.ply", "-o", "{out}/m.vogz"],
-               ["{made}/model.ply", "-o", "{out}/m.spz"]],
+               ["{made}/model.ply", "-o", "{out}/m.spz"], ["{made}/model.ply", "-o", "{out}/site/"]],
     "voxelize": [["{made}/model.ply", "-o", "{out}/v.vdb", "--like", "{made}/cloud.vdb"]],
     "compare": [["{made}/a.exr", "{made}/b.exr"]],
     "sample": [["cloud", "{out}/s.vdb"]],

@@ -45,6 +45,34 @@ class view_command : public CommandLine {
     }
 };
 
+TEST_F(view_command, a_sites_pictures_are_those_of_its_view_and_damage_leaves_the_parent) {
+    must("sample cloud cloud.vdb --size 128");
+    must("convert cloud.vdb -o cloud.ply --block 2 --soft-steps 0");
+    must("export cloud.ply -o site/");
+    const std::string script =
+        "size 240 180\nsubframes 1\npanels off\noverlay off\ncolorbar off\ntf viridis\nexposure "
+        "300\n"
+        "wait\ndrag left 30% 40% 60% 55%\nwheel 6 60% 40%\nwait\nsave-camera camera.json\n"
+        "picture picture.png\n";
+    play("site", script);
+    must(
+        "render site -o expected.png --camera camera.json --size 240x180 --extinction 300 --tf "
+        "viridis");
+    expect_same_picture("expected.png", "picture.png");
+    // The largest chunk is of leaves.
+    std::filesystem::path largest;
+    std::uintmax_t bytes = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(dir_ / "site/chunks"))
+        if (entry.path().extension() == ".vogz" && entry.file_size() > bytes)
+            bytes = entry.file_size(), largest = entry.path();
+    std::filesystem::resize_file(largest, bytes / 2);
+    play("site", script + "picture damaged.png\n");
+    const PictureDifference difference =
+        compare(read_image(dir_ / "expected.png"), read_image(dir_ / "damaged.png"));
+    EXPECT_GT(difference.psnr_db, 25);
+    EXPECT_LT(difference.psnr_db, 60);
+}
+
 TEST_F(view_command, a_sessions_picture_is_the_command_lines) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply --block 4");

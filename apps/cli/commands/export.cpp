@@ -13,8 +13,10 @@
 #include "models/compact_options.h"
 #include "models/compact_run.h"
 #include "models/exchange_run.h"
+#include "models/site_run.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
+#include "options/memory_options.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
@@ -49,8 +51,10 @@ struct ExportArguments {
     std::size_t budget = 0, levels = 8;
     int threads = 0;
     bool json = false, verbose = false, no_fields = false;
-    bool precise = false;                ///< whether words are finer
-    bool steps = false;                  ///< whether models are steps in time
+    bool precise = false;  ///< whether words are finer
+    bool steps = false;    ///< whether models are steps in time
+    bool site = false;     ///< --site
+    MemoryArguments memory;
     std::optional<HtmlQuantity> chosen;  ///< of a sequence's first page
     std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
@@ -62,12 +66,15 @@ std::string stem_of(const std::string& file) {
 
 /// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion
 /// of its own, about 4 dB better than coarsening the finest one (docs/web.md).
-/// most  number of levels of detail at most
+/// most     number of levels of detail at most
+/// lattice  receives the map to the voxels of the volume or of the coarsest level; null: not wanted
 std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::size_t most,
-                                       const Progress& progress, std::vector<std::string>& notes) {
+                                       const Progress& progress, std::vector<std::string>& notes,
+                                       std::optional<Affine>* lattice = nullptr) {
     const LoadedVolumes set = load_volumes(arguments.inputs, arguments.volume);
     notes = set.notes;
     print_notes(notes);
+    if (lattice) *lattice = inverse(set.volumes.front().world_from_index);
     if (!set.is_mesh() && set.volumes.size() > 1 && arguments.budget)
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
@@ -232,12 +239,17 @@ struct Exported {
     HtmlQuantity quantity{};
 };
 
+/// throws  CLI::ValidationError unless --name names every model or none
+void check_names(const ExportArguments& arguments, std::size_t models) {
+    if (!arguments.names.empty() && arguments.names.size() != models)
+        throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
+                                               arguments.names.size(), models));
+}
+
 Exported write_page(const ExportArguments& arguments, const CLI::App& command,
                     std::vector<HtmlModel> entries, Stages& stages,
                     std::vector<std::string>& notes) {
-    if (!arguments.names.empty() && arguments.names.size() != entries.size())
-        throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
-                                               arguments.names.size(), entries.size()));
+    check_names(arguments, entries.size());
     for (std::size_t n = 0; n < arguments.names.size(); ++n) entries[n].name = arguments.names[n];
     const HtmlOptions options = page_options(arguments, command, entries.front(), notes);
     const HtmlReport report =
@@ -299,12 +311,98 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
     return {{"output", all.output}, {"pages", pages}};
 }
 
+/// Models of a site, one after another: a time step is written before the next is read.
+std::vector<HtmlModel> write_site_models(const ExportArguments& arguments, FileKind kind,
+                                         SiteWriter& site, Stages& stages,
+                                         std::vector<std::string>& notes) {
+    std::vector<HtmlModel> entries;
+    if (kind == FileKind::model) {
+        for (std::size_t n = 0; n < arguments.inputs.size(); ++n) {
+            const std::string& file = arguments.inputs[n];
+            SiteInput input{arguments.names.empty() ? stem_of(file) : arguments.names[n], {}};
+            input.model = stages.run("load", [&] { return read_model(file, &input.hierarchy); });
+            if (arguments.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
+            if (arguments.budget && input.model.size() > arguments.budget)
+                input.model = coarsen(input.model, arguments.budget), input.hierarchy = {};
+            entries.push_back(add_to_site(site, std::move(input), stages));
+        }
+        return entries;
+    }
+    const std::string stem = stem_of(arguments.inputs.front());
+    SiteInput input{arguments.names.empty() ? stem : arguments.names.front(), {}};
+    stages.run("convert", [&] {
+        input.model =
+            kind == FileKind::volume
+                ? convert_volumes(arguments, 1, stages.progress(), notes, &input.index_from_world)
+                      .front()
+                : convert_particles(arguments, stages.progress(), notes);
+    });
+    note(fmt::format("{}: converted with the default options of vog convert: {} Gaussians",
+                     arguments.inputs.front(), count_text(input.model.size())));
+    entries.push_back(add_to_site(site, std::move(input), stages));
+    return entries;
+}
+
+Json report_site(const ExportArguments& arguments, const SiteReport& report,
+                 std::uint64_t page_bytes, const Stages& stages,
+                 const std::vector<std::string>& notes) {
+    if (!arguments.json) {
+        print_line(fmt::format(
+            "{}: {} Gaussians in {} chunks, {}{}{}", arguments.output, count_text(report.gaussians),
+            count_text(report.chunks), bytes_text(report.bytes),
+            report.kept ? fmt::format(", {} chunks there already", count_text(report.kept)) : "",
+            report.removed ? fmt::format(", {} old files removed", count_text(report.removed))
+                           : ""));
+        print_line(fmt::format("{}: first picture after {}; vog serve {} shows it here",
+                               arguments.output, bytes_text(page_bytes + report.root_bytes),
+                               arguments.output));
+    }
+    Json json = {
+        {"output", arguments.output}, {"gaussians", report.gaussians},   {"chunks", report.chunks},
+        {"bytes", report.bytes},      {"root_bytes", report.root_bytes}, {"page_bytes", page_bytes},
+        {"kept", report.kept},        {"removed", report.removed}};
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    json["peak_memory"] = peak_memory();
+    if (!notes.empty()) json["notes"] = notes;
+    return json;
+}
+
+/// Writes a site: the models' chunks, the manifest, and the page.
+/// returns  the report of --json
+Json export_site(const ExportArguments& arguments, const CLI::App& command) {
+    const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
+    if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
+    refuse_volume_options(command, kind, arguments.inputs);
+    refuse_group(command, kCompactGroup, "a site", {"--step", "--field-step"});
+    refuse_group(command, kSplatGroup, "a site");
+    if (command.count("--levels"))
+        throw CLI::ValidationError("--levels: a site has all levels of detail");
+    check_names(arguments, kind == FileKind::model ? arguments.inputs.size() : 1);
+    const CommandMemory memory(arguments.memory);
+    Stages stages(arguments.verbose);
+    std::vector<std::string> notes;
+    SiteWriter site(arguments.output, site_precision(arguments.compact, arguments.precise));
+    std::vector<HtmlModel> entries = write_site_models(arguments, kind, site, stages, notes);
+    const HtmlOptions options = page_options(arguments, command, entries.front(), notes);
+    const SiteReport report = stages.run("manifest", [&] { return site.finish(arguments.steps); });
+    const HtmlReport page =
+        stages.run("page", [&] { return write_site_page(arguments.output, entries, options); });
+    if (options.camera && !arguments.view.save_camera.empty())
+        write_camera(arguments.view.save_camera, *options.camera);
+    return report_site(arguments, report, page.bytes, stages, notes);
+}
+
+/// Whether a folder is written as a site: of one input, or with --site.
+bool makes_site(const ExportArguments& arguments) {
+    return is_sequence(arguments.output) && (arguments.site || arguments.inputs.size() == 1);
+}
+
 void export_files(const ExportArguments& given, const CLI::App& command) {
     ExportArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
     // Models that one pattern matches are steps in time, named ones are to be compared.
     if (command.count("--steps") == 0 && given.inputs.size() == 1 && arguments.inputs.size() > 1 &&
-        !is_sequence(arguments.output) && extension_of(arguments.output) == ".html" &&
+        (arguments.site || extension_of(arguments.output) == ".html") &&
         common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model) {
         arguments.steps = true;
         note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
@@ -314,9 +412,13 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
     read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf});
     check_distinct(
         {is_sequence(arguments.output) ? "" : arguments.output, arguments.view.save_camera}, read);
+    if (arguments.site && !is_sequence(arguments.output))
+        throw CLI::ValidationError("--site: expected -o with a folder (a name that ends in /)");
+    if (!makes_site(arguments)) refuse_group(command, kLargeDataGroup, "pages and files");
     const ThreadLimit limit(arguments.threads);
-    const Json json = is_sequence(arguments.output) ? export_sequence(arguments, command)
-                                                    : export_one(arguments, command).json;
+    const Json json = makes_site(arguments)           ? export_site(arguments, command)
+                      : is_sequence(arguments.output) ? export_sequence(arguments, command)
+                                                      : export_one(arguments, command).json;
     if (arguments.json) print_json(json);
 }
 
@@ -336,9 +438,11 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
         ->check(CLI::Range(1, 32))
         ->capture_default_str();
     command
-        .add_flag("--precise", arguments.precise,
-                  "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
-                  "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10")
+        .add_flag(
+            "--precise", arguments.precise,
+            "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
+            "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
+            "as fine as a page without this option")
         ->group(kPageGroup);
     add_page_quantity_options(command, arguments.quantity, kPageGroup);
     command
@@ -354,10 +458,10 @@ void add_page_options(CLI::App& command, ExportArguments& arguments) {
 
 void add_export(CLI::App& app) {
     auto arguments = std::make_shared<ExportArguments>();
-    CLI::App* command = app.add_subcommand(
-        "export",
-        "Write models to one self-contained page for a browser, one compact file, one PLY "
-        "or splats of other programs");
+    CLI::App* command = app.add_subcommand("export",
+                                           "Write models to one self-contained page for a browser, "
+                                           "a site that streams large ones, one "
+                                           "compact file, one PLY or splats of other programs");
     command
         ->add_option(
             "inputs", arguments->inputs,
@@ -370,9 +474,13 @@ void add_export(CLI::App& app) {
             "-o,--output", arguments->output,
             "Page (.html), compact model (.vogz), model (.ply) or splats (.spz, .glb, .usda, "
             ".ply with --as) to write. A folder (or a "
-            "name that ends in /): "
-            "one page per input, all under one camera and one extinction")
+            "name that ends in /): of one input a site, a page that loads parts of the model as "
+            "views need them from any web server; of several inputs "
+            "one page per input, all under one camera and one extinction, or with --site one site")
         ->required();
+    command->add_flag(
+        "--site", arguments->site,
+        "Write several models as one site, for -o FOLDER/; of one quoted pattern as steps in time");
     command->add_flag("--no-fields", arguments->no_fields,
                       "Leave fields out: a smaller file, without values");
     command
@@ -387,6 +495,7 @@ void add_export(CLI::App& app) {
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->view);
+    add_memory_options(*command, arguments->memory, "Of sites.");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(non_negative_number())
         ->capture_default_str();

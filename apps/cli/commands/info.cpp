@@ -1,5 +1,6 @@
 // info.cpp: vog info: the contents of files: grids, models, particles.
 #include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "vog/model_io.h"
 #include "vog/points.h"
 #include "vog/scan_io.h"
+#include "vog/site.h"
 
 namespace vog::cli {
 
@@ -226,6 +228,49 @@ void print(const Points& points) {
         line(range.name, fmt::format("{:.6g} to {:.6g}", range.low, range.high));
 }
 
+/// Models of a site, from its manifest alone.
+Json as_json(const SiteInfo& site) {
+    Json models = Json::array();
+    for (const SiteModelInfo& model : site.models) {
+        Json levels = Json::array(), fields = Json::array();
+        for (const SiteLevel& level : model.levels)
+            levels.push_back({{"chunks", level.chunks},
+                              {"gaussians", level.gaussians},
+                              {"bytes", level.bytes},
+                              {"error", level.error}});
+        for (const std::string& name : model.description.fields.names()) fields.push_back(name);
+        models.push_back({{"name", model.name},
+                          {"gaussians", model.gaussians},
+                          {"box", array(view_box(model.description))},
+                          {"fields", fields},
+                          {"levels", levels},
+                          {"source", model.description.source}});
+    }
+    return {{"steps", site.steps}, {"models", models}};
+}
+
+void print(const SiteInfo& site) {
+    const auto line = [](const std::string& name, const std::string& value) {
+        print_line(fmt::format("  {:<14} {}", name, value));
+    };
+    print_line(fmt::format("site of {} model{}{}", site.models.size(),
+                           site.models.size() > 1 ? "s" : "", site.steps ? ", steps in time" : ""));
+    for (const SiteModelInfo& model : site.models) {
+        line("model", printable(model.name));
+        line("Gaussians", count_text(model.gaussians));
+        if (!model.description.box.empty()) line("data box", text(model.description.box));
+        if (!model.description.fields.empty())
+            line("fields", fmt::format("{}", fmt::join(model.description.fields.names(), ", ")));
+        for (std::size_t depth = 0; depth < model.levels.size(); ++depth) {
+            const SiteLevel& level = model.levels[depth];
+            line(fmt::format("depth {}", depth),
+                 fmt::format("{} chunks, {} Gaussians and nodes, {}, error {:.4g}",
+                             count_text(level.chunks), count_text(level.gaussians),
+                             bytes_text(level.bytes), level.error));
+        }
+    }
+}
+
 }  // namespace
 
 std::vector<FileContents> print_contents(const std::vector<std::string>& files, bool json) {
@@ -234,6 +279,16 @@ std::vector<FileContents> print_contents(const std::vector<std::string>& files, 
     for (const std::string& file : files) {
         const FileKind kind = kind_of(file);
         contents.push_back({file, kind, {}, {}});
+        if (is_site(file)) {
+            const SiteInfo site = read_site_info(file);
+            contents.back().fields = site.models.front().description.fields.names();
+            all.push_back({{"file", file}, {"site", as_json(site)}});
+            if (!json) {
+                print_line(file);
+                print(site);
+            }
+            continue;
+        }
         if (kind == FileKind::model) {
             Hierarchy hierarchy;
             const Gaussians model = read_model(file, &hierarchy);

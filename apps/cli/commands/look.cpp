@@ -10,6 +10,7 @@
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "vog/error.h"
+#include "vog/site.h"
 
 namespace vog::cli {
 
@@ -85,7 +86,8 @@ void look_at(const std::vector<std::string>& words) {
         const std::string& file = files.front();
         if (const std::string advice = advice_on(file); !advice.empty())
             return print_line(fmt::format("{}: {}", file, advice));
-        if (fs::is_directory(file) && !is_volume_file(file)) return look_into(file);
+        if (fs::is_directory(file) && !is_volume_file(file) && !is_site(file))
+            return look_into(file);
         return print_steps(next_steps(print_contents(files, false).front()));
     }
     const FileKind kind = common_kind(files, {});

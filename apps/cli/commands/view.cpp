@@ -12,10 +12,12 @@
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
+#include "shared/terminal.h"
 #include "shared/validators.h"
 #include "values/page_quantity.h"
 #include "vog/error.h"
 #include "vog/shade.h"
+#include "vog/site.h"
 #ifdef VOG_VIEWER
 #include "viewer.h"
 #endif
@@ -76,6 +78,14 @@ viewer::Content read_content(const std::vector<std::string>& files,
     std::vector<std::string> notes;
     switch (common_kind(files, arguments.volume.grid)) {
         case FileKind::model:
+            if (files.size() == 1 && is_site(files.front())) {
+                content.site = files.front();
+                if (const std::size_t count = read_site_info(content.site).models.size(); count > 1)
+                    note(
+                        fmt::format("{}: the first of {} models; its page shows all (vog serve {})",
+                                    content.site, count, content.site));
+                break;
+            }
             content.model = load_models(files, &content.hierarchy);
             break;
         case FileKind::points:

@@ -9,6 +9,8 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "vog/site.h"
+
 namespace vog::cli {
 
 namespace {
@@ -155,6 +157,11 @@ std::vector<NextStep> next_steps(const FileContents& contents) {
                  "a page for a browser"},
                 {fmt::format("vog view {}", file), "a window"}};
     std::vector<NextStep> steps{{fmt::format("vog render {} -o {}", file, png), "a picture"}};
+    if (is_site(contents.file)) {
+        steps.insert(steps.begin(), {fmt::format("vog serve {}", file), "the page, in a browser"});
+        steps.push_back({fmt::format("vog view {}", file), "a window"});
+        return steps;
+    }
     if (!contents.fields.empty())
         steps.push_back({fmt::format("vog render {} -o {} --show volume --field {}", file, png,
                                      quoted(contents.fields.front())),

@@ -275,7 +275,8 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
                   load_points(arguments.inputs, arguments.points, arguments.volume, drawing.notes),
                   point_options(arguments.points))
             : load_models(arguments.inputs,
-                          drawing.renderer == Renderer::splat ? hierarchy.get() : nullptr));
+                          drawing.renderer == Renderer::splat ? hierarchy.get() : nullptr,
+                          arguments.site_view));
     draw_model(arguments, extinction, model, hierarchy, drawing);
     print_notes(drawing.notes);
     return drawing;

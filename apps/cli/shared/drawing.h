@@ -25,6 +25,8 @@ struct DrawingArguments {
     VolumeInputOptions volume;
     PointInputOptions points;
     std::optional<double> pixel_error;
+    std::optional<SiteView>
+        site_view;  ///< of inputs that are sites alone; none: they are read whole
     double aabb_sigma = 0, kappa = 0, stop_transmittance = 0;
     int hits_per_slab = TraceOptions{}.hits_per_slab;
     int samples = ReferenceOptions{}.samples;

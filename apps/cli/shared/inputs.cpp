@@ -15,6 +15,7 @@
 #include "vog/model_io.h"
 #include "vog/scan_io.h"
 #include "vog/shade.h"
+#include "vog/site.h"
 
 namespace vog::cli {
 
@@ -42,6 +43,7 @@ std::string extension_of(const std::string& file) {
 }
 
 FileKind kind_of(const std::string& file, const std::string& grid) {
+    if (is_site(file)) return FileKind::model;
     const std::string extension = extension_of(file);
     // A missing file is reported by its reader.
     std::error_code code;
@@ -266,11 +268,24 @@ std::vector<std::string> model_files(const std::vector<std::string>& files) {
     return all;
 }
 
-Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy) {
+bool all_sites(const std::vector<std::string>& files) {
+    return !files.empty() &&
+           std::ranges::all_of(files, [](const std::string& file) { return is_site(file); });
+}
+
+Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy,
+                      const std::optional<SiteView>& view) {
     Gaussians model;
     Hierarchy one;
     for (const std::string& file : model_files(files)) {
         const std::size_t before = model.size();
+        if (view) {
+            SiteCut cut(file);
+            append(model, cut.choose(view->frame, {view->pixel_error, true}));
+            view->report->chunks += cut.report().chunks;
+            view->report->bytes_read += cut.report().bytes_read;
+            continue;
+        }
         Gaussians read = read_model(file, hierarchy ? &one : nullptr);
         // Files of other formats leave the hierarchy to their readers.
         if (hierarchy && one.empty() && extension_of(file) != ".ply") one = build_hierarchy(read);
@@ -284,6 +299,7 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
 Box box_of(const std::string& input, const VolumeInputOptions& volume,
            const PointInputOptions& points) {
     const FileKind kind = kind_of(input, volume.grid);
+    if (is_site(input)) return view_box(read_site_info(input).models.front().description);
     if (kind == FileKind::model) return view_box(load_models({input}));
     if (kind == FileKind::points) {
         std::vector<std::string> notes;

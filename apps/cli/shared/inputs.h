@@ -3,15 +3,19 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/gaussians.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/lod.h"
+#include "vog/site.h"
 #include "vog/volume.h"
 #include "vog/volume_io.h"
 
@@ -95,9 +99,20 @@ void refuse_volume_options(const CLI::App& command, FileKind kind,
 
 /// Files of models, with each index (.json) replaced by the files it names.
 std::vector<std::string> model_files(const std::vector<std::string>& files);
+/// A view for which sites are read: chunks beyond it, or finer than its pixels, are left in their files.
+struct SiteView {
+    CameraFrame frame;
+    double pixel_error = 1;  ///< CutOptions::pixel_error
+    std::shared_ptr<SiteCutReport> report =
+        std::make_shared<SiteCutReport>();  ///< sums over the sites
+};
+/// Whether all files are folders of sites.
+bool all_sites(const std::vector<std::string>& files);
 /// Reads all models as one.
 /// hierarchy  set to the hierarchies of the models that have one; null: not read
-Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr);
+/// view       of sites alone (all_sites); none: whole models
+Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr,
+                      const std::optional<SiteView>& view = {});
 
 /// World box of an input, which views frame; read from metadata where the format has it.
 Box box_of(const std::string& input, const VolumeInputOptions& volume,

@@ -110,6 +110,7 @@ RenderedPicture figures_of(const RenderArguments& arguments, const Drawing& draw
     std::ranges::sort(render_ms);
     picture.render_ms = std::move(render_ms);
     picture.cut = drawing.cut();
+    if (arguments.drawing.site_view) picture.site = *arguments.drawing.site_view->report;
     picture.traced = drawing.traced();
     picture.gpu_ms = drawing.gpu_ms();
     picture.stage_ms = stages.times();
@@ -188,6 +189,8 @@ nlohmann::ordered_json to_json(const RenderedPicture& picture) {
                        {"gaussians", picture.cut->leaves},
                        {"nodes", picture.cut->nodes},
                        {"nodes_visited", picture.cut->visited}};
+    if (picture.site)
+        json["site"] = {{"chunks", picture.site->chunks}, {"bytes_read", picture.site->bytes_read}};
     if (picture.traced) {
         json["hits"] = picture.traced->hits;
         json["slabs"] = picture.traced->slabs;
@@ -228,6 +231,9 @@ void print(const RenderedPicture& picture, bool repeated) {
         print_line(fmt::format("cut: {} Gaussians and {} nodes drawn, {} nodes visited",
                                count_text(picture.cut->leaves), count_text(picture.cut->nodes),
                                count_text(picture.cut->visited)));
+    if (picture.site)
+        print_line(fmt::format("site: {} in {} chunks read", bytes_text(picture.site->bytes_read),
+                               count_text(picture.site->chunks)));
     if (!picture.depth_output.empty())
         print_line(fmt::format("{}: T, mean {:.6g}, largest {:.6g}", picture.depth_output,
                                picture.mean_t, picture.max_t));
@@ -297,11 +303,30 @@ void require_finite(const DepthImage& image, const std::string& input) {
                     std::numeric_limits<float>::max()));
 }
 
+/// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
+RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
+                        const RenderRanks& ranks) {
+    if (!all_sites(arguments.drawing.inputs) || arguments.turntable || ranks.divided())
+        return arguments;
+    Box box;
+    for (const std::string& input : arguments.drawing.inputs)
+        box.include(box_of(input, arguments.drawing.volume, arguments.drawing.points));
+    const Size size = parse_size(arguments.size);
+    const Camera camera = camera_from(arguments.view, command, arguments.box ? *arguments.box : box,
+                                      static_cast<double>(size.width) / size.height);
+    arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
+                                   arguments.drawing.pixel_error.value_or(1)};
+    // The chunks are the cut.
+    arguments.drawing.pixel_error.reset();
+    return arguments;
+}
+
 }  // namespace
 
-std::vector<RenderedPicture> render(const RenderArguments& arguments, const CLI::App& command,
+std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App& command,
                                     const RenderRanks& ranks) {
-    check_arguments(arguments, command, ranks.is_root);
+    check_arguments(given, command, ranks.is_root);
+    const RenderArguments arguments = of_view(given, command, ranks);
     if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
     if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);
     if (arguments.quantity.maximum()) return render_maximum(arguments, command, ranks);

@@ -68,6 +68,7 @@ struct RenderedPicture {
     std::optional<double> unit_distance;  ///< of a volume picture, world units
     double mean_opacity = 0;              ///< of a volume picture, over the pixels it covers
     std::optional<CutReport> cut;         ///< renders through a hierarchy
+    std::optional<SiteCutReport> site;    ///< of sites read for the view
     std::optional<TraceReport> traced;    ///< renders by rays
     std::optional<double> gpu_ms;         ///< device time of the last picture
     std::vector<std::pair<std::string, double>> stage_ms;  ///< in the order they ran

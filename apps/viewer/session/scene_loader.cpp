@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -112,9 +113,7 @@ Progress SceneLoader::progress(double from, double to) {
 
 void SceneLoader::add_level(Level level) {
     const std::lock_guard lock(mutex_);
-    const auto fewer = [](const Level& a, const Level& b) {
-        return a.model->size() < b.model->size();
-    };
+    const auto fewer = [](const Level& a, const Level& b) { return a.size() < b.size(); };
     scene_.levels.insert(std::upper_bound(scene_.levels.begin(), scene_.levels.end(), level, fewer),
                          std::move(level));
     changed_ = true;
@@ -130,6 +129,7 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     Content content = read_(files);
     Scene scene;
     scene.title = title_of(files);
+    if (!content.site.empty()) return show_site(content.site, std::move(scene));
     if (!content.volumes.volumes.empty()) {
         show_volumes(std::move(content.volumes), content.read_fields, std::move(scene));
     } else if (content.points.size() > 0) {
@@ -187,6 +187,26 @@ void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) 
     }
     level.hierarchy = std::make_shared<const Hierarchy>(std::move(hierarchy));
     level.model = std::make_shared<const Gaussians>(std::move(model));
+    add_level(std::move(level));
+}
+
+void SceneLoader::show_site(const std::string& folder, Scene scene) {
+    Level level;
+    level.site = std::make_shared<SiteCut>(folder);
+    const SiteModelInfo& info = level.site->info();
+    // The chunk at the root alone: no error is too large.
+    const CutOptions coarsest{std::numeric_limits<double>::infinity(), false};
+    auto root = std::make_shared<Gaussians>(
+        level.site->choose(frame_of(orbit_view(info.description.box), 1, 1), coarsest));
+    scene.box = view_box(*root);
+    scene.facts =
+        fmt::format("a site of {} Gaussians, read as views need them", count_text(info.gaussians));
+    show(std::move(scene));
+    level.name = info.description.method.empty() ? "site" : info.description.method;
+    level.made_by = info.description.options;
+    if (const std::uint64_t voxels = info.description.source_voxels)
+        level.share = static_cast<double>(info.gaussians) / static_cast<double>(voxels);
+    level.model = std::move(root);
     add_level(std::move(level));
 }
 

@@ -20,6 +20,7 @@
 #include "vog/lod.h"
 #include "vog/progress.h"
 #include "vog/renderer.h"
+#include "vog/site.h"
 
 namespace vog::viewer {
 
@@ -35,6 +36,7 @@ struct Content {
     PointOptions point_options;  ///< for the conversion to one Gaussian a particle
     Gaussians model;
     Hierarchy hierarchy;  ///< of the model; empty if its files have none
+    std::string site;     ///< folder of a site, which is read as views need it; empty: none
 };
 /// throws vog::Error
 using ReadFiles = std::function<Content(const std::vector<std::string>& files)>;
@@ -44,10 +46,15 @@ struct Level {
     std::string name;  ///< "blocks of 8 voxels", "best cut, 1.9 %", "model"
     std::shared_ptr<const Gaussians> model;
     std::shared_ptr<const Hierarchy> hierarchy;  ///< of the model
+    std::shared_ptr<SiteCut>
+        site{};             ///< what views draw in place of `model`, its coarsest part; null: none
     std::string made_by{};  ///< options of its conversion, if the file has them
     double share = 0;       ///< Gaussians per active voxel or particle; 0: unknown
     /// PSNR of V in the paper view at 256x256 pixels, against the voxels; NaN: not measured.
     double psnr_db = std::numeric_limits<double>::quiet_NaN();
+
+    /// Gaussians of the whole model.
+    std::size_t size() const { return site ? site->info().gaussians : model->size(); }
 };
 
 struct Scene {
@@ -87,6 +94,7 @@ class SceneLoader {
     void show_volumes(VolumeSet set, const ReadFields& read_fields, Scene scene);
     void show_points(const Points& points, PointOptions options, Scene scene);
     void show_model(Gaussians model, Hierarchy hierarchy, Scene scene);
+    void show_site(const std::string& folder, Scene scene);
     void convert_levels(const Composite& data, const VoxelData& voxels, Overlap overlap);
     Gaussians converted(const Composite& data, const VoxelData& voxels, std::size_t part,
                         bool is_mesh, MomentOptions options);

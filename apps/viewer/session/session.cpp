@@ -103,6 +103,10 @@ void Session::update_scene() {
     opening_ = false;
     gl_.models.clear();
     values_of_.clear();
+    site_model_.reset();
+    site_of_.reset();
+    site_pending_ = 0;
+    site_fault_.clear();
     settings.level = -1;
     moving_error_ = 0;
     camera = first_camera(scene.box);
@@ -145,12 +149,11 @@ PictureKey Session::key(WindowRenderer renderer) const {
     if (renderer == WindowRenderer::voxels)
         key.voxels = scene.voxels;
     else
-        key.model = level->model;
+        key.model = level->site && site_model_ ? site_model_ : level->model;
     key.drawn = drawn_for(quantity, values.now());
     if (renderer == WindowRenderer::gl || renderer == WindowRenderer::splat) {
         key.hierarchy = level->hierarchy;
-        key.pixel_error = double{settings.pixel_error};
-        if (moving_) key.pixel_error = std::max(key.pixel_error, moving_error_);
+        key.pixel_error = pixel_error();
     }
     key.camera = camera;
     double pixels = settings.scale;
@@ -161,6 +164,34 @@ PictureKey Session::key(WindowRenderer renderer) const {
     key.size = {std::max(1, static_cast<int>(std::lround(shown_.width * pixels))),
                 std::max(1, static_cast<int>(std::lround(shown_.height * pixels)))};
     return key;
+}
+
+double Session::pixel_error() const {
+    const double chosen = double{settings.pixel_error};
+    return moving_ ? std::max(chosen, moving_error_) : chosen;
+}
+
+/// Takes the Gaussians of a site that the view needs and that have been read.
+void Session::update_site() {
+    const Level* level = shown_level();
+    if (!level->site) return;
+    SiteCut& site = *level->site;
+    const double pixels = settings.scale;
+    const auto side = [&](int shown) {
+        return std::max(1, static_cast<int>(std::lround(shown * pixels)));
+    };
+    const Gaussians& chosen = site.choose_available(
+        frame_of(camera, side(shown_.width), side(shown_.height)), {pixel_error(), true}, {});
+    site_pending_ = site.report().pending;
+    if (const std::string fault = site.fault(); fault != site_fault_) {
+        site_fault_ = fault;
+        show_error(fault + "; coarser parts stand in");
+    }
+    if (site_model_ && site_of_ == level->site && site.report().revision == site_revision_) return;
+    site_of_ = level->site;
+    site_revision_ = site.report().revision;
+    site_model_ = std::make_shared<const Gaussians>(chosen);
+    gl_.models.clear();
 }
 
 bool Session::needs_right() const { return settings.split_on || settings.difference; }
@@ -177,6 +208,7 @@ void Session::update(PixelSize shown) {
         if (settings.other == WindowRenderer::voxels) settings.other = WindowRenderer::splat;
     }
     update_moving_error();
+    update_site();
     update_quantity();
     const int subframes = moving_ ? 1 : std::max(1, settings.subframes);
     left_.update(key(settings.renderer), subframes, gl_);
@@ -193,11 +225,11 @@ bool Session::drawing() const {
     if (scene.levels.empty()) return false;
     const bool left = settings.renderer == WindowRenderer::gl && !left_.complete();
     const bool right = needs_right() && settings.other == WindowRenderer::gl && !right_.complete();
-    return moving_ || left || right;
+    return moving_ || left || right || site_pending_ > 0;
 }
 
 bool Session::at_rest() const {
-    return !loading.busy && !moving_ && !recording_ && !playing_ &&
+    return !loading.busy && !moving_ && !recording_ && !playing_ && site_pending_ == 0 &&
            (!steps_ || shown_step_ == step_) &&
            (scene.levels.empty() || (left_.complete() && (!needs_right() || right_.complete())));
 }

@@ -213,6 +213,9 @@ class Session {
     void open_json(const std::string& file);
     void update_scene();
     void update_moving_error();
+    void update_site();
+    /// Largest error of nodes that are drawn now, pixels.
+    double pixel_error() const;
     double ms_per_ray(WindowRenderer renderer) const;
     PictureKey key(WindowRenderer renderer) const;
     bool needs_right() const;
@@ -257,6 +260,11 @@ class Session {
     int inspected_revision_ = -1;
     double moving_error_ = 0;  ///< screen-space error of the cut that keeps frames fast, pixels
     double last_change_s_ = 0;
+    std::shared_ptr<const Gaussians> site_model_;  ///< of the view, of an opened site
+    std::shared_ptr<SiteCut> site_of_;             ///< what it comes from
+    std::uint64_t site_revision_ = 0;              ///< SiteCutReport::revision of it
+    std::size_t site_pending_ = 0;                 ///< chunks that are being read
+    std::string site_fault_;                       ///< shown once
     std::optional<Recording> recording_;
     std::unique_ptr<Steps> steps_;
     std::size_t step_ = 0;

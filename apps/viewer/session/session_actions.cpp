@@ -183,7 +183,7 @@ void Session::advance_recording() {
     if (!recording_) return;
     Recording& r = *recording_;
     const bool complete = left_.complete() && (!needs_right() || right_.complete()) &&
-                          (!steps_ || shown_step_ == step_);
+                          (!steps_ || shown_step_ == step_) && site_pending_ == 0;
     if (complete && r.next > 0) {
         try {
             if (r.film)

@@ -31,7 +31,7 @@ void draw_figures(Session& session, const Gui& gui, const Layout& layout) {
                 m.gui_ms);
     const Settings& s = session.settings;
     if (const Level* level = session.shown_level()) {
-        const std::size_t all = level->model->size(), drawn = session.left().drawn();
+        const std::size_t all = level->size(), drawn = session.left().drawn();
         ImGui::Text("%s%s Gaussians, %s",
                     drawn > 0 && drawn != all ? (count_text(drawn) + " for ").c_str() : "",
                     count_text(all).c_str(), level->name.c_str());

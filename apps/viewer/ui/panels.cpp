@@ -33,7 +33,7 @@ void choose_renderer(Session& session, Gui& gui, const char* label, WindowRender
 }
 
 std::string level_text(const Level& level, const std::string& unit) {
-    std::string text = count_text(level.model->size()) + " Gaussians";
+    std::string text = count_text(level.size()) + " Gaussians";
     if (level.share > 0) text += fmt::format(", {:.3g} % of the {}", 100 * level.share, unit);
     return text;
 }

@@ -45,7 +45,7 @@ unsigned extra_bits(std::size_t symbol) {
 // --- compressors ---
 
 /// Symbols are noise, in which short repetitions are chance: coding them costs more than the symbols themselves.
-constexpr int kZstdLevel = 1, kLeastRepetition = 7, kDeflateLevel = 9;
+constexpr int kZstdLevel = 1, kLeastRepetition = 7, kDeflateLevel = 3;
 
 struct FreeContext {
     void operator()(ZSTD_CCtx* context) const { ZSTD_freeCCtx(context); }

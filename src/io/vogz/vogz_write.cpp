@@ -25,13 +25,6 @@ using namespace vogz;
 
 namespace {
 
-void check(const VogzPrecision& precision) {
-    for (const auto& [name, step] :
-         {std::pair("step", precision.step), std::pair("field_step", precision.field_step)})
-        if (!(step >= 1e-6 && step <= 0.5))
-            throw Error(fmt::format("compact model: {} {}, expected from 1e-6 to 0.5", name, step));
-}
-
 /// Gaussians with density, in Morton order.
 std::vector<std::uint32_t> morton_order(const Gaussians& model, const ShapeRounding& rounding) {
     struct Place {
@@ -159,7 +152,7 @@ void encode(const Coding& coding, Chunk& chunk) {
 
 /// All blobs of a model, and the table of them.
 Coding coded(const Gaussians& model, const Hierarchy& hierarchy, const VogzOptions& options) {
-    check(options.precision);
+    require_valid(options.precision);
     validate(model);
     if (model.size() >= std::numeric_limits<std::uint32_t>::max())
         throw Error(
@@ -219,6 +212,13 @@ void for_each_blob(const Coding& coding, const Use& use) {
 }
 
 }  // namespace
+
+void vogz::require_valid(const VogzPrecision& precision) {
+    for (const auto& [name, step] :
+         {std::pair("step", precision.step), std::pair("field_step", precision.field_step)})
+        if (!(step >= 1e-6 && step <= 0.5))
+            throw Error(fmt::format("compact model: {} {}, expected from 1e-6 to 0.5", name, step));
+}
 
 std::string vogz::bytes_of(const Gaussians& gaussians, const VogzOptions& options) {
     Coding coding = coded(gaussians, {}, options);

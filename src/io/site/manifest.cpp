@@ -1,0 +1,294 @@
+// manifest.cpp: manifests and tables as JSON; every number is checked when read.
+#include "io/site/manifest.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "core/atomic_file.h"
+#include "core/json_fault.h"
+#include "data/field_arrays.h"
+#include "io/site/chunk_name.h"
+#include "vog/error.h"
+
+namespace vog::site {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "vog site";
+constexpr int kVersion = 1;
+/// Far above those of any site; a file of damaged length does not allocate more.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;
+constexpr std::uint32_t kMostGaussians = 1u << 20, kMostChunkBytes = 1u << 30;
+constexpr int kMostDepth = 64;
+
+Json numbers(Vec3d v) { return {v.x, v.y, v.z}; }
+Vec3d vector_of(const Json& json) {
+    const auto v = json.get<std::array<double, 3>>();
+    for (const double x : v)
+        if (!std::isfinite(x)) throw Error("a number that is not finite");
+    return {v[0], v[1], v[2]};
+}
+
+/// Six digits, rounded up or down: boxes and errors may grow, not shrink.
+double six_digits(double v, bool up) {
+    constexpr double kSlack = 6e-6;  // of six digits' rounding, 5e-6, and a bit
+    return std::stod(fmt::format("{:.6g}", v + (up ? kSlack : -kSlack) * std::abs(v)));
+}
+
+Json json_of(const Row& row) {
+    Json json = {{"name", row.name},
+                 {"nodes", row.nodes},
+                 {"gaussians", row.gaussians},
+                 {"error", six_digits(row.error, true)}};
+    for (std::size_t k = 0; k < 6; ++k) json["box"].push_back(six_digits(row.box[k], k >= 3));
+    json["bytes"] = row.bytes;
+    if (!row.table.empty()) {
+        json["table"] = row.table;
+        json["tableBytes"] = row.table_bytes;
+    }
+    for (const Row& part : row.parts) json["parts"].push_back(json_of(part));
+    return json;
+}
+
+std::uint32_t count_of(const Json& json, const char* key, std::uint32_t most) {
+    const Json& value = json.at(key);
+    if (!value.is_number_unsigned() || value.get<std::uint64_t>() > most)
+        throw Error(
+            fmt::format("{} {}, expected a whole number of at most {}", key, value.dump(), most));
+    return value.get<std::uint32_t>();
+}
+std::string name_of(const Json& json, const char* key) {
+    const auto name = json.at(key).get<std::string>();
+    if (!is_content_name(name)) throw Error(fmt::format("a {} that is no name of a chunk", key));
+    return name;
+}
+
+Row row_of(const Json& json, std::size_t fields, int depth) {
+    Row row;
+    row.name = name_of(json, "name");
+    row.gaussians = count_of(json, "gaussians", kMostGaussians);
+    row.nodes = count_of(json, "nodes", row.gaussians);
+    row.error = json.at("error").get<float>();
+    row.box = json.at("box").get<std::array<float, 6>>();
+    row.bytes = json.at("bytes").get<std::vector<std::uint32_t>>();
+    if (row.gaussians == 0) throw Error("a chunk without Gaussians");
+    if (!(row.error >= 0 && std::isfinite(row.error)))
+        throw Error(fmt::format("an error of {}, expected a finite number >= 0", row.error));
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (!(row.box[axis] <= row.box[axis + 3] && std::isfinite(row.box[axis]) &&
+              std::isfinite(row.box[axis + 3])))
+            throw Error("a box that is none");
+    if (row.bytes.size() != 1 + fields)
+        throw Error(fmt::format("{} sizes of files, expected {}", row.bytes.size(), 1 + fields));
+    for (const std::uint32_t bytes : row.bytes)
+        if (bytes > kMostChunkBytes) throw Error(fmt::format("a chunk of {} bytes", bytes));
+    if (json.contains("table")) {
+        row.table = name_of(json, "table");
+        row.table_bytes = count_of(json, "tableBytes", kMostChunkBytes);
+    }
+    if (json.contains("parts")) {
+        if (depth == 0) throw Error(fmt::format("a tree of more than {} depths", kMostDepth));
+        for (const Json& part : json["parts"]) row.parts.push_back(row_of(part, fields, depth - 1));
+    }
+    const int ways = (row.table.empty() ? 0 : 1) + (row.parts.empty() ? 0 : 1);
+    if (ways != (row.nodes > 0 ? 1 : 0))
+        throw Error("a chunk whose nodes have no parts, or parts without nodes");
+    return row;
+}
+
+template <class Field>
+Json field_json(const Field& field, const char* kind) {
+    return {{"name", field.name},
+            {"kind", kind},
+            {"unit", field.unit},
+            {"lower", field.lower},
+            {"upper", field.upper}};
+}
+
+Json json_of(const ManifestModel& model) {
+    const Gaussians& about = model.description;
+    Json json = {{"name", model.name},
+                 {"gaussians", model.gaussians},
+                 {"cutoff", about.cutoff},
+                 {"rotated", model.rotated},
+                 {"origin", numbers(about.origin)},
+                 {"source_voxels", about.source_voxels},
+                 {"source", about.source},
+                 {"method", about.method},
+                 {"options", about.options},
+                 {"summary", about.summary}};
+    if (!about.box.empty()) json["box"] = {numbers(about.box.lower), numbers(about.box.upper)};
+    json["fields"] = Json::array();
+    for (const ScalarField& field : about.fields.scalar)
+        json["fields"].push_back(field_json(field, field.is_measure ? "measure" : "scalar"));
+    for (const VectorField& field : about.fields.vector)
+        json["fields"].push_back(field_json(field, "vector"));
+    json["levels"] = Json::array();
+    for (const SiteLevel& level : model.levels)
+        json["levels"].push_back({{"chunks", level.chunks},
+                                  {"gaussians", level.gaussians},
+                                  {"bytes", level.bytes},
+                                  {"error", six_digits(level.error, true)}});
+    json["root"] = json_of(model.root);
+    return json;
+}
+
+template <class Field>
+Field field_of(const Json& json) {
+    Field field;
+    field.name = json.at("name"), field.unit = json.at("unit");
+    field.lower = json.at("lower"), field.upper = json.at("upper");
+    return field;
+}
+
+ManifestModel model_of(const Json& json) {
+    ManifestModel model;
+    Gaussians& about = model.description;
+    model.name = json.at("name");
+    model.gaussians = json.at("gaussians");
+    model.rotated = json.at("rotated");
+    about.cutoff = json.at("cutoff");
+    if (!(about.cutoff > 0 && about.cutoff <= 8))
+        throw Error(
+            fmt::format("a cutoff of {}, expected more than 0 and at most 8", about.cutoff));
+    about.origin = vector_of(json.at("origin"));
+    about.source_voxels = json.at("source_voxels");
+    about.source = json.at("source"), about.method = json.at("method");
+    about.options = json.at("options"), about.summary = json.at("summary");
+    if (json.contains("box"))
+        about.box = {vector_of(json["box"].at(0)), vector_of(json["box"].at(1))};
+    for (const Json& field : json.at("fields")) {
+        const std::string kind = field.at("kind");
+        if (kind == "vector") {
+            about.fields.vector.push_back(field_of<VectorField>(field));
+            continue;
+        }
+        if (kind != "scalar" && kind != "measure")
+            throw Error(fmt::format("a field of the kind {}", kind));
+        if (!about.fields.vector.empty()) throw Error("a scalar field behind a vector field");
+        about.fields.scalar.push_back(field_of<ScalarField>(field));
+        about.fields.scalar.back().is_measure = kind == "measure";
+    }
+    check_descriptions(about.fields);
+    const std::size_t fields = about.fields.scalar.size() + about.fields.vector.size();
+    for (const Json& level : json.at("levels"))
+        model.levels.push_back(
+            {level.at("chunks"), level.at("gaussians"), level.at("bytes"), level.at("error")});
+    model.root = row_of(json.at("root"), fields, kMostDepth);
+    return model;
+}
+
+/// throws vog::Error with the name of the file for whatever `read` throws
+template <class Read>
+auto named(const fs::path& file, const Read& read) {
+    try {
+        return read();
+    } catch (const nlohmann::json::exception& error) {
+        throw Error(fmt::format("{}: damaged: {}", file.string(), json_fault(error)));
+    } catch (const Error& error) {
+        throw Error(fmt::format("{}: {}", file.string(), error.what()));
+    }
+}
+
+std::string text_of(const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace
+
+std::uint64_t Row::all_bytes() const {
+    return std::accumulate(bytes.begin(), bytes.end(), std::uint64_t{0});
+}
+
+std::size_t field_count(const ManifestModel& model) {
+    return model.description.fields.scalar.size() + model.description.fields.vector.size();
+}
+
+const ManifestModel& model_at(const Manifest& manifest, std::size_t model, const fs::path& folder) {
+    if (model >= manifest.models.size())
+        throw Error(fmt::format("{}: model {}, expected below {}", folder.string(), model,
+                                manifest.models.size()));
+    return manifest.models[model];
+}
+
+fs::path shapes_path(const fs::path& folder, const std::string& name) {
+    return folder / kChunksName / (name + ".vogz");
+}
+fs::path field_path(const fs::path& folder, const std::string& name, std::size_t field) {
+    return folder / kChunksName / fmt::format("{}.{}", name, field);
+}
+fs::path table_path(const fs::path& folder, const std::string& name) {
+    return folder / kChunksName / (name + ".json");
+}
+
+std::string manifest_text(const Manifest& manifest) {
+    Json json = {{"format", kFormat}, {"version", kVersion}, {"steps", manifest.steps}};
+    for (const ManifestModel& model : manifest.models) json["models"].push_back(json_of(model));
+    return text_of(json);
+}
+
+std::string table_text(const std::vector<Row>& parts) {
+    Json json;
+    for (const Row& part : parts) json["parts"].push_back(json_of(part));
+    return text_of(json);
+}
+
+std::string read_whole(const fs::path& file, std::uint64_t size) {
+    require_readable(file);
+    std::ifstream in(file, std::ios::binary);
+    std::string bytes(size, '\0');
+    in.read(bytes.data(), static_cast<std::streamsize>(size));
+    if (static_cast<std::uint64_t>(in.gcount()) != size ||
+        in.peek() != std::ifstream::traits_type::eof())
+        throw Error(fmt::format("{}: damaged: {} bytes, expected {}", file.string(),
+                                fs::file_size(file), size));
+    return bytes;
+}
+
+Manifest read_manifest(const fs::path& folder) {
+    const fs::path file = folder / kManifestName;
+    require_readable(file);
+    const std::uint64_t size = fs::file_size(file);
+    if (size > kMostBytes)
+        throw Error(
+            fmt::format("{}: {} bytes, expected at most {}", file.string(), size, kMostBytes));
+    const std::string text = read_whole(file, size);
+    const Json json = named(file, [&] { return Json::parse(text); });
+    if (!json.is_object() || json.value("format", Json()) != kFormat)
+        throw Error(fmt::format(
+            "{}: no manifest of a site (vog export MODEL -o FOLDER/ writes one)", file.string()));
+    return named(file, [&] {
+        if (json.at("version") != kVersion)
+            throw Error(fmt::format("version {}, expected {}: written by another vog",
+                                    json["version"].dump(), kVersion));
+        Manifest manifest;
+        manifest.steps = json.at("steps");
+        for (const Json& model : json.at("models")) manifest.models.push_back(model_of(model));
+        if (manifest.models.empty()) throw Error("no model");
+        return manifest;
+    });
+}
+
+std::vector<Row> read_parts(const fs::path& folder, const Row& row, std::size_t fields) {
+    const fs::path file = table_path(folder, row.table);
+    const std::string text = read_whole(file, row.table_bytes);
+    return named(file, [&] {
+        if (content_name(std::span(&text, 1)) != row.table)
+            throw Error("other bytes than were written");
+        std::vector<Row> parts;
+        const Json json = Json::parse(text);
+        for (const Json& part : json.at("parts")) parts.push_back(row_of(part, fields, kMostDepth));
+        if (parts.empty()) throw Error("no parts");
+        return parts;
+    });
+}
+
+}  // namespace vog::site

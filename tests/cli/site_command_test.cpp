@@ -1,0 +1,101 @@
+// site_command_test.cpp: sites by the command: export, contents, pictures of views, repeated and refused exports.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/command.h"
+
+namespace vog::test {
+
+class site_command : public CommandLine {};
+
+using Json = nlohmann::json;
+
+TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
+    must("sample cloud c.vdb --size 128");
+    must("convert c.vdb -o c.ply --block 2 --soft-steps 0");
+    const Json made = Json::parse(must("export c.ply -o site/ --json").out);
+    const Json whole = Json::parse(must("info c.ply --json").out)["files"][0]["model"];
+    EXPECT_EQ(made["gaussians"], whole["gaussians"]);
+    EXPECT_GT(made["chunks"], 1);
+    EXPECT_EQ(made["kept"], 0);
+    const Json site = Json::parse(must("info site --json").out)["files"][0]["site"];
+    EXPECT_EQ(site["models"][0]["gaussians"], whole["gaussians"]);
+    EXPECT_EQ(site["models"][0]["levels"][0]["chunks"], 1);
+    EXPECT_NE(must("site/").out.find("vog serve site"), std::string::npos);
+    // From afar a part of the chunks, near and by value all that is in view.
+    for (const std::string view :
+         {"--size 64 --extinction 100", "--size 160 --distance 0.8 --extinction 100",
+          "--size 96 --orthographic --view +x --extinction 100",
+          "--size 96 --show mean --field density --range 0,2",
+          "--size 96 --show volume --tf viridis --unit-distance 0.05 --range 0,2"}) {
+        const Json a = Json::parse(must("render c.ply -o a.png --json " + view).out);
+        const Json b = Json::parse(must("render site -o b.png --json " + view).out);
+        EXPECT_LE(b["gaussians"], a["gaussians"]) << view;
+        const Json difference = Json::parse(must("compare a.png b.png --json").out);
+        EXPECT_GT(difference["psnr_rgb_db"].get<double>(), 38) << view << "\n" << difference;
+    }
+    const Json far = Json::parse(must("render site -o far.png --size 32 --json").out);
+    EXPECT_LT(far["gaussians"].get<int>(), whole["gaussians"].get<int>() / 4);
+    const Json all =
+        Json::parse(must("render site -o all.png --size 32 --pixel-error 0 --json").out);
+    EXPECT_EQ(all["gaussians"], whole["gaussians"]);
+    // Whole models elsewhere.
+    must("export site -o back.vogz");
+    must("render site -o turn/ --turntable 2 --size 16");
+}
+
+TEST_F(site_command, an_export_again_keeps_what_is_there) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --block 2");
+    const Json first = Json::parse(must("export c.ply -o site/ --json").out);
+    const std::string manifest = read_text(dir_ / "site/manifest.json");
+    const Json again = Json::parse(must("export c.ply -o site/ --json --title Other").out);
+    EXPECT_EQ(again["kept"], first["chunks"]);
+    EXPECT_EQ(read_text(dir_ / "site/manifest.json"), manifest);
+    const Json coarse = Json::parse(must("export c.ply -o site --json --step 0.1 --no-fields").out);
+    EXPECT_EQ(coarse["kept"], 0);
+    EXPECT_GT(coarse["removed"], 0);
+    EXPECT_LT(coarse["bytes"], first["bytes"]);
+    must("render site -o after.png --size 16");
+}
+
+TEST_F(site_command, volumes_particles_and_steps_become_sites) {
+    must("sample cloud c.vdb --size 64");
+    must("sample explosion e.vdb --size 64");
+    must("sample particles p.xyz --size 16");
+    must("export c.vdb -o volume/ --memory 500M");
+    must("export p.xyz -o particles/");
+    must("convert c.vdb -o step_1.ply --budget 300");
+    must("convert e.vdb -o step_2.ply --budget 300");
+    must("export 'step_*.ply' -o steps/ --site");
+    const Json steps = Json::parse(must("info steps --json").out)["files"][0]["site"];
+    EXPECT_EQ(steps["steps"], true);
+    EXPECT_EQ(steps["models"].size(), 2u);
+    must("export step_1.ply step_2.ply -o two/ --site --name A --name B");
+    EXPECT_EQ(Json::parse(must("info two --json").out)["files"][0]["site"]["models"][1]["name"],
+              "B");
+    must("export step_1.ply step_2.ply -o pages/");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "pages/step_1.html"));
+}
+
+TEST_F(site_command, requests_without_sense_are_refused) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --budget 100");
+    must_fail(2, "export c.ply -o c.html --site", "--site: expected -o with a folder");
+    must_fail(2, "export c.ply -o c.html --memory 1G", "--memory");
+    must_fail(2, "export c.ply -o site/ --levels 3", "--levels");
+    must_fail(2, "export c.ply -o site/ --hierarchy", "--hierarchy does not go with a site");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "site"));
+    std::filesystem::create_directories(dir_ / "mine");
+    std::ofstream(dir_ / "mine/index.html") << "mine";
+    must_fail(1, "export c.ply -o mine/", "mine");
+    EXPECT_EQ(read_text(dir_ / "mine/index.html"), "mine");
+    must("export c.ply -o site/");
+    std::filesystem::remove_all(dir_ / "site/chunks");
+    must_fail(1, "render site -o a.png", "no such file");
+    std::ofstream(dir_ / "site/manifest.json") << "{";
+    must_fail(1, "render site -o a.png", "not JSON");
+}
+
+}  // namespace vog::test
