@@ -36,10 +36,11 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
 /// The page's other modules in the order of their dependencies.
 constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js",        "decoder.js",  "colors.js",   "transfer.js", "clip.js",
-    "renderer.js", "slabs.js",         "probe.js",    "quantity.js", "link.js",     "input.js",
-    "editor.js",   "clip_controls.js", "controls.js", "overlay.js",  "handles.js",  "player.js",
-    "readout.js",  "outer.js",         "main.js"};
+    "vectors.js",  "camera.js",     "decoder.js",  "colors.js",   "transfer.js",      "clip.js",
+    "renderer.js", "slabs.js",      "probe.js",    "quantity.js", "levels.js",        "rows.js",
+    "cut.js",      "visibility.js", "requests.js", "store.js",    "loading.js",       "site.js",
+    "status.js",   "link.js",       "input.js",    "editor.js",   "clip_controls.js", "controls.js",
+    "overlay.js",  "handles.js",    "player.js",   "readout.js",  "outer.js",         "main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",

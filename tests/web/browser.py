@@ -137,11 +137,12 @@ class Browser:
         self.call("Page.navigate", url="about:blank")
 
     def open(self, path, fragment=""):
-        """Opens a file and waits until its module has run."""
+        """Opens a file or a URL and waits until its module has run."""
         self.leave()  # a change of the fragment alone does not reload a page
         self.complaints.clear()
         self.requests.clear()
-        answer = self.call("Page.navigate", url=f"file://{os.path.abspath(path)}{fragment}")
+        url = str(path) if str(path).startswith("http://") else f"file://{os.path.abspath(path)}"
+        answer = self.call("Page.navigate", url=url + fragment)
         if "errorText" in answer:
             raise RuntimeError(answer["errorText"])
         deadline = time.monotonic() + self.timeout_s

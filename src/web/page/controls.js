@@ -7,7 +7,6 @@ import { choices, label, numberText, shows, ticks } from './quantity.js';
 import { transferJson } from './picture/transfer.js';
 
 const find = (id) => document.getElementById(id);
-const countText = (n) => n.toLocaleString('en');
 
 function element(name, text, attributes = {}) {
   const made = document.createElement(name);
@@ -22,7 +21,7 @@ const factorText = (x) => `× ${Number(x.toPrecision(2))}`;
 export class Controls {
   /**
    * change    called with the part of the state that the reader changed
-   * commands  {home, save, link, help, panel, transfer: called with an edited transfer function, null: the first one}
+   * commands  {home, save, link, help, panel, detail: called with a value of its slider, transfer: called with an edited transfer function, null: the first one}
    */
   constructor(page, change, commands) {
     this.page = page;
@@ -40,7 +39,7 @@ export class Controls {
       find('keys').append(element('dt', keys), element('dd', effect));
 
     const on = (id, event, act) => find(id).addEventListener(event, act);
-    on('level', 'input', () => change({ level: this.levels() - 1 - find('level').valueAsNumber }));
+    on('level', 'input', () => commands.detail(find('level').valueAsNumber));
     on('map', 'change', () => change({ map: find('map').value }));
     on('exposure', 'input', () => change({ exposure: 2 ** find('exposure').valueAsNumber }));
     on('exposure', 'dblclick', () => change({ exposure: 1 }));
@@ -143,20 +142,21 @@ export class Controls {
     find('of-quantity').textContent = label(model, state);
   }
 
-  levels() { return this.page.models[this.model].levels.length; }
+  /** Detail of the picture, {value, most, text: how many Gaussians}; to the right: finer. */
+  showDetail({ value, most, text }) {
+    const level = find('level');
+    level.max = most;
+    level.value = value;
+    level.disabled = most < 1;
+    find('count').textContent = text;
+    level.setAttribute('aria-valuetext', text);
+  }
 
-  /** shown  {scale, transfer} of the state's quantity */
+  /** shown  {scale, transfer} of the state's quantity; detail: of showDetail */
   show(state, shown) {
     const { page } = this, model = page.models[state.model];
-    this.model = state.model;
     find('models').querySelectorAll('input')[state.model].checked = true;
-    const level = find('level'), count = model.levels[state.level].count;
-    level.max = model.levels.length - 1;
-    level.value = model.levels.length - 1 - state.level;  // to the right: finer
-    level.disabled = model.levels.length < 2;
-    const counted = `${countText(count)} ${count === 1 ? 'Gaussian' : 'Gaussians'}`;
-    find('count').textContent = counted;
-    level.setAttribute('aria-valuetext', counted);
+    this.showDetail(shown.detail);
     find('map').value = state.map;
     find('exposure').value = Math.log2(state.exposure);
     find('exposed').textContent = factorText(state.exposure);

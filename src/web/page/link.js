@@ -2,6 +2,7 @@
 // never changes its own address.
 import { isUsable } from './camera.js';
 import { mostOwnPlanes } from './picture/clip.js';
+import { leastError, mostError } from './stream/cut.js';
 import { length, sub } from './vectors.js';
 
 const vectors = (text, count) => {
@@ -52,6 +53,9 @@ export function readLink(hash, camera) {
     subframes: number(words.get('subframes'), 1, 64),
     model: number(words.get('model'), 1, 1e6),
     level: number(words.get('level'), 1, 1e6),
+    pixelError: number(words.get('error'), leastError, mostError),
+    memory: number(words.get('memory'), 1, 1e5),
+    most: number(words.get('most'), 1, 1e9),
     show: words.get('show'),
     field: words.get('field'),
     part: words.get('part'),
@@ -73,7 +77,8 @@ export function readLink(hash, camera) {
 
 /**
  * Address suffix of a view, for readLink.
- * shown  {field: name, scale, transfer} of the quantity, each null where the first one holds; planes: whether to name them
+ * shown  {field: name, scale, transfer} of the quantity, each null where the first one holds; planes: whether to name them;
+ *        streamed: whether detail is an error in pixels
  */
 export function writeLink(state, shown) {
   const { eye, at, up, fov, span } = state.camera;
@@ -82,7 +87,8 @@ export function writeLink(state, shown) {
   const more = Math.max(0, Math.floor(Math.log10(farthest / length(sub(at, eye)))));
   const digits = (v, count = 8) =>
     v.map((x) => Number(x.toPrecision(Math.min(17, count)))).join(',');
-  const words = [`model=${state.model + 1}`, `level=${state.level + 1}`];
+  const words = [`model=${state.model + 1}`];
+  words.push(shown.streamed ? `error=${Number(state.pixelError.toPrecision(3))}` : `level=${state.level + 1}`);
   words.push(`map=${encodeURIComponent(state.map)}`);
   words.push(`exposure=${Number(state.exposure.toPrecision(4))}`);
   words.push(`reverse=${state.reverse ? 1 : 0}`, `fade=${state.fade ? 1 : 0}`);

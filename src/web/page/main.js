@@ -1,14 +1,18 @@
-// main.js: state of the page, scheduling of frames, loading of levels, commands.
+// main.js: state of the page, scheduling of frames, commands.
 import { length, mul, normalized, sub } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
 import { Decoder } from './model/decoder.js';
+import { Levels } from './model/levels.js';
+import { Site } from './stream/site.js';
+import { leastError, mostError } from './stream/cut.js';
+import { showStream } from './stream/status.js';
 import { reversed } from './picture/colors.js';
 import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fittedUnit, inSlabs, quantityNumber, shownOf } from './quantity.js';
+import { automaticScale, automaticTransfer, fieldKey, fieldPlace, fittedUnit, inSlabs, quantityNumber, shownOf } from './quantity.js';
 import { readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
@@ -36,6 +40,7 @@ const state = {
   light: page.quantity.light, clip: page.quantity.clip,
   planes: page.quantity.planes.map((plane) => ({ ...plane, on: true })),
   logAxis: false,              // of the values in the editor
+  pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
 };
 if (page.quantity.transfer) state.transfers[state.field] = page.quantity.transfer;
 
@@ -66,17 +71,13 @@ const roughUnit = () => 0.02 * length(box().half) || 1;
 // --- Drawing. Changes of camera, model, level, size, field or clip render sums anew; all others only shade. ---
 
 const restMs = 200;       // time without motion after which the camera counts as at rest
-const slowMs = 50;        // slower frames: coarser levels while the camera moves
-const fastMs = 12;        // faster frames: finer levels again
 const patienceMs = 100;   // no further sub-frames after one that took longer
-const mostKept = 1 << 26; // floats of decoded steps in memory
 
 let renderer = null, slabs = null, half = false, lost = false;
-let scene = [];                // of each model its decoded levels: {instances, fields: Map, gpu}
-let loading = 0;               // number of the current load; levels of earlier ones are dropped
-let complete = false;          // all levels are decoded
 let drawn = null;              // what the current sums are of
-let moving = 0, coarser = 0;   // timer of the motion; levels coarser than the chosen one meanwhile
+let count = 0;                 // Gaussians of the last frame
+let loads = 0;
+let moving = 0;                // timer of the motion
 let frame = 0, inFlight = false, frameMs = 0;
 let stale = false;             // something changed while a frame was in flight
 let waiting = [];              // callbacks that wait for a settled picture
@@ -85,59 +86,44 @@ function request() {
   if (!frame && !inFlight && renderer && !lost) frame = requestAnimationFrame(draw);
 }
 
-const levelsOf = (model) => (scene[model] ??= page.models[model].levels.map(() => null));
-/** Whether a level has what the shown quantity needs. */
-const isReady = (model, level) => {
-  const entry = levelsOf(model)[level];
-  return entry !== null && (fieldKey(state) === null || entry.fields.has(state.field));
-};
-
-/** Level to draw: the chosen one, a coarser one while moving, or the next coarser one decoded. */
-function levelNow() {
-  const last = page.models[state.model].levels.length - 1;
-  let level = Math.min(state.level + (moving ? coarser : 0), last);
-  while (level < last && !isReady(state.model, level)) ++level;
-  return isReady(state.model, level) ? level : -1;
-}
-
-/** A level in the GPU's memory, with the shown field. */
-function uploaded(level) {
-  const entry = levelsOf(state.model)[level], key = fieldKey(state);
-  entry.gpu ??= renderer.upload(entry.instances);
-  if (key !== null && !entry.gpu.fields.has(key)) {
-    const source = page.models[state.model].fields[state.field];
-    renderer.uploadField(entry.gpu, key, entry.fields.get(state.field), source.vector, state.part);
-  }
-  return entry.gpu;
-}
+const decoder = new Decoder(find('reader').textContent + find('worker').textContent);
+/** The models: what there is of them to draw. */
+const source = new (page.site ? Site : Levels)(page, decoder, {
+  state: () => state, renderer: () => (lost ? null : renderer), size: () => [canvas.width, canvas.height],
+  clip: clipNow, transfer: () => transferShown(), changed: redraw,
+  say, fail: (text) => giveUp(`${text}.`), show: (status) => { showStream(status); controls.showDetail(source.detail()); },
+  refuse: (line) => {
+    change({ show: 'T' });
+    say(`This quantity cannot be shown: ${line}.`, 12);
+  },
+});
+const busy = () => Boolean(moving || player?.playing);
 
 const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, isMeasure });
 
 /** Adds one sub-frame of the shown quantity. */
-function addSums(level, transfer = transferShown()) {
-  const model = page.models[state.model], there = level >= 0 ? uploaded(level) : undefined;
-  const key = fieldKey(state), { camera } = state, clip = clipNow();
+function addSums(parts, transfer = transferShown()) {
+  const model = page.models[state.model], field = fieldPlace(state), { camera } = state, clip = clipNow();
   if (inSlabs(state.show)) {
-    const source = model.fields[state.field];
     slabs ??= new Slabs(renderer);
-    slabs.add(there, model, camera, {
-      field: key, transfer, light: state.light, clip, slabs: transfer ? page.quantity.slabs : page.quantity.maximumSlabs,
-      source: rangeOf(source),
+    slabs.add(parts, model, camera, {
+      field, transfer, light: state.light, clip, slabs: transfer ? page.quantity.slabs : page.quantity.maximumSlabs,
+      source: rangeOf(model.fields[field]),
     });
   } else {
-    renderer.addSums(there, model, camera, { field: key, part: key && state.part, clip });
+    renderer.addSums(parts, model, camera, { field, part: field === null ? '' : state.part, clip });
   }
 }
 
 /** Finds the unit distance of a transfer function that has none, from a small picture. */
-function fitUnit(level) {
+function fitUnit(parts) {
   const { width, height } = renderer, scale = 64 / Math.max(width, height);
   const small = [width, height].map((side) => Math.max(1, Math.round(scale * side)));
   let transfer = transferShown();
   renderer.resize(...small);
   for (let n = 0; n < 4; ++n) {
     renderer.restart();
-    addSums(level, transfer);
+    addSums(parts, transfer);
     transfer = { ...transfer, unit: Number(fittedUnit(renderer.allSums(), transfer.unit).toPrecision(4)) };
   }
   if (state.transfers[state.field]) state.transfers = { ...state.transfers, [state.field]: transfer };
@@ -162,14 +148,15 @@ function draw() {
 
 function drawNow() {
   const { width, height } = canvas;
-  const level = levelNow();
+  const there = source.now(busy());
   renderer.resize(width, height);
-  if (state.show === 'volume' && complete && level >= 0 && !(transferNow().unit > 0)) fitUnit(level);
-  const now = [state.camera, state.model, level, width, height, fieldKey(state), inSlabs(state.show) && state.show, state.clip, state.planes,
+  if (state.show === 'volume' && there.isWhole && !(transferNow().unit > 0)) fitUnit(there.parts);
+  count = there.count;
+  const now = [state.camera, state.model, there.key, width, height, fieldKey(state), inSlabs(state.show) && state.show, state.clip, state.planes,
     state.show === 'volume' && transferNow(), state.show === 'volume' && state.light];
   if (!drawn || now.some((part, n) => part !== drawn[n])) renderer.restart();
   drawn = now;
-  if (renderer.subframes === 0 || wantsMore()) addSums(level);
+  if (renderer.subframes === 0 || wantsMore()) addSums(there.parts);
   shade();
   if (inFlight) stale = true;
   else time();
@@ -185,7 +172,7 @@ function shade() {
 }
 
 /** Whether to add a sub-frame. The first frame's time is ignored: it may include shader compilation. */
-const wantsMore = () => !moving && !player?.playing && renderer.subframes < state.subframes &&
+const wantsMore = () => !busy() && renderer.subframes < state.subframes &&
     (renderer.subframes < 2 || frameMs < patienceMs);
 
 /** Waits until the GPU has finished the frame, measures its time, then allows the next. */
@@ -201,9 +188,7 @@ function time() {
     inFlight = false;
     frameMs = performance.now() - start;
     find('count').title = `${Math.round(frameMs)} ms a frame`;
-    if (moving && frameMs > slowMs) ++coarser;
-    if (moving && frameMs < fastMs) coarser = Math.max(0, coarser - 1);
-    coarser = Math.min(coarser, page.models[state.model].levels.length - 1 - state.level);
+    source.frameTook(frameMs, page.site ? busy() : Boolean(moving));
     afterFrame();
   };
   setTimeout(poll, 0);
@@ -214,8 +199,8 @@ function afterFrame() {
     stale = false;
     return request();
   }
-  if (moving || !complete) return;
-  document.documentElement.dataset.drawn = page.models[state.model].levels[levelNow()].count;
+  if (moving || !source.complete) return;
+  document.documentElement.dataset.drawn = count;
   for (const resolve of waiting.splice(0)) resolve();
 }
 
@@ -234,7 +219,7 @@ function startRenderer() {
     return;
   }
   slabs = null;
-  for (const levels of scene) for (const entry of levels ?? []) if (entry) entry.gpu = undefined;
+  source.restart();
   drawn = null;
   setMap();
   if (renderer.format.bits === 16)
@@ -246,58 +231,10 @@ function setMap() {
   renderer?.setMap(mapNow());
 }
 
-const decoder = new Decoder(find('reader').textContent + find('worker').textContent);
-/** Decodes one level and the shown field, unless it has been. */
-async function decode(model, level) {
-  const levels = levelsOf(model), { extinction, center, unit, fields } = page.models[model], { field } = state;
-  const text = find(`model-${model}-${level}`).textContent;
-  if (!levels[level]) {
-    const instances = await decoder.decoded('decodeLevel', text, { center, unit }, extinction);
-    levels[level] ??= { instances, fields: new Map(), gpu: undefined };
-  }
-  if (fieldKey(state) === null || !fields[field] || levels[level].fields.has(field)) return;
-  const { vector, reference, scale } = fields[field];
-  const data = await decoder.decoded('decodeField', text, field, { vector, reference, scale });
-  levels[level].fields.set(field, data);
-}
-
-/** Frees the GPU's memory of models that are not shown, and of steps in memory the farthest ahead. */
-function tidy() {
-  let kept = 0;
-  for (let ahead = 0; ahead < page.models.length; ++ahead) {
-    const model = (state.model + ahead) % page.models.length;
-    for (const entry of scene[model] ?? []) {
-      if (!entry) continue;
-      if (entry.gpu && ahead > 1) {
-        renderer?.release(entry.gpu);
-        entry.gpu = undefined;
-      }
-      kept += entry.instances.length;
-      for (const data of entry.fields.values()) kept += data.length;
-    }
-    if (kept > mostKept && ahead > 1) scene[model] = undefined;
-  }
-}
-
-/** Decodes the model's levels, coarsest first, and draws each when decoded; then the steps that follow. */
+/** Has all that the state shows decoded, coarse first. */
 async function load() {
-  const turn = ++loading, index = state.model, model = page.models[index];
-  if (turn > 1 && !page.steps) say('');
-  tidy();
-  complete = model.levels.every((_, level) => isReady(index, level));
-  for (let level = model.levels.length - 1; level >= 0 && !complete; --level) {
-    await decode(index, level);
-    if (turn !== loading) return;
-    drawn = null;
-    redraw();
-  }
-  complete = true;
-  if (model.levels[0].count === 0) say('This model is empty.', 0);
-  redraw();
-  for (let ahead = 1; page.steps && ahead < Math.min(4, page.models.length); ++ahead) {
-    await decode((index + ahead) % page.models.length, Math.min(state.level, page.models[(index + ahead) % page.models.length].levels.length - 1));
-    if (turn !== loading) return;
-  }
+  if (loads++ > 0 && !page.steps) say('');
+  await source.load();
 }
 
 // --- Changes. ---
@@ -313,6 +250,7 @@ function change(part) {
     if (part.level === undefined) state.level = 0;
   }
   state.level = Math.max(0, Math.min(state.level, page.models[state.model].levels.length - 1));
+  state.pixelError = Math.max(leastError, Math.min(state.pixelError, mostError));
   if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
   Object.assign(state, shownOf(page.models[state.model], state, page.models[before.model].fields[state.field]?.name));
   if (fieldKey(state) !== fieldKey(before) || state.show !== before.show)
@@ -322,7 +260,6 @@ function change(part) {
     if (!part.transfers) recolor();
   }
   if (renderer && (state.model !== before.model || state.field !== before.field || state.show !== before.show)) {
-    complete = false;
     load().catch((error) => giveUp(`The page cannot be read: ${error.message}.`));
   }
   showControls();
@@ -354,7 +291,7 @@ function showOverlay() {
 function showControls() {
   showOverlay();
   find('z-up').checked = page.upright[2] > 0.5;
-  controls.show(state, { scale: scaleNow(), transfer: transferShown() });
+  controls.show(state, { scale: scaleNow(), transfer: transferShown(), detail: source.detail() });
   player?.show(state.model, page.models[state.model].name);
   readout.show();
 }
@@ -398,11 +335,9 @@ function windowed(rightwards, upwards) {
 const probe = new Probe();
 /** Probe's answer for the ray of a pixel; null: none to be had now. */
 function probed(pixel) {
-  const level = levelNow(), model = page.models[state.model];
-  if (!renderer || lost || moving || player?.playing || level < 0 || !(transferNow().unit > 0)) return null;
-  const { instances, fields } = levelsOf(state.model)[level];
-  return probe.probe({ instances, data: fields.get(state.field) }, model, rayOf(state.camera, pixel, canvas.width, canvas.height),
-                     { transfer: transferNow(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
+  const model = page.models[state.model], ray = rayOf(state.camera, pixel, canvas.width, canvas.height);
+  const parts = !renderer || lost || busy() || !(transferNow().unit > 0) ? null : source.along(ray);
+  return parts && probe.probe(parts, model, ray, { transfer: transferNow(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
 }
 const readout = new Readout(canvas, find('probe'), {
   now: () => ({ model: page.models[state.model], state }), busy: () => moving || inFlight, ray: probed,
@@ -429,7 +364,7 @@ const firstView = () => (page.chosenView
 function follow(settings) {
   const link = readLink(settings, firstView());
   const part = { embed: link.embed, still: link.still };
-  for (const key of ['subframes', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip', 'planes'])
+  for (const key of ['subframes', 'pixelError', 'memory', 'most', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip', 'planes'])
     if (link[key] !== null) part[key] = link[key];
   if (link.logAxis !== null) part.logAxis = link.logAxis;
   if (link.light !== null) part.light = { ...state.light, on: link.light };
@@ -461,7 +396,7 @@ function linkNow() {
   const source = fieldKey(state) === null ? null : page.models[state.model].fields[state.field];
   return writeLink(state, {
     field: source?.name, scale: state.scale, transfer: state.show === 'volume' ? state.transfers[state.field] : null,
-    planes: state.planes.length + page.quantity.planes.length > 0,
+    planes: state.planes.length + page.quantity.planes.length > 0, streamed: Boolean(page.site),
   });
 }
 
@@ -504,10 +439,10 @@ function nextMap(event) {
 }
 
 const player = page.steps ? new Player(page.models.length, change,
-                                       (model) => isReady(model, Math.min(state.level, page.models[model].levels.length - 1))) : null;
+                                       (model) => source.isReady(model)) : null;
 const controls = new Controls(page, change, {
   home, save, link: copyLink, help: () => controls.help(), transfer: setTransfer,
-  panel: () => change({ panel: !state.panel }),
+  panel: () => change({ panel: !state.panel }), detail: (value) => change(source.detailed(value)),
 });
 
 find('z-up').addEventListener('change', () => stand(find('z-up').checked ? 2 : 1));
@@ -519,7 +454,7 @@ attachKeys({
   Digit1: look(0), Digit2: look(1), Digit3: look(2),
   Digit5: () => { if (!still()) move(withOtherProjection(state.camera)); },
   home, f: () => { if (!still()) move(fitted(state.camera, box())); },
-  '[': () => change({ level: state.level + 1 }), ']': () => change({ level: state.level - 1 }),
+  '[': () => change(source.detailed(source.detail().value - 1)), ']': () => change(source.detailed(source.detail().value + 1)),
   '-': expose(1 / Math.SQRT2), '=': expose(Math.SQRT2), '+': expose(Math.SQRT2), Digit0: expose(0),
   ' ': () => player?.toggle(), ',': () => player?.go(state.model - 1), '.': () => player?.go(state.model + 1),
   z: (event) => {
@@ -573,7 +508,7 @@ function fitCanvas() {
  * it, and the complete picture as a data: URL.
  */
 window.vog = {
-  state, change, page,
+  state, change, page, source, link: linkNow,
   settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
   picture: async () => { await window.vog.settled(); return picture(); },
   bits: () => renderer?.format.bits, decodes: () => decoder.done,

@@ -48,6 +48,9 @@ export function shownOf(model, { show, field, part }, wantedName = null) {
 /** Key of a shown field's data; null: none. */
 export const fieldKey = ({ show, field, part }) => (ofField(show) ? `${field}.${part}` : null);
 
+/** Place of the shown field among the model's; null: none. */
+export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
+
 /** The scale that a quantity starts with, {low, high, log}; over all models where they are steps. */
 export function automaticScale(models, { show, field, part }) {
   let [low, high] = [Infinity, -Infinity];

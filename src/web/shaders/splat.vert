@@ -41,6 +41,7 @@ uniform vec4 limits;                 // of small Gaussians (render/pixel_limits.
 #if defined(SLABS) || defined(RANGES)
 uniform vec2 tile_px;                // size of a tile
 uniform highp sampler2D light_0, light_1, light_2;  // light.vert: powers of z, rows of kLightWidth Gaussians
+uniform int first_instance;          // place of the first one drawn in them
 const int kLightWidth = 1024;
 #endif
 #ifdef SLABS
@@ -214,7 +215,8 @@ vec3 gradient_of(Shape g, vec3 h) { return vec3(dot(h, g.white_r), dot(h, g.whit
 
 #if defined(SLABS) || defined(RANGES)
 vec4 light_in(highp sampler2D image) {
-    return texelFetch(image, ivec2(gl_InstanceID % kLightWidth, gl_InstanceID / kLightWidth), 0);
+    int n = first_instance + gl_InstanceID;
+    return texelFetch(image, ivec2(n % kLightWidth, n / kLightWidth), 0);
 }
 
 // Whether the transfer function shows nothing of the Gaussian.

@@ -1,9 +1,9 @@
-// decoder.js: decoding of levels and fields in a worker, so that playing steps in time does not wait for it; on the page's
+// decoder.js: decoding of levels, chunks and fields in a worker, so that playing steps in time does not wait for it; on the page's
 // own thread where there is no worker.
 import { decodeLevel } from './gaussians.js';
-import { decodeField } from './fields.js';
+import { decodeField, decodeFieldFile } from './fields.js';
 
-const calls = { decodeLevel, decodeField };
+const calls = { decodeLevel, decodeField, decodeFieldFile };
 
 export class Decoder {
   /** source  script of the worker */
@@ -43,7 +43,7 @@ export class Decoder {
     return calls[name](...list);
   }
 
-  /** Result of decodeLevel or decodeField. */
+  /** Result of decodeLevel, decodeField or decodeFieldFile. */
   decoded(name, ...list) {
     if (!this.worker) return this.here(name, list);
     return new Promise((resolve, reject) => {

@@ -4,20 +4,22 @@ import { chunkShapes, opened } from './vogz.js';
 /** Floats per instance: mean x y z, density, three scales, rotation w x y z (splat.vert). */
 export const instanceFloats = 11;
 
-/** Compact model of a script element's text. */
-export function openedText(base64) {
-  const text = atob(base64.trim()), bytes = new Uint8Array(text.length);
+/** Compact model of a script element's text, base64, or of the bytes of a file. */
+export function openedModel(source) {
+  if (typeof source !== 'string') return opened(source);
+  const text = atob(source.trim()), bytes = new Uint8Array(text.length);
   for (let n = 0; n < text.length; ++n) bytes[n] = text.charCodeAt(n);
   return opened(bytes);
 }
 
 /**
- * Instances of one level, relative to the model's centre in its unit.
+ * Instances of one level or chunk, relative to the model's centre in its unit.
+ * source  as of openedModel
  * frame   {center, unit}, world units
  * factor  of density: the extinction
  */
-export async function decodeLevel(base64, { center, unit }, factor) {
-  const file = await openedText(base64), out = new Float32Array(file.gaussians * instanceFloats);
+export async function decodeLevel(source, { center, unit }, factor) {
+  const file = await openedModel(source), out = new Float32Array(file.gaussians * instanceFloats);
   const corner = center.map((c, axis) => file.origin[axis] - c + file.corner[axis]);
   let first = 0;
   for (const chunk of file.chunks) {

@@ -2,7 +2,7 @@
 // src/io/vogz.
 import { Bits, Bytes, Damaged, inflated, takeNumbers, takeWords } from './columns.js';
 
-const magic = [0x56, 0x4f, 0x47, 0x5a, 0x0d, 0x0a, 0x1a, 0x0a], version = 1, deflate = 1;
+const magic = [0x56, 0x4f, 0x47, 0x5a, 0x0d, 0x0a, 0x1a, 0x0a], fieldMagic = [0x56, 0x4f, 0x47, 0x46], version = 1, deflate = 1;
 const kinds = { gaussians: 0, nodes: 1, links: 2, field: 3 };
 const blobBytes = 48, mostPlaceBits = 40;
 /** Steps of a field's columns from that of its values (rounding.h). */
@@ -166,36 +166,64 @@ export async function chunkShapes(file, chunk, setShape, setMean) {
 
 // --- Fields. ---
 
+/** Columns of a field of `count` Gaussians: {roots, values, changes, shares}, the last three by component. */
+async function fieldColumns(from, count, vector, { scale, step }) {
+  const parts = vector ? 3 : 1;
+  const columns = async (number, factor) => {
+    const all = [];
+    for (let n = 0; n < number; ++n) all.push((await takeNumbers(from, count)).map((word) => word * factor));
+    return all;
+  };
+  const roots = await columns(parts, step * deviationSteps);
+  const values = await columns(parts, scale * step);
+  const changes = await columns(3 * parts, scale * step * changeSteps);
+  const shares = await columns(vector ? 3 : 1, step * shareSteps);
+  if (!from.ended) throw new Damaged();
+  return { roots, values, changes, shares };
+}
+
+/** Field of the Gaussians of a chunk, which are those of the columns from `first` on. */
+async function setField(file, chunk, { roots, values, changes, shares }, first, vector, { reference, scale, step }, set) {
+  const shapes = await shapeColumns(file, chunk), parts = vector ? [0, 1, 2] : [0];
+  // Rounding may leave correlations that no data has; a share of the unit matrix makes up for it.
+  const [most, shrink] = vector ? [1, 1 / (1 + step * shareSteps)] : [3, 1];
+  const one = { value: [], deviation: [], gradient: parts.map(() => [0, 0, 0]), share: [] };
+  eachShape(file, shapes, chunk.count, (n, scales, quaternion) => {
+    const spread = spreadOf(file, shapes, n), at = first + n;
+    for (const part of parts) {
+      one.value[part] = values[part][at] + (vector ? 0 : reference);
+      one.deviation[part] = roots[part][at] ** 2 * scale;
+      for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][at] / spread;
+    }
+    shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[at])); });
+    set(at, scales, quaternion, one);
+  });
+}
+
 /**
  * Field of a chunk, in the field's unit.
  * set  (n, scales, quaternion, {value, deviation, gradient [component][axis], share}): value and deviation of each component;
  *      share is the skewness, or the correlations xy xz yz
  */
 export async function chunkField(file, chunk, field, set) {
-  const { kind, reference, scale, step } = file.fields[field], { count } = chunk;
-  const shapes = await shapeColumns(file, chunk), from = checked(chunk.fields[field]);
-  const parts = kind === 'vector' ? [0, 1, 2] : [0];
-  const columns = async (number, factor) => {
-    const all = [];
-    for (let n = 0; n < number; ++n) all.push((await takeNumbers(from, count)).map((word) => word * factor));
-    return all;
-  };
-  const roots = await columns(parts.length, step * deviationSteps);
-  const values = await columns(parts.length, scale * step);
-  const changes = await columns(3 * parts.length, scale * step * changeSteps);
-  const shares = await columns(kind === 'vector' ? 3 : 1, step * shareSteps);
-  if (!from.ended) throw new Damaged();
-  // Rounding may leave correlations that no data has; a share of the unit matrix makes up for it.
-  const [most, shrink] = kind === 'vector' ? [1, 1 / (1 + step * shareSteps)] : [3, 1];
-  const one = { value: [], deviation: [], gradient: parts.map(() => [0, 0, 0]), share: [] };
-  eachShape(file, shapes, count, (n, scales, quaternion) => {
-    const spread = spreadOf(file, shapes, n);
-    for (const part of parts) {
-      one.value[part] = values[part][n] + (kind === 'vector' ? 0 : reference);
-      one.deviation[part] = roots[part][n] ** 2 * scale;
-      for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][n] / spread;
-    }
-    shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[n])); });
-    set(n, scales, quaternion, one);
-  });
+  const source = file.fields[field], vector = source.kind === 'vector';
+  const columns = await fieldColumns(checked(chunk.fields[field]), chunk.count, vector, source);
+  await setField(file, chunk, columns, 0, vector, source, set);
+}
+
+/** The same of a whole model whose field is a file of a site's chunk (docs/streaming.md). */
+export async function fileField(file, bytes, vector, set) {
+  const from = new Bytes(bytes);
+  if (fieldMagic.some((byte) => byte !== from.u8())) throw new Damaged();
+  const found = from.u32();
+  if (found !== version) throw new Error(`a field of version ${found}, expected ${version}`);
+  const count = from.u32(), crc = from.u32();
+  if (count !== file.gaussians || checksum(bytes.subarray(from.at)) !== crc) throw new Damaged();
+  const source = { reference: from.f64(), scale: from.f64(), step: from.f64() };
+  const columns = await fieldColumns(from, count, vector, source);
+  let first = 0;
+  for (const chunk of file.chunks) {
+    await setField(file, chunk, columns, first, vector, source, set);
+    first += chunk.count;
+  }
 }

@@ -1,8 +1,8 @@
 // worker.js: the decoder in a worker: answers {id, name, list} with {id, out} or {id, error}.
 import { decodeLevel } from './gaussians.js';
-import { decodeField } from './fields.js';
+import { decodeField, decodeFieldFile } from './fields.js';
 
-const calls = { decodeLevel, decodeField };
+const calls = { decodeLevel, decodeField, decodeFieldFile };
 
 self.onmessage = async ({ data: { id, name, list } }) => {
   try {

@@ -29,3 +29,18 @@ export function kept({ origin, direction }, clip) {
   }
   return [from, to];
 }
+
+/** Whether a ray meets a box {center, half}. */
+export function meets({ center, half }, { origin, direction }) {
+  let [from, to] = [0, Infinity];
+  for (let axis = 0; axis < 3; ++axis) {
+    const gap = center[axis] - origin[axis];
+    if (direction[axis] === 0) {
+      if (Math.abs(gap) > half[axis]) return false;
+      continue;
+    }
+    const at = gap / direction[axis], reach = Math.abs(half[axis] / direction[axis]);
+    [from, to] = [Math.max(from, at - reach), Math.min(to, at + reach)];
+  }
+  return from <= to;
+}

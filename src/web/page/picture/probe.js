@@ -28,12 +28,12 @@ function erf(x) {
 const below = (u) => 0.5 * (1 + erf(u * Math.SQRT1_2));
 
 /**
- * Gaussians on a ray, by their normal distributions along it: [{at, deviation, start, end, mass, value, rate, rest}],
+ * Adds Gaussians on a ray, by their normal distributions along it: {at, deviation, start, end, mass, value, rate, rest},
  * depths in the page's units, value at depth 0 and its change a depth, rest: deviation of the residual.
  */
-function hitsOf(model, instances, data, ray, [near, far]) {
-  const origin = mul(1 / model.unit, sub(ray.origin, model.center)), d = ray.direction, k2 = model.cutoff ** 2, hits = [];
-  for (let i = 0, f = 0; i < instances.length; i += instanceFloats, f += scalarFloats) {
+function addHits(hits, model, { instances, data, first, count }, ray, [near, far]) {
+  const origin = mul(1 / model.unit, sub(ray.origin, model.center)), d = ray.direction, k2 = model.cutoff ** 2;
+  for (let n = first, i = n * instanceFloats, f = n * scalarFloats; n < first + count; ++n, i += instanceFloats, f += scalarFloats) {
     const ex = origin[0] - instances[i], ey = origin[1] - instances[i + 1], ez = origin[2] - instances[i + 2];
     const sx = instances[i + 4], sy = instances[i + 5], sz = instances[i + 6];
     const along = ex * d[0] + ey * d[1] + ez * d[2], widest = Math.max(sx, sy, sz);
@@ -59,11 +59,10 @@ function hitsOf(model, instances, data, ray, [near, far]) {
       mass: instances[i + 3] * Math.exp(-0.5 * m2) * Math.sqrt(2 * Math.PI) * deviation,
     });
   }
-  return hits;
 }
 
-/** Expected extinction for the measure 1, of a value and a deviation in the page's units. */
-function extinctionIn({ data, columns, rows, part: [low, high, perRange, perPart], most }) {
+/** Expected extinction for the measure 1, of a value and a deviation in the page's units: of transfer.js's expectedLight. */
+export function extinctionIn({ data, columns, rows, part: [low, high, perRange, perPart], most }) {
   const clamp = (v, a, b) => Math.min(Math.max(v, a), b);
   return (value, deviation) => {
     const v = clamp(value, -1, 1);
@@ -107,13 +106,14 @@ function valueAt(hits, depth) {
 export class Probe {
   /**
    * Probes a ray.
-   * level   {instances, data: of the field}
+   * parts   [{instances, data: of the field, first, count}]
    * what    {transfer, source: {reference, unit, isMeasure}, clip of clip.js}
    * returns {opacity: of the whole ray, value, depth: from the eye in world units; null: nothing is opaque}
    */
-  probe(level, model, ray, { transfer, source, clip }) {
+  probe(parts, model, ray, { transfer, source, clip }) {
     if (this.of !== transfer) [this.of, this.extinction] = [transfer, extinctionIn(expectedLight(transfer, source))];
-    const hits = hitsOf(model, level.instances, level.data, ray, kept(ray, clip));
+    const hits = [];
+    for (const part of parts) addHits(hits, model, part, ray, kept(ray, clip));
     if (hits.length === 0) return { opacity: 0, value: null, depth: null };
     // The instances include the extinction of T.
     for (const hit of hits) hit.mass /= model.extinction;

@@ -162,47 +162,89 @@ export class Renderer {
     return buffer;
   }
 
-  /** Copies the instances of one level to the GPU. */
+  // Gaussians in the GPU's memory, a model, level or chunk: {count, buffer, fields: Map of places to {buffer, vector, light: of
+  // slabs.js}, arrays}. Pictures are of lists of parts of such, [{gpu, first, count}].
+
+  /** Copies instances to the GPU. */
   upload(instances) {
-    const gl = this.gl, array = gl.createVertexArray(), buffer = this.filled(instances);
-    gl.bindVertexArray(array);
-    this.attributes(buffer, instanceFloats, [[0, 4, 0], [1, 3, 4], [2, 4, 7]]);
-    gl.bindVertexArray(null);
-    return { array, buffer, count: instances.length / instanceFloats, fields: new Map() };
+    return { count: instances.length / instanceFloats, buffer: this.filled(instances), fields: new Map(), arrays: new Map() };
+  }
+
+  /** Copies a field of uploaded instances to the GPU; `field` is its place among the model's. */
+  uploadField(gpu, field, data, vector) {
+    gpu.fields.set(field, { buffer: this.filled(data), vector, light: null });
+  }
+
+  /** Vertex array `key`, made when first asked for. */
+  arrayOf(gpu, key, make) {
+    if (!gpu.arrays.has(key)) {
+      const array = this.gl.createVertexArray();
+      this.gl.bindVertexArray(array);
+      make();
+      this.gl.bindVertexArray(null);
+      gpu.arrays.set(key, array);
+    }
+    return gpu.arrays.get(key);
   }
 
   /**
-   * Copies a field of a level to the GPU.
-   * part  of a vector field 'view', 'x', 'y', 'z' or 'magnitude'; else ''
+   * Instances from `first` on, an instance each.
+   * field  null: none
+   * part   of a vector field 'view', 'x', 'y', 'z' or 'magnitude'; else ''
    */
-  uploadField(level, key, data, vector, part) {
-    const gl = this.gl, array = gl.createVertexArray(), buffer = this.filled(data);
-    gl.bindVertexArray(array);
-    this.attributes(level.buffer, instanceFloats, [[0, 4, 0], [1, 3, 4], [2, 4, 7]]);
-    if (!vector) this.attributes(buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]]);
-    else if (part === 'view' || part === 'magnitude')
-      this.attributes(buffer, vectorFloats, [[3, 4, 0], [4, 4, 4], [5, 4, 8], [6, 4, 12], [7, 2, 16]]);
-    else {
-      const axis = 'xyz'.indexOf(part);
-      this.attributes(buffer, vectorFloats, [[3, 4, 4 * axis], [4, 1, 18 + axis]]);
-    }
-    // The same without instances, one point a Gaussian: light.vert.
-    const points = gl.createVertexArray();
-    gl.bindVertexArray(points);
-    if (!vector) this.attributes(buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]], 0);
-    gl.bindVertexArray(null);
-    level.fields.set(key, { array, points, buffer });
+  instancesOf({ gpu, first }, field, part) {
+    return this.arrayOf(gpu, [field ?? '', part, first].join('.'), () => {
+      const shift = (floats, places) => places.map(([place, count, offset]) => [place, count, offset + first * floats]);
+      this.attributes(gpu.buffer, instanceFloats, shift(instanceFloats, [[0, 4, 0], [1, 3, 4], [2, 4, 7]]));
+      if (field === null) return;
+      const { buffer, vector } = gpu.fields.get(field), axis = 'xyz'.indexOf(part);
+      if (!vector) this.attributes(buffer, scalarFloats, shift(scalarFloats, [[3, 4, 0], [4, 2, 4]]));
+      else if (part === 'view' || part === 'magnitude')
+        this.attributes(buffer, vectorFloats, shift(vectorFloats, [[3, 4, 0], [4, 4, 4], [5, 4, 8], [6, 4, 12], [7, 2, 16]]));
+      else this.attributes(buffer, vectorFloats, shift(vectorFloats, [[3, 4, 4 * axis], [4, 1, 18 + axis]]));
+    });
   }
 
-  release(level) {
-    const gl = this.gl;
-    for (const { array, points, buffer } of level.fields.values()) {
-      gl.deleteVertexArray(array);
-      gl.deleteVertexArray(points);
-      gl.deleteBuffer(buffer);
+  /** Points of a scalar field, one a Gaussian: light.vert. */
+  pointsOf(gpu, field) {
+    return this.arrayOf(gpu, `${field}.points`, () =>
+      this.attributes(gpu.fields.get(field).buffer, scalarFloats, [[3, 4, 0], [4, 2, 4]], 0));
+  }
+
+  /** Frees the light that slabs.js has made for a field. */
+  releaseLight(field) {
+    for (const texture of field.light?.textures ?? []) this.gl.deleteTexture(texture);
+    field.light = null;
+  }
+
+  releaseField(gpu, place) {
+    const field = gpu.fields.get(place);
+    this.releaseLight(field);
+    this.gl.deleteBuffer(field.buffer);
+    gpu.fields.delete(place);
+    for (const [key, array] of gpu.arrays) {
+      if (!key.startsWith(`${place}.`)) continue;
+      this.gl.deleteVertexArray(array);
+      gpu.arrays.delete(key);
     }
-    gl.deleteVertexArray(level.array);
-    gl.deleteBuffer(level.buffer);
+  }
+
+  release(gpu) {
+    for (const place of [...gpu.fields.keys()]) this.releaseField(gpu, place);
+    for (const array of gpu.arrays.values()) this.gl.deleteVertexArray(array);
+    this.gl.deleteBuffer(gpu.buffer);
+  }
+
+  /** Copies back what upload and uploadField of a scalar field took: {instances, data}. */
+  readBack(gpu, field) {
+    const gl = this.gl;
+    const numbers = (buffer, floats) => {
+      const out = new Float32Array(gpu.count * floats);
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+      gl.getBufferSubData(gl.ARRAY_BUFFER, 0, out);
+      return out;
+    };
+    return { instances: numbers(gpu.buffer, instanceFloats), data: numbers(gpu.fields.get(field).buffer, scalarFloats) };
   }
 
   resize(width, height) {
@@ -268,11 +310,11 @@ export class Renderer {
 
   /**
    * Adds one sub-frame of sums; the instances include the extinction.
-   * level  undefined: nothing is there yet
-   * what   {field: key of uploadField or null, part: of uploadField, clip of clip.js}
+   * parts  [{gpu, first, count}]
+   * what   {field: as of instancesOf, part, clip of clip.js}
    */
-  addSums(level, model, camera, what) {
-    const gl = this.gl, exact = what.field || planesOf(what.clip).length > 0;
+  addSums(parts, model, camera, what) {
+    const gl = this.gl, exact = what.field !== null || planesOf(what.clip).length > 0;
     this.wantChannels(exact ? 4 : 1);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.framebuffer);
     gl.viewport(0, 0, this.width, this.height);
@@ -280,7 +322,7 @@ export class Renderer {
       gl.clearColor(0, 0, 0, 0);
       gl.clear(gl.COLOR_BUFFER_BIT);
     }
-    if (level && level.count > 0) {
+    if (parts.length > 0) {
       const used = exact
         ? this.program('splat.vert', ['chord.glsl', 'field.frag'], what.part === 'view' || what.part === 'magnitude' ? 'VECTOR' : 'SCALAR')
         : this.program('splat.vert', ['splat.frag']);
@@ -289,7 +331,7 @@ export class Renderer {
       // Without a field: the value 0.
       gl.vertexAttrib4f(3, 0, 0, 0, 0);
       gl.vertexAttrib4f(4, 0, 0, 0, 0);
-      this.draw(what.field ? level.fields.get(what.field).array : level.array, level.count);
+      for (const one of parts) this.draw(this.instancesOf(one, what.field, what.part), one.count);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     ++this.subframes;

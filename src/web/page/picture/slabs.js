@@ -16,14 +16,13 @@ export class Slabs {
   constructor(renderer) {
     this.renderer = renderer;
     const { gl } = renderer, texture = () => renderer.texture();
-    this.table = texture();
-    this.light = [texture(), texture(), texture()];
+    this.tabled = texture();
     this.layers = Array.from({ length: layers }, texture);
     this.ranges = texture();
     this.strip = texture();
     this.densest = texture();
     this.into = { light: gl.createFramebuffer(), layers: gl.createFramebuffer(), ranges: gl.createFramebuffer(), strip: gl.createFramebuffer(), densest: gl.createFramebuffer() };
-    this.lit = null;      // [level's field, transfer function] of the light
+    this.table = null;    // {of: what the texture has, part, most}
     this.allocated = '';  // size of the images
   }
 
@@ -38,36 +37,59 @@ export class Slabs {
     renderer.allocate(this.ranges, 2, Math.ceil(width / tile[0]), Math.ceil(height / tile[1]));
   }
 
-  /** Quadratics of the expected light of all Gaussians; without a transfer function their planes. */
-  fit(level, field, transfer, source) {
-    if (this.lit && this.lit[0] === field && this.lit[1] === transfer) return;
-    const { renderer } = this, { gl } = renderer;
-    const { data, columns, rows, part, most } = transfer ? expectedLight(transfer, source) : { columns: 0, part: [0, 0, 0, 0], most: 1 };
-    gl.bindTexture(gl.TEXTURE_2D, this.table);
+  /** Table of the expected light of a transfer function; null: none, for the planes of maxima. */
+  setTable(transfer, { reference, unit, isMeasure }) {
+    const of = [transfer, reference, unit, isMeasure];
+    if (this.table?.of.every((part, n) => part === of[n])) return;
+    const { gl } = this.renderer;
+    const { data, columns, rows, part, most } = transfer ? expectedLight(transfer, { reference, unit, isMeasure })
+      : { columns: 0, part: [0, 0, 0, 0], most: 1 };
+    gl.bindTexture(gl.TEXTURE_2D, this.tabled);
     if (columns) gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, columns, rows, 0, gl.RGBA, gl.FLOAT, data);
-    const width = lightWidth, height = Math.max(1, Math.ceil(level.count / width));
-    for (const texture of this.light) renderer.allocate(texture, 4, width, height);
-    renderer.target(this.into.light, this.light);
+    this.table = { of, part, most };
+  }
+
+  /** Quadratics of the expected light of all Gaussians of an upload; without a transfer function their planes. */
+  fit(gpu, place) {
+    const { renderer } = this, { gl } = renderer, field = gpu.fields.get(place);
+    if (field.light?.of === this.table) return;
+    const width = lightWidth, height = Math.max(1, Math.ceil(gpu.count / width));
+    if (!field.light) {
+      field.light = { textures: [0, 1, 2].map(() => renderer.texture()) };
+      for (const texture of field.light.textures) renderer.allocate(texture, 4, width, height);
+    }
+    field.light.of = this.table;
+    renderer.target(this.into.light, field.light.textures);
     gl.viewport(0, 0, width, height);
     const used = renderer.program('light.vert', ['light.frag']);
     used.use();
-    renderer.sample(used, { table: this.table });
-    used.set('part', ...part);
-    used.setInteger('planes', transfer ? 0 : 1);
+    renderer.sample(used, { table: this.tabled });
+    used.set('part', ...this.table.part);
+    used.setInteger('planes', this.table.of[0] ? 0 : 1);
     used.set('image_px', width, height);
-    gl.bindVertexArray(field.points);
-    gl.drawArrays(gl.POINTS, 0, level.count);
+    gl.bindVertexArray(renderer.pointsOf(gpu, place));
+    gl.drawArrays(gl.POINTS, 0, gpu.count);
     gl.bindVertexArray(null);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    this.most = most;
-    this.lit = [field, transfer];
+  }
+
+  /** Draws parts with their light: `used` is in use, with all else set. */
+  drawLit(used, parts, place, textures, field, equation) {
+    const { renderer } = this;
+    for (const one of parts) {
+      const [light_0, light_1, light_2] = one.gpu.fields.get(place).light.textures;
+      renderer.sample(used, { ...textures, light_0, light_1, light_2 });
+      used.setInteger('first_instance', one.first);
+      renderer.draw(renderer.instancesOf(one, field, ''), one.count, equation);
+    }
   }
 
   /**
    * Adds one sub-frame of the picture to the renderer's sums: premultiplied colours; of a maximum 1 and the value.
-   * what  {field: key, source: the page's field, transfer: null: the maximum, light: {on, towards, weights}, clip, slabs}
+   * parts  [{gpu, first, count}] of renderer.js
+   * what   {field: its place, source: the page's field, transfer: null: the maximum, light: {on, towards, weights}, clip, slabs}
    */
-  add(level, model, camera, what) {
+  add(parts, model, camera, what) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer;
     renderer.wantChannels(4);
     const rows = Math.min(height, Math.max(1, Math.floor(mostPixels / width)));
@@ -77,31 +99,29 @@ export class Slabs {
       gl.bindFramebuffer(gl.FRAMEBUFFER, renderer.framebuffer);
       gl.clear(gl.COLOR_BUFFER_BIT);
     }
-    if (level && level.count > 0) {
-      const field = level.fields.get(what.field);
-      this.fit(level, field, what.transfer, what.source);
-      this.drawRanges(level, model, camera);
-      for (let first = 0; first < height; first += rows) this.drawStrip(level, field, model, camera, what, first);
+    if (parts.length > 0) {
+      this.setTable(what.transfer, what.source);
+      for (const { gpu } of parts) this.fit(gpu, what.field);
+      this.drawRanges(parts, model, camera, what.field);
+      for (let first = 0; first < height; first += rows) this.drawStrip(parts, model, camera, what, first);
     }
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     ++renderer.subframes;
   }
 
-  drawRanges(level, model, camera) {
+  drawRanges(parts, model, camera, field) {
     const { renderer } = this, { gl } = renderer;
     renderer.target(this.into.ranges, [this.ranges]);
     gl.viewport(0, 0, Math.ceil(renderer.width / tile[0]), Math.ceil(renderer.height / tile[1]));
     gl.clearBufferfv(gl.COLOR, 0, [-60000, -60000, 0, 0]);  // finite in half floats, too
     const used = renderer.program('splat.vert', ['ranges.frag'], 'RANGES');
     renderer.setView(used, model, camera, null);
-    const [light_0, light_1, light_2] = this.light;
-    renderer.sample(used, { light_0, light_1, light_2 });
     used.set('tile_px', ...tile);
-    renderer.draw(level.array, level.count, gl.MAX);
+    this.drawLit(used, parts, field, {}, null, gl.MAX);
   }
 
   /** Adds all Gaussians to some slabs of a strip. */
-  drawLayers(level, field, model, camera, what, first, slab) {
+  drawLayers(parts, model, camera, what, first, slab) {
     const { renderer } = this, { gl } = renderer, { width, height } = renderer, word = what.transfer ? 'SLABS' : 'MEANS';
     const used = renderer.program('splat.vert', ['chord.glsl', 'slab.frag'], word);
     const { right, up, forward } = axesOf(camera), towards = what.light.towards;
@@ -109,18 +129,16 @@ export class Slabs {
     gl.viewport(0, -first, width, height);
     gl.clear(gl.COLOR_BUFFER_BIT);
     renderer.setView(used, model, camera, what.clip);
-    const [light_0, light_1, light_2] = this.light;
-    renderer.sample(used, { ranges: this.ranges, light_0, light_1, light_2 });
     used.set('tile_px', ...tile);
     used.set('slabs', what.slabs);
     used.set('first_slab', slab);
     used.set('layers', slabsOf[word]);
     used.set('first_row', first);
-    used.set('per_extinction', what.transfer ? this.most / model.extinction : 1);
+    used.set('per_extinction', what.transfer ? this.table.most / model.extinction : 1);
     used.set('lighting', ...(what.transfer && what.light.on ? what.light.weights : [0, 0, 0, 0]));
     const light = towards && Math.hypot(...towards) > 0 ? normalized(towards) : [0, 0, 0];
     used.set('towards_light', dot(light, right), dot(light, up), dot(light, forward));
-    renderer.draw(field.array, level.count);
+    this.drawLit(used, parts, what.field, { ranges: this.ranges }, what.field, gl.FUNC_ADD);
   }
 
   /** Blends a pass over the layers into an image. */
@@ -137,7 +155,7 @@ export class Slabs {
     gl.disable(gl.BLEND);
   }
 
-  drawStrip(level, field, model, camera, what, first) {
+  drawStrip(parts, model, camera, what, first) {
     const { renderer } = this, { gl } = renderer;
     renderer.target(this.into.strip, [this.strip]);
     gl.clear(gl.COLOR_BUFFER_BIT);
@@ -147,17 +165,17 @@ export class Slabs {
       renderer.setScreen(behind, model, camera);
       behind.set('first_row', first);
       for (let slab = 0; slab < what.slabs; slab += slabsOf.SLABS) {
-        this.drawLayers(level, field, model, camera, what, first, slab);
+        this.drawLayers(parts, model, camera, what, first, slab);
         this.gather('strip', behind, {}, gl.FUNC_ADD, gl.ONE_MINUS_DST_ALPHA, gl.ONE);  // under what is in front
       }
     } else {
-      this.drawMaximum(level, field, model, camera, what, first);
+      this.drawMaximum(parts, model, camera, what, first);
     }
     this.copyStrip(first, what.transfer ? '' : 'MEANS');
   }
 
   /** The largest density of each pixel's slabs, then the largest of the means that count. */
-  drawMaximum(level, field, model, camera, what, first) {
+  drawMaximum(parts, model, camera, what, first) {
     const { renderer } = this, { gl } = renderer, { unit, isMeasure } = what.source;
     gl.clearBufferfv(gl.COLOR, 0, [0, -60000, 0, 0]);
     renderer.target(this.into.densest, [this.densest]);
@@ -173,7 +191,7 @@ export class Slabs {
       used.set('slabs', what.slabs);
       used.set('first_row', first);
       for (let slab = 0; slab < what.slabs; slab += slabsOf.MEANS) {
-        this.drawLayers(level, field, model, camera, what, first, slab);
+        this.drawLayers(parts, model, camera, what, first, slab);
         this.gather(means ? 'strip' : 'densest', used, { ranges: this.ranges, densest: means ? this.densest : this.ranges }, gl.MAX, gl.ONE, gl.ONE);
       }
     }

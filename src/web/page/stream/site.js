@@ -1,0 +1,243 @@
+// site.js: models that are streamed from a folder on a web server (docs/streaming.md): for each view the chunks that it needs, of them
+// the files that the quantity needs. The same calls as Levels (model/levels.js).
+import { fieldPlace, inSlabs } from '../quantity.js';
+import { expectedLight } from '../picture/transfer.js';
+import { extinctionIn } from '../picture/probe.js';
+import { meets } from '../picture/clip.js';
+import { drawnCut, leastError, mostError, viewOf, wantedCut } from './cut.js';
+import { Loading } from './loading.js';
+import { Requests } from './requests.js';
+import { treesOf } from './rows.js';
+import { Store, bytesOf } from './store.js';
+import { Visibility } from './visibility.js';
+
+// Half of what a page may take, 300 MB: the rest is the browser's and the picture's.
+const mostMegabytes = 150, mostGaussians = 2e6;
+const slowMs = 50, fastMs = 25, mostCoarser = 64;  // frames in motion: a larger error above, a smaller one below
+const stepsAhead = 2, patienceMs = 500;            // steps in time fetched ahead; how long one that is there may stay coarse
+const perHalving = 2, sliderSteps = perHalving * Math.log2(mostError / leastError);  // of the slider of detail, finest to the right
+const oldMs = 200;                                 // age at which a visibility is found anew
+
+export class Site {
+  /**
+   * view  {state(), renderer(): null: none; size(): of the picture, pixels; clip(), transfer(), changed(): draw; say(text, seconds),
+   *       fail(text), refuse(): the field cannot be had; show(status of status.js)}
+   */
+  constructor(page, decoder, view) {
+    Object.assign(this, { page, view, trees: null, turn: 0, planned: null, drawn: null, version: 0, coarser: 1, moving: false, ahead: [] });
+    Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map() });
+    this.base = new URL(page.site.base || '.', document.baseURI);
+    this.base.hash = this.base.search = '';
+    if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
+    this.store = new Store();
+    this.requests = new Requests({ changed: () => this.report(), away: (isAway, reason) => this.sayAway(isAway, reason) });
+    this.loading = new Loading(page, decoder, this.store, {
+      url: (path) => this.url(path), renderer: () => view.renderer(), changed: () => this.replan(),
+      lacks: (chunk, field, line) => this.lacks(chunk, field, line),
+    });
+  }
+
+  url(path) { return new URL(path, this.base).href; }
+  get root() { return this.trees?.[this.view.state().model].root ?? null; }
+
+  /** What the shown quantity needs of each chunk, as of bytesOf. */
+  needs() {
+    const state = this.view.state(), field = fieldPlace(state);
+    return { field, vector: field !== null && this.page.models[state.model].fields[field].vector, slabs: inSlabs(state.show) };
+  }
+  /** Limits of memory. */
+  limits() {
+    const { memory, most } = this.view.state();
+    return { bytes: 1e6 * (memory ?? mostMegabytes), gaussians: most ?? mostGaussians };
+  }
+  /** Error that coarse parts may have now, pixels. */
+  bound() { return this.view.state().pixelError * (this.moving ? this.coarser : 1); }
+  /** Whether a chunk can be drawn. */
+  isThere(chunk, field) { return Boolean(chunk.kept?.gpu) && (field === null || chunk.kept.gpu.fields.has(field)); }
+
+  /** Reads the manifest once, then plans for the shown model. */
+  async load() {
+    if (this.trees || this.asked) return this.replan();
+    this.asked = true;
+    if (this.base.protocol === 'file:')
+      return this.view.fail('The model lies in files beside this page, which browsers read from a web server only: serve the folder, as by ' +
+                            'vog serve FOLDER, and open the address that it prints');
+    const { manifest } = this.page.site, fail = (reason) => this.view.fail(`The model cannot be read: ${reason}`);
+    this.requests.plan([{
+      url: this.url(manifest), bytes: undefined,
+      failed: (_, reason) => fail(`${manifest}: ${reason}, expected the description of a site`),
+      done: (bytes) => {
+        try {
+          this.trees = treesOf(bytes, manifest, this.page);
+        } catch (error) {
+          return fail(error.message);
+        }
+        if (!this.root) this.view.say('This model is empty.', 0);
+        this.replan();
+      },
+    }]);
+  }
+
+  // --- Plans: which files, in which order. ---
+
+  /** All that a plan depends on but for what has come. */
+  aspects() {
+    const state = this.view.state(), { box, planes } = this.view.clip();
+    return [state.camera, state.model, fieldPlace(state), state.show, ...this.view.size(), box, planes, state.pixelError,
+      state.memory, state.most, this.moving ? this.coarser : 1, this.view.renderer()];
+  }
+
+  /** inFrame: a frame is being drawn, so that none has to be asked for */
+  replan(inFrame = false) {
+    const renderer = this.view.renderer();
+    if (!this.trees || !renderer) return;
+    this.planned = this.aspects();
+    ++this.turn;
+    const state = this.view.state(), needs = this.needs(), room = this.limits();
+    const eye = viewOf(state.camera, ...this.view.size(), this.view.clip());
+    const ask = {
+      error: this.bound(), room, bytesOf: (chunk) => bytesOf(chunk, needs),
+      isBad: (chunk) => this.loading.isBad(chunk, needs.field),
+    };
+    const filesOf = (n, visible) => {
+      const cut = wantedCut(this.trees[n].root, eye, this.turn, { ...ask, visible });
+      room.bytes -= cut.bytes;
+      room.gaussians -= cut.gaussians;
+      return { model: n, cut, files: this.loading.files(this.trees[n], n, cut, needs.field) };
+    };
+    const now = filesOf(state.model, this.visible(eye, needs));
+    this.cut = now.cut;
+    this.ahead = [];
+    for (let step = 1; this.page.steps && step <= Math.min(stepsAhead, this.trees.length - 1) && room.bytes > 0; ++step)
+      this.ahead.push(filesOf((state.model + step) % this.trees.length, () => 1));
+    // The coarsest chunk has the line for itself: it is the first picture.
+    const isBegun = !this.root || this.root.wanted !== this.turn || this.isThere(this.root, needs.field) || ask.isBad(this.root);
+    this.requests.plan(isBegun ? [now, ...this.ahead].flatMap(({ files }) => files) : now.files.filter(({ use }) => use === Infinity));
+    this.store.tidy(this.limits(), this.turn, needs, renderer);
+    if (this.settleCut(needs.field) && !inFrame) this.view.changed();
+    this.report();
+  }
+
+  /** Visibility of chunks that are not there yet, by what the shown quantity hides. */
+  visible(eye, { field }) {
+    const state = this.view.state(), coarse = this.root?.kept?.coarse;
+    if (!coarse || (state.show !== 'T' && state.show !== 'volume')) return () => 1;
+    const volume = state.show === 'volume', transfer = this.view.transfer(), data = coarse.fields.get(field);
+    if (volume && !data) return () => 1;
+    const key = [coarse, state.show, volume ? transfer : state.exposure, data];
+    if (!this.lattice?.key.every((part, n) => part === key[n])) {
+      const model = this.page.models[state.model], source = model.fields[field], { box } = this.root;
+      const of = volume ? Visibility.ofValues(model, box, coarse.instances, data, extinctionIn(expectedLight(
+        transfer, { reference: source.reference, unit: source.scale, isMeasure: source.isMeasure })))
+        : new Visibility(model, box, coarse.instances, () => state.exposure);
+      this.lattice = { key, of };
+    }
+    const { of } = this.lattice, now = performance.now();
+    return (chunk) => {
+      if (this.isThere(chunk, field)) return 1;
+      const { seen } = chunk;
+      if (!seen || seen.of !== of || (seen.planned !== this.planned[0] && now - seen.at > oldMs))
+        chunk.seen = { of, planned: this.planned[0], at: now, share: of.of(chunk.box, eye, volume) };
+      return chunk.seen.share;
+    };
+  }
+
+  // --- Drawing. ---
+
+  /** Finds what can be drawn; returns whether it has changed. */
+  settleCut(field) {
+    const before = this.drawn, wasComplete = this.complete;
+    this.drawn = drawnCut(this.root, this.turn, (chunk) => this.isThere(chunk, field));
+    this.complete = !this.waits(this.cut, field);
+    const same = before && before.root === this.root && before.parts.length === this.drawn.parts.length &&
+        before.parts.every(({ chunk, first, gpu }, n) => chunk === this.drawn.parts[n].chunk && first === this.drawn.parts[n].first && gpu === chunk.kept.gpu);
+    for (const part of this.drawn.parts) part.gpu = part.chunk.kept.gpu;
+    this.drawn.root = this.root;
+    if (!same) ++this.version;
+    return !same || this.complete !== wasComplete;
+  }
+
+  /** Whether files of a cut are under way; not those that no server answers for, or that cannot be had. */
+  waits({ chunks, tables }, field) {
+    const waitsFor = (name) => !this.requests.isHeld(this.url(`chunks/${name}`));
+    return tables.some(({ chunk }) => waitsFor(`${chunk.table}.json`)) || chunks.some(({ chunk }) => {
+      if (this.isThere(chunk, field) || this.loading.isBad(chunk, field)) return false;
+      const { kept } = chunk;
+      return kept.busy.size > 0 || (kept.shapes ? kept.gpu === null : waitsFor(`${chunk.name}.vogz`)) ||
+        (field !== null && (kept.fields.has(field) || waitsFor(`${chunk.name}.${field}`)));
+    });
+  }
+
+  /** Parts to draw now, as Levels.now(). */
+  now(moving) {
+    this.moving = moving;
+    const aspects = this.aspects();
+    if (!this.planned?.every((part, n) => part === aspects[n])) this.replan(true);
+    const { parts, count } = this.drawn ?? { parts: [], count: 0 };
+    return { parts, key: this.version, count, isWhole: parts.length > 0 };
+  }
+
+  /** Whether a step can be shown at once: all that its view wants, or after a while what there is. */
+  isReady(model) {
+    const { field } = this.needs(), root = this.trees?.[model].root;
+    if (!root || !this.isThere(root, field)) return this.trees !== null && (!root || this.loading.isBad(root, field));
+    const found = this.ahead.find((one) => one.model === model);
+    if (found && !this.waits(found.cut, field)) return true;
+    if (this.awaited.model !== model) this.awaited = { model, since: performance.now() };
+    return performance.now() - this.awaited.since > patienceMs;
+  }
+
+  /** Parts that a ray may meet, as Probe takes them, read back from the GPU; null: none yet. */
+  along(ray) {
+    const { field } = this.needs(), renderer = this.view.renderer(), before = this.reads;
+    if (!renderer || !this.drawn || this.drawn.parts.length === 0) return null;
+    this.reads = new Map();
+    return this.drawn.parts.filter(({ chunk, gpu }) => gpu === chunk.kept?.gpu && meets(chunk.box, ray)).map(({ gpu, first, count }) => {
+      const read = before.get(gpu)?.field === field ? before.get(gpu) : { field, ...renderer.readBack(gpu, field) };
+      this.reads.set(gpu, read);
+      return { ...read, first, count };
+    });
+  }
+
+  frameTook(ms, moving) {
+    if (moving && ms > slowMs) this.coarser = Math.min(mostCoarser, this.coarser * 1.4);
+    if (moving && ms < fastMs) this.coarser = Math.max(1, this.coarser / 1.2);
+  }
+
+  restart() {
+    this.store.restart();
+    this.reads = new Map();
+    this.drawn = null;
+  }
+
+  // --- Words. ---
+
+  detail() {
+    const value = sliderSteps - Math.round(perHalving * Math.log2(this.view.state().pixelError / leastError)), count = this.drawn?.count ?? 0;
+    return { value, most: sliderSteps, text: `${count.toLocaleString('en')} ${count === 1 ? 'Gaussian' : 'Gaussians'}` };
+  }
+  detailed(value) { return { pixelError: leastError * 2 ** ((sliderSteps - Math.max(0, Math.min(sliderSteps, value))) / perHalving) }; }
+
+  report() {
+    const [width, height] = this.view.size();
+    this.view.show({
+      loaded: this.requests.loaded, toCome: this.requests.toCome.length, isFull: this.cut !== null && this.cut.error > this.bound(),
+      error: Math.min(this.drawn?.error ?? Infinity, Math.max(width, height)),
+    });
+  }
+
+  /** Says why something cannot be had, the first time. */
+  lacks(chunk, field, line) {
+    const isRoot = !chunk.parent && (chunk.bad || field !== null);
+    if (isRoot && field !== null && chunk === this.root) return this.view.refuse(line);
+    if (isRoot && this.trees.length === 1) return this.view.fail(`The model cannot be read: ${line}`);
+    if (isRoot) this.view.say(`${line}: one of the models cannot be shown.`, 12);
+    else if (this.said.size === 0) this.view.say(`${line}: the picture stays coarse there.`, 12);
+    this.said.add(line);
+  }
+
+  sayAway(isAway, reason) {
+    if (isAway) this.view.say(`No answer from ${this.base.host} (${reason}): what is here stays, and the rest is tried again.`, 0);
+    else this.view.say('');
+  }
+}

@@ -1,0 +1,328 @@
+#!/usr/bin/env python3
+"""Streamed pages where something fails: slow and dropped connections, missing, damaged and cut files, hostile descriptions; and the
+cut through the tree, in itself.
+
+VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Chromium.
+"""
+import json
+import random
+
+from page_test_case import HOUSE, run, vog
+from quantity_test_case import write_flow
+from site_server import DROP
+from streaming_test_case import SMALL, SiteTest, write_dust
+
+DUST = 24000
+
+
+def modules(*names):
+    """Modules of the page as a plain script."""
+    lines = [line for name in names for line in (HOUSE / "src/web/page" / name).read_text().splitlines()]
+    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
+
+
+class Failures(SiteTest):
+    @classmethod
+    def make(cls):
+        write_dust(cls.folder / "dust.ply", DUST)
+        vog("export", "dust.ply", "-o", "site/", "--tf", "gray")
+
+    def begin(self, fragment="#subframes=1", **hooks):
+        """Opens the site with hooks of the server; does not wait for the picture."""
+        self.browser.viewport(*SMALL)
+        server = self.serve()
+        for name, value in hooks.items():
+            setattr(server, name, value)
+        self.browser.open(server.url, fragment)
+        return server
+
+    def a_part(self):
+        """A chunk below the root."""
+        return max(self.parts_of_root(), key=lambda row: row["gaussians"])
+
+    # --- The network. ---
+
+    def test_a_slow_network_shows_the_coarse_model_and_goes_on(self):
+        self.begin()
+        self.browser.settle()
+        whole, size = self.drawn, self.loaded
+        # The chunks in about two seconds.
+        self.begin(bytes_per_s=size // 12)
+        self.until("vog.source.drawn && vog.source.drawn.count > 0")
+        first = self.value("[vog.source.drawn.count, vog.source.requests.toCome.length, stream.textContent, document.documentElement.dataset.drawn ?? '']")
+        self.assertLess(first[0], whole)
+        self.assertGreater(first[1], 0)
+        self.assertIn("to come", first[2])
+        self.assertEqual(first[3], "")
+        # Frames go on meanwhile.
+        self.assertGreater(self.value("""new Promise((done) => {
+            let frames = 0;
+            const next = () => { ++frames; requestAnimationFrame(next); };
+            next();
+            setTimeout(() => done(frames), 500);
+        })"""), 2)
+        self.until("!document.getElementById('progress').hidden || vog.source.requests.toCome.length === 0")
+        self.browser.settle()
+        self.assertEqual(self.drawn, whole)
+        self.assertTrue(self.value("document.getElementById('progress').hidden"))
+
+    def test_requests_of_a_view_that_is_left_are_cancelled(self):
+        server = self.begin(fragment="#subframes=1&error=32")
+        self.browser.settle()
+        server.bytes_per_s = 4000
+        self.value("vog.change({pixelError: 0.5})")
+        self.until("vog.source.requests.flying.size > 0")
+        # All of the model lies behind.
+        self.value("vog.change({camera: {...vog.state.camera, at: vog.state.camera.eye, "
+                   "eye: vog.state.camera.eye.map((e, k) => e + 0.01 * (vog.state.camera.at[k] - e))}})")
+        self.until("vog.source.requests.flying.size === 0", 5)
+        self.browser.settle()
+        self.assertEqual(self.drawn, 0)
+        server.bytes_per_s = None
+        self.value("vog.change({camera: vog.page.camera})")
+        self.browser.settle()
+        self.assertGreater(self.drawn, 0)
+        self.assertGreater(server.cut_off, 0)
+
+    def test_dropped_connections_are_tried_again(self):
+        dropped = set()
+
+        def once(name):
+            def answer(body):
+                if name in dropped:
+                    return body
+                dropped.add(name)
+                return DROP
+            return answer
+        names = [row["name"] for row in self.parts_of_root()] + [self.root()["name"]]
+        self.begin(answers={name + ".vogz": once(name) for name in names})
+        self.browser.settle()
+        self.assertIn(self.root()["name"], dropped)
+        self.assertEqual(self.notice(), "")
+        self.expect_same("dust.ply", least=50)
+
+    def test_busy_servers_are_asked_later(self):
+        answers = iter([503, 429, 503])
+        self.begin(answers={"manifest.json": lambda body: next(answers, body)})
+        self.browser.settle()
+        self.assertEqual(self.server.paths.count("/manifest.json"), 4)
+        self.assertGreater(self.drawn, 0)
+
+    def test_without_a_connection_the_page_says_so_and_waits(self):
+        self.begin(fragment="#subframes=1&error=32")
+        self.browser.settle()
+        coarse = self.drawn
+
+        def offline(is_off):
+            self.browser.call("Network.emulateNetworkConditions", offline=is_off, latency=0, downloadThroughput=-1, uploadThroughput=-1)
+        offline(True)
+        try:
+            self.value("vog.change({pixelError: 0.5})")
+            self.until("!notice.hidden")
+            self.assertIn("No answer from 127.0.0.1", self.notice())
+            self.assertEqual(self.value("vog.source.drawn.count"), coarse)
+        finally:
+            offline(False)
+        self.until("vog.source.requests.toCome.length === 0 && vog.source.drawn.count > " + str(coarse))
+        self.assertEqual(self.notice(), "")
+
+    # --- Files. ---
+
+    def expect_coarse_there(self, words, asked, **hooks):
+        """Expects the page to go on with the parent of a part that fails, and one line that names it."""
+        self.begin()
+        self.browser.settle()
+        whole = self.drawn
+        part = self.a_part()
+        server = self.begin(answers={f"{part['name']}.vogz": hooks["answer"]})
+        self.value("vog.lines = []; new MutationObserver(() => notice.textContent && vog.lines.push(notice.textContent))"
+                   ".observe(notice, {childList: true})")
+        self.browser.settle()
+        self.assertNotEqual(self.drawn, whole)
+        self.assertGreater(self.drawn, 0)
+        self.assertIn(words, self.notice())
+        self.assertIn(part["name"], self.notice())
+        self.assertIn("stays coarse there", self.notice())
+        self.assertEqual(server.paths.count(f"/chunks/{part['name']}.vogz"), asked)
+        self.value("vog.change({pixelError: 0.5})")
+        self.browser.settle()
+        self.assertLessEqual(self.value("vog.lines.length"), 1)
+        self.assertEqual(server.paths.count(f"/chunks/{part['name']}.vogz"), asked)
+        # The coarse nodes have the mass of what is missing: the picture is a blurred one, not one with a hole.
+        self.assertGreater(self.psnr(self.picture(), self.render("dust.ply")), 20)
+
+    def test_a_missing_chunk(self):
+        self.expect_coarse_there("HTTP 404", 1, answer=404)
+
+    def test_a_truncated_chunk(self):
+        self.expect_coarse_there("expected", 2, answer=lambda body: body[:len(body) // 2])
+
+    def test_a_changed_chunk(self):
+        self.expect_coarse_there("damaged", 2, answer=lambda body: body[:-40] + bytes([body[-40] ^ 1]) + body[-39:])
+
+    def test_another_chunk_in_its_place(self):
+        root = (self.folder / "site/chunks" / f"{self.root()['name']}.vogz").read_bytes()
+        self.expect_coarse_there("expected", 2, answer=root)
+
+    def test_a_root_that_cannot_be_read(self):
+        for answer, words in ((404, "HTTP 404"), (lambda body: body[:100], "100 bytes, expected")):
+            self.begin(answers={f"{self.root()['name']}.vogz": answer})
+            self.until("!failure.hidden")
+            self.assertIn(words, self.failure())
+            self.assertEqual(self.failure().count("\n"), 0)
+
+    def test_a_manifest_that_is_none(self):
+        whole = self.manifest()
+        for answer, words in ((404, "manifest.json: HTTP 404"), (b"<html>", "no JSON"), (b"{}", "format"),
+                              (json.dumps({**whole, "version": 2}).encode(), "version: 2, expected 1"),
+                              (json.dumps({**whole, "models": []}).encode(), "expected the 1 of the page"),
+                              (json.dumps(whole).encode()[:-20], "no JSON")):
+            self.begin(answers={"manifest.json": answer})
+            self.until("!failure.hidden")
+            self.assertIn(words, self.failure())
+
+    def test_a_page_opened_as_a_file_says_what_to_do(self):
+        self.browser.open(self.folder / "site/index.html")
+        self.until("!failure.hidden")
+        self.assertIn("vog serve", self.failure())
+
+    def test_a_field_that_is_missing(self):
+        write_flow(self.folder / "flow.ply", 500)
+        vog("export", "flow.ply", "-o", "flow/")
+        self.browser.viewport(*SMALL)
+        server = self.serve("flow")
+        server.answers[".0"] = 404
+        self.open(server.url, "#subframes=1")
+        self.value("vog.change({show: 'mean'})")
+        self.until("vog.state.show === 'T'")
+        self.browser.settle()
+        self.assertIn("HTTP 404", self.notice())
+        self.assertIn("cannot be shown", self.notice())
+
+
+class Rows(SiteTest):
+    """Descriptions and cuts, without a picture."""
+
+    @classmethod
+    def make(cls):
+        script = modules("vectors.js", "camera.js", "picture/clip.js", "stream/rows.js", "stream/cut.js")
+        (cls.folder / "rows.html").write_text(f"<!doctype html><title>rows</title><script>{script}</script>")
+
+    def setUp(self):
+        super().setUp()
+        self.browser.open(self.folder / "rows.html")
+
+    def row(self, **more):
+        part = {"name": "1" * 32, "nodes": 0, "gaussians": 5, "error": 0, "box": [-1, -1, -1, 0, 1, 1], "bytes": [100, 50]}
+        return {"name": "0" * 32, "nodes": 3, "gaussians": 4, "error": 0.5, "box": [-1, -1, -1, 1, 1, 1], "bytes": [90, 40],
+                "parts": [part, {**part, "name": "2" * 32, "box": [0, -1, -1, 1, 1, 1]}], **more}
+
+    def answer(self, root, **model):
+        text = json.dumps({"format": "vog site", "version": 1, "models": [
+            {"gaussians": 10, "origin": [1, 2, 3], "fields": [{"name": "f", "kind": "scalar"}], "root": root, **model}]})
+        page = {"models": [{"fields": [{"name": "f", "vector": False}]}]}
+        return self.value(f"""(() => {{
+            try {{ return treesOf(new TextEncoder().encode({json.dumps(text)}), 'manifest.json', {json.dumps(page)})[0].root.parts.length; }}
+            catch (error) {{ return error.message; }}
+        }})()""")
+
+    def test_rows_are_read(self):
+        self.assertEqual(self.answer(self.row()), 2)
+
+    def test_every_wrong_row_is_refused_in_one_line(self):
+        part = self.row()["parts"][0]
+        deep = part
+        for _ in range(70):
+            deep = self.row(parts=[{**deep, "box": [-1, -1, -1, 1, 1, 1]}])
+        wrong = [
+            *({"name": name} for name in ("../../etc/passwd", "0" * 31, "0" * 31 + "G", "0" * 31 + "/", None, 7, "0" * 32 + "\n", ["0" * 32])),
+            *({"nodes": nodes} for nodes in (-1, 5, 1.5, "3", None, True)),
+            *({"gaussians": count} for count in (0, -4, 2 ** 40, 1e300, "4", None)),
+            *({"error": error} for error in (-1, None, "big", [])),
+            *({"box": box} for box in ([], [0] * 5, [1, 0, 0, 0, 1, 1], [0, 0, 0, 0, 0, None], "box", [0, 0, 0, 1, 1, 1])),
+            *({"bytes": sizes} for sizes in ([], [90], [90, 40, 1], [90, -1], [90, 2 ** 40], [90, 0.5], None)),
+            *({"parts": parts} for parts in ([], None, {}, [7], [None], [{**part, "error": 1}], [{**part, "box": [-2, -1, -1, 0, 1, 1]}])),
+            *({"parts": None, "table": table} for table in ("../x", 5)), {"parts": None, "table": "0" * 32, "tableBytes": -1},
+            {"parts": [deep]},
+        ]
+        for change in wrong:
+            message = self.answer(self.row(**change))
+            self.assertIsInstance(message, str, change)
+            self.assertIn("expected", message, change)
+            self.assertNotIn("\n", message)
+            self.assertLess(len(message), 300 + 12 * 70)
+        for model in ({"origin": [0, 0]}, {"origin": [0, 0, "x"]}, {"gaussians": -1}, {"fields": []}, {"fields": [{"name": "g", "kind": "scalar"}]},
+                      {"fields": [{"name": "f", "kind": "vector"}]}):
+            self.assertIn("expected", self.answer(self.row(), **model))
+        self.assertIn("a row", self.answer(None))
+
+    def test_any_cut_draws_every_gaussian_or_its_node_once(self):
+        """Random trees, views and chunks that are there: drawn parts cover each chunk of the leaves in view once."""
+        rng = random.Random(4)
+
+        def tree(depth, lower, upper):
+            nodes = 10 if depth < 4 and rng.random() < 0.9 else 0
+            row = {"name": f"{rng.getrandbits(128):032x}", "nodes": nodes, "gaussians": 10 + rng.randrange(1, 9), "error": 0.4 * 0.5 ** depth if nodes else 0,
+                   "box": [*lower, *upper], "bytes": [1000, 0]}
+            if nodes:
+                row["parts"] = []
+                middle = [0.5 * (a + b) for a, b in zip(lower, upper)]
+                for n in range(8):
+                    ends = [(a, m) if n >> k & 1 else (m, b) for k, (a, m, b) in enumerate(zip(lower, middle, upper))]
+                    row["parts"].append(tree(depth + 1, [e[0] for e in ends], [e[1] for e in ends]))
+            return row
+        root = tree(0, [-1, -1, -1], [1, 1, 1])
+        text = json.dumps({"format": "vog site", "version": 1, "models": [
+            {"gaussians": 10, "origin": [0, 0, 0], "fields": [{"name": "f", "kind": "scalar"}], "root": root}]})
+        page = {"models": [{"fields": [{"name": "f", "vector": False}]}]}
+        found = self.value(f"""(() => {{
+            const tree = treesOf(new TextEncoder().encode({json.dumps(text)}), 'm', {json.dumps(page)})[0].root, out = [];
+            let seed = 1;
+            const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+            for (let turn = 1; turn <= 200; ++turn) {{
+              const eye = [3 * random() - 1.5, 3 * random() - 1.5, 3 * random() - 1.5];
+              const view = viewOf({{ eye, at: [random(), random(), random()], up: [0, 1, 0], fov: 40, span: turn % 3 ? 0 : 1 }}, 200, 150, null);
+              const there = new Map(), room = {{ bytes: turn % 2 ? 1e9 : 40000, gaussians: 1e9 }}, share = random();
+              const cut = wantedCut(tree, view, turn, {{ error: 1, room, bytesOf: () => 1000, visible: () => random(), isBad: () => random() < 0.02 }});
+              for (const {{ chunk }} of cut.chunks) there.set(chunk, !chunk.parent || (there.get(chunk.parent) && random() < share));
+              const drawn = drawnCut(tree, turn, (chunk) => there.get(chunk) === true);
+              const first = new Map(drawn.parts.map((part) => [part.chunk, part.first]));
+              const wrong = [];
+              // Each chunk that is not divided has all of it drawn, if what is above it is; parts of a divided one are all drawn.
+              const visit = (chunk, isAbove) => {{
+                const at = first.get(chunk), divided = isAbove && at === chunk.nodes && chunk.nodes > 0;
+                if (isAbove !== (at !== undefined)) wrong.push('hole or overlap');
+                if (at !== undefined && !there.get(chunk)) wrong.push('not there');
+                for (const part of chunk.parts ?? []) visit(part, divided && isSeen(part.box, view));
+              }};
+              visit(tree, isSeen(tree.box, view));
+              const sorted = cut.chunks.every(({{ use }}, n) => n === 0 || use <= cut.chunks[n - 1].use);
+              const above = cut.chunks.every(({{ chunk }}, n) => !chunk.parent || cut.chunks.findIndex((one) => one.chunk === chunk.parent) < n);
+              const bytes = cut.bytes <= room.bytes;
+              out.push([wrong.length, sorted, above, bytes, drawn.count === drawn.parts.reduce((sum, part) => sum + part.count, 0)]);
+            }}
+            return out;
+        }})()""")
+        self.assertEqual(len(found), 200)
+        for one in found:
+            self.assertEqual(one, [0, True, True, True, True])
+
+    def test_errors_are_projected_where_the_box_is_nearest(self):
+        pixels = self.value("""(() => {
+            const chunk = (center, half, error) => ({ error, box: { center, half } });
+            // 100 pixels, 90 degrees: 50 pixels a unit of slope.
+            const view = viewOf({ eye: [0, 0, 0], at: [0, 0, -1], up: [0, 1, 0], fov: 90, span: 0 }, 100, 100, null);
+            const parallel = viewOf({ eye: [0, 0, 0], at: [0, 0, -1], up: [0, 1, 0], fov: 90, span: 4 }, 100, 100, null);
+            return [pixelsOf(chunk([0, 0, -5], [1, 1, 1], 0.08), view), pixelsOf(chunk([0, 0, -5], [6, 6, 6], 0.08), view),
+              pixelsOf(chunk([0, 0, -5], [1, 1, 1], 0.08), parallel), pixelsOf(chunk([0, 0, -5], [1, 1, 1], 0), view),
+              isSeen({ center: [8, 0, -5], half: [1, 1, 1] }, view), isSeen({ center: [0, 0, 3], half: [1, 1, 1] }, view),
+              isSeen({ center: [5.9, 0, -5], half: [1, 1, 1] }, view)];
+        })()""")
+        self.assertAlmostEqual(pixels[0], 50 * 0.08 / 4)
+        self.assertGreater(pixels[1], 1000)
+        self.assertAlmostEqual(pixels[2], 25 * 0.08)
+        self.assertEqual(pixels[3:], [0, False, False, True])
+
+
+if __name__ == "__main__":
+    run()

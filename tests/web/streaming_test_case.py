@@ -1,0 +1,94 @@
+"""What tests of streamed pages share: sites that `vog export -o FOLDER/` writes, served on loopback."""
+import json
+import random
+
+from page_test_case import PageTest, write_model
+from site_server import SiteServer
+
+# Pixels of a page whose picture is not the subject: a GPU in software takes long for them.
+SMALL = (120, 90)
+
+
+def write_dust(path, count, seed=1, shift=0.0):
+    """Writes a PLY of small Gaussians in clusters: several chunks, of which a near view needs few."""
+    rng, rows = random.Random(seed), []
+    clusters = [[rng.uniform(-1, 1) for _ in range(3)] for _ in range(40)]
+    for n in range(count):
+        center = clusters[n % len(clusters)]
+        s = rng.uniform(0.004, 0.012)
+        rows += [c + shift + rng.gauss(0, 0.08) for c in center] + [s, s, s, rng.uniform(5, 50)]
+    write_model(path, rows)
+
+
+class SiteTest(PageTest):
+    """Pages of folders, which a server of each test's own serves."""
+
+    def serve(self, site="site", **more):
+        server = SiteServer(self.folder / site, **more).__enter__()
+        self.addCleanup(server.__exit__)
+        self.server = server
+        return server
+
+    def start(self, site="site", fragment="#subframes=1&embed", size=SMALL):
+        """Opens a site and waits for the whole picture; returns the server."""
+        self.browser.viewport(*size)
+        server = self.serve(site)
+        self.open(server.url, fragment)
+        return server
+
+    def tearDown(self):
+        # The browser's own line on each answer that it did not get.
+        self.browser.complaints = [line for line in self.browser.complaints if "Failed to load resource" not in line]
+        super().tearDown()
+
+    def open(self, page, fragment="#subframes=1&embed"):
+        if str(page).startswith("http"):
+            self.browser.open(page, fragment)
+            self.browser.settle()
+        else:
+            super().open(page, fragment)
+
+    def change(self, state):
+        """Changes the state, given as JavaScript or values; waits for the whole picture."""
+        self.value(f"vog.change({state if isinstance(state, str) else json.dumps(state)})")
+        self.browser.settle()
+
+    def near(self, share):
+        """A view from nearer, at a share of the first distance."""
+        return ("{camera: {...vog.state.camera, eye: vog.state.camera.at.map((a, k) => "
+                f"a + {share} * (vog.state.camera.eye[k] - a))}}}}")
+
+    @property
+    def drawn(self):
+        return int(self.value("document.documentElement.dataset.drawn"))
+
+    @property
+    def loaded(self):
+        return int(self.value("document.documentElement.dataset.loaded"))
+
+    def notice(self):
+        return self.value("notice.hidden ? '' : notice.textContent")
+
+    def failure(self):
+        return self.value("document.getElementById('failure-text').textContent")
+
+    def until(self, expression, seconds=30):
+        """Waits until a JavaScript expression holds."""
+        self.assertTrue(self.value(f"""new Promise((done) => {{
+            const end = performance.now() + {1000 * seconds};
+            const ask = () => ({expression}) ? done(true) : performance.now() > end ? done(false) : setTimeout(ask, 20);
+            ask();
+        }})"""), expression)
+
+    def manifest(self, site="site"):
+        return json.loads((self.folder / site / "manifest.json").read_text())
+
+    def root(self, site="site"):
+        return self.manifest(site)["models"][0]["root"]
+
+    def parts_of_root(self, site="site"):
+        """Rows below the root, from the manifest or its table."""
+        root = self.root(site)
+        if "parts" in root:
+            return root["parts"]
+        return json.loads((self.folder / site / "chunks" / f"{root['table']}.json").read_text())["parts"]
