@@ -12,7 +12,7 @@ from quantity_test_case import write_flow
 from site_server import DROP
 from streaming_test_case import SMALL, SiteTest, write_dust
 
-DUST = 24000
+DUST = 60000
 
 
 def modules(*names):

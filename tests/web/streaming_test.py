@@ -6,16 +6,19 @@ VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77
 where there is no Chromium.
 """
 import json
+import os
 import shutil
+import socket
 import subprocess
 import sys
+import time
 import unittest
 
 from page_test_case import run, vog
 from quantity_test_case import write_flow
 from streaming_test_case import SMALL, SiteTest, write_dust
 
-DUST = 24000  # Gaussians: the coarsest chunk of a site has 8,192 at most, others 16,384
+DUST = 60000  # Gaussians: seven chunks in three depths, since a chunk has 16,384 at most, the coarsest 8,192
 # A picture whose coarse parts err by a pixel at most, against that of the whole model (issue 24).
 LEAST_PSNR_DB = 50
 
@@ -100,10 +103,14 @@ class Streaming(SiteTest):
         self.assertEqual(self.value("vog.source.now(true).count"), whole)
 
     def test_memory_stays_within_its_limits_in_a_flight(self):
-        self.start(fragment="#subframes=1&embed&memory=1.2&most=20000", size=(160, 120))
-        self.value("vog.peak = {bytes: 0, gaussians: 0}; vog.source.requests.tell.changed = () => {"
-                   "  const used = vog.source.store.used();"
-                   "  for (const key of ['bytes', 'gaussians']) vog.peak[key] = Math.max(vog.peak[key], used[key]); }")
+        server = self.start(fragment="#subframes=1&error=0.5&memory=3.2&most=52000", size=(160, 120))
+        self.value("""vog.peak = {bytes: 0, gaussians: 0};
+            const { show } = vog.source.view;
+            vog.source.view.show = (status) => {
+                const used = vog.source.store.used();
+                for (const key of ['bytes', 'gaussians']) vog.peak[key] = Math.max(vog.peak[key], used[key]);
+                show(status);
+            };""")
         first = self.value("vog.state.camera")
         for n in range(8):
             target = self.parts_of_root()[n % len(self.parts_of_root())]["box"]
@@ -111,10 +118,11 @@ class Streaming(SiteTest):
             self.change({"camera": {**first, "at": at, "eye": [at[0], at[1], at[2] + 0.3]}})
         self.change({"camera": first})
         peak = self.value("vog.peak")
-        self.assertLessEqual(peak["bytes"], 1.2e6)
-        self.assertLessEqual(peak["gaussians"], 20000)
-        self.assertGreater(peak["bytes"], 0.3e6)
+        self.assertLessEqual(peak["bytes"], 3.2e6)
+        self.assertLessEqual(peak["gaussians"], 52000)
+        self.assertGreater(peak["gaussians"], 40000)
         self.assertIn("memory full", self.value("stream.textContent"))
+        self.assertGreater(len(server.paths), len(set(server.paths)))  # what had to go was asked for again
 
     def test_what_has_been_seen_is_not_asked_for_again(self):
         server = self.start(size=(160, 120))
@@ -160,18 +168,24 @@ class Streaming(SiteTest):
             raise unittest.SkipTest("no nginx")
         folder = self.folder / "nginx"
         folder.mkdir()
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        places = "".join(f"{kind}_temp_path {folder}/{kind}; " for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
         (folder / "nginx.conf").write_text(
-            f"daemon off; pid {folder}/pid; error_log {folder}/error.log; events {{}} http {{ access_log off; "
-            + "".join(f"{kind}_temp_path {folder}/{kind}; " for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-            + f"gzip on; gzip_types *; server {{ listen 127.0.0.1:18724; root {self.folder}/site; }} }}")
+            # The folder is the test's user's own; others than root may not set one.
+            ("user root; " if os.getuid() == 0 else "")
+            + f"daemon off; pid {folder}/pid; error_log {folder}/error.log; events {{}} http {{ access_log off; {places}"
+            f"types {{ text/html html; application/json json; }} gzip on; gzip_types *; "
+            f"server {{ listen 127.0.0.1:{port}; root {self.folder}/site; }} }}")
         nginx = subprocess.Popen(["nginx", "-e", f"{folder}/error.log", "-c", f"{folder}/nginx.conf"])
         try:
             self.browser.viewport(*SMALL)
-            for _ in range(50):
+            for _ in range(100):
                 if (folder / "pid").exists():
                     break
-                self.value("new Promise((done) => setTimeout(done, 100))")
-            self.open("http://127.0.0.1:18724/")
+                time.sleep(0.1)
+            self.open(f"http://127.0.0.1:{port}/")
             self.expect_same("dust.ply", least=LEAST_PSNR_DB)
         finally:
             nginx.terminate()
@@ -184,7 +198,7 @@ class Quantities(SiteTest):
     @classmethod
     def make(cls):
         write_flow(cls.folder / "flow.ply", 9000)
-        vog("export", "flow.ply", "-o", "flow/")
+        vog("export", "flow.ply", "-o", "flow/", "--precise")
 
     def test_files_of_fields_come_when_they_are_shown(self):
         server = self.start("flow")
@@ -242,7 +256,7 @@ class Steps(SiteTest):
     def make(cls):
         for n in range(4):
             write_dust(cls.folder / f"step{n}.ply", 3000, seed=3, shift=0.02 * n)
-        vog("export", "step0.ply", "step1.ply", "step2.ply", "step3.ply", "-o", "steps/", "--steps", "--tf", "gray")
+        vog("export", "step?.ply", "-o", "steps/", "--site", "--tf", "gray")
 
     def names(self, n):
         return f"/chunks/{self.manifest('steps')['models'][n]['root']['name']}.vogz"

@@ -178,25 +178,25 @@ async function fieldColumns(from, count, vector, { scale, step }) {
   const values = await columns(parts, scale * step);
   const changes = await columns(3 * parts, scale * step * changeSteps);
   const shares = await columns(vector ? 3 : 1, step * shareSteps);
-  if (!from.ended) throw new Damaged();
   return { roots, values, changes, shares };
 }
 
-/** Field of the Gaussians of a chunk, which are those of the columns from `first` on. */
-async function setField(file, chunk, { roots, values, changes, shares }, first, vector, { reference, scale, step }, set) {
+/** Field of the Gaussians of a chunk, set from `first` on. */
+async function setField(file, chunk, from, first, vector, source, set) {
+  const { roots, values, changes, shares } = await fieldColumns(from, chunk.count, vector, source), { reference, scale, step } = source;
   const shapes = await shapeColumns(file, chunk), parts = vector ? [0, 1, 2] : [0];
   // Rounding may leave correlations that no data has; a share of the unit matrix makes up for it.
   const [most, shrink] = vector ? [1, 1 / (1 + step * shareSteps)] : [3, 1];
   const one = { value: [], deviation: [], gradient: parts.map(() => [0, 0, 0]), share: [] };
   eachShape(file, shapes, chunk.count, (n, scales, quaternion) => {
-    const spread = spreadOf(file, shapes, n), at = first + n;
+    const spread = spreadOf(file, shapes, n);
     for (const part of parts) {
-      one.value[part] = values[part][at] + (vector ? 0 : reference);
-      one.deviation[part] = roots[part][at] ** 2 * scale;
-      for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][at] / spread;
+      one.value[part] = values[part][n] + (vector ? 0 : reference);
+      one.deviation[part] = roots[part][n] ** 2 * scale;
+      for (let axis = 0; axis < 3; ++axis) one.gradient[part][axis] = changes[3 * part + axis][n] / spread;
     }
-    shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[at])); });
-    set(at, scales, quaternion, one);
+    shares.forEach((share, k) => { one.share[k] = shrink * Math.max(-most, Math.min(most, share[n])); });
+    set(first + n, scales, quaternion, one);
   });
 }
 
@@ -207,8 +207,9 @@ async function setField(file, chunk, { roots, values, changes, shares }, first, 
  */
 export async function chunkField(file, chunk, field, set) {
   const source = file.fields[field], vector = source.kind === 'vector';
-  const columns = await fieldColumns(checked(chunk.fields[field]), chunk.count, vector, source);
-  await setField(file, chunk, columns, 0, vector, source, set);
+  const from = checked(chunk.fields[field]);
+  await setField(file, chunk, from, 0, vector, source, set);
+  if (!from.ended) throw new Damaged();
 }
 
 /** The same of a whole model whose field is a file of a site's chunk (docs/streaming.md). */
@@ -220,10 +221,10 @@ export async function fileField(file, bytes, vector, set) {
   const count = from.u32(), crc = from.u32();
   if (count !== file.gaussians || checksum(bytes.subarray(from.at)) !== crc) throw new Damaged();
   const source = { reference: from.f64(), scale: from.f64(), step: from.f64() };
-  const columns = await fieldColumns(from, count, vector, source);
   let first = 0;
   for (const chunk of file.chunks) {
-    await setField(file, chunk, columns, first, vector, source, set);
+    await setField(file, chunk, from, first, vector, source, set);
     first += chunk.count;
   }
+  if (!from.ended) throw new Damaged();
 }

@@ -78,9 +78,10 @@ export class Requests {
       let body = await fetched(one, stop.signal, one.isFresh ? 'reload' : 'default');
       if (one.bytes !== undefined && body.length !== one.bytes) body = await fetched(one, stop.signal, 'reload');
       this.loaded += body.length;
-      this.settle(one);
+      // Steps in time may share chunks: one answer is for all of them.
+      const all = this.settle(one);
       if (one.bytes !== undefined && body.length !== one.bytes) throw new Failure('damaged', `${body.length} bytes, expected ${one.bytes}`);
-      one.done(body);
+      for (const { done } of all) done(body);
     } catch (error) {
       this.flying.delete(url);
       if (!stop.signal.aborted) this.fail(one, error, tried + 1);
@@ -89,12 +90,14 @@ export class Requests {
     this.start();
   }
 
-  /** A file has come. */
+  /** A file has come; returns all that wait for it. */
   settle(one) {
     this.flying.delete(one.url);
     this.tries.delete(one.url);
-    for (const same of [one, ...this.list]) if (same.url === one.url) same.gone = true;
+    const all = this.list.filter(({ url }) => url === one.url);
+    for (const each of all) each.gone = true;
     this.setAway(false);
+    return all;
   }
 
   fail(one, { kind = 'damaged', message }, count) {

@@ -153,7 +153,7 @@ export class Site {
         before.parts.every(({ chunk, first, gpu }, n) => chunk === this.drawn.parts[n].chunk && first === this.drawn.parts[n].first && gpu === chunk.kept.gpu);
     for (const part of this.drawn.parts) part.gpu = part.chunk.kept.gpu;
     this.drawn.root = this.root;
-    if (!same) ++this.version;
+    if (!same) [this.version, this.reads] = [this.version + 1, new Map()];
     return !same || this.complete !== wasComplete;
   }
 

@@ -14,6 +14,7 @@ export function bytesOf({ gaussians, bytes }, { field, vector, slabs }) {
 /** Bytes of what is kept of a chunk. */
 function keptBytes({ shapes, fields, gpu, coarse }) {
   let sum = (shapes?.length ?? 0) + (coarse?.instances.byteLength ?? 0);
+  for (const data of coarse?.fields.values() ?? []) sum += data.byteLength;
   for (const packed of fields.values()) sum += packed.length;
   if (!gpu) return sum;
   let floats = instanceFloats;
@@ -54,7 +55,11 @@ export class Store {
   /** Frees a chunk's fields beside the shown one, and light that is not shown; returns the bytes. */
   dropFields({ kept }, { field, slabs }, renderer) {
     const before = keptBytes(kept);
-    for (const place of [...kept.fields.keys()]) if (place !== field) kept.fields.delete(place);
+    for (const place of [...kept.fields.keys()]) {
+      if (place === field) continue;
+      kept.fields.delete(place);
+      kept.coarse?.fields.delete(place);
+    }
     for (const [place, one] of [...(kept.gpu?.fields ?? [])]) {
       if (place !== field) renderer?.releaseField(kept.gpu, place);
       else if (!slabs) renderer?.releaseLight(one);
