@@ -5,6 +5,7 @@ cut through the tree, in itself.
 VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Chromium.
 """
 import json
+import math
 import random
 
 from page_test_case import HOUSE, run, vog
@@ -126,6 +127,23 @@ class Failures(SiteTest):
         self.until("vog.source.requests.toCome.length === 0 && vog.source.drawn.count > " + str(coarse))
         self.assertEqual(self.notice(), "")
 
+    def test_a_server_that_goes_away_is_said_once_and_the_picture_stays(self):
+        server = self.begin(fragment="#subframes=1&error=32")
+        self.browser.settle()
+        coarse = self.drawn
+        server.answers[".vogz"] = DROP
+        self.value("vog.lines = []; new MutationObserver(() => notice.textContent && vog.lines.push(notice.textContent))"
+                   ".observe(notice, {childList: true}); vog.change({pixelError: 0.5})")
+        self.until("!notice.hidden")  # after five tries
+        self.browser.settle()
+        self.assertEqual(self.drawn, coarse)
+        self.assertEqual(self.value("vog.lines.length"), 1)
+        self.assertIn("No answer from 127.0.0.1", self.notice())
+        server.answers.clear()
+        self.value("dispatchEvent(new Event('online'))")
+        self.until(f"vog.source.drawn.count > {coarse}")
+        self.assertEqual(self.notice(), "")
+
     # --- Files. ---
 
     def expect_coarse_there(self, words, asked, **hooks):
@@ -205,7 +223,8 @@ class Rows(SiteTest):
 
     @classmethod
     def make(cls):
-        script = modules("vectors.js", "camera.js", "picture/clip.js", "stream/rows.js", "stream/cut.js")
+        script = "const instanceFloats = 11, scalarFloats = 6;\n" + modules(
+            "vectors.js", "camera.js", "picture/clip.js", "stream/rows.js", "stream/cut.js", "stream/visibility.js")
         (cls.folder / "rows.html").write_text(f"<!doctype html><title>rows</title><script>{script}</script>")
 
     def setUp(self):
@@ -306,6 +325,28 @@ class Rows(SiteTest):
         self.assertEqual(len(found), 200)
         for one in found:
             self.assertEqual(one, [0, True, True, True, True])
+
+    def test_visibility_is_that_of_the_optical_depth(self):
+        found = self.value("""(() => {
+            // 8000 Gaussians at random in a cube of edge 2, of extinction 1 on average: T = 2 through it.
+            const count = 8000, s = 0.05, data = new Float32Array(11 * count), extinction = 1;
+            let seed = 1;
+            const random = () => (seed = (seed * 16807) % 2147483647) / 2147483647;
+            const density = (extinction * 8) / count / (s ** 3 * (2 * Math.PI) ** 1.5);
+            for (let n = 0; n < count; ++n)
+              data.set([2 * random() - 1, 2 * random() - 1, 2 * random() - 1, density, s, s, s, 1, 0, 0, 0], 11 * n);
+            const model = { center: [10, 0, 0], unit: 3 }, box = { center: [10, 0, 0], half: [3, 3, 3] };
+            const seen = new Visibility(model, box, data, () => 1), far = seen.depthOf([0, 0, 20], [0, 0, -1], 0, Infinity);
+            const view = viewOf({ eye: [10, 0, 60], at: [10, 0, 0], up: [0, 1, 0], fov: 30, span: 0 }, 100, 100, null);
+            const parallel = viewOf({ eye: [10, 0, 60], at: [10, 0, 0], up: [0, 1, 0], fov: 30, span: 8 }, 100, 100, null);
+            const at = (z, one = view, inFront = true) => seen.of({ center: [10, 0, z], half: [0.1, 0.1, 0.1] }, one, inFront);
+            return [far, at(3), at(0), at(-3), at(3, view, false), at(-3, view, false), at(-3, parallel, false),
+              seen.of({ center: [18, 0, 0], half: [0.1, 0.1, 0.1] }, view, false)];
+        })()""")
+        # Six points a Gaussian are 1.5 a cell; of 16 and 32 cells on a ray the deviation is 0.2 and 0.3 of 1 and 2.
+        depths = [found[0], *(-math.log(share) for share in found[1:])]
+        for depth, wanted in zip(depths, (2, 0, 1, 2, 2, 2, 2, 0)):
+            self.assertLess(abs(depth - wanted), 0.6 if wanted else 1e-6, depths)
 
     def test_errors_are_projected_where_the_box_is_nearest(self):
         pixels = self.value("""(() => {

@@ -7,6 +7,7 @@ where there is no Chromium.
 """
 import json
 import os
+import re
 import shutil
 import socket
 import subprocess
@@ -161,6 +162,19 @@ class Streaming(SiteTest):
         self.assertGreater(self.drawn, 0)
         self.assertEqual(server.paths, ["/"])
         self.assertGreater(len(chunks.chunks()), 0)
+
+    def test_from_pythons_own_server(self):
+        server = subprocess.Popen([sys.executable, "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", self.folder / "site"],
+                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        try:
+            address = re.search(r"http://[0-9.:]+/", server.stdout.readline()).group()
+            self.browser.viewport(*SMALL)
+            self.open(address)
+            self.expect_same("dust.ply", least=LEAST_PSNR_DB)
+        finally:
+            server.terminate()
+            server.wait()
+            server.stdout.close()
 
     def test_behind_nginx(self):
         if not shutil.which("nginx"):

@@ -30,7 +30,7 @@ export class Site {
     this.base.hash = this.base.search = '';
     if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
     this.store = new Store();
-    this.requests = new Requests({ changed: () => this.report(), away: (isAway, reason) => this.sayAway(isAway, reason) });
+    this.requests = new Requests({ changed: () => this.requested(), away: (isAway, reason) => this.sayAway(isAway, reason) });
     this.loading = new Loading(page, decoder, this.store, {
       url: (path) => this.url(path), renderer: () => view.renderer(), changed: () => this.replan(),
       lacks: (chunk, field, line) => this.lacks(chunk, field, line),
@@ -217,6 +217,12 @@ export class Site {
     return { value, most: sliderSteps, text: `${count.toLocaleString('en')} ${count === 1 ? 'Gaussian' : 'Gaussians'}` };
   }
   detailed(value) { return { pixelError: leastError * 2 ** ((sliderSteps - Math.max(0, Math.min(sliderSteps, value))) / perHalving) }; }
+
+  /** A request has ended: what no server answers for is not waited for. */
+  requested() {
+    if (this.cut && this.view.renderer() && this.settleCut(this.needs().field)) this.view.changed();
+    this.report();
+  }
 
   report() {
     const [width, height] = this.view.size();
