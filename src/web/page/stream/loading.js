@@ -3,12 +3,14 @@ import { instanceFloats } from '../model/gaussians.js';
 import { Damaged } from '../model/columns.js';
 import { Refused, tableOf } from './rows.js';
 
+const mostDecoding = 3;  // in the worker's line: enough that it never waits
+
 export class Loading {
   /**
    * store  of store.js
    * hooks  {url(path), renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, line): why not}
    */
-  constructor(page, decoder, store, hooks) { Object.assign(this, { page, decoder, store, hooks }); }
+  constructor(page, decoder, store, hooks) { Object.assign(this, { page, decoder, store, hooks, decoding: 0 }); }
 
   /** Whether a chunk cannot be had with a field; null: none. */
   isBad({ bad, badFields }, field) { return bad === true || badFields?.has(field) === true; }
@@ -86,17 +88,22 @@ export class Loading {
     });
   }
 
-  /** Decodes something of a chunk, unless that is under way. take: receives the result and the renderer, if there still is one */
+  /**
+   * Decodes something of a chunk, unless that is under way, or enough else: the next plan decodes what is the most useful then.
+   * take  receives the result and the renderer, if there still is one
+   */
   async once(chunk, field, call, take) {
     const { kept } = chunk;
-    if (kept.busy.has(field)) return;
+    if (kept.busy.has(field) || this.decoding >= mostDecoding) return;
+    ++this.decoding;
     kept.busy.add(field);
+    const out = await this.decoder.decoded(...call).catch((error) => error), renderer = this.hooks.renderer();
+    --this.decoding;
+    kept.busy.delete(field);
     try {
-      const out = await this.decoder.decoded(...call), renderer = this.hooks.renderer();
-      kept.busy.delete(field);
+      if (out instanceof Error) throw out;
       if (renderer) take(out, renderer);
     } catch (error) {
-      kept.busy.delete(field);
       this.spoiled(chunk, field, error.message === new Damaged().message ? 'damaged' : error.message);
     }
     this.hooks.changed();

@@ -16,7 +16,8 @@ const mostMegabytes = 150, mostGaussians = 2e6;
 const slowMs = 50, fastMs = 25, mostCoarser = 64;  // frames in motion: a larger error above, a smaller one below
 const stepsAhead = 2, patienceMs = 500;            // steps in time fetched ahead; how long one that is there may stay coarse
 const perHalving = 2, sliderSteps = perHalving * Math.log2(mostError / leastError);  // of the slider of detail, finest to the right
-const oldMs = 200;                                 // age at which a visibility is found anew
+const oldMs = 200, mostSeen = 200;                 // age at which a visibility is found anew; how many in a plan: a few milliseconds
+const soonMs = 15;                                 // from an arrival to the next plan
 
 export class Site {
   /**
@@ -25,14 +26,14 @@ export class Site {
    */
   constructor(page, decoder, view) {
     Object.assign(this, { page, view, trees: null, turn: 0, planned: null, drawn: null, version: 0, coarser: 1, moving: false, ahead: [] });
-    Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map() });
+    Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map(), soon: 0 });
     this.base = new URL(page.site.base || '.', document.baseURI);
     this.base.hash = this.base.search = '';
     if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
     this.store = new Store();
     this.requests = new Requests({ changed: () => this.requested(), away: (isAway, reason) => this.sayAway(isAway, reason) });
     this.loading = new Loading(page, decoder, this.store, {
-      url: (path) => this.url(path), renderer: () => view.renderer(), changed: () => this.replan(),
+      url: (path) => this.url(path), renderer: () => view.renderer(), changed: () => this.arrived(),
       lacks: (chunk, field, line) => this.lacks(chunk, field, line),
     });
   }
@@ -87,10 +88,18 @@ export class Site {
       state.memory, state.most, this.moving ? this.coarser : 1, this.view.renderer()];
   }
 
+  /** Something has come, or cannot be had: memory stays within its limits at once, plans follow, one for all that comes meanwhile. */
+  arrived() {
+    if (this.planned) this.store.tidy(this.limits(), this.turn, this.needs(), this.view.renderer());
+    this.soon ||= setTimeout(() => this.replan(), soonMs);
+  }
+
   /** inFrame: a frame is being drawn, so that none has to be asked for */
   replan(inFrame = false) {
     const renderer = this.view.renderer();
     if (!this.trees || !renderer) return;
+    clearTimeout(this.soon);
+    this.soon = 0;
     this.planned = this.aspects();
     ++this.turn;
     const state = this.view.state(), needs = this.needs(), room = this.limits();
@@ -133,10 +142,12 @@ export class Site {
       this.lattice = { key, of };
     }
     const { of } = this.lattice, now = performance.now();
+    let left = mostSeen;
     return (chunk) => {
       if (this.isThere(chunk, field)) return 1;
-      const { seen } = chunk;
-      if (!seen || seen.of !== of || (seen.planned !== this.planned[0] && now - seen.at > oldMs))
+      const { seen } = chunk, isOld = !seen || seen.of !== of || (seen.planned !== this.planned[0] && now - seen.at > oldMs);
+      if (isOld && left-- <= 0) return (seen ?? chunk.parent?.seen)?.share ?? 1;
+      if (isOld)
         chunk.seen = { of, planned: this.planned[0], at: now, share: of.of(chunk.box, eye, volume) };
       return chunk.seen.share;
     };
