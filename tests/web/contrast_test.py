@@ -68,6 +68,8 @@ class Contrast(PageTest):
                     ground = picture if page == "page.html" else [0, 0, 0]
                     self.open(page, "#subframes=1&show=T")
                     self.value("document.getElementById('clip-row').open = true")
+                    # As a streamed page has it (stream/status.js).
+                    self.value("stream.hidden = false; stream.textContent = '1.2 MB loaded'")
                     for show in ("T", "mean", "volume") if width > 640 else ("volume",):
                         self.value(f"vog.change({{show: '{show}', panel: true}})")
                         self.browser.settle()
@@ -80,7 +82,7 @@ class Contrast(PageTest):
                     self.value("document.getElementById('notice').textContent = 'Words'; document.getElementById('notice').hidden = false")
                     texts |= {text for text, ratio, wanted in self.value(CONTRASTS.replace("ON_PICTURE", json.dumps(ground)))
                               if self.assertGreaterEqual(ratio, wanted, f"{text!r} {scheme} embedded") is None}
-        for text in ("A title", "description", "Clip", "Plane 1", "low", "unit", "step-name", "open", "notice", "close-help"):
+        for text in ("A title", "description", "Clip", "Plane 1", "low", "unit", "step-name", "open", "notice", "close-help", "stream"):
             self.assertIn(text, texts)
 
     def test_a_message_in_place_of_the_picture(self):
