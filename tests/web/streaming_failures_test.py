@@ -85,6 +85,18 @@ class Failures(SiteTest):
         self.assertGreater(self.drawn, 0)
         self.assertGreater(server.cut_off, 0)
 
+    def test_a_flight_over_a_slow_network_ends_in_the_whole_picture(self):
+        server = self.begin(bytes_per_s=60_000)
+        self.until("vog.source.drawn && vog.source.drawn.count > 0")
+        for key in ("w", "ArrowLeft", "w", "d", "ArrowUp", "s", "w", "q") * 2:
+            self.browser.key(key)
+            self.value("new Promise((done) => setTimeout(done, 30))")
+        server.bytes_per_s = None
+        self.browser.settle()
+        self.assertEqual(self.notice(), "")
+        self.assertLessEqual(self.value("vog.source.drawn.error"), 1)
+        self.expect_same("dust.ply", least=50)
+
     def test_dropped_connections_are_tried_again(self):
         dropped = set()
 

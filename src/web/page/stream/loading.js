@@ -8,7 +8,7 @@ const mostDecoding = 3;  // in the worker's line: enough that it never waits
 export class Loading {
   /**
    * store  of store.js
-   * hooks  {url(path), renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, line): why not}
+   * hooks  {url(path), renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, field, line): why not}
    */
   constructor(page, decoder, store, hooks) { Object.assign(this, { page, decoder, store, hooks, decoding: 0 }); }
 
@@ -29,8 +29,8 @@ export class Loading {
    */
   files(tree, n, { chunks, tables }, field) {
     const list = [];
-    const add = (use, name, bytes, take, failed, isFresh = false) => list.push({
-      use, url: this.hooks.url(`chunks/${name}`), bytes, done: take, isFresh,
+    const add = (use, name, bytes, take, failed, again = false) => list.push({
+      use, url: this.hooks.url(`chunks/${name}`), bytes, done: take, cache: again ? 'reload' : undefined,
       failed: (kind, reason) => { failed(`chunks/${name}: ${reason}`); this.hooks.changed(); },
     });
     for (const { chunk, use } of tables)

@@ -37,7 +37,7 @@ export class Requests {
 
   /**
    * Sets all files that are wanted, the most useful first; requests of others are cancelled.
-   * list  [{url, bytes: undefined: any number; isFresh: past all caches; done(bytes), failed(kind, reason): 'missing' or 'damaged'}]
+   * list  [{url, bytes: undefined: any number; cache: of fetch; done(bytes), failed(kind, reason): 'missing' or 'damaged'}]
    */
   plan(list) {
     this.list = list;
@@ -75,7 +75,7 @@ export class Requests {
     this.flying.set(url, { stop });
     try {
       // A damaged file may be a cache's.
-      let body = await fetched(one, stop.signal, one.isFresh ? 'reload' : 'default');
+      let body = await fetched(one, stop.signal, one.cache ?? 'default');
       if (one.bytes !== undefined && body.length !== one.bytes) body = await fetched(one, stop.signal, 'reload');
       this.loaded += body.length;
       // Steps in time may share chunks: one answer is for all of them.

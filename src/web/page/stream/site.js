@@ -65,7 +65,7 @@ export class Site {
                             'vog serve FOLDER, and open the address that it prints');
     const { manifest } = this.page.site, fail = (reason) => this.view.fail(`The model cannot be read: ${reason}`);
     this.requests.plan([{
-      url: this.url(manifest), bytes: undefined,
+      url: this.url(manifest), bytes: undefined, cache: 'no-cache',  // the names of all others are of their content
       failed: (_, reason) => fail(`${manifest}: ${reason}, expected the description of a site`),
       done: (bytes) => {
         try {
@@ -245,12 +245,11 @@ export class Site {
 
   /** Says why something cannot be had, the first time. */
   lacks(chunk, field, line) {
-    const isRoot = !chunk.parent && (chunk.bad || field !== null);
+    const isRoot = !chunk.parent && (chunk.bad || field !== null), kind = isRoot ? 'root' : 'part';
     if (isRoot && field !== null && chunk === this.root) return this.view.refuse(line);
     if (isRoot && this.trees.length === 1) return this.view.fail(`The model cannot be read: ${line}`);
-    if (isRoot) this.view.say(`${line}: one of the models cannot be shown.`, 12);
-    else if (this.said.size === 0) this.view.say(`${line}: the picture stays coarse there.`, 12);
-    this.said.add(line);
+    if (!this.said.has(kind)) this.view.say(`${line}: ${isRoot ? 'one of the models cannot be shown' : 'the picture stays coarse there'}.`, 12);
+    this.said.add(kind);
   }
 
   sayAway(isAway, reason) {
