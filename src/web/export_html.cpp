@@ -55,7 +55,7 @@ std::string declared_name(std::string_view line) {
     return std::string(line.substr(0, line.find_first_of(" (={;")));
 }
 
-/// A file of the page without lines that are comments and nothing else.
+/// A file of the page without indentation, and without lines that are comments and nothing else.
 std::string without_comments(const std::string& text) {
     std::string kept;
     bool inside = false;
@@ -66,7 +66,7 @@ std::string without_comments(const std::string& text) {
         const std::string_view words = first == line.npos ? std::string_view() : line.substr(first);
         at = end;
         inside = inside || words.starts_with("/*");
-        if (!inside && !words.empty() && !words.starts_with("//")) kept += line;
+        if (!inside && !words.empty() && !words.starts_with("//")) kept += words;
         if (words.find("*/") != words.npos) inside = false;
     }
     return kept;
