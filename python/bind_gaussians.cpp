@@ -280,8 +280,8 @@ fields    mapping of names to vog.Field objects, or to dicts: value [N], gradien
 Raises vog.Error for other shapes and values out of range.)")
         .def_static("load", &load, py::arg("file"), py::kw_only(), py::arg("level") = py::none(),
                     py::arg("box") = py::none(), py::arg("fields") = py::none(), R"(
-Reads a model: .ply in the layout of vog, 3DGS or volprim, compact (.vogz), or splats (.spz, .glb), whose opacities
-become densities.
+Reads a model: .ply in the layout of vog, 3DGS or volprim, compact (.vogz), or splats (.spz, .glb, .usda, .usdc),
+whose opacities become densities.
 
 Of a compact file parts alone may be read:
 level   depth of the hierarchy, 0 the roots: its nodes, and the Gaussians above them, as a coarse model

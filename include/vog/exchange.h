@@ -53,8 +53,8 @@ struct SplatsError {
                                        double extinction);
 
 /// Writes splats, beside the file, renamed when whole: by the extension .ply (3DGS: logarithms of scales, logits of opacities,
-/// f_dc), .spz (version 3, 24-bit positions, 8-bit scales and opacities), .glb (glTF with KHR_gaussian_splatting) or .usda
-/// (OpenUSD's ParticleField3DGaussianSplat).
+/// f_dc), .spz (version 3, 24-bit positions, 8-bit scales and opacities), .glb (glTF with KHR_gaussian_splatting), .usda or
+/// .usdc (OpenUSD's ParticleField3DGaussianSplat, as text or as a crate).
 /// throws  vog::Error for another extension, no splats, positions beyond what .spz holds, or if the file cannot be written
 void write_splats(const std::filesystem::path& file, const Splats& splats);
 

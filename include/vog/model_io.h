@@ -8,9 +8,9 @@
 
 namespace vog {
 
-/// Reads a model: .ply as read_ply (vog/ply.h), .vogz as read_vogz (vog/vogz.h), and splats: .spz (versions 2 and 3) and .glb
-/// (glTF with KHR_gaussian_splatting), whose opacities become densities as those of 3DGS's PLY do. A
-/// site's folder (vog/site.h) gives its whole first model.
+/// Reads a model: .ply as read_ply (vog/ply.h), .vogz as read_vogz (vog/vogz.h), and splats: .spz (versions 2 and 3), .glb
+/// (glTF with KHR_gaussian_splatting), .usda, .usdc and .usd (OpenUSD's ParticleField3DGaussianSplat), whose opacities become
+/// densities as those of 3DGS's PLY do. A site's folder (vog/site.h) gives its whole first model.
 /// hierarchy  receives the file's hierarchy, or an empty one; null: not read
 /// throws     vog::Error for another extension, and as those
 Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy = nullptr);

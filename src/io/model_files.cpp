@@ -32,7 +32,8 @@ Format format_of(const std::filesystem::path& file, const char* expected) {
     throw Error(fmt::format("{}: extension '{}', expected {}", file.string(), extension, expected));
 }
 
-constexpr const char* kReadable = ".ply, .vogz (model), .spz, .glb (splats) or a site's folder";
+constexpr const char* kReadable =
+    ".ply, .vogz (model), .spz, .glb, .usda, .usdc or .usd (splats), or a site's folder";
 
 /// Run of a model that was read whole.
 Gaussians part_of(const Gaussians& whole, const ModelPart& part) {

@@ -6,7 +6,7 @@ set -euo pipefail
 vog=$1 folder=$2
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-mkdir -p "$folder"/{points_text,ply,vogz,splats,image,camera,transfer_function,results}
+mkdir -p "$folder"/{scan,points_text,ply,vogz,splats,image,camera,transfer_function,results}
 
 "$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
 # The first byte of a text stands for its extension (points_text_fuzz.cpp).
@@ -24,12 +24,15 @@ for options in "" --hierarchy --deflate; do
     "$vog" export "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null
     { printf '\x00'; cat "$made/model.vogz"; } >"$folder/vogz/model$options"
 done
-for extension in spz glb; do
+for extension in spz glb usda usdc; do
     "$vog" export "$folder/ply/plain.ply" -o "$made/model.$extension" >/dev/null
 done
 { printf '\x00'; cat "$made/model.spz"; } >"$folder/splats/spz"
 { printf '\x01'; gzip -dc "$made/model.spz"; } >"$folder/splats/unpacked"
 { printf '\x02'; cat "$made/model.glb"; } >"$folder/splats/glb"
+for extension in usda usdc; do
+    { printf '\xf0'; cat "$made/model.$extension"; } >"$folder/splats/$extension"
+done
 "$vog" render "$folder/ply/plain.ply" -o "$folder/image/picture.png" --size 16 --depth-out "$folder/image/depth.exr" \
     --save-camera "$folder/camera/perspective.json" >/dev/null
 "$vog" render "$folder/ply/plain.ply" --size 16 --show column --values-out "$folder/image/column.npy" >/dev/null
@@ -42,6 +45,9 @@ cat >"$folder/transfer_function/paraview.json" <<'JSON'
 [{"Name": "warm", "ColorSpace": "Diverging", "RGBPoints": [0, 0.2, 0.3, 0.8, 50, 0.9, 0.9, 0.9, 100, 0.7, 0, 0.1],
   "Points": [0, 0, 0.5, 0, 100, 1, 0.5, 0]}]
 JSON
+# Raw values behind a head: the first byte chooses them, two hold its length.
+head='{"size": [2, 2, 2], "type": "uint16", "channels": 1, "skip": 1}'
+{ printf '\xfa'; printf "\\x$(printf %02x ${#head})\x00"; printf '%s.abcdefghijklmnop' "$head"; } >"$folder/scan/raw"
 cat >"$folder/results/index.json" <<'JSON'
 {"vog_models": ["model.0.ply", "model.1.ply"]}
 JSON

@@ -1,5 +1,5 @@
-// splats_fuzz.cpp: Readers of the splats of other programs: .spz, packed or of any bytes, and .glb, whole or of any JSON and
-// body.
+// splats_fuzz.cpp: Readers of the splats of other programs: .spz, packed or of any bytes, .glb, whole or of any JSON and
+// body, and .usd as text or as a crate.
 #include <zlib.h>
 
 #include <fstream>
@@ -58,6 +58,9 @@ void run(Bytes input) {
     if (input.empty()) return;
     const Bytes rest = input.subspan(1);
     const std::string plain(rest.begin(), rest.end());
+    constexpr std::uint8_t kUsd = 0xf0;
+    if (input.front() == kUsd) return read(plain, ".usd");
+    if (input.front() == kUsd + 1) return read("#usda 1.0\n" + plain, ".usd");
     switch (input.front() % 4) {
         case 0:
             return read(plain, ".spz");

@@ -1,4 +1,6 @@
 """Splats of other programs, and those programs' own readers where they are installed."""
+import glob
+import importlib.util
 import json
 import os
 import subprocess
@@ -10,7 +12,7 @@ import vog
 
 
 def test_files_of_splats(tmp_path, model):
-    for name in ("m.ply", "m.spz", "m.glb", "m.usda"):
+    for name in ("m.ply", "m.spz", "m.glb", "m.usda", "m.usdc"):
         report = vog.export_splats(model, tmp_path / name, extinction=0.5)
         assert (tmp_path / name).stat().st_size > 10 * len(model)
         assert report["worst_db"] <= report["mean_db"] and 0.1 < report["depth"] < 1.1
@@ -26,12 +28,70 @@ def test_files_of_splats(tmp_path, model):
             vog.export_splats(model, tmp_path / "m.ply", **options)
 
 
-def test_openusd_reads_usda(tmp_path, model):
+@pytest.mark.parametrize("name", ["m.usda", "m.usdc"])
+def test_openusd_reads_layers(tmp_path, model, name):
     usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
-    vog.export_splats(model, tmp_path / "m.usda", extinction=0.5)
-    prim = usd.Stage.Open(str(tmp_path / "m.usda")).GetDefaultPrim()
+    vog.export_splats(model, tmp_path / name, extinction=0.5)
+    stage = usd.Stage.Open(str(tmp_path / name))
+    prim = stage.GetDefaultPrim()
     assert prim.GetTypeName() == "ParticleField3DGaussianSplat"
-    assert np.allclose(prim.GetAttribute("positions").Get(), model.mean, atol=1e-6)
+    read = vog.Gaussians.load(tmp_path / name)
+    assert np.array_equal(np.array(prim.GetAttribute("positions").Get()), read.mean)
+    assert np.array_equal(np.array(prim.GetAttribute("scales").Get()), read.scale)
+    turns = [(q.GetReal(), *q.GetImaginary()) for q in prim.GetAttribute("orientations").Get()]
+    assert np.array_equal(np.array(turns, np.float32), read.rotation)
+    assert prim.GetAttribute("radiance:sphericalHarmonicsDegree").Get() == 0
+    # OpenUSD's own layers of the same prim, whose crates are compressed.
+    for again in ("again.usda", "again.usdc", "again.usd"):
+        stage.GetRootLayer().Export(str(tmp_path / again))
+        back = vog.Gaussians.load(tmp_path / again)
+        assert np.array_equal(back.mean, read.mean) and np.array_equal(back.density, read.density)
+
+
+def test_openusd_validates_layers(tmp_path, model):
+    validation = pytest.importorskip("pxr.UsdValidation", reason="usd-core with validators is not installed")
+    usd = pytest.importorskip("pxr.Usd")
+    for name in ("m.usda", "m.usdc"):
+        vog.export_splats(model, tmp_path / name, extinction=0.5)
+        context = validation.ValidationContext(validation.ValidationRegistry().GetOrLoadAllValidators())
+        assert [str(e.GetErrorAsString()) for e in context.Validate(usd.Stage.Open(str(tmp_path / name)))] == []
+
+
+def spz_package():
+    """The extension of the package spz, by its file: version 0.0.1 of the package imports itself."""
+    found = importlib.util.find_spec("spz")
+    files = glob.glob(os.path.join(found.submodule_search_locations[0], "spz.*")) if found else []
+    files = [file for file in files if file.endswith((".so", ".pyd"))]
+    if not files:
+        pytest.skip("spz is not installed")
+    spec = importlib.util.spec_from_file_location("spz", files[0])
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_spz_package_reads_spz(tmp_path, model):
+    spz = spz_package()
+    vog.export_splats(model, tmp_path / "m.spz", extinction=0.5)
+    splats = spz.load(str(tmp_path / "m.spz"))
+    read = vog.Gaussians.load(tmp_path / "m.spz")
+    assert np.array_equal(splats.positions, read.mean)
+    assert np.allclose(splats.scales, np.log(read.scale), atol=1e-5)
+    x, y, z, w = splats.rotations.T
+    # Quaternions of either sign are one rotation.
+    assert np.allclose(np.abs(np.sum(np.stack([w, x, y, z], 1) * read.rotation, 1)), 1, atol=1e-5)
+
+
+def test_gaussforge_reads_spz(tmp_path, model):
+    gaussforge = pytest.importorskip("gaussforge", reason="gaussforge is not installed")
+    vog.export_splats(model, tmp_path / "m.spz", extinction=0.5)
+    done = gaussforge.GaussForge().convert((tmp_path / "m.spz").read_bytes(), "spz", "ply")
+    assert "error" not in done, done["error"]
+    (tmp_path / "m.ply").write_bytes(bytes(done["data"]))
+    ply, read = vog.Gaussians.load(tmp_path / "m.ply"), vog.Gaussians.load(tmp_path / "m.spz")
+    assert np.allclose(ply.mean, read.mean, atol=1e-6) and np.allclose(ply.scale, read.scale, rtol=1e-5)
+    assert np.allclose(ply.density, read.density, rtol=1e-3)
+    assert np.allclose(np.abs(np.sum(ply.rotation * read.rotation, 1)), 1, atol=1e-4)
 
 
 def test_splat_transform_reads_spz_and_ply(tmp_path, model):

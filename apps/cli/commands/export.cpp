@@ -262,7 +262,7 @@ Exported write_page(const ExportArguments& arguments, const CLI::App& command,
 /// Writes one page or one PLY.
 Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs,
-                 {".html", ".ply", ".vogz", ".spz", ".glb", ".usda"});
+                 {".html", ".ply", ".vogz", ".spz", ".glb", ".usda", ".usdc"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
     refuse_volume_options(command, kind, arguments.inputs);
@@ -473,7 +473,7 @@ void add_export(CLI::App& app) {
         ->add_option(
             "-o,--output", arguments->output,
             "Page (.html), compact model (.vogz), model (.ply) or splats (.spz, .glb, .usda, "
-            ".ply with --as) to write. A folder (or a "
+            ".usdc, .ply with --as) to write. A folder (or a "
             "name that ends in /): of one input a site, a page that loads parts of the model as "
             "views need them from any web server; of several inputs "
             "one page per input, all under one camera and one extinction, or with --site one site")

@@ -197,8 +197,8 @@ std::string advice_on(const std::string& file) {
     if (extension == ".obj" || extension == ".stl")
         return "a mesh of triangles, not a volume: vdb_tool or Blender's Mesh to Volume makes it a "
                ".vdb";
-    if (extension == ".usd" || extension == ".usda" || extension == ".usdz")
-        return "a scene of OpenUSD, which vog writes (vog export) and does not read";
+    if (extension == ".usdz")
+        return "a package of OpenUSD: unzip it; vog reads splats of the .usda or .usdc in it";
     if (extension == ".mp4" || extension == ".webm") return "a film: open it in a player";
     if (extension == ".json") {
         const nlohmann::json json = json_of(file);

@@ -50,7 +50,7 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     if (extension == ".vdb" && fs::is_regular_file(file, code) && vdb_holds_points(file, grid))
         return FileKind::points;
     if (is_volume_file(file)) return FileKind::volume;
-    for (const char* model : {".ply", ".vogz", ".json", ".spz", ".glb"})
+    for (const char* model : {".ply", ".vogz", ".json", ".spz", ".glb", ".usda", ".usdc", ".usd"})
         if (extension == model) return FileKind::model;
     const std::string inner =
         extension == ".gz" ? extension_of(fs::path(file).stem().string()) : extension;
@@ -65,8 +65,7 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
         ".mhd, .raw, .tif or .fits (volume), .xyz, .csv, .tsv, .txt, .dat or .hdf5 (particles), "
-        ".ply, "
-        ".vogz or .json (model, index of models), .spz or .glb (splats)",
+        ".ply, .vogz or .json (model, index of models), .spz, .glb, .usda, .usdc or .usd (splats)",
         file, extension));
 }
 

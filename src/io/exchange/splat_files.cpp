@@ -82,10 +82,12 @@ void write_splats(const std::filesystem::path& file, const Splats& splats) {
                                                    : extension == ".spz"  ? write_spz
                                                    : extension == ".glb"  ? write_glb
                                                    : extension == ".usda" ? write_usda
+                                                   : extension == ".usdc" ? write_usdc
                                                                           : nullptr;
     if (!write)
-        throw Error(fmt::format("{}: extension '{}', expected .ply, .spz, .glb or .usda (splats)",
-                                file.string(), extension));
+        throw Error(
+            fmt::format("{}: extension '{}', expected .ply, .spz, .glb, .usda or .usdc (splats)",
+                        file.string(), extension));
     constexpr std::size_t kMostGlb = (std::uint64_t{1} << 32) / 60;  // lengths of 32 bits
     if (extension == ".glb" && splats.size() > kMostGlb)
         throw Error(fmt::format("{}: {} splats, expected at most {}", file.string(), splats.size(),

@@ -19,5 +19,9 @@ void check_spz(const Splats& splats, const std::string& where);
 void write_spz(std::ofstream& out, const Splats& splats);
 void write_glb(std::ofstream& out, const Splats& splats);
 void write_usda(std::ofstream& out, const Splats& splats);
+void write_usdc(std::ofstream& out, const Splats& splats);
+
+/// Box of balls of 3 of the largest standard deviation around splats.
+Box splat_extent(const Splats& splats);
 
 }  // namespace vog::exchange

@@ -3,6 +3,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "io/exchange/splat_density.h"
 #include "io/file_extension.h"
 #include "vog/error.h"
@@ -10,15 +13,16 @@
 namespace vog::exchange {
 
 bool is_splats(const std::filesystem::path& file) {
-    const std::string extension = lower_extension(file);
-    return extension == ".spz" || extension == ".glb";
+    constexpr const char* kExtensions[] = {".spz", ".glb", ".usda", ".usdc", ".usd"};
+    return std::ranges::find(kExtensions, lower_extension(file)) != std::end(kExtensions);
 }
 
 Gaussians read_splats(const std::filesystem::path& file) {
-    const bool spz = lower_extension(file) == ".spz";
-    Gaussians model = spz ? read_spz(file) : read_glb(file);
+    const std::string extension = lower_extension(file);
+    const bool spz = extension == ".spz", glb = extension == ".glb";
+    Gaussians model = spz ? read_spz(file) : glb ? read_glb(file) : read_usd(file);
     model.cutoff = kSplatCutoff;
-    model.method = spz ? "SPZ" : "glTF splats";
+    model.method = spz ? "SPZ" : glb ? "glTF splats" : "OpenUSD splats";
     model.source = file.filename().string();
     try {
         validate(model);

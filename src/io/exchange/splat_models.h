@@ -7,7 +7,7 @@
 
 namespace vog::exchange {
 
-/// Whether a file is splats, by its extension: .spz, .glb.
+/// Whether a file is splats, by its extension: .spz, .glb, .usda, .usdc, .usd.
 bool is_splats(const std::filesystem::path& file);
 /// Gaussians of a file, cut off at 3 standard deviations.
 /// throws  vog::Error for another extension, a missing, truncated or corrupt file, or what it holds beside splats alone
@@ -15,5 +15,6 @@ Gaussians read_splats(const std::filesystem::path& file);
 
 Gaussians read_spz(const std::filesystem::path& file);
 Gaussians read_glb(const std::filesystem::path& file);
+Gaussians read_usd(const std::filesystem::path& file);
 
 }  // namespace vog::exchange

@@ -248,7 +248,7 @@ TEST(exchange, usda_has_the_schemas_attributes) {
     for (const char* line : {"#usda 1.0\n", "def ParticleField3DGaussianSplat \"Splats\"\n",
                              "    point3f[] positions = [(", "    quatf[] orientations = [(",
                              "    float3[] scales = [(", "    float[] opacities = [",
-                             "    int radiance:sphericalHarmonicsDegree = 0\n",
+                             "    uniform int radiance:sphericalHarmonicsDegree = 0\n",
                              "    float3[] radiance:sphericalHarmonicsCoefficients = [(1.7724539, "
                              "1.7724539, 1.7724539), "})
         EXPECT_NE(text.find(line), std::string::npos) << line;
@@ -265,7 +265,7 @@ TEST(exchange, refusals) {
               "3 colours, expected 200");
     EXPECT_NE(refusal([&] {
                   write_splats(dir / "m.splat", splats_of(model, {}));
-              }).find("expected .ply, .spz, .glb or .usda"),
+              }).find("expected .ply, .spz, .glb, .usda or .usdc"),
               std::string::npos);
     EXPECT_NE(refusal([&] {
                   write_splats(dir / "m.spz", Splats{});

@@ -1,10 +1,11 @@
-// usda.cpp: OpenUSD as text, schema ParticleField3DGaussianSplat of 26.x.
+// usda_write.cpp: OpenUSD as text, schema ParticleField3DGaussianSplat of 26.x.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 
+#include "io/exchange/splat_density.h"
 #include "io/exchange/splat_files.h"
 
 namespace vog::exchange {
@@ -24,16 +25,21 @@ void put_array(std::ofstream& out, const char* name, std::size_t count, const On
 
 }  // namespace
 
-void write_usda(std::ofstream& out, const Splats& splats) {
-    const std::size_t count = splats.size();
+Box splat_extent(const Splats& splats) {
     Box box;
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < splats.size(); ++i) {
         const Vec3f s = splats.scale[i];
-        const double reach = 3 * double{std::max({s.x, s.y, s.z})};
+        const double reach = double{kSplatCutoff} * std::max({s.x, s.y, s.z});
         const Vec3d m = vec_cast<double>(splats.mean[i]);
         box.include(m - Vec3d{reach, reach, reach});
         box.include(m + Vec3d{reach, reach, reach});
     }
+    return box;
+}
+
+void write_usda(std::ofstream& out, const Splats& splats) {
+    const std::size_t count = splats.size();
+    const Box box = splat_extent(splats);
     out << "#usda 1.0\n(\n    defaultPrim = \"Splats\"\n    metersPerUnit = 1\n    upAxis = "
            "\"Y\"\n)\n\n"
         << "def ParticleField3DGaussianSplat \"Splats\"\n{\n";
@@ -54,7 +60,7 @@ void write_usda(std::ofstream& out, const Splats& splats) {
               [&](auto to, std::size_t i) { fmt::format_to(to, "{}", splats.opacity[i]); });
     std::vector<Vec3f> dc;
     for (const Vec3f color : splats.color) dc.push_back(harmonics(color));
-    out << "    int radiance:sphericalHarmonicsDegree = 0\n";
+    out << "    uniform int radiance:sphericalHarmonicsDegree = 0\n";
     put_array(out, "float3[] radiance:sphericalHarmonicsCoefficients", count, vectors(dc));
     out << "}\n";
 }
