@@ -66,6 +66,9 @@ std::uint64_t keep_finite(Points& points, bool skip) {
 
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options,
                    ValueNotes* notes) {
+    if (!options.columns.empty() && (is_vdb(file) || is_hdf5(file)))
+        throw Error(fmt::format("{}: columns are of text files; here expected none (--columns)",
+                                file.string()));
     Points points = is_vdb(file)    ? read_points_vdb(file, options)
                     : is_hdf5(file) ? read_points_hdf5(file, options)
                                     : read_points_text(file, options);

@@ -256,6 +256,9 @@ Points read_points_hdf5(const std::filesystem::path& file, const PointReadOption
     // Debian's library is not built for several threads.
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
+    // Objects of a corrupt file may stay open; libhdf5 would print a line on them when the process ends.
+    static const herr_t quiet_exit = H5dont_atexit();
+    static_cast<void>(quiet_exit);  // negative where libhdf5 was in use before: its user closes it
     require_readable(file);
     const Silence silence;
     try {

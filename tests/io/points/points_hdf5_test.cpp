@@ -99,6 +99,18 @@ TEST(points_hdf5, one_of_several_types_is_named) {
     EXPECT_EQ(point_values(points, "Masses")[0], 5);
 }
 
+TEST(points_hdf5, columns_are_of_text_files_alone) {
+    const TempDir dir;
+    write_snapshot(dir / "s.hdf5");
+    write_points(dir / "s.vdb", read_points(dir / "s.hdf5"));
+    for (const char* name : {"s.hdf5", "s.vdb"})
+        EXPECT_NE(refusal([&] {
+                      read_points(dir / name, {.columns = {"x", "y", "z"}});
+                  }).find("columns are of text files"),
+                  std::string::npos)
+            << name;
+}
+
 TEST(points_hdf5, foreign_and_truncated_files_are_refused_in_silence) {
     const TempDir dir;
     write_snapshot(dir / "s.hdf5");
