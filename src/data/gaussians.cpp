@@ -2,6 +2,8 @@
 #include "vog/gaussians.h"
 
 #include <fmt/core.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -202,6 +204,39 @@ Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index)
     return some;
 }
 
+namespace {
+
+/// Whether the numbers of a Gaussian are in range.
+bool valid(const Gaussians& gaussians, std::size_t i) {
+    const Vec3f s = gaussians.scale[i];
+    const float density = gaussians.density[i];
+    if (!finite(gaussians.mean[i]) || !finite(s) || !(s.x > 0 && s.y > 0 && s.z > 0) ||
+        !(density >= 0) || !std::isfinite(density))
+        return false;
+    if (gaussians.axis_aligned()) return true;
+    const Quat q = gaussians.rotation[i];
+    const float norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+    return norm2 > 1e-12f && std::isfinite(norm2);
+}
+
+/// Number of the first Gaussian out of range; that of all where none is.
+std::size_t first_invalid(const Gaussians& gaussians) {
+    using Range = tbb::blocked_range<std::size_t>;
+    constexpr std::size_t kGrain = 1 << 14;
+    return tbb::parallel_reduce(
+        Range(0, gaussians.size(), kGrain), gaussians.size(),
+        [&](const Range& run, std::size_t first) {
+            for (std::size_t i = run.begin(); i < run.end() && i < first; ++i) {
+                keep_memory_at(i);
+                if (!valid(gaussians, i)) first = i;
+            }
+            return first;
+        },
+        [](std::size_t a, std::size_t b) { return std::min(a, b); });
+}
+
+}  // namespace
+
 void validate(const Gaussians& gaussians) {
     const auto fail = [&](const std::string& what) {
         throw Error(
@@ -218,10 +253,9 @@ void validate(const Gaussians& gaussians) {
         fail(fmt::format("origin {} {} {}, expected finite", origin.x, origin.y, origin.z));
     if (!(gaussians.cutoff > 0 && gaussians.cutoff <= 8))
         fail(fmt::format("cutoff {}, expected in (0, 8] standard deviations", gaussians.cutoff));
-    for (std::size_t i = 0; i < n; ++i) {
-        keep_memory_at(i);
-        const Vec3f s = gaussians.scale[i];
-        const Vec3f mean = gaussians.mean[i];
+    const std::size_t i = first_invalid(gaussians);
+    if (i < n) {
+        const Vec3f mean = gaussians.mean[i], s = gaussians.scale[i];
         if (!finite(mean))
             fail(fmt::format("Gaussian {}: mean {} {} {}, expected finite", i, mean.x, mean.y,
                              mean.z));
@@ -231,14 +265,11 @@ void validate(const Gaussians& gaussians) {
         if (!(gaussians.density[i] >= 0) || !std::isfinite(gaussians.density[i]))
             fail(fmt::format("Gaussian {}: density {}, expected finite and >= 0", i,
                              gaussians.density[i]));
-        if (gaussians.axis_aligned()) continue;
         const Quat q = gaussians.rotation[i];
-        const float norm2 = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
-        if (!(norm2 > 1e-12f) || !std::isfinite(norm2))
-            fail(
-                fmt::format("Gaussian {}: rotation {} {} {} {}, expected a quaternion of finite, "
-                            "nonzero length",
-                            i, q.w, q.x, q.y, q.z));
+        fail(
+            fmt::format("Gaussian {}: rotation {} {} {} {}, expected a quaternion of finite, "
+                        "nonzero length",
+                        i, q.w, q.x, q.y, q.z));
     }
     try {
         validate(gaussians.fields, n);

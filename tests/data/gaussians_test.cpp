@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/error.h"
 
@@ -184,6 +185,19 @@ TEST(gaussians, box_of_a_model_without_one_is_that_of_its_supports) {
     EXPECT_DOUBLE_EQ(view_box(model).upper.x, 3.25);
     model.box = {{0, 0, 0}, {1, 1, 1}};
     EXPECT_EQ(view_box(model), model.box);
+}
+
+TEST(gaussians, the_first_of_many_out_of_range_is_named) {
+    // Blocks of 2^14 are looked at side by side.
+    Gaussians model = random_gaussians(100000, 0.02, 0.2, 4);
+    for (const std::size_t i : {99000u, 70001u, 40007u, 40006u}) {
+        model.density[i] = -1;
+        EXPECT_NE(refusal([&] {
+                      validate(model);
+                  }).find("Gaussian " + std::to_string(i) + ": density -1"),
+                  std::string::npos)
+            << i;
+    }
 }
 
 }  // namespace vog::test

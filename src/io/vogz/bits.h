@@ -40,14 +40,21 @@ class BitWriter {
         std::uint64_t pending = pending_;
         std::size_t at = size_;
         unsigned held = held_;
-        for (const std::uint64_t word : words) {
-            pending |= (word & ((std::uint64_t{1} << count) - 1)) << held;
+        const std::uint64_t mask = (std::uint64_t{1} << count) - 1;
+        const auto put = [&](std::uint64_t bits, unsigned size) {
+            pending |= bits << held;
             std::memcpy(out + at, &pending, sizeof pending);
-            held += count;
+            held += size;
             at += held / 8;
             pending = pending >> (held / 8 * 4) >> (held / 8 * 4);
             held %= 8;
-        }
+        };
+        std::size_t n = 0;
+        // Two at a time, as each waits for the one before.
+        if (2 * count <= kMostBits)
+            for (; n + 2 <= words.size(); n += 2)
+                put((words[n] & mask) | (words[n + 1] & mask) << count, 2 * count);
+        for (; n < words.size(); ++n) put(words[n] & mask, count);
         pending_ = pending, size_ = at, held_ = held;
     }
     /// All bytes, the last one filled with zeros.
@@ -77,6 +84,23 @@ class BitReader {
         load >>= bit_ % 8;
         bit_ += count;
         return load & ((std::uint64_t{1} << count) - 1);
+    }
+    /// Calls use(n, number) for as many numbers as `count` bits each make.
+    template <class Use>
+    void take_each(std::size_t numbers, unsigned count, const Use& use) {
+        if (count > 0 && (bit_ + numbers * count) / 8 <= size_) {
+            // None behind the end, and none waits for the one before.
+            const char* const bytes = bytes_.data();
+            const std::uint64_t mask = (std::uint64_t{1} << count) - 1;
+            for (std::size_t n = 0, bit = bit_; n < numbers; ++n, bit += count) {
+                std::uint64_t load = 0;
+                std::memcpy(&load, bytes + bit / 8, sizeof load);
+                use(n, load >> bit % 8 & mask);
+            }
+            bit_ += numbers * count;
+        } else {
+            for (std::size_t n = 0; n < numbers; ++n) use(n, take(count));
+        }
     }
     /// Whether the bytes are those of the numbers taken, no more and no less.
     bool at_end() const { return (bit_ + 7) / 8 == size_; }

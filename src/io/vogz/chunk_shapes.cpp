@@ -88,7 +88,7 @@ void set_fineness(const Logarithms& logs, bool rotated, ChunkLattice& lattice) {
         for (std::size_t n = 0; n < count; ++n)
             numbers[n] = 2 * ((x[n] + y[n] + z[n]) / 3 - scale[n]);
         take_exponentials(numbers);
-        for (const double square : numbers) mean += square / 3;
+        for (const double square : numbers) mean += square;
     }
     // A shear e of axes of the ratio exp(r) turns them by e / r, which changes the Gaussian by sinh(r) e / r.
     double shape = 0;
@@ -104,7 +104,7 @@ void set_fineness(const Logarithms& logs, bool rotated, ChunkLattice& lattice) {
         shape += rotated ? turn * turn : 1;
     }
     const auto n = static_cast<double>(count);
-    lattice.finer_mean = halvings(mean / n);
+    lattice.finer_mean = halvings(mean / (3 * n));
     lattice.finer_shape = halvings(shape / n);
 }
 
@@ -197,7 +197,7 @@ int even_exponent(std::span<const Place> place, std::span<const int> exponent) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         double lower = std::numeric_limits<double>::infinity(), upper = -lower;
         for (std::size_t n = 0; n < place.size(); ++n) {
-            const double at = std::ldexp(static_cast<double>(place[n][axis]), exponent[n]);
+            const double at = static_cast<double>(place[n][axis]) * power_of_two(exponent[n]);
             lower = std::min(lower, at), upper = std::max(upper, at);
         }
         log_volume += std::log2(std::max(upper - lower, std::ldexp(1.0, exponent.front())));
@@ -246,9 +246,9 @@ ShapeChunk shape_chunk(const Gaussians& model, std::span<const std::uint32_t> in
     const double finer = std::ldexp(1.0, -lattice.finer_shape);
     for (std::size_t k = 0; k < entries; ++k) {
         const double step = finer * (k < kDiagonal ? rounding.diagonal_step : rounding.shear_step);
-        for (std::size_t n = 0; n < count; ++n)
-            column[k][n] = std::llrint(shapes.entry[k][n] / step);
+        take_nearest(shapes.entry[k], 1 / step, column[k]);
     }
+    take_nearest(logs.mass, 1 / rounding.mass_step, column[6]);
     ShapeChunk chunk;
     chunk.extent = std::move(shapes.extent);
     chunk.spread.resize(count);
@@ -258,7 +258,6 @@ ShapeChunk shape_chunk(const Gaussians& model, std::span<const std::uint32_t> in
     for (std::size_t n = 0; n < count; ++n) {
         const std::int64_t trace = column[0][n] + column[1][n] + column[2][n];
         chunk.spread[n] = finer * rounding.diagonal_step * static_cast<double>(trace) / 3;
-        column[6][n] = std::llrint(logs.mass[n] / rounding.mass_step);
         rounded_mass[n] = static_cast<double>(column[6][n]) * rounding.mass_step;
         exponent[n] = lattice.exponent(rounding, trace);
         const Vec3d from = vec_cast<double>(model.mean[index[n]]) - rounding.corner;
@@ -315,9 +314,13 @@ void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression com
     lattice.finer_shape = in.number<std::uint8_t>();
     for (std::int64_t& base : lattice.base) base = in.number<std::int64_t>();
     lattice.mass_factor = in.number<double>();
-    std::vector<std::uint64_t> steps(count);
+    // Kept between chunks: fresh memory costs more than the numbers in it.
+    thread_local std::vector<std::uint64_t> steps;
+    thread_local std::array<std::vector<std::int64_t>, 7> column;
+    thread_local ShapeEntries shapes;
+    thread_local std::vector<double> masses;
+    steps.resize(count), masses.resize(count);
     take_words(in, steps, compression);
-    std::array<std::vector<std::int64_t>, 7> column;
     for (std::size_t k = 0; k < column.size(); ++k) {
         column[k].resize(count);
         if (k < entries || k == 6) take_numbers(in, column[k], compression);
@@ -326,15 +329,13 @@ void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression com
     BitReader bits({in.take(place_bytes), place_bytes});
 
     const double finer = std::ldexp(1.0, -lattice.finer_shape);
-    ShapeEntries shapes;
     for (std::size_t k = 0; k < shapes.size(); ++k) {
         const double step = finer * (k < kDiagonal ? rounding.diagonal_step : rounding.shear_step);
-        if (k < entries) shapes[k].resize(count);
+        shapes[k].resize(k < entries ? count : 0);
         for (std::size_t n = 0; n < shapes[k].size(); ++n)
             shapes[k][n] = step * static_cast<double>(column[k][n]);
     }
     set_shapes(model, begin, shapes, spread);
-    std::vector<double> masses(count);
     for (std::size_t n = 0; n < count; ++n)
         masses[n] = static_cast<double>(column[6][n]) * rounding.mass_step;
     take_exponentials(masses);
@@ -356,11 +357,18 @@ void read_shapes(MemoryBytes& in, const ShapeRounding& rounding, Compression com
         const std::array<std::uint64_t, 3> cell{gather_bits(code >> 2), gather_bits(code >> 1),
                                                 gather_bits(code)};
         const double edge = rounding.edge * power_of_two(exponent);
+        const auto each = static_cast<unsigned>(inside);
+        std::array<std::uint64_t, 3> lower;
+        if (3 * inside <= kMostBits) {
+            const std::uint64_t all = bits.take(3 * each), mask = (std::uint64_t{1} << each) - 1;
+            lower = {all & mask, all >> each & mask, all >> 2 * each};
+        } else {
+            for (std::uint64_t& one : lower) one = bits.take(each);
+        }
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
             const auto place = static_cast<std::int64_t>(
-                (cell[a] + static_cast<std::uint64_t>(lattice.base[a])) << inside |
-                bits.take(static_cast<unsigned>(inside)));
+                (cell[a] + static_cast<std::uint64_t>(lattice.base[a])) << inside | lower[a]);
             model.mean[i][axis] = static_cast<float>(rounding.corner[axis] +
                                                      edge * (static_cast<double>(place) + 0.5));
         }

@@ -334,8 +334,9 @@ void take_words(MemoryBytes& in, std::span<std::uint64_t> words, Compression com
     BitReader bits({in.take(packed), packed});
     const unsigned char largest = symbols.empty() ? 0 : std::ranges::max(symbols);
     if (largest < kDirect) {
-        for (std::size_t n = 0; n < words.size(); ++n)
-            words[n] = std::uint64_t{symbols[n]} << low_bits | bits.take(low_bits);
+        bits.take_each(words.size(), low_bits, [&](std::size_t n, std::uint64_t lower) {
+            words[n] = std::uint64_t{symbols[n]} << low_bits | lower;
+        });
     } else {
         if (extra_bits(largest) >= kMostWidth) in.fail(fmt::format("corrupt: symbol {}", largest));
         for (std::size_t n = 0; n < words.size(); ++n) {
@@ -387,16 +388,19 @@ void take_numbers(MemoryBytes& in, std::span<std::int64_t> numbers, Compression 
     const auto kind = in.number<std::uint8_t>();
     if (kind >= kPredictions) in.fail(fmt::format("corrupt: prediction {}", kind));
     const auto base = in.number<std::int64_t>();
-    std::vector<std::uint64_t> words(numbers.size());
+    thread_local std::vector<std::uint64_t> words;
+    words.resize(numbers.size());
     take_words(in, words, compression);
-    std::vector<std::int64_t> run(kBefore + numbers.size(), base);
     with_prediction(Prediction(kind), [&]<Prediction known>() {
+        std::array<std::int64_t, kBefore> before;  // in registers; the last one is the latest
+        before.fill(base);
         for (std::size_t n = 0; n < words.size(); ++n) {
-            std::int64_t* at = run.data() + kBefore + n;
-            *at = sum(predicted<known>(at, base), from_zigzag(words[n]));
+            const std::int64_t number =
+                sum(predicted<known>(before.data() + kBefore, base), from_zigzag(words[n]));
+            before = {before[1], before[2], before[3], number};
+            numbers[n] = number;
         }
     });
-    std::copy(run.begin() + kBefore, run.end(), numbers.begin());
 }
 
 }  // namespace vog::vogz

@@ -178,6 +178,21 @@ HWY_INLINE void transform(Number* HWY_RESTRICT x, std::size_t count, const Funct
     std::copy_n(rest, count - n, x + n);
 }
 
+void nearest_wholes(const double* HWY_RESTRICT x, double factor, std::int64_t* HWY_RESTRICT out,
+                    std::size_t count) {
+    constexpr double kOnes = 0x1.8p52;  // its last bit counts ones
+    const hn::ScalableTag<double> d;
+    const hn::RebindToSigned<decltype(d)> whole;
+    const auto ones = hn::Set(d, kOnes);
+    const auto rounded = [&](auto v) HWY_ATTR {
+        return hn::Sub(hn::BitCast(whole, hn::Add(hn::Mul(v, hn::Set(d, factor)), ones)),
+                       hn::BitCast(whole, ones));
+    };
+    const std::size_t lanes = hn::Lanes(d);
+    std::size_t n = 0;
+    for (; n + lanes <= count; n += lanes) hn::StoreU(rounded(hn::LoadU(d, x + n)), whole, out + n);
+    for (; n < count; ++n) out[n] = hn::GetLane(rounded(hn::Set(d, x[n])));
+}
 void exponentials(double* x, std::size_t count) {
     constexpr double kMost = 700;  // of Exp: 706
     transform(x, count, [](auto d, auto v) HWY_ATTR {
@@ -208,6 +223,7 @@ HWY_EXPORT(diagonalize);
 HWY_EXPORT(exponentials);
 HWY_EXPORT(float_exponentials);
 HWY_EXPORT(logarithms);
+HWY_EXPORT(nearest_wholes);
 HWY_EXPORT(set_matrices);
 
 float within_floats(double scale) {
@@ -220,6 +236,9 @@ float within_floats(double scale) {
 
 void take_exponentials(std::span<double> numbers) {
     HWY_DYNAMIC_DISPATCH(exponentials)(numbers.data(), numbers.size());
+}
+void take_nearest(std::span<const double> x, double factor, std::span<std::int64_t> nearest) {
+    HWY_DYNAMIC_DISPATCH(nearest_wholes)(x.data(), factor, nearest.data(), x.size());
 }
 void take_logarithms(std::span<double> numbers) {
     HWY_DYNAMIC_DISPATCH(logarithms)(numbers.data(), numbers.size());

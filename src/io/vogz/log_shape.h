@@ -33,6 +33,10 @@ void set_shapes(Gaussians& model, std::size_t begin, const ShapeEntries& shapes,
 
 /// exp of numbers, in place, with vector instructions. Exponents beyond +-700 count as these.
 void take_exponentials(std::span<double> numbers);
+/// The whole numbers nearest to factor * x, even ones at halves.
+/// x        [N] times factor at most 2^51 either way
+/// nearest  receives [N]
+void take_nearest(std::span<const double> x, double factor, std::span<std::int64_t> nearest);
 /// ln of positive numbers, in place.
 void take_logarithms(std::span<double> numbers);
 

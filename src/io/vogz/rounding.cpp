@@ -15,13 +15,6 @@
 
 namespace vog::vogz {
 
-int ShapeRounding::exponent(double trace) const {
-    constexpr double kMost = 1000;
-    const double number = std::clamp(exponent_at_zero + exponent_per_trace * trace, -kMost, kMost);
-    const int toward_zero = static_cast<int>(number);
-    return toward_zero - (number < toward_zero ? 1 : 0);
-}
-
 namespace {
 
 /// Box of means, and sizes, of a run of Gaussians.

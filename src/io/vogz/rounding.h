@@ -1,6 +1,7 @@
 // rounding.h: lattices on which the numbers of a model are rounded, the same for all chunks of a file.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "vog/gaussians.h"
@@ -19,7 +20,13 @@ struct ShapeRounding {
     double diagonal_step = 0, shear_step = 0;  ///< of the entries of LogShape
     double mass_step = 0;                      ///< of ln(density * s0 * s1 * s2)
 
-    int exponent(double trace) const;
+    int exponent(double trace) const {
+        constexpr double kMost = 1000;
+        const double number =
+            std::clamp(exponent_at_zero + exponent_per_trace * trace, -kMost, kMost);
+        const int toward_zero = static_cast<int>(number);
+        return toward_zero - (number < toward_zero ? 1 : 0);
+    }
 };
 /// model   with a Gaussian at least
 /// step    VogzPrecision::step

@@ -1,6 +1,7 @@
 // vogz_read.cpp: reading compact models, whole or in part: the table, then the blobs that matter, decoded in parallel.
 #include <fmt/core.h>
 #include <fmt/ranges.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <limits>
@@ -44,8 +45,10 @@ struct OpenFile {
 };
 
 void allocate(Gaussians& model, const FileTable& table, std::size_t count) {
-    model.mean.resize(count), model.scale.resize(count), model.density.resize(count);
-    if (table.rotated) model.rotation.resize(count);
+    // Side by side: most of the time goes into the system's pages.
+    tbb::parallel_invoke([&] { model.mean.resize(count); }, [&] { model.scale.resize(count); },
+                         [&] { model.density.resize(count); },
+                         [&] { model.rotation.resize(table.rotated ? count : 0); });
     each_array([&](auto& array) { array.resize(count); }, model.fields);
 }
 

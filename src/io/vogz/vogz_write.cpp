@@ -1,11 +1,13 @@
 // vogz_write.cpp: writing compact models: order, chunks, rounding and coding in parallel, one file.
 #include <fmt/core.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/morton.h"
@@ -25,15 +27,56 @@ using namespace vogz;
 
 namespace {
 
+/// A Gaussian's place along the Morton curve.
+struct Place {
+    std::uint64_t code;
+    std::uint32_t gaussian;
+};
+
+/// Gaussians by place: dealt to runs of the curve by the upper bits of their codes, and sorted by the next 32 in each run, side
+/// by side. Finer bits do not matter to their steps; equal ones stay in their order.
+std::vector<std::uint32_t> sorted(const std::vector<Place>& places) {
+    constexpr int kRunBits = 11, kKeyBits = 32;
+    constexpr std::size_t kRuns = std::size_t{1} << kRunBits, kPart = std::size_t{1} << 15;
+    std::uint64_t all = 0;
+    for (const Place& place : places) all |= place.code;
+    const int shift = std::max(0, static_cast<int>(std::bit_width(all)) - kRunBits),
+              key_shift = std::max(0, shift - kKeyBits);
+    // Parts count and deal in the order of the places, whatever the number of threads.
+    const std::size_t parts = (places.size() + kPart - 1) / kPart;
+    std::vector<std::array<std::uint32_t, kRuns>> next(parts);
+    const auto each_place = [&](std::size_t part, const auto& use) {
+        const std::size_t end = std::min(places.size(), (part + 1) * kPart);
+        for (std::size_t n = part * kPart; n < end; ++n)
+            use(places[n], next[part][places[n].code >> shift]);
+    };
+    vog::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+        each_place(part, [](const Place&, std::uint32_t& count) { ++count; });
+    });
+    std::array<std::uint32_t, kRuns + 1> begin{};
+    std::uint32_t at = 0;
+    for (std::size_t run = 0; run < kRuns; ++run) {
+        begin[run] = at;
+        for (auto& counts : next) at += std::exchange(counts[run], at);
+    }
+    begin[kRuns] = at;
+    std::vector<std::uint64_t> keys(places.size());  // 32 bits of a code, and the Gaussian
+    vog::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+        each_place(part, [&](const Place& place, std::uint32_t& to) {
+            keys[to++] = place.code >> key_shift << kKeyBits | place.gaussian;
+        });
+    });
+    std::vector<std::uint32_t> order(places.size());
+    vog::parallel_for(std::size_t{0}, kRuns, [&](std::size_t run) {
+        std::sort(keys.begin() + begin[run], keys.begin() + begin[run + 1]);
+        for (std::uint32_t n = begin[run]; n < begin[run + 1]; ++n)
+            order[n] = static_cast<std::uint32_t>(keys[n]);
+    });
+    return order;
+}
+
 /// Gaussians with density, in Morton order.
 std::vector<std::uint32_t> morton_order(const Gaussians& model, const ShapeRounding& rounding) {
-    struct Place {
-        std::uint64_t code;
-        std::uint32_t gaussian;
-        bool operator<(const Place& other) const {
-            return code != other.code ? code < other.code : gaussian < other.gaussian;
-        }
-    };
     std::vector<Place> places;
     places.reserve(model.size());
     for (std::uint32_t i = 0; i < model.size(); ++i)
@@ -46,10 +89,7 @@ std::vector<std::uint32_t> morton_order(const Gaussians& model, const ShapeRound
             morton_code(static_cast<std::uint64_t>(at.x), static_cast<std::uint64_t>(at.y),
                         static_cast<std::uint64_t>(at.z));
     });
-    tbb::parallel_sort(places.begin(), places.end());
-    std::vector<std::uint32_t> order(places.size());
-    std::ranges::transform(places, order.begin(), &Place::gaussian);
-    return order;
+    return sorted(places);
 }
 
 /// A run of Gaussians or nodes that becomes blobs of its own.
@@ -98,18 +138,18 @@ std::vector<Chunk> chunks_of(const Hierarchy& hierarchy, std::size_t leaves) {
 /// Box of the supports of Gaussians, as rounded, in floats.
 /// extent  standard deviations along the world's axes
 /// step    VogzPrecision::step: what a mean moves by in standard deviations, and a support grows by
-std::array<float, 6> box_of(const Gaussians& model, std::span<const std::uint32_t> index,
-                            const std::array<std::vector<double>, 3>& extent, double step) {
+std::array<float, 6> box_of(const Gaussians& part, const std::array<std::vector<double>, 3>& extent,
+                            double step) {
     constexpr float kMost = std::numeric_limits<float>::max();
     const auto outward = [](double v, float limit) {
         return std::nextafter(static_cast<float>(std::clamp<double>(v, -kMost, kMost)), limit);
     };
-    const double reach = model.cutoff * (1 + 4 * step);
+    const double reach = part.cutoff * (1 + 4 * step);
     std::array<float, 6> corners{};
     for (std::size_t axis = 0; axis < 3; ++axis) {
         double lower = std::numeric_limits<double>::infinity(), upper = -lower;
-        for (std::size_t n = 0; n < index.size(); ++n) {
-            const double center = double{model.mean[index[n]][static_cast<int>(axis)]};
+        for (std::size_t n = 0; n < part.size(); ++n) {
+            const double center = double{part.mean[n][static_cast<int>(axis)]};
             lower = std::min(lower, center - reach * extent[axis][n]);
             upper = std::max(upper, center + reach * extent[axis][n]);
         }
@@ -128,6 +168,19 @@ struct Coding {
     std::vector<Chunk> chunks{};
 };
 
+/// Means, shapes and densities of a chunk, one behind the other: its loops read memory in order.
+Gaussians gathered(const Gaussians& model, std::span<const std::uint32_t> index) {
+    Gaussians part;
+    part.cutoff = model.cutoff;
+    const auto take = [&](const auto& from, auto& to) {
+        to.resize(index.size());
+        for (std::size_t n = 0; n < index.size(); ++n) to[n] = from[index[n]];
+    };
+    take(model.mean, part.mean), take(model.scale, part.scale), take(model.density, part.density);
+    if (!model.axis_aligned()) take(model.rotation, part.rotation);
+    return part;
+}
+
 void encode(const Coding& coding, Chunk& chunk) {
     const bool nodes = chunk.kind == Kind::nodes;
     const Gaussians& model = nodes ? coding.hierarchy.nodes : coding.model;
@@ -135,9 +188,12 @@ void encode(const Coding& coding, Chunk& chunk) {
         std::span(nodes ? coding.node_order : coding.leaf_order)
             .subspan(chunk.begin, chunk.end - chunk.begin);
     const FileTable& table = coding.table;
-    ShapeChunk shapes = shape_chunk(model, index, table.shapes, table.compression);
+    const Gaussians part = gathered(model, index);
+    std::vector<std::uint32_t> in_order(index.size());
+    std::iota(in_order.begin(), in_order.end(), 0u);
+    ShapeChunk shapes = shape_chunk(part, in_order, table.shapes, table.compression);
     chunk.blobs.push_back(std::move(shapes.bytes));
-    chunk.box = box_of(model, index, shapes.extent, table.precision.step);
+    chunk.box = box_of(part, shapes.extent, table.precision.step);
     if (nodes)
         chunk.blobs.push_back(link_chunk(coding.hierarchy, chunk.begin, chunk.end,
                                          table.precision.step, table.compression));
