@@ -114,7 +114,7 @@ models       {name: Gaussians}, evaluated in place of conversions
 show         'T', or 'volume': pictures by value are compared too, from seven views
 fields       {name: array, Volume or grid}, as convert takes them: maps of their mean and deviation, and of the data's
              own values, are compared too; None: no maps
-voxels       True: the field error too, each model turned back into voxels against the volume; for one Volume
+voxels       True: the field error too, each model turned back into voxels against the volume; for one Volume or Levels
 resume       True: continues an interrupted evaluation with its finished conversions
 progress     called with the finished fraction, [0, 1]
 

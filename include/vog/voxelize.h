@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,5 +73,9 @@ struct VoxelError {
 /// throws  vog::Error for different lattices, other tiles, and for an `a` whose densities are all 0
 /// cost    O(leaves and tiles)
 [[nodiscard]] VoxelError voxel_error(const Volume& a, const Volume& b);
+/// Compares a model with volumes of any lattices that do not overlap, the parts of a mesh (Composite, vog/levels.h), in their active
+/// voxels alone: the model's averages over the voxels of each. Differences, and the number of voxels, count by the voxels' volumes.
+/// throws  vog::Error as voxelize, for a part where the model has no mass, and for densities that are all 0
+[[nodiscard]] VoxelError voxel_error(std::span<const Volume> parts, const Gaussians& model);
 
 }  // namespace vog

@@ -119,10 +119,11 @@ class Run {
             fields_ = FieldComparison(volumes_, options);
             evaluation_.fields = fields_.names();
         }
-        if (options.voxels && (levels || volumes.size() != 1 || options.collective))
-            throw Error(fmt::format(
-                "{}: the field error is of one volume by one process, expected no levels or parts",
-                evaluation_.title));
+        if (options.voxels && ((!levels && volumes.size() != 1) || options.collective))
+            throw Error(
+                fmt::format("{}: the field error is of one volume or mesh by one process, expected "
+                            "no volumes that add up, nor parts",
+                            evaluation_.title));
         evaluation_.voxels = options.voxels;
         if (options.by_value) {
             by_value_.emplace(volumes_, box_, options);
@@ -329,8 +330,10 @@ class Run {
         if (conversion.aabb_sigma == 0) fields_.compare(model, evaluation_, references_.field, row);
         if (conversion.aabb_sigma == 0 && by_value_) row.values = by_value_->compare(model);
         if (conversion.aabb_sigma == 0 && options_.voxels)
-            row.voxels = voxel_error(volumes_.front(),
-                                     voxelize(model, volumes_.front().world_from_index).volume);
+            row.voxels =
+                levels_ ? voxel_error(volumes_, model)
+                        : voxel_error(volumes_.front(),
+                                      voxelize(model, volumes_.front().world_from_index).volume);
         return row;
     }
 

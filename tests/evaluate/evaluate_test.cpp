@@ -138,6 +138,7 @@ TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
     EvaluateOptions options = quick();
     options.conversions = moment_conversions();
     std::erase_if(options.conversions, [](const Conversion& c) { return c.step != "block4"; });
+    options.voxels = true;
     const Evaluation evaluation = evaluate(levels, dir / "out", options);
     EXPECT_EQ(evaluation.active_voxels, data.voxels);
     // All levels share one budget: separate conversions would give other counts.
@@ -157,6 +158,13 @@ TEST(evaluate, levels_are_one_model_against_the_masked_reference) {
     EXPECT_EQ(paper.extinction, auto_extinction(depth));
     for (const EvaluationRow& row : evaluation.rows) {
         EXPECT_NEAR(row.mass_ratio, 1, 1e-3) << row.series;
+        // In the visible voxels of all levels.
+        ASSERT_TRUE(row.voxels.has_value()) << row.series;
+        EXPECT_EQ(row.voxels->relative_l2,
+                  voxel_error(data.parts,
+                              convert_moments(data, row.series == "uniform" ? uniform : adaptive))
+                      .relative_l2)
+            << row.series;
         EXPECT_GT(find_view(row, "paper")->psnr_v_db, 25) << row.series;
     }
     // Masks without an active voxel inside are an error.

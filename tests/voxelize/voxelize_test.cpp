@@ -472,4 +472,52 @@ TEST(voxel_error, refuses_other_lattices_and_nothing) {
     EXPECT_NE(refusal([&] { (void)voxel_error(empty, empty); }).find("are 0"), std::string::npos);
 }
 
+/// Two lattices, the finer one of half the edge and shifted; every other voxel of either is active, and a tile.
+TEST(voxel_error, of_parts_counts_their_active_voxels_by_volume) {
+    const Gaussians model = random_model(5, 30, 0.5);
+    std::vector<Volume> parts(2);
+    double squares = 0, wanted = 0, absolute = 0, volume = 0, largest = 0, worst = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        const double edge = k == 0 ? 1 : 0.5;
+        Volume& part = parts[k];
+        part.world_from_index = voxel_lattice(model, edge);
+        part.world_from_index.translation.x += 0.2 * edge;
+        const Volume all = voxelize(model, part.world_from_index).volume;
+        ASSERT_GT(all.leaves.size(), 3u);
+        for (std::size_t n = 1; n < all.leaves.size(); ++n) {
+            if (n == 2) continue;  // of the model alone
+            Leaf leaf;
+            leaf.origin = all.leaves[n].origin;
+            for (int m = 0; m < kLeafVoxels; m += 2)
+                leaf.set(m, 0.5f * all.leaves[n].value[static_cast<std::size_t>(m)] + 0.01f);
+            part.leaves.push_back(leaf);
+        }
+        part.tiles = {{all.leaves.front().origin, 8, 0.25f}};
+        const Voxels truth = voxels_of(all);
+        const auto add = [&](Vec3i at, double value) {
+            const auto found = truth.find({at.x, at.y, at.z});
+            const double difference = (found == truth.end() ? 0 : found->second) - value;
+            const double voxel = edge * edge * edge;
+            squares += voxel * difference * difference, wanted += voxel * value * value;
+            absolute += voxel * std::abs(difference), volume += voxel;
+            worst = std::max(worst, std::abs(difference)), largest = std::max(largest, value);
+        };
+        for (const auto& [at, value] : voxels_of(part))
+            add({std::get<0>(at), std::get<1>(at), std::get<2>(at)}, value);
+        for (int n = 0; n < kLeafVoxels; ++n)
+            add(part.tiles[0].origin + Vec3i{n & 7, n >> 3 & 7, n >> 6}, 0.25);
+    }
+    const VoxelError error = voxel_error(parts, model);
+    // Sums of doubles in another order; the extent changes no voxel.
+    EXPECT_NEAR(error.relative_l2 / std::sqrt(squares / wanted), 1, 1e-9);
+    EXPECT_NEAR(error.psnr_db, 10 * std::log10(largest * largest * volume / squares), 1e-8);
+    EXPECT_NEAR(error.mean / (absolute / volume / largest), 1, 1e-9);
+    EXPECT_NEAR(error.worst / (worst / largest), 1, 1e-9);
+
+    parts[1].world_from_index.translation.x += 1000;
+    EXPECT_NE(refusal([&] { (void)voxel_error(parts, model); }), "no error");
+    EXPECT_NE(refusal([&] { (void)voxel_error(std::span<const Volume>{}, model); }).find("are 0"),
+              std::string::npos);
+}
+
 }  // namespace vog::test

@@ -238,7 +238,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     command->add_flag("--voxels", arguments->options.voxels,
                       "Measure the field error too: each model turned back into voxels, as vog "
                       "voxelize --like does, "
-                      "against the volume");
+                      "against the volume, or the visible voxels of a mesh's levels");
     command
         ->add_option("--repeat", arguments->options.repeats,
                      "Timed renders per view, after one warm-up")
