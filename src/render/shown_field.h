@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "render/device/field_hit.h"
+#include "render/device/voxels/ray_sums.h"
 #include "vog/field_maps.h"
 
 namespace vog {
@@ -51,10 +52,7 @@ ShownField field_towards(const Gaussians& gaussians, const FieldChoice& choice, 
 device::FieldPlane constant_plane(const device::FieldPlane& plane, const Gaussians& gaussians,
                                   std::size_t i, double share);
 
-/// Sums along a ray in units of a picture.
-struct RaySums {
-    double column = 0, first = 0, second = 0;
-};
+using device::RaySums;
 /// Fills pixel n of the maps.
 /// column     in its unit
 /// reference  ShownField::reference_along

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "fuzz_target.h"
-#include "shade/values/value_pieces.h"
+#include "render/by_value/value_pieces.h"
 #include "vog/shade.h"
 
 namespace vog::fuzz {
@@ -28,7 +28,7 @@ void run(Bytes input) {
     }
     ValueTransfer values;  // refused where the domain holds no finite value
     if (!accepted([&] { values = read_value_transfer(file.string(), -100, 300, 2); })) return;
-    const shading::ValuePieces pieces(values);
+    const by_value::ValuePieces pieces(values);
     for (const double value : {-1e30, -100.0, 0.0, 0.3, 1.0, 300.0, values.color.front().value,
                                values.opacity.back().value, 1e30}) {
         const ValueLight exact = light_of(values, value), fast = pieces(value);

@@ -8,7 +8,7 @@
 #include <fstream>
 #include <limits>
 
-#include "shade/values/value_pieces.h"
+#include "render/by_value/value_pieces.h"
 #include "support/data.h"
 #include "vog/error.h"
 
@@ -91,7 +91,7 @@ TEST(value_transfer, pieces_are_light_of) {
          1}};
     for (const ValueTransfer& transfer : transfers) {
         SCOPED_TRACE(transfer.name);
-        const shading::ValuePieces pieces(transfer);
+        const by_value::ValuePieces pieces(transfer);
         std::vector<double> values{-1e300, -1e30, -4,  -1e-301, 0,   0.25, 1.5,
                                    1.9999, 6.99,  150, 250,     1e8, 1e30};
         const auto add = [&](double v) {

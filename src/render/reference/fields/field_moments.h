@@ -41,21 +41,9 @@ struct RayMoments {
     double reference = 0;
 };
 
-/// Sums of a measure over one ray, or the rays of a pixel, with the field relative to its first value on
-/// them: a field that hardly varies keeps its digits.
-struct FirstRelative {
-    RaySums sums{};
-    double reference = 0;
-    bool met = false;
-
-    void add(double weight, double value) {
-        if (!(weight > 0)) return;
-        if (!met) reference = value, met = true;
-        const double difference = value - reference;
-        sums.column += weight;
-        sums.first += weight * difference;
-        sums.second += weight * difference * difference;
-    }
+/// Sums over the rays of a pixel, voxel by voxel or ray by ray.
+struct FirstRelative : device::FirstRelative {
+    using device::FirstRelative::add;
     /// Adds a whole ray.
     void add(const RayMoments& ray) {
         if (!(ray.sums.column > 0)) return;

@@ -147,9 +147,9 @@ void for_each_pixel_with_boxes(const DividedGrids& grids, const CameraFrame& fra
             for (int x = 0; x < width; ++x) {
                 check_interrupt();
                 const double column = tile->column[y][x];
-                FirstRelative pixel{{column, tile->first[y][x], tile->second[y][x]},
-                                    tile->reference[y][x],
-                                    column > 0};
+                FirstRelative pixel{{{column, tile->first[y][x], tile->second[y][x]},
+                                     tile->reference[y][x],
+                                     column > 0}};
                 for (const FieldGrid* grid : grids.rays)
                     add_ray(*grid, frame.origin(left + x, top + y),
                             frame.direction(left + x, top + y), {}, pixel);

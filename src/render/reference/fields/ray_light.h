@@ -2,31 +2,17 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <vector>
 
+#include "render/device/voxels/ray_sums.h"
 #include "render/reference/hierarchical_dda.h"
 #include "vog/value_transfer.h"
 
 namespace vog::reference {
 
 /// Light along a ray, front to back.
-struct Compositor {
-    // A ray ends at a ten-thousandth of a display step: less than the promised 1e-6.
-    static constexpr double kOpaque = 1e-4 / 255;
-
-    double r = 0, g = 0, b = 0, transmittance = 1;
-
-    bool opaque() const { return transmittance < kOpaque; }
-    /// Adds a piece of constant extinction and colour.
-    /// depth  its extinction times its length
-    void add(double depth, double red, double green, double blue) {
-        const double passed = std::exp(-depth), weight = transmittance * (1 - passed);
-        r += weight * red, g += weight * green, b += weight * blue;
-        transmittance *= passed;
-    }
-};
+using Compositor = device::RayLight;
 
 /// Piece of a ray in one of several volumes.
 struct LitPiece {

@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "render/by_value/lighting.h"
+#include "render/by_value/value_pieces.h"
 #include "render/pixel_tiles.h"
 #include "render/reference/fields/field_grid.h"
 #include "render/reference/fields/linear_volume.h"
 #include "render/reference/fields/ray_light.h"
 #include "render/reference/parts/joint_pixels.h"
 #include "render/reference/parts/ray_exchange.h"
-#include "shade/values/value_pieces.h"
 #include "vog/error.h"
 #include "vog/volume_picture.h"
 
@@ -50,7 +50,7 @@ class VoxelLight {
         return light;
     }
 
-    shading::ValuePieces pieces_;
+    ValuePieces pieces_;
     Lighting lighting_;
 };
 

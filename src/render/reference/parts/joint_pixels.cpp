@@ -16,14 +16,15 @@ void join(std::span<FirstRelative> pixels, const Collective& processes) {
     std::vector<double> sums;
     sums.reserve(3 * pixels.size());
     for (std::size_t n = 0; n < pixels.size(); ++n) {
-        FirstRelative joint{{}, reference[n], reference[n] > kNothing};
+        FirstRelative joint{{{}, reference[n], reference[n] > kNothing}};
         joint.add(RayMoments{pixels[n].sums, pixels[n].reference});
         sums.insert(sums.end(), {joint.sums.column, joint.sums.first, joint.sums.second});
     }
     processes.sum(sums);
     for (std::size_t n = 0; n < pixels.size(); ++n) {
         const bool met = reference[n] > kNothing;
-        pixels[n] = {{sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]}, met ? reference[n] : 0, met};
+        pixels[n] = {
+            {{sums[3 * n], sums[3 * n + 1], sums[3 * n + 2]}, met ? reference[n] : 0, met}};
     }
 }
 

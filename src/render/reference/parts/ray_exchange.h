@@ -39,7 +39,7 @@ class RayPieces {
             inside_.add(depth, light.r, light.g, light.b);
             depth_ += depth;
         }
-        return passed_ * inside_.transmittance >= Compositor::kOpaque;
+        return passed_ * inside_.transmittance >= device::kOpaqueLight;
     }
     /// All pieces, their extinction per t.
     std::vector<LitPiece> finish() {

@@ -1,11 +1,12 @@
 // value_pieces.cpp: Pieces of a transfer function of values, and their search.
-#include "shade/values/value_pieces.h"
+#include "render/by_value/value_pieces.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
-namespace vog::shading {
+namespace vog::by_value {
 
 namespace {
 
@@ -25,7 +26,8 @@ double slope(double from, double to, double width) { return width > 0 ? (to - fr
 
 }  // namespace
 
-ValuePieces::ValuePieces(const ValueTransfer& transfer) : unit_distance_(transfer.unit_distance) {
+ValuePieces::ValuePieces(const ValueTransfer& transfer)
+    : first_(device::kValueBuckets), unit_distance_(transfer.unit_distance) {
     validate(transfer);
     std::vector<double> starts{-kInfinity};
     for (const ValueColor& point : transfer.color) starts.push_back(point.value);
@@ -35,7 +37,7 @@ ValuePieces::ValuePieces(const ValueTransfer& transfer) : unit_distance_(transfe
     for (std::size_t n = 0; n < starts.size(); ++n) {
         const auto [from, to] = points_from(transfer.color, starts[n]);
         const auto [low, high] = points_from(transfer.opacity, starts[n]);
-        Piece piece{};
+        device::ValuePiece piece{};
         piece.start = starts[n];
         piece.end = n + 1 < starts.size() ? starts[n + 1] : kInfinity;
         piece.origin = n == 0 ? piece.end : piece.start;
@@ -51,18 +53,19 @@ ValuePieces::ValuePieces(const ValueTransfer& transfer) : unit_distance_(transfe
         piece.opacity_slope = slope(low->opacity, high->opacity, rise);
         piece.opacity = low->opacity + (rise > 0 ? (piece.origin - low->value) / rise : 0) *
                                            (high->opacity - low->opacity);
-        piece.extinction = piece.opacity_slope == 0 ? extinction_of(piece.opacity) : -1;
+        piece.extinction = piece.opacity_slope == 0 ? table().extinction(piece.opacity) : -1;
         pieces_.push_back(piece);
     }
     lowest_ = starts[1];
     const double range = starts.back() - lowest_;
-    if (range > 0 && std::isfinite(kBuckets / range)) buckets_per_value_ = kBuckets / range;
+    if (range > 0 && std::isfinite(device::kValueBuckets / range))
+        buckets_per_value_ = device::kValueBuckets / range;
     std::uint32_t at = 0;
-    for (std::size_t b = 0; b < kBuckets; ++b) {
-        const double value = lowest_ + static_cast<double>(b) / kBuckets * range;
+    for (std::size_t b = 0; b < first_.size(); ++b) {
+        const double value = lowest_ + static_cast<double>(b) / device::kValueBuckets * range;
         while (at + 1 < pieces_.size() && value >= pieces_[at].end) ++at;
         first_[b] = at;
     }
 }
 
-}  // namespace vog::shading
+}  // namespace vog::by_value
