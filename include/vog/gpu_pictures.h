@@ -21,7 +21,7 @@ class GpuPictures {
   public:
     /// renderer   cuda or optix
     /// gaussians  must outlive the renderer, unchanged; copied to the GPU
-    /// options    boxes (aabb_sigma): of optix, T and fields alone
+    /// options    boxes (aabb_sigma): of optix, as render_volume_trace and render_field_trace have them
     /// throws     vog::Error for another renderer, without a device or in a build without it, as trace_scene does, for too
     ///            little GPU memory
     GpuPictures(Renderer renderer, const Gaussians& gaussians,
@@ -39,12 +39,12 @@ class GpuPictures {
                      const Clipping& clip = {});
     /// As SlabRenderer: the same slabs, to rounding. The light of one field and transfer function is kept.
     /// slabs   1 to 1024
-    /// throws  vog::Error as SlabRenderer does, and for boxes
+    /// throws  vog::Error as SlabRenderer does
     VolumeImage volume(const std::string& field, const ValueTransfer& transfer,
                        const Camera& camera, int width, int height, int slabs = 32,
                        const VolumeLook& look = {});
     /// As render_maximum_splat.
-    /// throws  vog::Error as it does, and for boxes
+    /// throws  vog::Error as it does
     ValueMap maximum(const std::string& field, const Camera& camera, int width, int height,
                      int slabs = kMaximumSlabs, const Clipping& clip = {});
 

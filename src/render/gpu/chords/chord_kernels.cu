@@ -49,7 +49,7 @@ __global__ void project_chords_kernel(ChordProjection p) {
     const device::Camera& camera = p.picture.camera;
     device::TileSplat splat;
     bool visible = device::project(source, camera, p.kernel, splat);
-    p.shares[i] = splat.widened ? 0.0f : splat.share;
+    p.shares[i] = p.boxed ? 1.0f : splat.widened ? 0.0f : splat.share;
     if (visible && splat.near)
         visible = device::may_meet(
             g, device::frustum_of(camera, {0, camera.width - 1, 0, camera.height - 1}),
@@ -58,7 +58,7 @@ __global__ void project_chords_kernel(ChordProjection p) {
     const device::SplatDepth depth =
         device::splat_depth(source, camera, p.picture.view, p.kernel.cutoff, splat);
     if (p.ranges) include_depths(p, splat, depth);
-    if (!p.all && !splat.widened) return;
+    if (p.boxed || (!p.all && !splat.widened)) return;
     p.splats[i] = splat;
     p.depths[i] = depth;
     p.touched[i] = splat.near ? 1 : static_cast<std::uint64_t>(device::tile_count(splat));

@@ -15,6 +15,8 @@ struct ChordProjection {
     device::SplatKernel kernel;
     std::int32_t count;  ///< Gaussians
     std::int32_t all;    ///< 1: all that are visible, 0: those that rays leave out
+    std::int32_t
+        boxed;  ///< 1: with the paper's boxes, where rays leave out none; for the ranges alone
     device::BlinnPhong look;
     const device::SplatLight* light;  ///< [count], not shaded; null: a picture of sums
     device::SplatLight* lit;          ///< [count] receives the shaded light, or null

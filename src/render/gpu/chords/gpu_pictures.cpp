@@ -12,6 +12,7 @@
 #include "render/by_value/value_light.h"
 #include "render/by_value/volume_field.h"
 #include "render/gpu/chords/gpu_pictures_state.h"
+#include "render/gpu/half_spaces.h"
 #include "render/shown_field.h"
 #include "render/trace/trace_field.h"
 #include "render/trace/trace_model.h"
@@ -30,21 +31,6 @@ constexpr int kMostGpuSlabs = 1024;
 float within_floats(double number) {
     constexpr double kMost = std::numeric_limits<float>::max();
     return static_cast<float>(std::clamp(number, -kMost, kMost));
-}
-
-/// Planes of a clip in scene units.
-/// clip  relative to the model's origin
-std::vector<device::HalfSpace> half_spaces(const Clipping& clip, double unit) {
-    std::vector<device::HalfSpace> all;
-    for (const ClipPlane& plane : clip.planes)
-        all.push_back({plain(plane.normal), plane.offset / unit});
-    for (int axis = 0; clip.box && axis < 3; ++axis) {
-        Vec3d normal;
-        normal[axis] = 1;
-        all.push_back({plain(normal), clip.box->lower[axis] / unit});
-        all.push_back({plain(-normal), -clip.box->upper[axis] / unit});
-    }
-    return all;
 }
 
 std::vector<device::SplatLight> splat_light(const ScalarField& field,
@@ -86,11 +72,9 @@ GpuPictures::GpuPictures(Renderer renderer, const Gaussians& gaussians,
     if (renderer == Renderer::optix && size > 0)
         s.tracer = std::make_unique<ChordTracer>(s.model.boxes);
     s.packed = GpuArray(s.model.gaussians, "Gaussians");
-    if (!s.model.boxed) {
-        s.passes = SplatPasses(s.count);
-        s.shares = GpuArray<float>(size, "shares of Gaussians");
-        s.depths = GpuArray<device::SplatDepth>(size, "depths of Gaussians");
-    }
+    s.passes = SplatPasses(s.count);
+    s.shares = GpuArray<float>(size, "shares of Gaussians");
+    s.depths = GpuArray<device::SplatDepth>(size, "depths of Gaussians");
     s.model.gaussians = {};
     s.model.boxes = {};
 }
@@ -123,7 +107,8 @@ device::ChordPicture GpuPictures::State::begin(const CameraFrame& frame, const C
 void GpuPictures::State::draw(device::ChordPicture picture, const device::BlinnPhong& look) {
     const bool all = renderer == Renderer::cuda;
     timer.start();
-    if (!model.boxed) {
+    // With boxes rays leave out no Gaussian, and sums need no projection.
+    if (!model.boxed || picture.slabs.light) {
         device::SlabPicture& slabs = picture.slabs;
         if (slabs.light) {
             const std::size_t words = 2 * static_cast<std::size_t>(slabs.tiles + 1);
@@ -137,6 +122,7 @@ void GpuPictures::State::draw(device::ChordPicture picture, const device::BlinnP
         projection.picture = picture;
         projection.kernel = model.kernel;
         projection.all = all ? 1 : 0;
+        projection.boxed = model.boxed ? 1 : 0;
         projection.look = look;
         projection.light = slabs.light;
         projection.lit = slabs.light && look.on ? lit.data() : nullptr;
@@ -279,8 +265,6 @@ void GpuPictures::State::draw_slabs(const ScalarField& field, device::SlabKind k
 
 const ScalarField& GpuPictures::State::slab_field(const std::string& field, int slabs) const {
     const char* name = info_of(renderer).name;
-    if (model.boxed)
-        throw Error(fmt::format("{}: bounding boxes (aabb_sigma) by value, expected trace", name));
     if (slabs < 1 || slabs > kMostGpuSlabs)
         throw Error(
             fmt::format("{}: {} depth slabs, expected 1 to {}", name, slabs, kMostGpuSlabs));

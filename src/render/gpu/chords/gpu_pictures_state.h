@@ -59,7 +59,7 @@ struct GpuPictures::State {
     void draw_slabs(const ScalarField& field, device::SlabKind kind,
                     const std::optional<ValueTransfer>& by, const CameraFrame& frame, int slabs,
                     const VolumeLook& look);
-    /// The scalar field of a picture by value. throws vog::Error for boxes, slabs out of range, a field that the model lacks
+    /// The scalar field of a picture by value. throws vog::Error for slabs out of range, a field that the model lacks
     const ScalarField& slab_field(const std::string& field, int slabs) const;
     std::vector<float> fetch(std::size_t floats) const {
         std::vector<float> values(floats);
