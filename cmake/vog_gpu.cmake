@@ -96,7 +96,8 @@ function(vog_add_gpu target)
         DEPENDS ${target}_optix $<TARGET_OBJECTS:${target}_optix> ${VOG_GPU_ROOT}/cmake/embed_ptx.cmake VERBATIM)
     target_sources(${target} PRIVATE ${embedded} ${gpu}/optix/optix_device.cpp ${gpu}/optix/optix_pipeline.cpp ${gpu}/optix/optix_hierarchy.cpp
                    ${gpu}/optix/optix_film.cpp ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp
-                   ${gpu}/optix/optix_chords.cpp)
+                   ${gpu}/optix/optix_chords.cpp ${gpu}/voxels/voxel_scene.cpp
+                   ${gpu}/voxels/gpu_volumes.cpp)
     target_compile_definitions(${target} PRIVATE VOG_OPTIX)
     target_include_directories(${target} SYSTEM PRIVATE ${VOG_OPTIX_INCLUDE})
     target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})

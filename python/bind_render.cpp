@@ -10,6 +10,7 @@
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/gpu_pictures.h"
+#include "vog/gpu_volumes.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
 #include "volume_look.h"
@@ -181,9 +182,6 @@ ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
     else
         refuse_data(data, "render", "Gaussians, a Volume, Levels or a list of Volumes for a field");
     const Renderer renderer = checked_renderer(a, one ? RenderInput::volumes : RenderInput::levels);
-    if (renderer != Renderer::reference)
-        throw Error(std::string("render: ") + info_of(renderer).name +
-                    " draws no fields of voxels, expected reference");
     const auto values =
         voxel_fields_of(shown_field_of(map), levels.volumes, lattices_of(levels.volumes),
                         levels.volumes.size(), "render");
@@ -200,6 +198,10 @@ ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
     const Box box = box_to_view(data, "render");
     shown.maps = unlocked([&, width = width, height = height] {
         const Camera camera = camera_for(map, box, width, height);
+        if (renderer == Renderer::optix)
+            return (one ? GpuVolumes(levels.volumes, values.front())
+                        : GpuVolumes(levels, values.front()))
+                .fields(choice.part, camera, width, height, options);
         if (one)
             return render_field_reference(levels.volumes, values.front(), choice.part, camera,
                                           width, height, options, a.options.voxels);
@@ -280,8 +282,8 @@ kappa          cuts kernels at this share of their peak, in place of the model's
 anyhit         trace, optix: 'accumulate' or, as the paper, 'collect', with hits_per_slab hits at once
                until transmittance falls below stop_transmittance
 interpolation  reference: 'constant' (exact) or 'linear' between voxel centres, by `step` voxels
-samples        reference: N for the mean of N x N rays in each pixel; 1: the ray through its centre
-clip           box of the world that is shown, [2, 3]; None: all. splat, trace and reference, exact on every ray
+samples        reference, optix: N for the mean of N x N rays in each pixel; 1: the ray through its centre
+clip           box of the world that is shown, [2, 3]; None: all. Exact on every ray
 clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays)";
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "data.h"
 #include "vog/error.h"
 #include "vog/gpu_pictures.h"
+#include "vog/gpu_volumes.h"
 #include "vog/levels.h"
 #include "vog/maximum_picture.h"
 #include "vog/renderer.h"
@@ -136,8 +137,7 @@ std::vector<VoxelField> voxels_of(std::vector<Volume>& volumes, const std::strin
         if (shown.empty() || shown.front().is_vector())
             throw Error(std::string(call) + ": no scalar field '" + field + "' in fields");
     }
-    if (renderer_for(renderer, RenderInput::volumes) != Renderer::reference)
-        throw Error(std::string(call) + ": expected renderer 'reference' for voxels");
+    (void)renderer_for(renderer, RenderInput::volumes);
     return shown;
 }
 
@@ -150,7 +150,15 @@ VolumeImage of_volume(const Volume& given, const std::string& field, const py::o
     const Box box = world_box(given);
     const ValueTransfer transfer =
         transfer_of(values, shown.front().lower, shown.front().upper, box);
+    const bool on_gpu = renderer_for(picture.renderer, RenderInput::volumes) == Renderer::optix;
+    if (on_gpu && picture.voxels.interpolation != Interpolation::constant)
+        throw Error(
+            "render_volume: interpolation is not for renderer 'optix', expected 'reference'");
     return unlocked([&] {
+        if (on_gpu)
+            return GpuVolumes(volumes, shown)
+                .volume(transfer, camera_for(picture, box), picture.width, picture.height, {},
+                        picture.look);
         return render_volume_reference(volumes, shown, transfer, camera_for(picture, box),
                                        picture.width, picture.height, {progress, 1, {}},
                                        picture.look, picture.voxels);
@@ -185,10 +193,15 @@ ValueMap maximum_of_volume(const Volume& given, const std::string& field, const 
     std::vector<Volume> volumes{given};
     const std::vector<VoxelField> shown =
         voxels_of(volumes, field, fields, picture.renderer, "render_maximum");
+    const Renderer renderer = renderer_for(picture.renderer, RenderInput::volumes);
     return unlocked([&] {
-        return render_maximum_reference(volumes, shown, camera_for(picture, world_box(given)),
-                                        picture.width, picture.height,
-                                        {progress, 1, picture.look.clip});
+        const Camera camera = camera_for(picture, world_box(given));
+        const ReferenceOptions options{progress, 1, picture.look.clip};
+        if (renderer == Renderer::optix)
+            return GpuVolumes(volumes, shown)
+                .maximum(camera, picture.width, picture.height, options);
+        return render_maximum_reference(volumes, shown, camera, picture.width, picture.height,
+                                        options);
     });
 }
 
@@ -223,7 +236,7 @@ void bind_maximum_picture(py::module_& m) {
 there is none. Of voxels the largest value, of models the largest mean of the field.
 
 data, camera, size, field, clip, clip_planes, fields, progress   as of render_volume
-renderer  of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference'; '': the first of them
+renderer  of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference' or 'optix'; '': the first of them
 slabs     depth slabs a tile, not of trace, 1 to 1024)");
 }
 
@@ -285,7 +298,7 @@ light          'head', or a direction towards the light; None: emission and abso
 clip           box of the world that is shown, [2, 3]; None: all
 clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays
 background     'black', 'white', 'transparent', or (r, g, b) in [0, 1]
-renderer       of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference'; '': the first of them
+renderer       of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference' or 'optix'; '': the first of them
 slabs          depth slabs a tile, not of trace, 1 to 1024
 fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
 interpolation  of voxels: 'constant', or 'linear' between their centres

@@ -25,7 +25,7 @@ enum class Renderer {
     splat,      ///< SplatRenderer
     trace,      ///< render_trace
     cuda,       ///< CudaSplat
-    optix,      ///< OptixModel, OptixVolume
+    optix,      ///< OptixModel, GpuVolumes
     reference,  ///< render_reference
 };
 
@@ -64,14 +64,14 @@ struct RenderOptions {
     /// Share of its peak at which a kernel is cut, [1.3e-14, 1); 0: at the model's own cutoff. For
     /// all renderers of Gaussians.
     double kappa = 0;
-    /// Largest error of a drawn node of a hierarchy, pixels, >= 0; none: CutOptions' default. For
-    /// splat.
+    /// Largest error of a drawn node of a hierarchy, pixels, >= 0; none: CutOptions' default for splat, and all Gaussians
+    /// for cuda and optix. Not for trace.
     std::optional<double> pixel_error{};
     /// Any-hit program, hits per slab and end of rays of trace and optix; progress is not used.
     TraceOptions trace{};
     VoxelGridOptions voxels{};  ///< interpolation and step of the reference
     int samples = 1;            ///< ReferenceOptions::samples; for reference and optix
-    Clipping clip{};            ///< space that counts; for all renderers, of optix for models
+    Clipping clip{};            ///< space that counts; for all renderers
 };
 
 /// One member of RenderOptions that some renderers have and others lack.
@@ -108,8 +108,8 @@ void require_options(Renderer renderer, RenderInput input, std::span<const Rende
 class DepthRenderer {
   public:
     /// model      splat draws it in place: it must stay as it is. Others copy what they need
-    /// hierarchy  of the model, for splat without bounding boxes: each picture is a cut through it;
-    ///            null or empty: all Gaussians
+    /// hierarchy  of the model, for splat, and for cuda and optix with a pixel_error, without bounding boxes: each
+    ///            picture is a cut through it, which GPU renderers are sent; null or empty: all Gaussians
     /// throws     vog::Error for options that are not the renderer's, for a renderer that does not
     ///            draw Gaussians or is not in this build, and as the renderer itself does
     DepthRenderer(Renderer renderer, std::shared_ptr<const Gaussians> model,

@@ -23,6 +23,7 @@
 //            trace.h            T of Gaussians on the CPU by ray tracing
 //            gpu.h              T of Gaussians and voxels on the GPU: CUDA and OptiX
 //            gpu_pictures.h     fields, values and clips of Gaussians on the GPU
+//            gpu_volumes.h      fields, values and clips of voxels on the GPU
 //            gpu_sums.h         pictures that stay in GPU memory, for OpenGL
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
@@ -64,6 +65,7 @@
 #include "vog/gpu.h"
 #include "vog/gpu_pictures.h"
 #include "vog/gpu_sums.h"
+#include "vog/gpu_volumes.h"
 #include "vog/image.h"
 #include "vog/levels.h"
 #include "vog/linear.h"

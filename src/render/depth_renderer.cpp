@@ -1,8 +1,10 @@
 // depth_renderer.cpp: DepthRenderer: one class for each renderer and the data it holds.
 #include "render/by_value/clipped_depth.h"
+#include "render/pixel_limits.h"
 #include "vog/error.h"
 #include "vog/gpu.h"
 #include "vog/gpu_pictures.h"
+#include "vog/gpu_volumes.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
 
@@ -151,6 +153,45 @@ class OptixModelState : public State {
     int samples_;
 };
 
+/// The Gaussians of a cut through a hierarchy, sent to the GPU for each picture.
+class GpuCutState : public State {
+  public:
+    GpuCutState(Renderer by, std::shared_ptr<const Gaussians> model,
+                std::shared_ptr<const Hierarchy> hierarchy, const RenderOptions& options)
+        : by_(by),
+          model_(std::move(model)),
+          hierarchy_(std::move(hierarchy)),
+          options_(options),
+          cut_(*model_, *hierarchy_, cutoff_of_kappa(options.kappa, model_->cutoff)) {}
+
+    void render(const Camera& camera, int width, int height, DepthImage& depth,
+                const Progress& progress) override {
+        const Gaussians& drawn =
+            cut_.choose(frame_of(camera, width, height), {*options_.pixel_error, true});
+        cut = cut_.report();
+        if (by_ == Renderer::cuda)
+            draw(CudaState(drawn, options_), camera, width, height, depth, progress);
+        else
+            draw(OptixModelState(drawn, options_), camera, width, height, depth, progress);
+    }
+    void set_pixel_error(double pixel_error) override { options_.pixel_error = pixel_error; }
+    void set_samples(int samples) override { options_.samples = samples; }
+
+  private:
+    void draw(State&& by, const Camera& camera, int width, int height, DepthImage& depth,
+              const Progress& progress) {
+        by.render(camera, width, height, depth, progress);
+        traced = by.traced;
+        gpu_ms = by.gpu_ms;
+    }
+
+    Renderer by_;
+    std::shared_ptr<const Gaussians> model_;
+    std::shared_ptr<const Hierarchy> hierarchy_;
+    RenderOptions options_;
+    ViewCut cut_;
+};
+
 std::vector<VoxelGrid> voxel_grids(std::span<const Volume> volumes,
                                    const VoxelGridOptions& options) {
     std::vector<VoxelGrid> grids;
@@ -160,25 +201,21 @@ std::vector<VoxelGrid> voxel_grids(std::span<const Volume> volumes,
 
 class OptixVolumesState : public State {
   public:
-    OptixVolumesState(std::span<const Volume> volumes, int samples) : samples_(samples) {
-        for (const VoxelGrid& grid : voxel_grids(volumes, {})) volumes_.emplace_back(grid.bytes());
-    }
+    /// volumes  or levels
+    template <class Voxels>
+    OptixVolumesState(const Voxels& volumes, const RenderOptions& options)
+        : volumes_(volumes), options_{{}, options.samples, options.clip} {}
 
     void render(const Camera& camera, int width, int height, DepthImage& depth,
                 const Progress&) override {
-        depth = DepthImage(width, height);
-        gpu_ms = 0;
-        for (OptixVolume& volume : volumes_) {
-            const DepthImage part = volume.render(camera, width, height, samples_);
-            for (std::size_t n = 0; n < depth.depth.size(); ++n) depth.depth[n] += part.depth[n];
-            *gpu_ms += volume.gpu_ms();
-        }
+        depth = volumes_.depth(camera, width, height, options_);
+        gpu_ms = volumes_.gpu_ms();
     }
-    void set_samples(int samples) override { samples_ = samples; }
+    void set_samples(int samples) override { options_.samples = samples; }
 
   private:
-    std::vector<OptixVolume> volumes_;
-    int samples_;
+    GpuVolumes volumes_;
+    ReferenceOptions options_;
 };
 
 /// Grids  LevelGrids or std::vector<VoxelGrid>
@@ -218,6 +255,13 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::shared_ptr<const Gaussians>
         state_->renderer = renderer;
         return;
     }
+    const bool on_gpu = renderer == Renderer::cuda || renderer == Renderer::optix;
+    if (on_gpu && options.pixel_error && hierarchy && !hierarchy->empty()) {
+        state_ = std::make_unique<GpuCutState>(renderer, std::move(model), std::move(hierarchy),
+                                               options);
+        state_->renderer = renderer;
+        return;
+    }
     switch (renderer) {
         case Renderer::trace:
             state_ = std::make_unique<TraceState>(*model, options);
@@ -238,7 +282,7 @@ DepthRenderer::DepthRenderer(Renderer renderer, std::span<const Volume> volumes,
                              const RenderOptions& options) {
     check(renderer, RenderInput::volumes, options);
     if (renderer == Renderer::optix)
-        state_ = std::make_unique<OptixVolumesState>(volumes, options.samples);
+        state_ = std::make_unique<OptixVolumesState>(volumes, options);
     else
         state_ = std::make_unique<ReferenceState<std::vector<VoxelGrid>>>(
             voxel_grids(volumes, options.voxels), options);
@@ -249,7 +293,7 @@ DepthRenderer::DepthRenderer(Renderer renderer, const Levels& levels,
                              const RenderOptions& options) {
     check(renderer, RenderInput::levels, options);
     if (renderer == Renderer::optix)
-        state_ = std::make_unique<OptixVolumesState>(composite(levels).parts, options.samples);
+        state_ = std::make_unique<OptixVolumesState>(levels, options);
     else
         state_ = std::make_unique<ReferenceState<LevelGrids>>(level_grids(levels, options.voxels),
                                                               options);

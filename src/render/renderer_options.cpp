@@ -37,7 +37,7 @@ const std::vector<OptionRow>& option_table() {
          "stop_transmittance",
          {trace, optix}},
         {RenderOption::aabb_sigma, "--aabb-sigma", "aabb_sigma", {splat, trace, optix}},
-        {RenderOption::pixel_error, "--pixel-error", "pixel_error", {splat}},
+        {RenderOption::pixel_error, "--pixel-error", "pixel_error", {splat, optix, cuda}},
         {RenderOption::kappa, "--kappa", "kappa", {splat, trace, optix, cuda}},
         {RenderOption::interpolation, "--interpolation", "interpolation", {reference}},
         {RenderOption::step, "--step", "step", {reference}},
@@ -169,9 +169,6 @@ void require_options(Renderer renderer, RenderInput input, std::span<const Rende
             std::ranges::find(row.renderers, Renderer::reference) == row.renderers.end())
             throw Error(
                 fmt::format("{} is for Gaussians, not for voxels", spelled(row.option, spelling)));
-    if (renderer == Renderer::optix && contains(given, RenderOption::clip))
-        throw Error(fmt::format("{} of volumes is not for optix, expected reference",
-                                spelled(RenderOption::clip, spelling)));
 }
 
 }  // namespace vog

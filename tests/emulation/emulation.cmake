@@ -9,7 +9,8 @@ function(vog_add_emulated_gpu target)
     add_library(${target}_gpu OBJECT ${gpu}/cuda_memory.cpp ${gpu}/cuda_passes.cpp ${gpu}/cuda_renderer.cpp
                 ${kernels} ${gpu}/chords/gpu_pictures.cpp ${gpu}/chords/gpu_picture_sums.cpp ${gpu}/sums/gpu_sums.cpp
                 ${gpu}/optix/optix_chords.cpp ${gpu}/optix/optix_film.cpp
-                ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp ${emulation}/cuda/memory.cpp
+                ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp ${gpu}/voxels/voxel_scene.cpp
+                ${gpu}/voxels/gpu_volumes.cpp ${emulation}/cuda/memory.cpp
                 ${emulation}/cuda/streams.cpp ${emulation}/cuda/blocks.cpp ${emulation}/device/traversal.cpp)
     # The compiler does not know .cu: as C++, with the qualifiers of tests/emulation/cuda. Their executed lines are
     # counted, for tests/emulation/coverage.py; without weak symbols inline functions of src/render/device are

@@ -14,6 +14,7 @@
 #include "support/scenes.h"
 #include "vog/gpu.h"
 #include "vog/levels.h"
+#include "vog/lod.h"
 #include "vog/reference.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"
@@ -225,6 +226,38 @@ TEST_F(gpu, samples_conserve_the_mass_of_gaussians_below_a_pixel) {
                 EXPECT_NEAR(sum(optix.render(camera, 40, 30, {}, nullptr, samples)), exact,
                             0.01 * exact)
                     << deviation << " " << samples << " " << width;
+        }
+    }
+}
+
+TEST_F(gpu, cuts_of_a_hierarchy_are_those_of_the_splat) {
+    Gaussians sorted = random_gaussians(2000, 0.002, 0.02, 72);
+    const auto hierarchy = std::make_shared<const Hierarchy>(build_hierarchy(sorted));
+    const auto model = std::make_shared<const Gaussians>(std::move(sorted));
+    const Camera camera = looking({0, 0, 5}, {0.1, 0, 0}, 35);
+    DepthImage expected, found;
+    for (const double error : {0.0, 5.0}) {
+        const RenderOptions options{.pixel_error = error};
+        DepthRenderer splat(Renderer::splat, model, options, hierarchy);
+        splat.render(camera, 40, 30, expected);
+        for (const Renderer by : {Renderer::cuda, Renderer::optix}) {
+            DepthRenderer cut(by, model, options, hierarchy);
+            cut.render(camera, 40, 30, found);
+            EXPECT_LT(worst(found, expected), 1e-4) << error;
+            ASSERT_TRUE(cut.cut() && cut.gpu_ms());
+            EXPECT_EQ(cut.cut()->drawn(), splat.cut()->drawn());
+            EXPECT_EQ(cut.traced().has_value(), by == Renderer::optix);
+            if (error > 0) {
+                EXPECT_LT(cut.cut()->drawn(), model->size() / 2);
+            }
+            cut.set_pixel_error(0);
+            cut.set_samples(2);  // of optix
+            cut.render(camera, 40, 30, found);
+            EXPECT_EQ(cut.cut()->drawn(), model->size());
+            // Without a largest error all Gaussians are drawn.
+            DepthRenderer whole(by, model, {}, hierarchy);
+            whole.render(camera, 40, 30, found);
+            EXPECT_FALSE(whole.cut());
         }
     }
 }

@@ -139,6 +139,7 @@ int accuracy(const std::filesystem::path& folder) {
     }
     failures += check_options(folder);
 #ifdef VOG_OPTIX
+    failures += check_volumes();
     for (const std::string name : {"voxels", "skewed"}) {
         const VoxelFile voxels(folder / (name + ".nvdb"));
         const DepthImage cpu = read_pfm(folder / (name + ".pfm"));

@@ -17,5 +17,7 @@ bool check(const std::string& renderer, const std::string& what, double worst, d
 /// Checks boxes, kappa, counters, ends of rays, samples, sizes, clips, fields, values and maxima.
 /// returns  number of failures
 int check_options(const std::filesystem::path& folder);
+/// Checks fields, values, maxima and clips of voxels.
+int check_volumes();
 
 }  // namespace vog::test

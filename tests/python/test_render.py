@@ -362,3 +362,27 @@ def test_coarser_models_keep_the_mass(model):
     assert len(few) <= 100 and few.mass == pytest.approx(model.mass, rel=1e-4)
     with pytest.raises(vog.Error):
         model.coarsen(0)
+
+
+def test_optix_draws_voxels_with_fields_and_clips_or_says_what_is_missing():
+    values = np.random.default_rng(3).random((9, 8, 7), dtype=np.float32)
+    volume = vog.Volume.from_numpy(values)
+    fields = {"heat": 300 + 5 * values}
+
+    def difference(draw, number):
+        expected = number(draw("reference"))
+        try:
+            drawn = number(draw("optix"))
+        except vog.Error as error:
+            assert str(error).startswith("optix") and "\n" not in str(error)
+            return 0
+        assert np.array_equal(np.isnan(drawn), np.isnan(expected))
+        return np.nanmax(np.abs(drawn - expected))
+
+    clip = [[1, 1, 1], [6, 6, 6]]
+    assert difference(lambda name: vog.render(volume, size=20, renderer=name, clip=clip, extinction=1, samples=2), lambda image: image.depth) < 1e-5
+    assert difference(lambda name: vog.render(volume, size=20, renderer=name, show="mean", field="heat", fields=fields), lambda m: m.mean) < 1e-3
+    assert difference(lambda name: vog.render_volume(volume, size=20, renderer=name, light="head", clip=clip), lambda image: image.rgba) < 1e-5
+    assert difference(lambda name: vog.render_maximum(volume, size=20, renderer=name, field="heat", fields=fields), np.asarray) < 1e-3
+    with pytest.raises(vog.Error, match="interpolation is not for renderer 'optix', expected 'reference'"):
+        vog.render_volume(volume, size=20, renderer="optix", interpolation="linear")

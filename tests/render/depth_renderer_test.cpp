@@ -158,10 +158,6 @@ TEST(depth_renderer, refuses_other_data_and_options) {
     EXPECT_THROW(DepthRenderer(Renderer::splat, model, {.voxels = {Interpolation::linear, 0}}),
                  Error);
     EXPECT_THROW(DepthRenderer(Renderer::reference, set, {.kappa = 0.1}), Error);
-    RenderOptions clipped;
-    clipped.clip.box = Box{{0, 0, 0}, {1, 1, 1}};
-    EXPECT_EQ(refusal([&] { DepthRenderer renderer(Renderer::optix, set, clipped); }),
-              "clip of volumes is not for optix, expected reference");
 }
 
 TEST(depth_renderer, clips_cut_the_chords_of_gaussians) {

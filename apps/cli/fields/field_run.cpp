@@ -33,12 +33,9 @@ void check(const RenderArguments& arguments, const Drawing& drawing, const Rende
     const std::string& input = arguments.drawing.inputs.front();
     if (drawing.kind == FileKind::points)
         throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
-    if (drawing.kind == FileKind::volume) {
-        if (drawing.renderer != Renderer::reference)
-            throw Error(fmt::format("{}: {} draws no fields of volumes, expected reference", show,
-                                    info_of(drawing.renderer).name));
-        return;
-    }
+    if (drawing.kind == FileKind::volume && on_gpu(drawing.renderer) && ranks.divided())
+        throw Error(fmt::format("{}: {} draws no parts of volumes, expected reference", show,
+                                info_of(drawing.renderer).name));
 }
 
 /// Maps of a model's field, of all parts on the root.
@@ -77,12 +74,12 @@ FieldMaps joint_maps(const DrawMaps& draw, const FieldChoice& choice, const Came
 FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
                         const RenderRanks& ranks) {
     const DrawingArguments& given = arguments.drawing;
-    const bool splats = drawing.renderer == Renderer::splat;
+    const bool cuts = drawing.renderer == Renderer::splat || given.pixel_error;
     const auto hierarchy = std::make_shared<Hierarchy>();
     const auto model = std::make_shared<Gaussians>(
-        load_model_part(arguments, drawing, ranks, splats ? hierarchy.get() : nullptr));
+        load_model_part(arguments, drawing, ranks, cuts ? hierarchy.get() : nullptr));
     // A model without a hierarchy gets one where --pixel-error is given.
-    if (splats && hierarchy->empty() && given.pixel_error && model->size() > 0)
+    if (hierarchy->empty() && given.pixel_error && model->size() > 0)
         *hierarchy = build_hierarchy(*model);
     const FieldChoice choice = [&] {
         try {
@@ -97,7 +94,13 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
     made.label = field_label(choice);
     const Clipping clip = clip_of(given);
     DrawMaps draw;
-    if (on_gpu(drawing.renderer)) {
+    if (on_gpu(drawing.renderer) && !hierarchy->empty()) {
+        if (!ranks.divided()) made.cut = std::make_shared<CutReport>();
+        draw = [cut = gpu_cut(arguments, drawing, model, hierarchy), clip, report = made.cut](
+                   const FieldChoice& shown, const Camera& camera, Size size, const Progress&) {
+            return cut(shown, camera, size, clip, report.get());
+        };
+    } else if (on_gpu(drawing.renderer)) {
         draw = [clip, pictures = gpu_pictures(arguments, drawing, model)](
                    const FieldChoice& shown, const Camera& camera, Size size, const Progress&) {
             return pictures->fields(shown, camera, size.width, size.height, clip);
@@ -195,6 +198,18 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
     made.unit = field.unit;
     made.label = field_label(choice);
     set_primitives_text(drawing, data->set.is_mesh() ? volumes.size() : 0);
+    if (on_gpu(drawing.renderer)) {
+        const auto on_it =
+            data->set.is_mesh()
+                ? gpu_volumes(drawing, static_cast<const Levels&>(data->set), data->field)
+                : gpu_volumes(drawing, data->set.volumes, data->field);
+        made.draw = [=, options = reference_of(given).options](const Camera& camera, Size size,
+                                                               const Progress&) {
+            return on_it->fields(choice.part, camera, size.width, size.height, options);
+        };
+        made.drawing = std::move(drawing);
+        return made;
+    }
     made.draw = [=, options = reference_of(given).options, voxels = reference_of(given).voxels](
                     const Camera& camera, Size size, const Progress& progress) mutable {
         options.progress = progress;

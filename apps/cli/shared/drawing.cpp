@@ -160,10 +160,12 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
         ->check(non_negative_number())
         ->capture_default_str();
     command
-        .add_option("--pixel-error", arguments.pixel_error,
-                    "Largest error of a coarser Gaussian that splat draws in place of finer ones, "
-                    "pixels; 0: none is drawn; default: 1. Needs a hierarchy, which vog convert "
-                    "writes; a model without one gets one when this option is given")
+        .add_option(
+            "--pixel-error", arguments.pixel_error,
+            "Largest error of a coarser Gaussian that splat, cuda or optix draws in place of "
+            "finer ones, pixels; 0: none is drawn; default: 1 of splat, none of the others. "
+            "Needs a hierarchy, which vog convert writes; a model without one gets one when "
+            "this option is given")
         ->check(non_negative_number());
     add_point_options(command, arguments.points);
 }
@@ -205,7 +207,7 @@ std::optional<TraceReport> Drawing::traced() const {
     return reports ? reports->traced() : std::nullopt;
 }
 std::optional<double> Drawing::gpu_ms() const {
-    if (pictures) return pictures->gpu_ms();
+    if (picture_ms) return picture_ms();
     return reports ? reports->gpu_ms() : std::nullopt;
 }
 
@@ -275,7 +277,9 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
                   load_points(arguments.inputs, arguments.points, arguments.volume, drawing.notes),
                   point_options(arguments.points))
             : load_models(arguments.inputs,
-                          drawing.renderer == Renderer::splat ? hierarchy.get() : nullptr,
+                          drawing.renderer == Renderer::splat || arguments.pixel_error
+                              ? hierarchy.get()
+                              : nullptr,
                           arguments.site_view));
     draw_model(arguments, extinction, model, hierarchy, drawing);
     print_notes(drawing.notes);

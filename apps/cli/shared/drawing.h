@@ -11,7 +11,6 @@
 #include "shared/inputs.h"
 #include "vog/camera.h"
 #include "vog/clip.h"
-#include "vog/gpu_pictures.h"
 #include "vog/image.h"
 #include "vog/lod.h"
 #include "vog/progress.h"
@@ -47,8 +46,8 @@ struct Drawing {
     Box box;                         ///< world box for named views
     std::vector<std::string> notes;  ///< notes that reading printed, for --json
     std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
-    std::shared_ptr<const DepthRenderer> reports;   ///< null where its reports are of a part only
-    std::shared_ptr<const GpuPictures> pictures{};  ///< of fields and values on a GPU, or null
+    std::shared_ptr<const DepthRenderer> reports;  ///< null where its reports are of a part only
+    std::function<double()> picture_ms{};  ///< gpu_ms of fields and values on a GPU, or nothing
 
     std::optional<CutReport> cut() const;       ///< DepthRenderer::cut
     std::optional<TraceReport> traced() const;  ///< DepthRenderer::traced

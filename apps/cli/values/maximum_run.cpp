@@ -25,6 +25,16 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, ValueInputs& inpu
     const std::string field = inputs.label;
     if (inputs.volumes) {
         const Collective* processes = ranks.divided() ? &ranks.collective : nullptr;
+        if (on_gpu(inputs.drawing.renderer))
+            return [=, samples = given.samples,
+                    volumes = gpu_volumes(inputs.drawing, inputs.volumes->volumes,
+                                          inputs.volumes->field)](const Camera& camera, Size size,
+                                                                  const Progress& progress) {
+                ValueMap map =
+                    volumes->maximum(camera, size.width, size.height, {{}, samples, clip});
+                if (progress) progress(1);
+                return map;
+            };
         return [=, data = inputs.volumes, samples = given.samples](const Camera& camera, Size size,
                                                                    const Progress& progress) {
             return render_maximum_reference(data->volumes, data->field, camera, size.width,
@@ -43,8 +53,8 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, ValueInputs& inpu
                                             scene, clip);
             };
     }
-    if (given.aabb_sigma != 0)
-        throw CLI::ValidationError("--aabb-sigma: is of T, column density and trace");
+    if (given.aabb_sigma != 0 && inputs.drawing.renderer != Renderer::optix)
+        throw CLI::ValidationError("--aabb-sigma: is of T, column density, trace and optix");
     if (on_gpu(inputs.drawing.renderer))
         return [=, slabs = arguments.value.slabs.value_or(kMaximumSlabs),
                 pictures = gpu_pictures(arguments, inputs.drawing, inputs.model)](

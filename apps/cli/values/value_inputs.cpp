@@ -30,12 +30,11 @@ void check_by_value(const RenderArguments& arguments, const CLI::App& command,
         arguments.quantity.maximum())
         throw CLI::ValidationError(
             "--interpolation linear does not go with --show maximum: voxels are constant");
-    if (drawing.kind == FileKind::volume && drawing.renderer != Renderer::reference)
-        throw Error(fmt::format("{}: {} draws no volumes by value, expected reference", show,
-                                info_of(drawing.renderer).name));
     if (on_gpu(drawing.renderer) && ranks.divided())
-        throw Error(fmt::format("{}: {} draws no parts of a model by value, expected splat", show,
-                                info_of(drawing.renderer).name));
+        throw Error(fmt::format("{}: {} draws no parts of a {} by value, expected {}", show,
+                                info_of(drawing.renderer).name,
+                                drawing.kind == FileKind::volume ? "volume" : "model",
+                                drawing.kind == FileKind::volume ? "reference" : "splat"));
 }
 
 ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,

@@ -40,8 +40,8 @@ DrawVolume model_renderer(const RenderArguments& arguments, ValueInputs& inputs,
                                           scene, look);
         };
     }
-    if (given.aabb_sigma != 0)
-        throw CLI::ValidationError("--aabb-sigma: is of T, column density and trace");
+    if (given.aabb_sigma != 0 && inputs.drawing.renderer != Renderer::optix)
+        throw CLI::ValidationError("--aabb-sigma: is of T, column density, trace and optix");
     SlabOptions options;
     if (on_gpu(inputs.drawing.renderer)) {
         const int slabs = arguments.value.slabs.value_or(options.slabs);
@@ -69,7 +69,7 @@ DrawVolume model_renderer(const RenderArguments& arguments, ValueInputs& inputs,
     };
 }
 
-DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& inputs,
+DrawVolume volume_renderer(const RenderArguments& arguments, ValueInputs& inputs,
                            const RenderRanks& ranks) {
     ReferenceOptions options;
     if (ranks.divided()) options.collective = &ranks.collective;
@@ -89,6 +89,14 @@ DrawVolume volume_renderer(const RenderArguments& arguments, const ValueInputs& 
     }
     VolumeLook look = look_of(arguments.value);
     look.clip = clip_of(arguments.drawing);
+    if (on_gpu(inputs.drawing.renderer))
+        return [=, volumes =
+                       gpu_volumes(inputs.drawing, inputs.volumes->volumes, inputs.volumes->field)](
+                   const ValueTransfer& transfer, const Camera& camera, int width, int height,
+                   const Progress& progress, VolumeImage& picture) {
+            picture = volumes->volume(transfer, camera, width, height, options, look);
+            if (progress) progress(1);
+        };
     return [=, data = inputs.volumes](const ValueTransfer& transfer, const Camera& camera,
                                       int width, int height, const Progress& progress,
                                       VolumeImage& picture) mutable {

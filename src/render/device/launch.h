@@ -6,6 +6,7 @@
 #include "render/device/camera_ray.h"
 #include "render/device/chord_picture.h"
 #include "render/device/gaussian_hit.h"
+#include "render/device/voxels/voxel_picture.h"
 
 #define VOG_RAYGEN_ACCUMULATE "__raygen__accumulate"
 #define VOG_RAYGEN_COLLECT "__raygen__collect"
@@ -26,7 +27,7 @@ namespace vog::device {
 constexpr int kPayloadWords = 2;    ///< a pointer to the ray's own data
 constexpr int kAttributeWords = 4;  ///< Hit
 
-/// Output of a launch, for both pipelines: a picture of one launch, or of several, each with other points of pixels.
+/// Output of a launch of the Gaussian pipeline: a picture of one launch, or of several, each with other points of pixels.
 struct Film {
     float* depth;       ///< [height * width] T at extinction 1, mean over the launches so far
     double* sum;        ///< [height * width] sum over launches, or null for a picture of one
@@ -64,9 +65,8 @@ struct Launch {
     // The same of pictures of chords, which have no film.
     ChordPicture chords;
 
-    // The SciVis pipeline.
-    const void* grid;     ///< nanovdb::NanoGrid<float>
-    Camera index_camera;  ///< in index space plus 1/2: the same t as `camera`
+    // The SciVis pipeline, which has no film.
+    VoxelPicture voxels;
 };
 
 /// Writes T of one ray.

@@ -1,5 +1,5 @@
 // vector.h: 3D vectors for code that is compiled for the host and for the device.
-// Headers of this folder use only this one and <math.h> (voxel_walk.h also NanoVDB): no standard
+// Headers of this folder use only this one and <math.h> (voxels/voxel_walk.h also NanoVDB): no standard
 // library, and plain structs that are copied to a GPU byte for byte.
 #pragma once
 

@@ -4,6 +4,7 @@
 #include "vog/gpu.h"
 #include "vog/gpu_pictures.h"
 #include "vog/gpu_sums.h"
+#include "vog/gpu_volumes.h"
 
 namespace vog {
 
@@ -107,6 +108,23 @@ OptixVolume::OptixVolume(OptixVolume&&) noexcept = default;
 OptixVolume& OptixVolume::operator=(OptixVolume&&) noexcept = default;
 DepthImage OptixVolume::render(const Camera&, int, int, int) { return {}; }
 double OptixVolume::gpu_ms() const { return 0; }
+
+struct GpuVolumes::State {};
+GpuVolumes::GpuVolumes(std::span<const Volume>, std::span<const VoxelField>) { no_optix(); }
+GpuVolumes::GpuVolumes(const Levels&, std::span<const VoxelField>) { no_optix(); }
+GpuVolumes::~GpuVolumes() = default;
+GpuVolumes::GpuVolumes(GpuVolumes&&) noexcept = default;
+GpuVolumes& GpuVolumes::operator=(GpuVolumes&&) noexcept = default;
+DepthImage GpuVolumes::depth(const Camera&, int, int, const ReferenceOptions&) { return {}; }
+FieldMaps GpuVolumes::fields(FieldPart, const Camera&, int, int, const ReferenceOptions&) {
+    return {};
+}
+VolumeImage GpuVolumes::volume(const ValueTransfer&, const Camera&, int, int,
+                               const ReferenceOptions&, const VolumeLook&) {
+    return {};
+}
+ValueMap GpuVolumes::maximum(const Camera&, int, int, const ReferenceOptions&) { return {}; }
+double GpuVolumes::gpu_ms() const { return 0; }
 #endif
 
 }  // namespace vog

@@ -8,7 +8,7 @@
 
 #include "render/device/any_hit.h"
 #include "render/device/launch.h"
-#include "render/device/voxel_walk.h"
+#include "render/device/voxels/voxel_walk.h"
 #include "render/reference/reference_grid.h"
 #include "support/scenes.h"
 #include "vog/reference.h"
@@ -26,9 +26,14 @@ device::Double3 plain(Vec3d v) { return {v.x, v.y, v.z}; }
 double walked(const VoxelGrid& grid, const Volume& volume, Vec3d origin, Vec3d direction) {
     const Affine index_from_world = inverse(volume.world_from_index);
     const Vec3d from = index_from_world(origin) + Vec3d{0.5, 0.5, 0.5};
-    return device::walk_voxels(grid.data().tree.grid(), plain(from),
-                               plain(index_from_world.linear * direction)) *
-           length(direction);
+    const device::NanoVoxels& voxels = grid.data().tree.grid();
+    device::VoxelWalk walk = device::walk_of(
+        voxels, plain(from), plain(index_from_world.linear * direction), device::RayPart{});
+    const device::VoxelAccessor accessor = voxels.getAccessor();
+    double sum = 0;
+    device::VoxelPiece piece;
+    while (walk.next(accessor, piece)) sum += piece.density * (piece.last - piece.first);
+    return sum * length(direction);
 }
 
 void expect_the_references_depth(const Volume& volume, std::uint64_t seed) {

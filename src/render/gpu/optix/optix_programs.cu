@@ -3,7 +3,7 @@
 #include <optix.h>
 
 #include "render/device/launch.h"
-#include "render/device/voxel_walk.h"
+#include "render/device/voxels/voxel_sums.h"
 
 using namespace vog::device;
 
@@ -20,9 +20,9 @@ struct GaussianRay {
     unsigned hits;
     HitList* list;
 };
-struct VoxelRay {
-    Double3 origin, direction;  ///< in index space plus 1/2
-    double sum;
+struct VoxelData {
+    VoxelRay ray;
+    VoxelPixel pixel;
 };
 
 __device__ void pack(const void* data, unsigned& high, unsigned& low) {
@@ -269,15 +269,15 @@ extern "C" __global__ void __anyhit__slabs() {
 }
 
 extern "C" __global__ void __raygen__voxels() {
-    unsigned pixel;
-    Ray ray;
-    VoxelRay data{};
-    if (pixel_ray(pixel, ray)) {
-        const uint3 at = optixGetLaunchIndex();
-        const double x = at.x + launch.film.x, y = at.y + launch.film.y;
-        const Camera& camera = launch.index_camera;
-        data.origin = camera.eye + x * camera.shift_x + y * camera.shift_y;
-        data.direction = camera.corner + x * camera.step_x + y * camera.step_y;
+    const uint3 at = optixGetLaunchIndex();
+    const VoxelPicture& p = launch.voxels;
+    VoxelData data{};
+    for (int32_t n = 0; n < p.samples * p.samples; ++n) {
+        const double x = at.x + ((n % p.samples + 0.5) / p.samples - 0.5);
+        const double y = at.y + ((n / p.samples + 0.5) / p.samples - 0.5);
+        Ray ray;
+        if (!camera_ray(launch.camera, launch.bounds, x, y, ray)) continue;
+        data.ray = voxel_ray(p, x, y);
         const Float3 origin = to_float(ray.origin - launch.center);
         const Float3 direction = to_float(ray.direction);
         unsigned high, low;
@@ -286,22 +286,17 @@ extern "C" __global__ void __raygen__voxels() {
                    make_float3(direction.x, direction.y, direction.z), 0.0f, ray.length + kRaySlack,
                    0.0f, OptixVisibilityMask(255), OPTIX_RAY_FLAG_DISABLE_ANYHIT, 0, 1, 0, high,
                    low);
-        // A unit of t is |D| world units long, D the camera's direction of this pixel.
-        const Double3 along =
-            launch.camera.corner + x * launch.camera.step_x + y * launch.camera.step_y;
-        data.sum *= sqrt(dot(along, along));
     }
-    expose(launch.film, pixel, data.sum);
+    write_pixel(p, at.y * static_cast<unsigned>(launch.camera.width) + at.x, data.pixel);
 }
 
-/// The only primitive is the box of the grid; rays start on it or inside.
+/// The only primitive is the box of the volumes; rays start on it or inside.
 extern "C" __global__ void __intersection__voxels() {
     optixReportIntersection(optixGetRayTmin(), 0);
 }
 
-/// Integrates the voxels from the closest hit to the exit of the volume.
+/// Adds up the voxels from the closest hit to the exit of the volumes.
 extern "C" __global__ void __closesthit__voxels() {
-    VoxelRay& data = payload<VoxelRay>();
-    data.sum = walk_voxels(*static_cast<const nanovdb::NanoGrid<float>*>(launch.grid), data.origin,
-                           data.direction);
+    VoxelData& data = payload<VoxelData>();
+    add_ray(launch.voxels, data.ray, data.pixel);
 }

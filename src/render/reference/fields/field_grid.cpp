@@ -29,16 +29,17 @@ Vec3i aligned(Vec3i index, std::int32_t edge) {
 }
 
 /// throws vog::Error for a field that is not of this volume, or lacks the part
-void check(const Volume& volume, const VoxelField& field, FieldPart part) {
+void check(const Volume& volume, const VoxelField& field, FieldPart part, const char* renderer) {
     if (field.is_vector() != (part != FieldPart::value) || field.component.empty())
-        throw Error(fmt::format("reference: field '{}' has {} components, expected {}", field.name,
-                                field.component.size(), part == FieldPart::value ? 1 : 3));
+        throw Error(fmt::format("{}: field '{}' has {} components, expected {}", renderer,
+                                field.name, field.component.size(),
+                                part == FieldPart::value ? 1 : 3));
     if (is_own(field)) return;
     for (const VoxelValues& values : field.component)
         if (values.leaf.size() != volume.leaves.size() || values.tile.size() != volume.tiles.size())
             throw Error(fmt::format(
-                "reference: field '{}' has {} leaves and {} tiles, expected the volume's {} and {}",
-                field.name, values.leaf.size(), values.tile.size(), volume.leaves.size(),
+                "{}: field '{}' has {} leaves and {} tiles, expected the volume's {} and {}",
+                renderer, field.name, values.leaf.size(), values.tile.size(), volume.leaves.size(),
                 volume.tiles.size()));
 }
 
@@ -50,11 +51,11 @@ bool is_own(const VoxelField& field) {
 }
 
 void check_fields(std::span<const Volume> volumes, std::span<const VoxelField> fields,
-                  FieldPart part) {
+                  FieldPart part, const char* renderer) {
     if (volumes.size() != fields.size())
-        throw Error(fmt::format("reference: {} volumes and {} fields, expected one for each",
+        throw Error(fmt::format("{}: {} volumes and {} fields, expected one for each", renderer,
                                 volumes.size(), fields.size()));
-    for (std::size_t n = 0; n < volumes.size(); ++n) check(volumes[n], fields[n], part);
+    for (std::size_t n = 0; n < volumes.size(); ++n) check(volumes[n], fields[n], part, renderer);
 }
 
 FieldGrid::FieldGrid(const Volume& volume, const VoxelField& field, FieldPart part)

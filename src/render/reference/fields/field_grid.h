@@ -23,9 +23,10 @@ struct FieldCell {
 
 /// Whether a field is its volume's own values: it has none of its own.
 bool is_own(const VoxelField& field);
-/// throws  vog::Error unless there is one field for each volume, of it, with the part
+/// renderer  for the message
+/// throws    vog::Error unless there is one field for each volume, of it, with the part
 void check_fields(std::span<const Volume> volumes, std::span<const VoxelField> fields,
-                  FieldPart part);
+                  FieldPart part, const char* renderer = "reference");
 
 /// The volume and the field must outlive the grid.
 class FieldGrid {

@@ -32,5 +32,7 @@ struct VisibleParts {
 /// fields   [levels.volumes]
 /// returns  none if a voxel is hidden in part
 std::optional<VisibleParts> visible_parts(const Levels& levels, std::span<const VoxelField> fields);
+/// The same, where partly hidden voxels have their density times the share that is seen.
+VisibleParts weighted_parts(const Levels& levels, std::span<const VoxelField> fields);
 
 }  // namespace vog::reference

@@ -1,4 +1,4 @@
-// voxel_walk.h: Hierarchical DDA of the SciVis renderer: one ray through a NanoVDB grid, exact for
+// voxel_walk.h: Hierarchical DDA of the SciVis renderer: one ray through a NanoVDB grid, voxel by voxel, exact for
 // voxels of constant value.
 //
 // NanoVDB's own HDDA steps in float and re-enters nodes an epsilon beyond their face, which at index
@@ -10,8 +10,13 @@
 #include <nanovdb/NanoVDB.h>
 
 #include "render/device/camera_ray.h"
+#include "render/device/half_space.h"
 
 namespace vog::device {
+
+using NanoVoxels = nanovdb::NanoGrid<float>;
+using VoxelAccessor = NanoVoxels::AccessorType;
+using VoxelLeaf = NanoVoxels::TreeType::LeafNodeType;
 
 /// One axis of the ray in index coordinates, and of its current voxel.
 struct WalkAxis {
@@ -50,37 +55,58 @@ VOG_HD WalkAxis walk_axis(double origin, double direction, double start, int32_t
     return axis;
 }
 
-/// Integral of the voxel values over t >= 0 along origin + t direction.
+/// Active voxel, or tile, on a ray.
+struct VoxelPiece {
+    double first, last;  ///< t, first < last
+    double density;
+    nanovdb::Coord voxel;   ///< of a tile one in it
+    const VoxelLeaf* leaf;  ///< of a voxel; null: a tile
+};
+
+/// A ray on its way through a grid.
+struct VoxelWalk {
+    WalkAxis x, y, z;
+    double t, end;
+
+    /// Moves on to the next active voxel.
+    /// accessor  of the grid, kept from call to call or new
+    /// returns   false at the end
+    VOG_HD bool next(const VoxelAccessor& accessor, VoxelPiece& piece);
+};
+
 /// origin, direction  in index space plus 1/2: voxel i covers [i, i + 1)
-VOG_HD double walk_voxels(const nanovdb::NanoGrid<float>& grid, Double3 origin, Double3 direction) {
+/// part               of the ray that counts, with first >= 0
+VOG_HD VoxelWalk walk_of(const NanoVoxels& grid, Double3 origin, Double3 direction, RayPart part) {
     const auto box = grid.indexBBox();
-    if (box.empty()) return 0;
     const Double3 lower{static_cast<double>(box.min()[0]), static_cast<double>(box.min()[1]),
                         static_cast<double>(box.min()[2])};
     const Double3 upper{box.max()[0] + 1.0, box.max()[1] + 1.0, box.max()[2] + 1.0};
     const Double3 inverse{slab_inverse(direction.x), slab_inverse(direction.y),
                           slab_inverse(direction.z)};
-    double t = 0, end = HUGE_VAL;
+    double t = part.first, end = part.last;
     clip_to_box(lower - origin, upper - origin, inverse, t, end);
-    WalkAxis x = walk_axis(origin.x, direction.x, t, box.min()[0], box.max()[0]);
-    WalkAxis y = walk_axis(origin.y, direction.y, t, box.min()[1], box.max()[1]);
-    WalkAxis z = walk_axis(origin.z, direction.z, t, box.min()[2], box.max()[2]);
-    double sum = 0;
-    auto accessor = grid.getAccessor();
+    return {walk_axis(origin.x, direction.x, t, box.min()[0], box.max()[0]),
+            walk_axis(origin.y, direction.y, t, box.min()[1], box.max()[1]),
+            walk_axis(origin.z, direction.z, t, box.min()[2], box.max()[2]), t, end};
+}
+
+VOG_HD bool VoxelWalk::next(const VoxelAccessor& accessor, VoxelPiece& piece) {
     while (t < end) {
         const nanovdb::Coord voxel(x.voxel, y.voxel, z.voxel);
         const auto dim = static_cast<int32_t>(accessor.getDim(voxel, 0));  // of the constant cell
         const double leave_x = x.leave(dim), leave_y = y.leave(dim), leave_z = z.leave(dim);
         const double leave = fmin(leave_x, fmin(leave_y, leave_z));
-        const double until = fmin(leave, end);
-        if (until > t && accessor.isActive(voxel))
-            sum += static_cast<double>(accessor.getValue(voxel)) * (until - t);
+        const double begin = t, until = fmin(leave, end);
         t = fmax(t, leave);
         x.advance(leave, leave_x, dim);
         y.advance(leave, leave_y, dim);
         z.advance(leave, leave_z, dim);
+        if (!(until > begin && accessor.isActive(voxel))) continue;
+        piece = {begin, until, static_cast<double>(accessor.getValue(voxel)), voxel,
+                 dim == 1 ? accessor.probeLeaf(voxel) : nullptr};
+        return true;
     }
-    return sum;
+    return false;
 }
 
 }  // namespace vog::device
