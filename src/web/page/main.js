@@ -508,7 +508,7 @@ function fitCanvas() {
  * it, and the complete picture as a data: URL.
  */
 window.vog = {
-  state, change, page, source, link: linkNow,
+  state, change, move, page, source, link: linkNow,
   settled: () => new Promise((resolve) => { waiting.push(resolve); redraw(); }),
   picture: async () => { await window.vog.settled(); return picture(); },
   bits: () => renderer?.format.bits, decodes: () => decoder.done,
