@@ -55,7 +55,8 @@ std::string declared_name(std::string_view line) {
     return std::string(line.substr(0, line.find_first_of(" (={;")));
 }
 
-/// A file of the page without indentation, and without lines that are comments and nothing else.
+/// A file of the page without lines that are comments and nothing else, and without indentation,
+/// which is in no literal there.
 std::string without_comments(const std::string& text) {
     std::string kept;
     bool inside = false;
