@@ -36,11 +36,14 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kReaderModules[] = {"columns.js", "vogz.js", "gaussians.js", "fields.js"};
 /// The page's other modules in the order of their dependencies.
 constexpr const char* kModules[] = {
-    "vectors.js",  "camera.js",     "decoder.js",  "colors.js",   "transfer.js",      "clip.js",
-    "renderer.js", "slabs.js",      "probe.js",    "quantity.js", "levels.js",        "rows.js",
-    "cut.js",      "visibility.js", "requests.js", "store.js",    "loading.js",       "site.js",
-    "status.js",   "link.js",       "input.js",    "editor.js",   "clip_controls.js", "controls.js",
-    "overlay.js",  "handles.js",    "player.js",   "readout.js",  "outer.js",         "main.js"};
+    "vectors.js",  "camera.js",  "decoder.js",       "colors.js",   "transfer.js", "clip.js",
+    "renderer.js", "slabs.js",   "probe.js",         "quantity.js", "levels.js",   "link.js",
+    "input.js",    "editor.js",  "clip_controls.js", "controls.js", "overlay.js",  "handles.js",
+    "player.js",   "readout.js", "outer.js"};
+/// Those of pages that stream, between the others and the last one.
+constexpr const char* kStreamModules[] = {"rows.js",  "cut.js",     "visibility.js", "requests.js",
+                                          "store.js", "loading.js", "site.js",       "status.js"};
+constexpr const char* kLastModule[] = {"main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"worker.js"};
 constexpr const char* kShaders[] = {"splat.vert",  "splat.frag",   "chord.glsl", "field.frag",
@@ -98,6 +101,12 @@ std::string bundle(std::span<const char* const> modules) {
                       fmt::format("return {{ {} }};\n}})();\n", exported);
     }
     return script;
+}
+
+/// The page's own script.
+std::string page_script(const Json& page) {
+    return bundle(kModules) + (page.contains("site") ? bundle(kStreamModules) : "") +
+           bundle(kLastModule);
 }
 
 /// JSON for a script element, with '<' escaped: no text ends the element or starts a comment.
@@ -414,7 +423,7 @@ HtmlReport write_page(const std::filesystem::path& file, const HtmlOptions& opti
                                 {"models", std::move(data)},
                                 {"reader", bundle(kReaderModules)},
                                 {"worker", bundle(kWorkerModules)},
-                                {"script", bundle(kModules)}});
+                                {"script", page_script(page)}});
     report.bytes = text.size();
     report.viewer_bytes = report.bytes - report.viewer_bytes;
     write_file(file, [&](std::ofstream& out) { out << text; });

@@ -2,8 +2,11 @@
 // never changes its own address.
 import { isUsable } from './camera.js';
 import { mostOwnPlanes } from './picture/clip.js';
-import { leastError, mostError } from './stream/cut.js';
 import { length, sub } from './vectors.js';
+
+/** Errors in pixels that coarse parts of a streamed model may have, the range of the reader's choice. */
+export const leastError = 0.5;
+export const mostError = 32;
 
 const vectors = (text, count) => {
   const v = (text ?? '').split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));

@@ -5,7 +5,6 @@ import { withOtherProjection } from './camera.js';
 import { Decoder } from './model/decoder.js';
 import { Levels } from './model/levels.js';
 import { Site } from './stream/site.js';
-import { leastError, mostError } from './stream/cut.js';
 import { showStream } from './stream/status.js';
 import { reversed } from './picture/colors.js';
 import { overRange } from './picture/transfer.js';
@@ -13,7 +12,7 @@ import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
 import { automaticScale, automaticTransfer, fieldKey, fieldPlace, fittedUnit, inSlabs, quantityNumber, shownOf } from './quantity.js';
-import { readLink, writeLink } from './link.js';
+import { leastError, mostError, readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
@@ -87,7 +86,7 @@ function request() {
 }
 
 const decoder = new Decoder(find('reader').textContent + find('worker').textContent);
-/** The models: what there is of them to draw. */
+/** The models: what there is of them to draw. Pages without a site have no modules of stream/. */
 const source = new (page.site ? Site : Levels)(page, decoder, {
   state: () => state, renderer: () => (lost ? null : renderer), size: () => [canvas.width, canvas.height],
   clip: clipNow, transfer: () => transferShown(), changed: redraw,

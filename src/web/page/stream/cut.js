@@ -4,9 +4,6 @@ import { add, dot, length, mul, sub } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
 import { planesOf } from '../picture/clip.js';
 
-/** Errors in pixels that coarse parts of a picture may have, the range of the reader's choice. */
-export const leastError = 0.5;
-export const mostError = 32;
 const nearest = 1e-3;  // of an error, the least distance at which it is projected: finite numbers around the eye, in order
 
 /** A camera for a picture in pixels: planes [normal, offset] around what is seen, normal . x >= offset; and what a length is there. */
