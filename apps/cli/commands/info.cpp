@@ -278,7 +278,7 @@ std::vector<FileContents> print_contents(const std::vector<std::string>& files, 
     std::vector<FileContents> contents;
     for (const std::string& file : files) {
         const FileKind kind = kind_of(file);
-        contents.push_back({file, kind, {}, {}});
+        contents.push_back({file, kind, {}, {}, false});
         if (is_site(file)) {
             const SiteInfo site = read_site_info(file);
             contents.back().fields = site.models.front().description.fields.names();
@@ -294,6 +294,8 @@ std::vector<FileContents> print_contents(const std::vector<std::string>& files, 
             const Gaussians model = read_model(file, &hierarchy);
             const std::uint64_t bytes = std::filesystem::file_size(file);
             contents.back().fields = model.fields.names();
+            contents.back().measures_volume =
+                model.options.find("--measure volume") != model.options.npos;
             all.push_back({{"file", file}, {"model", as_json(model, hierarchy, bytes)}});
             if (!json) {
                 print_line(file);

@@ -142,7 +142,8 @@ std::string zsh_action(const CLI::Option& option) {
     const std::string list = fmt::format("({})", fmt::join(words, " "));
     return only_words(option)
                ? list
-               : fmt::format("{{_alternative \"names:name:{}\" \"files:file:_files\"}}", list);
+               : fmt::format("{{_alternative \"names\\:name\\:{}\" \"files\\:file\\:_files\"}}",
+                             list);
 }
 
 std::string zsh_script(const CLI::App& app) {

@@ -146,6 +146,8 @@ std::string usage_text(const CLI::App& app, const CLI::ParseError& error) {
 }
 
 std::string with_remedy(const std::string& message) {
+    if (message.ends_with("--measure volume carries them as a field)"))
+        return message.substr(0, message.size() - 1) + ", vog render --show volume draws them)";
     const std::string start = "(it has: ";
     const std::size_t begin = message.find(start), end = message.find(')', begin);
     if (begin == message.npos || end == message.npos) return message;

@@ -23,8 +23,8 @@ std::string unknown_command_text(const CLI::App& app, const std::string& word);
 /// the parser's.
 std::string usage_text(const CLI::App& app, const CLI::ParseError& error);
 
-/// A failure's message with the remedy where its list of grids looks like the levels of a mesh: "...; --grid 'density_L*'
-/// reads all of them as levels".
+/// A failure's message with the remedy that the command has for it: where its list of grids looks like the levels of a mesh,
+/// "...; --grid 'density_L*' reads all of them as levels"; of signed values, --show volume.
 std::string with_remedy(const std::string& message);
 
 }  // namespace vog::cli

@@ -47,11 +47,15 @@ void add_volume_steps(const FileContents& contents, const VolumeInfo& volume,
         return;
     }
     if (volume.grid.min < 0) {
-        // Signed values are no density: they become a field of Gaussians that count volume.
+        // Signed values are no density: they are drawn by value, and become a field of Gaussians that count volume.
+        steps.push_back({fmt::format("vog render {}{} -o {} --show volume", file, grid, png),
+                         "a picture by value; --window CENTRE,WIDTH chooses values"});
         steps.push_back({fmt::format("vog convert {}{} -o {} --measure volume", file, grid, ply),
                          "Gaussians that carry the values, which are of both signs"});
-        steps.push_back({fmt::format("vog render {} -o {} --show volume", ply, png),
-                         "then a picture by value"});
+        steps.push_back(
+            {fmt::format("vog export {} -o {} --show volume", ply, beside(contents.file, ".html")),
+             "then a page for a browser"});
+        steps.push_back({fmt::format("vog view {} --show volume", ply), "or a window"});
         steps.push_back({fmt::format("vog render {}{} -o {} --clip-negative", file, grid, png),
                          "a picture of the positive values as a density"});
         return;
@@ -101,6 +105,25 @@ std::vector<NextStep> steps_of_volume(const FileContents& contents) {
                          quoted(volume.grid.name), beside(contents.file, ".ply"), quoted(other)),
              fmt::format("Gaussians that carry {} too", other)});
     }
+    return steps;
+}
+
+std::vector<NextStep> steps_of_model(const FileContents& contents) {
+    const std::string file = quoted(contents.file), png = beside(contents.file, ".png");
+    // The optical depth of a model of volume is its thickness: its values are the picture.
+    const std::string by_value = contents.measures_volume ? " --show volume" : "";
+    std::vector<NextStep> steps{{fmt::format("vog render {} -o {}{}", file, png, by_value),
+                                 by_value.empty() ? "a picture" : "a picture by value"}};
+    if (!contents.fields.empty() && by_value.empty())
+        steps.push_back({fmt::format("vog render {} -o {} --show volume --field {}", file, png,
+                                     quoted(contents.fields.front())),
+                         fmt::format("a picture by the value of {}", contents.fields.front())});
+    steps.push_back(
+        {fmt::format("vog export {} -o {}{}", file, beside(contents.file, ".html"), by_value),
+         "a page for a browser"});
+    steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, "-small.vogz")),
+                     "a compact model"});
+    steps.push_back({fmt::format("vog view {}{}", file, by_value), "a window"});
     return steps;
 }
 
@@ -156,22 +179,11 @@ std::vector<NextStep> next_steps(const FileContents& contents) {
                 {fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
                  "a page for a browser"},
                 {fmt::format("vog view {}", file), "a window"}};
-    std::vector<NextStep> steps{{fmt::format("vog render {} -o {}", file, png), "a picture"}};
-    if (is_site(contents.file)) {
-        steps.insert(steps.begin(), {fmt::format("vog serve {}", file), "the page, in a browser"});
-        steps.push_back({fmt::format("vog view {}", file), "a window"});
-        return steps;
-    }
-    if (!contents.fields.empty())
-        steps.push_back({fmt::format("vog render {} -o {} --show volume --field {}", file, png,
-                                     quoted(contents.fields.front())),
-                         fmt::format("a picture by the value of {}", contents.fields.front())});
-    steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
-                     "a page for a browser"});
-    steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, "-small.vogz")),
-                     "a compact model"});
-    steps.push_back({fmt::format("vog view {}", file), "a window"});
-    return steps;
+    if (is_site(contents.file))
+        return {{fmt::format("vog serve {}", file), "the page, in a browser"},
+                {fmt::format("vog render {} -o {}", file, png), "a picture"},
+                {fmt::format("vog view {}", file), "a window"}};
+    return steps_of_model(contents);
 }
 
 std::string advice_on(const std::string& file) {

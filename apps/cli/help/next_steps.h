@@ -15,6 +15,7 @@ struct FileContents {
     FileKind kind = FileKind::volume;
     std::vector<VolumeInfo> grids;    ///< of volumes, and of particles in a .vdb
     std::vector<std::string> fields;  ///< names of a model's fields
+    bool measures_volume = false;     ///< whether a model's masses are volumes (--measure volume)
 };
 
 /// Prints the contents of files, as vog info does.
