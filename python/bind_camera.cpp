@@ -64,7 +64,10 @@ fov_degrees  full vertical field of view of a pinhole camera, degrees, (0, 180)
 orthographic_width
              width of an orthographic picture, world units, > 0; 0: a pinhole camera
 
-Raises vog.Error where eye and look_at coincide, or up is parallel to the view direction.)")
+Raises vog.Error where eye and look_at coincide, or up is parallel to the view direction.
+
+>>> vog.Camera(eye=(0, 0, 5), fov_degrees=30).look_at
+(0.0, 0.0, 0.0))")
         .def(py::init(&make_camera), py::arg("eye"), py::arg("look_at") = Vec3d{},
              py::arg("up") = Vec3d{0, 1, 0}, py::arg("fov_degrees") = kPaperFovDegrees,
              py::arg("orthographic_width") = 0.0)
@@ -112,7 +115,11 @@ width         width of an orthographic picture, world units; None: the box fills
               makes the camera orthographic
 aspect        width / height of the picture that a fitted box shall fill
 view          "+x", "-x", "+y", "-y", "+z", "-z" (from that axis) or "paper", in place of azimuth
-              and elevation)")
+              and elevation
+
+>>> camera = vog.Camera.orbit(vog.sample_cloud(64), view="+z", up="y", orthographic=True)
+>>> camera.orthographic_width > 0, camera.eye[2] > camera.look_at[2]
+(True, True))")
         .def_static(
             "load", [](const std::filesystem::path& file) { return read_camera(file); },
             py::arg("file"), "Reads a camera from JSON, as `vog render --save-camera` writes it.")

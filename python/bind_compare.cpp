@@ -102,7 +102,12 @@ void bind_compare(py::module_& m) {
 
 reference, image  two DepthImages or two Images
 
-Returns a DepthDifference or a PictureDifference. Raises vog.Error for different sizes.)");
+Returns a DepthDifference or a PictureDifference. Raises vog.Error for different sizes.
+
+>>> a = vog.DepthImage.from_numpy([[0, 1], [2, 4]])
+>>> b = vog.DepthImage.from_numpy([[0, 1], [2, 5]])
+>>> round(vog.compare(a, b).relative_l2, 4)
+0.2182)");
     m.def(
         "compare_shaded",
         [](const DepthImage& reference, const DepthImage& image, const py::object& tf) {

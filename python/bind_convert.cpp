@@ -404,7 +404,14 @@ report    dict to fill: mass_ratio, dropped_mass_share, dropped_cells, measured_
           leave out, in words), stopped_by_count, stage_ms
 
 Raises vog.Error for an option out of range or without effect, and for data without mass. The result is the
-same bytes for any number of threads. The interpreter lock is released; Ctrl-C interrupts the call.)");
+same bytes for any number of threads. The interpreter lock is released; Ctrl-C interrupts the call.
+
+>>> volume = vog.sample_cloud(64)
+>>> model = vog.convert(volume, block=4)
+>>> abs(model.mass / volume.mass - 1) < 1e-3
+True
+>>> len(vog.convert(volume, budget=500)) <= 500
+True)");
 }
 
 }  // namespace vog::python

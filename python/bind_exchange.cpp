@@ -61,7 +61,11 @@ layout      of a .ply: '3dgs', or 'volprim', volumetric primitives
 Returns a dict: extinction, and of splats mean_db and worst_db, PSNR of V against the model over seven parallel views,
 depth, their optical depth over the model's, and opaque, the share of splats that are.
 
-Raises vog.Error for another extension or option, and for positions that .spz cannot hold.)");
+Raises vog.Error for another extension or option, and for positions that .spz cannot hold.
+
+>>> report = vog.export_splats(vog.convert(vog.sample_cloud(64), block=8), "cloud.glb", units="box")
+>>> report["worst_db"] > 20
+True)");
 }
 
 }  // namespace vog::python

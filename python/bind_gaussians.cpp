@@ -259,7 +259,14 @@ d_i = x - (origin + mean[i])
 W_i = diag(1 / scale[i]) R(rotation[i])^T           R: rotation matrix of the quaternion
 
 mean, scale, rotation and density are NumPy views of the model's memory: writing to them changes the
-model. model[index] selects Gaussians (a slice, a mask, numbers); a + b concatenates two models.)");
+model. model[index] selects Gaussians (a slice, a mask, numbers); a + b concatenates two models.
+
+>>> model = vog.Gaussians(mean=[[0, 0, 0], [3, 0, 0]], scale=[[1, 1, 1], [1, 2, 1]], density=[0.5, 1])
+>>> len(model), len(model[model.density > 0.7]), len(model + model)
+(2, 1, 4)
+>>> model.density *= 2
+>>> model.density
+array([1., 2.], dtype=float32))");
     c.def(py::init(&from_arrays), py::arg("mean"), py::arg("scale"), py::arg("density"),
           py::arg("rotation") = py::none(), py::kw_only(), py::arg("cutoff") = 2.25f,
           py::arg("box") = py::none(), py::arg("origin") = py::none(),

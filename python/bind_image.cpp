@@ -102,7 +102,14 @@ void bind_depth(py::module_& m) {
         R"(Image of optical depth T: the integral of density along each pixel's ray, times the extinction.
 
 Rows from the top; T is 0 where the ray meets no density. Opacity is V = 1 - exp(-T). np.asarray(image) is
-a view [height, width] float32. Setting `extinction` rescales T. Notebooks display it shaded by 'inferno'.)")
+a view [height, width] float32. Setting `extinction` rescales T. Notebooks display it shaded by 'inferno'.
+
+>>> depth = vog.DepthImage.from_numpy([[0, 1], [2, 4]], extinction=2)
+>>> depth.column_density().tolist()
+[[0.0, 0.5], [1.0, 2.0]]
+>>> depth.extinction = 1
+>>> np.asarray(depth).tolist()
+[[0.0, 0.5], [1.0, 2.0]])")
         .def_buffer([](DepthImage& self) {
             return py::buffer_info(
                 self.depth.data(), {self.height, self.width},
@@ -146,7 +153,11 @@ extinction  factor on density that T includes, > 0)")
 
 tf          transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours
 background  (r, g, b) or (r, g, b, a) in [0, 1], 'black', 'white' or 'transparent'
-blend       True: colours fade into the background as V goes to 0)")
+blend       True: colours fade into the background as V goes to 0
+
+>>> image = vog.DepthImage.from_numpy([[0, 1], [2, 4]]).shade("gray", background="white")
+>>> np.asarray(image).shape, np.asarray(image)[0, 0].tolist()
+((2, 2, 3), [255, 255, 255]))")
         .def("column_density", &column_array,
              R"(Column density, [height, width] float32: T / extinction, density times world length.
 

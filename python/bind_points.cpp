@@ -75,7 +75,11 @@ Raises vog.Error for an unreadable file, with the line.)")
 position    [N, 3] world units, any real dtype
 velocity    [N, 3], or None
 attributes  {name: [N]}, such as {'mass': m}
-source      name for messages and models)")
+source      name for messages and models
+
+>>> points = vog.Points.from_numpy(np.eye(3), attributes={"mass": [1, 2, 3]})
+>>> len(points), points.value_names
+(3, ['count', 'mass']))")
         .def(
             "save",
             [](const Points& self, const std::filesystem::path& file) {

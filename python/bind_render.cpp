@@ -341,7 +341,14 @@ field          'temperature'; of vectors 'velocity' (along the view, away from t
 fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
 progress       is called with the finished fraction
 
-For many views of one thing make a Scene. The interpreter's lock is released; Ctrl-C ends it.)";
+For many views of one thing make a Scene. The interpreter's lock is released; Ctrl-C ends it.
+
+>>> volume = vog.sample_cloud(64)
+>>> depth = vog.render(vog.convert(volume, block=4), size=(64, 48))
+>>> depth.shape
+(48, 64)
+>>> vog.compare(vog.render(volume, size=(64, 48)), depth).psnr_db > 30
+True)";
     m.def(
         "render",
         [](const py::object& data, const std::optional<Camera>& camera, const py::object& size,

@@ -112,7 +112,13 @@ TransferFunction('map.json')     a JSON file of vog or a ParaView colour map
 TransferFunction(cmap)           a Matplotlib colour map
 TransferFunction(colors)         [N, 3 or 4] colours in [0, 1] at equal steps of V; alpha is opacity
 
-Parameters called tf accept all of these. tf(v) is the colour [..., 4] at V = v.)")
+Parameters called tf accept all of these. tf(v) is the colour [..., 4] at V = v.
+
+>>> ramp = vog.TransferFunction(np.array([[0, 0, 0], [1, 0.5, 0]]))
+>>> ramp(0.5)
+array([0.5 , 0.25, 0.  , 1.  ], dtype=float32)
+>>> "inferno" in vog.TransferFunction.names()
+True)")
         .def(py::init(&transfer_function_of), py::arg("tf"))
         .def_static("names", &transfer_function_names, "Names of the built-in transfer functions.")
         .def_static(

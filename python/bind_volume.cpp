@@ -243,7 +243,13 @@ skip_nonfinite  leaves voxels with NaN or infinite values out, such as missing d
 clip_negative   sets negative values to 0
 
 Raises vog.Error for another shape or dtype, and for negative or non-finite densities unless an option accepts
-them; then warns of their number.)")
+them; then warns of their number.
+
+>>> volume = vog.Volume.from_numpy(np.ones((8, 4, 2)), voxel_size=0.5, origin=(1, 0, 0))
+>>> volume.active_voxels, volume.mass
+(64, 8.0)
+>>> (volume.matrix @ (7, 0, 0, 1))[:3]
+array([4.5, 0. , 0. ]))")
         .def_static(
             "from_blocks", &from_blocks, py::arg("blocks"), py::arg("voxel_size") = py::none(),
             py::arg("origin") = py::none(), py::kw_only(), py::arg("matrix") = py::none(),
@@ -254,12 +260,20 @@ them; then warns of their number.)")
 blocks      pairs ((i, j, k), array [X, Y, Z]): index of array[0, 0, 0], and densities; where blocks
             overlap, the last one is used
 all_active  True: voxels of density 0 are active too, and hide coarser levels
-Other parameters as in from_numpy.)")
+Other parameters as in from_numpy.
+
+>>> patches = [((0, 0, 0), np.ones((8, 8, 8))), ((8, 0, 0), np.full((4, 8, 8), 3.0))]
+>>> vog.Volume.from_blocks(patches).index_box
+((0, 0, 0), (11, 7, 7)))")
         .def("to_numpy", &to_numpy, py::arg("first") = py::none(), py::arg("shape") = py::none(),
              R"(Densities as a dense float32 array [X, Y, Z], per world unit; 0 at inactive voxels.
 
 first  index (i, j, k) of the array's first voxel; default: the lower corner of index_box
-shape  (X, Y, Z) in voxels; default: up to the upper corner of index_box)")
+shape  (X, Y, Z) in voxels; default: up to the upper corner of index_box
+
+>>> array = np.arange(1.0, 25).reshape(4, 3, 2)
+>>> bool(np.array_equal(vog.Volume.from_numpy(array).to_numpy(), array))
+True)")
         .def(
             "save",
             [](const Volume& self, const std::filesystem::path& file, bool half) {

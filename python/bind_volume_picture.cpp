@@ -237,7 +237,11 @@ there is none. Of voxels the largest value, of models the largest mean of the fi
 
 data, camera, size, field, clip, clip_planes, fields, progress   as of render_volume
 renderer  of models 'splat', 'cuda' or 'optix' (depth slabs), 'trace' (exact order), of voxels 'reference' or 'optix'; '': the first of them
-slabs     depth slabs a tile, not of trace, 1 to 1024)");
+slabs     depth slabs a tile, not of trace, 1 to 1024)
+
+>>> volume = vog.sample_cloud(64)
+>>> bool(np.nanmax(vog.render_maximum(volume, size=64)) <= volume.to_numpy().max())
+True)");
 }
 
 }  // namespace
@@ -303,7 +307,11 @@ slabs          depth slabs a tile, not of trace, 1 to 1024
 fields         of voxels: the field at them, {'temperature': array}, as convert() takes it
 interpolation  of voxels: 'constant', or 'linear' between their centres
 step           linear: spacing of the samples, voxels, > 0
-progress       is called with the finished fraction)");
+progress       is called with the finished fraction)
+
+>>> picture = vog.render_volume(vog.sample_head(64), size=64, window=(1040, 400), background="white")
+>>> np.asarray(picture).shape
+(64, 64, 3))");
 }
 
 }  // namespace vog::python

@@ -76,7 +76,12 @@ file        .vdb or .nvdb to write the volume and its fields to; None: not writt
 progress    called with the finished fraction, [0, 1]
 
 Returns the Volume; with fields=True a pair of it and {name: array}, float32 [X, Y, Z] or [X, Y, Z, 3] over the
-volume's index_box, 0 at inactive voxels (docs/voxelize.md).)");
+volume's index_box, 0 at inactive voxels (docs/voxelize.md).
+
+>>> volume = vog.sample_cloud(64)
+>>> back = vog.voxelize(vog.convert(volume, block=4), like=volume)
+>>> abs(back.mass / volume.mass - 1) < 1e-3
+True)");
 }
 
 }  // namespace vog::python

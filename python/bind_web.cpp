@@ -183,7 +183,12 @@ clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at mo
 steps        True: the models are steps in time, with a play bar and one extinction
 precise      True: numbers four times as fine, for 4 bytes more a Gaussian
 
-Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.)");
+Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.
+
+>>> model = vog.convert(vog.sample_cloud(64), block=8)
+>>> report = vog.export_html("cloud.html", {"cloud": model}, title="A cloud")
+>>> report["gaussians"] == len(model)
+True)");
 }
 
 }  // namespace vog::python

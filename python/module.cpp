@@ -33,7 +33,11 @@ void bind_threads(py::module_& m) {
 
 count  number of threads; 0: one per core
 
-Results are the same bytes for any number. Raises vog.Error for a negative count.)")
+Results are the same bytes for any number. Raises vog.Error for a negative count.
+
+>>> with vog.threads(1):
+...     vog.thread_count()
+1)")
         .def(py::init<int>(), py::arg("count"))
         .def("__enter__",
              [](Threads& self) -> Threads& {

@@ -253,6 +253,13 @@ def projection(
     their area is the mass to the error of that sampling (docs/python.md, "Projections").
 
     Returns a Projection, which unpacks to (array, extent).
+
+    >>> volume = vog.Volume.from_numpy(np.full((4, 4, 2), 3.0), voxel_size=0.5)
+    >>> array, extent = vog.projection(volume, axis="z", resolution=4)
+    >>> array.shape, extent
+    ((4, 4), (-0.25, 1.75, -0.25, 1.75))
+    >>> bool(np.allclose(array, 3.0 * 2 * 0.5))  # density times two voxels
+    True
     """
     if isinstance(data, (list, tuple)) and data and all(isinstance(one, _vog.Volume) for one in data):
         data = _vog.Levels(data)

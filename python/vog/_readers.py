@@ -49,6 +49,11 @@ def from_yt(
     skip_nonfinite, clip_negative  as in Volume.from_numpy
 
     Lengths are in code_length, with the origin of the data set. The result has units, those of yt (vog.projection).
+
+    >>> import yt
+    >>> ds = yt.load_uniform_grid({"density": (np.ones((8, 8, 8)), "g/cm**3")}, (8, 8, 8), length_unit="Mpc")
+    >>> vog.from_yt(ds, "density", unit="g/cm**3")[0].active_voxels
+    512
     """
     if not hasattr(ds, "domain_left_edge") or not hasattr(ds, "index"):
         raise TypeError(f"from_yt: got {described(ds)}, expected a data set of yt.load")
@@ -134,6 +139,13 @@ def from_xarray(
 
     Coordinates are the centres of voxels and must be evenly spaced, up or down. The attribute `units` of the array and the common
     one of the coordinates become the units of the result; coordinates of different units need voxel_size.
+
+    >>> import xarray
+    >>> coordinates = {"z": [10.0, 20.0], "y": [2.0, 1.0, 0.0], "x": [0.0, 1.0, 2.0, 3.0]}
+    >>> rain = xarray.DataArray(np.ones((2, 3, 4)), dims=("z", "y", "x"), coords=coordinates, name="rain", attrs={"units": "g/m3"})
+    >>> volume = vog.from_xarray(rain)
+    >>> volume.index_box, vog.units_of(volume).density
+    (((0, 0, 0), (3, 2, 1)), 'g/m3')
     """
     if root_package(array) != "xarray" or not hasattr(array, "dims") or not hasattr(array, "coords") or hasattr(array, "data_vars"):
         more = ", one of the data set's variables: data['name']" if hasattr(array, "data_vars") else ""
@@ -208,6 +220,12 @@ def from_nifti(
     skip_nonfinite, clip_negative  as in Volume.from_numpy; Hounsfield units are negative
 
     The unit of length of the header becomes the result's.
+
+    >>> import nibabel
+    >>> image = nibabel.Nifti1Image(np.ones((4, 5, 6), np.float32), np.diag([2, 2, 3, 1]))
+    >>> volume = vog.from_nifti(image)
+    >>> volume.index_box[1], volume.voxel_volume
+    ((3, 4, 5), 12.0)
     """
     rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
     if _is_path(image):
@@ -265,6 +283,11 @@ def from_tiff(
     voxel_size  edge of a voxel: a number, (x, y, z) or Quantities; None: ImageJ's or OME's, else of the resolution tags, else 1
     frame, channel  of a stack with several times or channels (of a path: channel alone, of its images)
     skip_nonfinite, clip_negative  as in Volume.from_numpy
+
+    >>> import tifffile
+    >>> tifffile.imwrite("stack.tif", np.ones((4, 5, 6), np.uint8), photometric="minisblack")
+    >>> vog.from_tiff("stack.tif", voxel_size=0.5).index_box[1]
+    (5, 4, 3)
     """
     rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
     if _is_path(image):

@@ -89,6 +89,13 @@ class Settings:
     """Settings of a shown page that Python reads and sets: a part of the widget, and usable without a notebook.
 
     send  receives a link with the settings that change
+
+    >>> settings = vog.Settings(print)
+    >>> settings.tf = "viridis"
+    #map=viridis
+    >>> settings.receive("#map=magma&range=0,2")  # as a page sends it
+    >>> settings.tf, settings.range
+    ('magma', (0.0, 2.0))
     """
 
     def __init__(self, send: "Callable[[str], None]") -> None:
@@ -245,7 +252,7 @@ def _widget_class() -> Any:
         return None
     script = Path(__file__).with_name("_widget.js")
 
-    class Widget(anywidget.AnyWidget, Settings):
+    class Widget(Settings, anywidget.AnyWidget):  # in this order: traitlets calls the constructor of the class behind its own
         """A live page: settings of Settings go both ways. vog.show makes one where anywidget is installed."""
 
         _esm = script.read_text(encoding="utf-8")
@@ -285,6 +292,9 @@ def show(data: _Models, *, live: Optional[bool] = None, height: int = _HEIGHT, *
 
     Returns a Page (`.html`, `.save(file)`), or with anywidget a Widget, whose `camera`, `tf`, `show`, `field`, `range`, `clip` and
     `transfer_function` are read and set, with `on_change(function)` and `set_model(model)`.
+
+    >>> page = vog.show(vog.sample_cloud(64), live=False, title="A cloud")
+    >>> page.save("cloud.html")
     """
     if isinstance(height, bool) or not isinstance(height, int) or not 100 <= height <= 10000:
         raise _vog.Error(f"show: height {described(height)}, expected 100 to 10000 pixels")

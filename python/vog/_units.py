@@ -42,6 +42,10 @@ def set_units(data: Any, density: Any = None, length: Any = None) -> Any:
 
     Numbers stay as they are. vog.projection gives its result units where the data have them, and vog.convert hands
     them on to the model. Files and pickles do not keep them.
+
+    >>> volume = vog.set_units(vog.sample_cloud(64), "g / cm3", "kpc")
+    >>> vog.units_of(vog.convert(volume, block=8))
+    Units(density='g / cm3', length='kpc')
     """
     if not isinstance(data, (_vog.Volume, _vog.Levels, _vog.Gaussians, _vog.Points)):
         raise TypeError(f"set_units: got {described(data)}, expected a Volume, Levels, Gaussians or Points")

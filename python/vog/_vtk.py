@@ -97,6 +97,11 @@ def to_vtk(
     Returns vtkPolyData for Gaussians: points at their means, arrays density, scale (standard deviations), rotation (quaternions
     w, x, y, z), mass, and the fields (NAME_value where a field has one of these names). With voxel_size or like, and for a Volume, vtkImageData: points at the centres of the
     voxels, with the density and the fields. Needs the package vtk.
+
+    >>> import vtkmodules
+    >>> model = vog.convert(vog.sample_cloud(64), block=8)
+    >>> vog.to_vtk(model).GetNumberOfPoints() == len(model)
+    True
     """
     need("vtkmodules", "vog.to_vtk")
     if isinstance(data, _vog.Gaussians):
@@ -123,6 +128,10 @@ def to_pyvista(
     """The same as to_vtk as a pyvista.PolyData or pyvista.ImageData, for .plot() and filters. Needs the package pyvista.
 
     data, voxel_size, like  as in to_vtk
+
+    >>> import pyvista
+    >>> vog.to_pyvista(vog.sample_cloud(64)).array_names
+    ['density']
     """
     pyvista = need("pyvista", "vog.to_pyvista")
     return pyvista.wrap(to_vtk(data, voxel_size=voxel_size, like=like))

@@ -159,6 +159,19 @@ class Browser:
         with open(path, "wb") as out:
             out.write(base64.b64decode(data.split(",", 1)[1]))
 
+    def colors(self, window="window"):
+        """Number of colours of the settled picture of a page, or of one in an iframe: a blank one has one."""
+        return self.evaluate(f"""(async () => {{
+          const image = new Image();
+          image.src = await {window}.vog.picture();
+          await image.decode();
+          const canvas = document.createElement('canvas'), context = canvas.getContext('2d');
+          [canvas.width, canvas.height] = [image.width, image.height];
+          context.drawImage(image, 0, 0);
+          const bytes = context.getImageData(0, 0, image.width, image.height).data;
+          return new Set(Array.from({{ length: bytes.length / 4 }}, (_, k) => bytes[4 * k] + 256 * bytes[4 * k + 1])).size;
+        }})()""")
+
     def screenshot(self, path):
         data = self.call("Page.captureScreenshot", format="png")["data"]
         with open(path, "wb") as out:
