@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|fuzz|docs]. Default: all.
+# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|peers|fuzz|docs]. Default: all.
 #   command  enough to build the command `vog` (scripts/demo.sh)
 #   all      window, Python package, vog-mpi, tests, benches and checks as well
+#   peers    programs and Python packages that tests hand files to, and skip aloud without
 #   fuzz     the compiler of the fuzz targets as well (scripts/fuzz.sh)
 #   docs     the documents' site alone (scripts/docs.sh)
 # Runs as root or with sudo.
@@ -39,8 +40,10 @@ case ${1:-all} in
     command) ;;
     all) packages+=("${all_packages[@]}") ;;
     fuzz) packages+=("${all_packages[@]}" clang-16 libclang-rt-16-dev) ;;
+    # shells; older processors; units, scans and stacks, VTK
+    peers) packages=(zsh fish qemu-user groff python3-astropy python3-pint python3-xarray python3-nibabel python3-tifffile python3-vtk9) ;;
     docs) packages=(mkdocs) ;;
-    *) echo "install-deps: set '$1', expected command, all, fuzz or docs" >&2; exit 2 ;;
+    *) echo "install-deps: set '$1', expected command, all, peers, fuzz or docs" >&2; exit 2 ;;
 esac
 
 missing=()

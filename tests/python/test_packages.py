@@ -1,6 +1,10 @@
 """Data of other packages: readers without them say what to install; VTK, xarray, yt where they are."""
+import os
+import re
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -128,6 +132,35 @@ def test_paraview_example(tmp_path, monkeypatch):
 
         exec(compile(script, "paraview_source.py", "exec"), {"self": Source})
         assert output.GetPointData().GetArray("density") and output.GetNumberOfPoints() > 100
+
+
+PVPYTHON = """
+import sys
+from paraview import simple, servermanager
+made = simple.ProgrammableSource()
+made.OutputDataSetType = sys.argv[1]
+made.Script = open(sys.argv[2]).read()
+simple.UpdatePipeline(proxy=made)
+data = servermanager.Fetch(made)
+print("points", data.GetNumberOfPoints(), [data.GetPointData().GetArrayName(n) for n in range(data.GetPointData().GetNumberOfArrays())])
+"""
+
+
+@pytest.mark.parametrize("kind, size", [("vtkPolyData", 0), ("vtkImageData", 0.1)])
+def test_paraview_runs_the_example(tmp_path, kind, size):
+    if not shutil.which("pvpython"):
+        pytest.skip("needs pvpython (apt install paraview)")
+    model = vog.convert(vog.sample_cloud(64), block=8)
+    model.save(tmp_path / "m.ply")
+    (tmp_path / "run.py").write_text(PVPYTHON)
+    environment = {**os.environ, "VOG_MODEL": str(tmp_path / "m.ply"), "VOG_VOXEL_SIZE": str(size), "PYTHONPATH": str(Path(vog.__file__).parents[1])}
+    done = subprocess.run(["pvpython", "--force-offscreen-rendering", tmp_path / "run.py", kind, SOURCE / "examples" / "paraview_source.py"],
+                          env=environment, capture_output=True, text=True, timeout=300)  # fmt: skip
+    found = re.search(r"points (\d+) (.*)", done.stdout)
+    assert found, done.stdout + done.stderr
+    assert "'density'" in found[2]
+    expected = len(model) if size == 0 else np.prod(vog.voxelize(model, voxel_size=size).to_numpy().shape)
+    assert int(found[1]) == expected
 
 
 def test_fits_example(tmp_path):

@@ -82,6 +82,31 @@ def test_astropy_units_go_through():
         vog.projection(volume, width=3 * units.K)
 
 
+def test_pint_and_unyt_give_astropys_numbers():
+    """The same column of a gas in kpc, by each package that is installed: 8 voxels of 2 kpc."""
+    ones = np.ones((8, 8, 8))
+    expected = 16 * 3.0856775814913674e21  # g / cm2 of 1 g / cm3 along 16 kpc; a parsec of IAU 2015
+    tried = []
+    for name in ("pint", "unyt"):
+        try:
+            package = __import__(name)
+        except ImportError:
+            continue
+        if name == "pint":
+            registry = package.UnitRegistry()
+            density, edge = ones * registry.Unit("g/cm**3"), 2 * registry.kiloparsec
+        else:
+            density, edge = package.unyt_array(ones, "g/cm**3"), package.unyt_quantity(2, "kpc")
+        found = vog.projection(vog.Volume.from_numpy(density, voxel_size=edge), resolution=8, unit="g/cm**2")
+        assert type(found.array).__module__.split(".")[0] == name
+        numbers = np.asarray(found.array.magnitude if name == "pint" else found.array.value)
+        assert numbers.max() == pytest.approx(expected, rel=1e-5), name
+        assert found.header()["BUNIT"] and found.header()["CUNIT1"]
+        tried.append(name)
+    if not tried:
+        pytest.skip("needs pint or unyt (pip install pint)")
+
+
 @pytest.mark.parametrize(
     "arguments",
     [{"axis": "w"}, {"axis": (0, 0, 0)}, {"resolution": 0}, {"resolution": 10**6}, {"width": -1}, {"width": float("nan")}, {"quantity": "mean"},
