@@ -13,22 +13,26 @@ cp "$made/$package" dist
 echo "deb: dist/$package, $(stat -c %s "dist/$package") bytes"
 [[ ${1:-} == --no-test ]] && exit 0
 
-skip() { echo "deb: test skipped: $1"; exit 0; }
-[[ $(id -u) -eq 0 ]] || skip "needs root"
-command -v debootstrap >/dev/null || apt-get install -y -qq --no-install-recommends debootstrap >/dev/null 2>&1 || skip "no debootstrap"
-mirror=$({ grep -rhE '^(URIs:|deb )' /etc/apt 2>/dev/null || true; } | { grep -oE 'https?://[^ ]+/debian/?( |$)' || true; } | awk 'NR == 1 {print $1}')
-debootstrap --variant=minbase bookworm "$made/bare" "${mirror:-http://deb.debian.org/debian}" >"$made/log" 2>&1 ||
-    skip "debootstrap cannot make a system ($(tail -1 "$made/log"))"
-cp "dist/$package" "$made/bare/root/vog.deb"
-cp /etc/resolv.conf "$made/bare/etc/" 2>/dev/null || true
-chroot "$made/bare" /bin/bash -euo pipefail -c '
-export LANG=C.UTF-8 HOME=/root DEBIAN_FRONTEND=noninteractive
+status=0
+reason=$(scripts/bare_system.sh bookworm "$made/bare") || status=$?
+[[ $status -eq 3 ]] && { echo "deb: test skipped: $reason"; exit 0; }
+[[ $status -eq 0 ]] || { echo "$reason"; exit 1; }
+# The last RUN of the Dockerfile installs it, as in the image.
+cp "dist/$package" "$made/bare/tmp"
+sed -n 's/^RUN //p' Dockerfile | tail -1 >"$made/bare/root/install.sh"
+chroot "$made/bare" env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive /bin/bash -euo pipefail -c '
 cd /root
-apt-get install -y -qq --no-install-recommends ./vog.deb >/dev/null 2>log || { tail -3 log; exit 1; }
+bash -e install.sh >log 2>&1 || { tail -3 log; exit 1; }
 vog --version
 vog sample cloud cloud.vdb --size 64
 vog convert cloud.vdb -o cloud.ply --block 4 >/dev/null
 vog render cloud.ply -o cloud.png --size 200
+vog view cloud.ply 2>message && exit 1
+grep -q "no display to open a window on" message
 test -s cloud.png -a -f /usr/share/man/man1/vog-render.1 -a -f /usr/share/bash-completion/completions/vog
+test -f /usr/share/zsh/site-functions/_vog -a -f /usr/share/fish/vendor_completions.d/vog.fish
+test -f /usr/include/vog/vog.h -a -f /usr/share/doc/vog/copyright
+apt-get remove -y -qq vog >log 2>&1 || { tail -3 log; exit 1; }
+! test -e /usr/bin/vog
 '
-echo "deb: works on a bare system"
+echo "deb: works on a bare system, and leaves it"

