@@ -49,6 +49,8 @@ export class Requests {
   /** Files that are under way or wait for it; none that the server has not answered several times. */
   get toCome() { return this.list.filter((one) => !one.gone && !this.isHeld(one.url)); }
   isHeld(url) { return (this.tries.get(url)?.count ?? 0) >= mostTries; }
+  /** Whether any file has not been answered: else none is held. */
+  get hasFailed() { return this.tries.size > 0; }
 
   /** Tries what has been given up for now. */
   again() {

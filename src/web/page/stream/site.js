@@ -171,7 +171,7 @@ export class Site {
 
   /** Whether files of a cut are under way; not those that no server answers for, or that cannot be had. */
   waits({ chunks, tables }, field) {
-    const waitsFor = (name) => !this.requests.isHeld(this.url(`chunks/${name}`));
+    const waitsFor = (name) => !(this.requests.hasFailed && this.requests.isHeld(this.url(`chunks/${name}`)));
     return tables.some(({ chunk }) => waitsFor(`${chunk.table}.json`)) || chunks.some(({ chunk }) => {
       if (this.isThere(chunk, field) || this.loading.isBad(chunk, field)) return false;
       const { kept } = chunk;
