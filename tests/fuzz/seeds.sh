@@ -6,7 +6,7 @@ set -euo pipefail
 vog=$1 folder=$2
 made=$(mktemp -d)
 trap 'rm -rf "$made"' EXIT
-mkdir -p "$folder"/{scan,points_text,ply,vogz,splats,image,camera,transfer_function,results}
+mkdir -p "$folder"/{scan,points_text,ply,vogz,site,splats,image,camera,transfer_function,results}
 
 "$vog" sample cloud "$made/cloud.vdb" --size 64 >/dev/null
 # The first byte of a text stands for its extension (points_text_fuzz.cpp).
@@ -24,6 +24,14 @@ for options in "" --hierarchy --deflate; do
     "$vog" export "$folder/ply/aligned.ply" -o "$made/model.vogz" $options >/dev/null
     { printf '\x00'; cat "$made/model.vogz"; } >"$folder/vogz/model$options"
 done
+# A site's manifest, its root as a table, and a chunk behind its length and number of Gaussians, less 1 and doubled.
+"$vog" export "$folder/ply/aligned.ply" -o "$made/site/" >/dev/null
+{ printf '\x00'; cat "$made/site/manifest.json"; } >"$folder/site/manifest"
+{ printf '\x01'; sed 's/.*"root":\(.*\)}]}$/{"parts":[\1]}/' "$made/site/manifest.json"; } >"$folder/site/table"
+chunk=$(ls "$made"/site/chunks/*.vogz)
+length=$(stat -c %s "$chunk") count=$(sed 's/.*"gaussians":\([0-9]*\),"error":0.0,"box".*/\1/' "$made/site/manifest.json")
+{ printf '\x02'; printf "\\x$(printf %02x $((length % 256)))\\x$(printf %02x $((length / 256)))\\x$(printf %02x $((2 * (count - 1))))"
+    cat "$chunk" "${chunk%.vogz}.0"; } >"$folder/site/chunk"
 for extension in spz glb usda usdc; do
     "$vog" export "$folder/ply/plain.ply" -o "$made/model.$extension" >/dev/null
 done
