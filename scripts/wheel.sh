@@ -44,7 +44,8 @@ mkdir -p dist
 source=$made/source
 mkdir "$source"
 git ls-files -co --exclude-standard -z | tar --null --files-from=- -cf - | tar -xf - -C "$source"
-export CCACHE_BASEDIR=$source CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
+# Paths below the folder of the sources and of the interpreter are relative to it: the cache has the bindings of the run before, too.
+export CCACHE_BASEDIR=$made CCACHE_NOHASHDIR=1 CCACHE_SLOPPINESS=pch_defines,time_macros
 # The compiler that CMake finds by itself, too: scikit-build-core would name the interpreter's, of which the cache has nothing.
 CC=$(command -v cc) CXX=$(command -v c++)
 export CC CXX
