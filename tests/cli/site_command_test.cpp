@@ -37,6 +37,9 @@ TEST_F(site_command, a_models_views_are_those_of_the_whole_model) {
     }
     const Json far = Json::parse(must("render site -o far.png --size 32 --json").out);
     EXPECT_LT(far["gaussians"].get<int>(), whole["gaussians"].get<int>() / 4);
+    const Json maximum =
+        Json::parse(must("render site -o m.png --size 32 --show maximum --json").out);
+    EXPECT_EQ(maximum["gaussians"], whole["gaussians"]);
     const Json all =
         Json::parse(must("render site -o all.png --size 32 --pixel-error 0 --json").out);
     EXPECT_EQ(all["gaussians"], whole["gaussians"]);

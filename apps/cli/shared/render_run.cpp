@@ -314,8 +314,10 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
     const Size size = parse_size(arguments.size);
     const Camera camera = camera_from(arguments.view, command, arguments.box ? *arguments.box : box,
                                       static_cast<double>(size.width) / size.height);
+    // Nodes have means of values, below the largest ones.
+    const double pixel_error = arguments.quantity.maximum() ? 0 : 1;
     arguments.drawing.site_view = {frame_of(camera, size.width, size.height),
-                                   arguments.drawing.pixel_error.value_or(1)};
+                                   arguments.drawing.pixel_error.value_or(pixel_error)};
     // The chunks are the cut.
     arguments.drawing.pixel_error.reset();
     return arguments;
