@@ -86,14 +86,19 @@ py::dict export_site(const std::filesystem::path& folder, const Named& named,
                      const HtmlOptions& options) {
     std::uint64_t page_bytes = 0;
     const SiteReport report = unlocked([&] {
-        SiteWriter site(folder, options.precise ? kPagePrecision : VogzPrecision{});
+        std::optional<SiteWriter> site;
         std::vector<HtmlModel> entries;
         for (const auto& [name, model] : named) {
             Gaussians copy = *model;
             Hierarchy hierarchy;
-            entries.push_back(add_to_site(site, name, copy, hierarchy));
+            entries.push_back(prepare_for_site(name, copy, hierarchy));
+            if (!site) {
+                require_page(entries, options);
+                site.emplace(folder, options.precise ? kPagePrecision : VogzPrecision{});
+            }
+            site->add(name, copy, hierarchy);
         }
-        const SiteReport written = site.finish(options.steps);
+        const SiteReport written = site->finish(options.steps);
         page_bytes = write_site_page(folder, entries, options).bytes;
         return written;
     });

@@ -15,7 +15,6 @@
 #include "vog/maximum_picture.h"
 #include "vog/quantity.h"
 #include "vog/shade.h"
-#include "vog/site.h"
 #include "vog/value_transfer.h"
 #include "vog/vogz.h"
 
@@ -85,17 +84,20 @@ struct HtmlReport {
 HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlModel> models,
                       const HtmlOptions& options = {});
 
-/// Writes a model's chunks into a site. Gaussians without density are removed first.
+/// Prepares a model for SiteWriter::add: removes Gaussians without density, and builds its hierarchy where it has none.
 /// hierarchy  of this model; empty: built with `options`, which sorts the model
 /// returns    the model for write_site_page: a cut as fine as the pixels of a small picture, from which the page has its first
 ///            extinction, ranges and histograms
-/// throws     vog::Error as SiteWriter::add
-HtmlModel add_to_site(SiteWriter& site, const std::string& name, Gaussians& model,
-                      Hierarchy& hierarchy, const HierarchyOptions& options = {});
+HtmlModel prepare_for_site(const std::string& name, Gaussians& model, Hierarchy& hierarchy,
+                           const HierarchyOptions& options = {});
+
+/// Checks a page's first models and options before anything is written.
+/// throws  vog::Error as write_html
+void require_page(std::span<const HtmlModel> models, const HtmlOptions& options);
 
 /// Writes the page of a site (vog/site.h), `folder`/index.html: the same viewer, which loads the models' chunks from the folder as
 /// views need them.
-/// models   in the order of the site's, of add_to_site
+/// models   in the order of the site's, of prepare_for_site
 /// throws   vog::Error as write_html
 HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const HtmlModel> models,
                            const HtmlOptions& options = {});

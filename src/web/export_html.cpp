@@ -443,11 +443,14 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
     return report;
 }
 
-HtmlModel add_to_site(SiteWriter& site, const std::string& name, Gaussians& model,
-                      Hierarchy& hierarchy, const HierarchyOptions& options) {
+void require_page(std::span<const HtmlModel> models, const HtmlOptions& options) {
+    check(models, options);
+}
+
+HtmlModel prepare_for_site(const std::string& name, Gaussians& model, Hierarchy& hierarchy,
+                           const HierarchyOptions& options) {
     if (drop_empty(model)) hierarchy = {};
     if (hierarchy.empty()) hierarchy = build_hierarchy(model, options);
-    site.add(name, model, hierarchy);
     constexpr int kSize = 256;
     const Box box = view_box(model);
     Gaussians coarse =

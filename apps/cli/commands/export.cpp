@@ -311,25 +311,18 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
     return {{"output", all.output}, {"pages", pages}};
 }
 
-/// Models of a site, one after another: a time step is written before the next is read.
-std::vector<HtmlModel> write_site_models(const ExportArguments& arguments, FileKind kind,
-                                         SiteWriter& site, Stages& stages,
-                                         std::vector<std::string>& notes) {
-    std::vector<HtmlModel> entries;
+/// Model n of a site.
+SiteInput read_site_input(const ExportArguments& arguments, FileKind kind, std::size_t n,
+                          Stages& stages, std::vector<std::string>& notes) {
+    const std::string& file = arguments.inputs[n];
+    SiteInput input{arguments.names.empty() ? stem_of(file) : arguments.names[n], {}};
     if (kind == FileKind::model) {
-        for (std::size_t n = 0; n < arguments.inputs.size(); ++n) {
-            const std::string& file = arguments.inputs[n];
-            SiteInput input{arguments.names.empty() ? stem_of(file) : arguments.names[n], {}};
-            input.model = stages.run("load", [&] { return read_model(file, &input.hierarchy); });
-            if (arguments.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
-            if (arguments.budget && input.model.size() > arguments.budget)
-                input.model = coarsen(input.model, arguments.budget), input.hierarchy = {};
-            entries.push_back(add_to_site(site, std::move(input), stages));
-        }
-        return entries;
+        input.model = stages.run("load", [&] { return read_model(file, &input.hierarchy); });
+        if (arguments.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
+        if (arguments.budget && input.model.size() > arguments.budget)
+            input.model = coarsen(input.model, arguments.budget), input.hierarchy = {};
+        return input;
     }
-    const std::string stem = stem_of(arguments.inputs.front());
-    SiteInput input{arguments.names.empty() ? stem : arguments.names.front(), {}};
     stages.run("convert", [&] {
         input.model =
             kind == FileKind::volume
@@ -337,10 +330,9 @@ std::vector<HtmlModel> write_site_models(const ExportArguments& arguments, FileK
                       .front()
                 : convert_particles(arguments, stages.progress(), notes);
     });
-    note(fmt::format("{}: converted with the default options of vog convert: {} Gaussians",
-                     arguments.inputs.front(), count_text(input.model.size())));
-    entries.push_back(add_to_site(site, std::move(input), stages));
-    return entries;
+    note(fmt::format("{}: converted with the default options of vog convert: {} Gaussians", file,
+                     count_text(input.model.size())));
+    return input;
 }
 
 Json report_site(const ExportArguments& arguments, const SiteReport& report,
@@ -361,7 +353,9 @@ Json report_site(const ExportArguments& arguments, const SiteReport& report,
         {"output", arguments.output}, {"gaussians", report.gaussians},   {"chunks", report.chunks},
         {"bytes", report.bytes},      {"root_bytes", report.root_bytes}, {"page_bytes", page_bytes},
         {"kept", report.kept},        {"removed", report.removed}};
-    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    json["ms"] = Json::object();
+    for (const auto& [name, ms] : stages.times())  // a model each
+        json["ms"][name] = json["ms"].value(name, 0.0) + ms;
     json["peak_memory"] = peak_memory();
     if (!notes.empty()) json["notes"] = notes;
     return json;
@@ -377,19 +371,19 @@ Json export_site(const ExportArguments& arguments, const CLI::App& command) {
     refuse_group(command, kSplatGroup, "a site");
     if (command.count("--levels"))
         throw CLI::ValidationError("--levels: a site has all levels of detail");
-    check_names(arguments, kind == FileKind::model ? arguments.inputs.size() : 1);
+    const std::size_t count = kind == FileKind::model ? arguments.inputs.size() : 1;
+    check_names(arguments, count);
     const CommandMemory memory(arguments.memory);
     Stages stages(arguments.verbose);
     std::vector<std::string> notes;
-    SiteWriter site(arguments.output, site_precision(arguments.compact, arguments.precise));
-    std::vector<HtmlModel> entries = write_site_models(arguments, kind, site, stages, notes);
-    const HtmlOptions options = page_options(arguments, command, entries.front(), notes);
-    const SiteReport report = stages.run("manifest", [&] { return site.finish(arguments.steps); });
-    const HtmlReport page =
-        stages.run("page", [&] { return write_site_page(arguments.output, entries, options); });
-    if (options.camera && !arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, *options.camera);
-    return report_site(arguments, report, page.bytes, stages, notes);
+    const WrittenSite site = write_site(
+        arguments.output, site_precision(arguments.compact, arguments.precise), count,
+        [&](std::size_t n) { return read_site_input(arguments, kind, n, stages, notes); },
+        [&](const HtmlModel& first) { return page_options(arguments, command, first, notes); },
+        stages);
+    if (site.options.camera && !arguments.view.save_camera.empty())
+        write_camera(arguments.view.save_camera, *site.options.camera);
+    return report_site(arguments, site.chunks, site.page.bytes, stages, notes);
 }
 
 /// Whether a folder is written as a site: of one input, or with --site.

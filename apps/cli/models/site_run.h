@@ -1,8 +1,10 @@
 // site_run.h: models into a site's folder, which browsers load in parts.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "models/compact_options.h"
 #include "shared/terminal.h"
@@ -24,8 +26,19 @@ struct SiteInput {
     std::optional<Affine>
         index_from_world{};  ///< lattice of the model's cells; none: the box of the means is divided
 };
-/// Writes a model's chunks. Gaussians without density are left out.
-/// returns  the model for the page: a cut as fine as the pixels of a small picture
-HtmlModel add_to_site(SiteWriter& site, SiteInput input, Stages& stages);
+
+/// A site's report, and the size of its page.
+struct WrittenSite {
+    SiteReport chunks;
+    HtmlReport page;
+    HtmlOptions options;
+};
+/// Writes models one after another: a time step is written before the next is read, and nothing before the first model's page
+/// is known to be right.
+/// read     read(n) reads model n of `count`
+/// options  options(first) of the page, from the first model
+WrittenSite write_site(const std::string& folder, const VogzPrecision& precision, std::size_t count,
+                       const std::function<SiteInput(std::size_t)>& read,
+                       const std::function<HtmlOptions(const HtmlModel&)>& options, Stages& stages);
 
 }  // namespace vog::cli
