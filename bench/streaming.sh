@@ -19,7 +19,8 @@ for size in "${@:-256 512 1024}"; do
         "$vog" export "$made/c.ply" -o "$made/c.vogz" --hierarchy --deflate --json >"$made/file.json"
         n=0
         for view in "--size 256" "--size 512" "--size 1024" "--size 512 --distance 0.3"; do
-            "$vog" render "$made/site" -o "$made/p.png" $view --json >"$made/view$((n++)).json"
+            "$vog" render "$made/site" -o "$made/p.png" $view --json >"$made/view$n.json"
+            n=$((n + 1))
         done
         python3 - "$size" "$made" <<'PYTHON'
 import json, os, sys

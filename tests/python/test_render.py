@@ -336,6 +336,19 @@ def test_evaluate_returns_what_it_writes(tmp_path, cloud):
         vog.evaluate(cloud, tmp_path, tf=["hot", "jet"])
 
 
+def test_a_folder_gets_a_site_of_the_whole_model(tmp_path, model):
+    folder = tmp_path / "site"
+    report = vog.export_html(f"{folder}/", {"a": model})
+    assert report["gaussians"] == len(model) and report["chunks"] == 1
+    assert (folder / "index.html").stat().st_size == report["viewer_bytes"]
+    again = vog.Gaussians.load(folder)
+    assert len(again) == len(model)
+    assert again.mass == pytest.approx(model.mass, rel=1e-6)
+    with pytest.raises(vog.Error, match="slabs|quantity|field"):
+        vog.export_html(f"{tmp_path}/none/", model, show="nothing")
+    assert not (tmp_path / "none").exists()
+
+
 def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
     for name, some in (("a", model), ("b", model[::2])):
         some.save(tmp_path / f"{name}.ply")
