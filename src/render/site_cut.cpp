@@ -162,6 +162,7 @@ struct SiteCut::State {
     void gather();
     void drop();
     void run();
+    void begin(const CameraFrame& frame, const CutOptions& options, bool wait);
     const Gaussians& finish();
 };
 
@@ -349,24 +350,23 @@ std::string SiteCut::fault() const {
     return state_->fault;
 }
 
-namespace {
-
-void require_valid(const CutOptions& options) {
+/// Begins a view.
+/// wait  as of sweep
+void SiteCut::State::begin(const CameraFrame& frame, const CutOptions& options, bool wait) {
     if (!(options.pixel_error >= 0))
         throw Error(fmt::format("pixel error {}, expected a number >= 0", options.pixel_error));
+    ++view;
+    drawn.clear(), wanted.clear();
+    report.missing = 0;
+    Node& root = nodes.front();
+    if (!wait && presence(root) != Presence::there) load({&root});
+    const View now(relative_to(frame, model.description.origin), options);
+    if (now.in_view(root.row)) sweep(now, root, options.pixel_error, wait);
 }
 
-}  // namespace
-
 const Gaussians& SiteCut::choose(const CameraFrame& frame, const CutOptions& options) {
-    require_valid(options);
     State& s = *state_;
-    ++s.view;
-    s.drawn.clear(), s.wanted.clear();
-    s.report.missing = 0;
-    const View view(relative_to(frame, s.model.description.origin), options);
-    if (view.in_view(s.nodes.front().row))
-        s.sweep(view, s.nodes.front(), options.pixel_error, true);
+    s.begin(frame, options, true);
     std::vector<Node*> missing;
     for (const Drawn& one : s.drawn)
         if (s.presence(*one.node) != Presence::there) missing.push_back(one.node);
@@ -376,15 +376,8 @@ const Gaussians& SiteCut::choose(const CameraFrame& frame, const CutOptions& opt
 
 const Gaussians& SiteCut::choose_available(const CameraFrame& frame, const CutOptions& options,
                                            const std::function<void()>& arrived) {
-    require_valid(options);
     State& s = *state_;
-    ++s.view;
-    s.drawn.clear(), s.wanted.clear();
-    s.report.missing = 0;
-    const View view(relative_to(frame, s.model.description.origin), options);
-    Node& root = s.nodes.front();
-    if (s.presence(root) != Presence::there) s.load({&root});
-    if (view.in_view(root.row)) s.sweep(view, root, options.pixel_error, false);
+    s.begin(frame, options, false);
     std::ranges::sort(s.wanted, {}, &Wanted::pixels);
     {
         const std::lock_guard lock(s.mutex);

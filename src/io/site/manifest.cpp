@@ -12,7 +12,7 @@
 
 #include "core/atomic_file.h"
 #include "core/json_fault.h"
-#include "data/field_arrays.h"
+#include "io/model_json.h"
 #include "io/site/chunk_name.h"
 #include "vog/error.h"
 
@@ -29,14 +29,6 @@ constexpr int kVersion = 1;
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;
 constexpr std::uint32_t kMostGaussians = 1u << 20, kMostChunkBytes = 1u << 30;
 constexpr int kMostDepth = 64;
-
-Json numbers(Vec3d v) { return {v.x, v.y, v.z}; }
-Vec3d vector_of(const Json& json) {
-    const auto v = json.get<std::array<double, 3>>();
-    for (const double x : v)
-        if (!std::isfinite(x)) throw Error("a number that is not finite");
-    return {v[0], v[1], v[2]};
-}
 
 /// Six digits, rounded up or down: boxes and errors may grow, not shrink.
 double six_digits(double v, bool up) {
@@ -112,33 +104,12 @@ Row row_of(const Json& json, std::size_t fields, int depth) {
     return row;
 }
 
-template <class Field>
-Json field_json(const Field& field, const char* kind) {
-    return {{"name", field.name},
-            {"kind", kind},
-            {"unit", field.unit},
-            {"lower", field.lower},
-            {"upper", field.upper}};
-}
-
 Json json_of(const ManifestModel& model) {
     const Gaussians& about = model.description;
-    Json json = {{"name", model.name},
-                 {"gaussians", model.gaussians},
-                 {"cutoff", about.cutoff},
-                 {"rotated", model.rotated},
-                 {"origin", numbers(about.origin)},
-                 {"source_voxels", about.source_voxels},
-                 {"source", about.source},
-                 {"method", about.method},
-                 {"options", about.options},
-                 {"summary", about.summary}};
-    if (!about.box.empty()) json["box"] = {numbers(about.box.lower), numbers(about.box.upper)};
-    json["fields"] = Json::array();
-    for (const ScalarField& field : about.fields.scalar)
-        json["fields"].push_back(field_json(field, field.is_measure ? "measure" : "scalar"));
-    for (const VectorField& field : about.fields.vector)
-        json["fields"].push_back(field_json(field, "vector"));
+    Json json = {{"name", model.name}, {"gaussians", model.gaussians}, {"rotated", model.rotated}};
+    put_description(json, about);
+    if (!about.box.empty()) json["box"] = {json_of(about.box.lower), json_of(about.box.upper)};
+    json["fields"] = fields_json(about.fields);
     json["levels"] = Json::array();
     for (const SiteLevel& level : model.levels)
         json["levels"].push_back({{"chunks", level.chunks},
@@ -149,48 +120,21 @@ Json json_of(const ManifestModel& model) {
     return json;
 }
 
-template <class Field>
-Field field_of(const Json& json) {
-    Field field;
-    field.name = json.at("name"), field.unit = json.at("unit");
-    field.lower = json.at("lower"), field.upper = json.at("upper");
-    return field;
-}
-
 ManifestModel model_of(const Json& json) {
     ManifestModel model;
     Gaussians& about = model.description;
     model.name = json.at("name");
     model.gaussians = json.at("gaussians");
     model.rotated = json.at("rotated");
-    about.cutoff = json.at("cutoff");
+    take_description(json, about);
     if (!(about.cutoff > 0 && about.cutoff <= 8))
         throw Error(
             fmt::format("a cutoff of {}, expected more than 0 and at most 8", about.cutoff));
-    about.origin = vector_of(json.at("origin"));
-    about.source_voxels = json.at("source_voxels");
-    about.source = json.at("source"), about.method = json.at("method");
-    about.options = json.at("options"), about.summary = json.at("summary");
-    if (json.contains("box"))
-        about.box = {vector_of(json["box"].at(0)), vector_of(json["box"].at(1))};
-    for (const Json& field : json.at("fields")) {
-        const std::string kind = field.at("kind");
-        if (kind == "vector") {
-            about.fields.vector.push_back(field_of<VectorField>(field));
-            continue;
-        }
-        if (kind != "scalar" && kind != "measure")
-            throw Error(fmt::format("a field of the kind {}", kind));
-        if (!about.fields.vector.empty()) throw Error("a scalar field behind a vector field");
-        about.fields.scalar.push_back(field_of<ScalarField>(field));
-        about.fields.scalar.back().is_measure = kind == "measure";
-    }
-    check_descriptions(about.fields);
-    const std::size_t fields = about.fields.scalar.size() + about.fields.vector.size();
+    about.fields = fields_of(json.at("fields"));
     for (const Json& level : json.at("levels"))
         model.levels.push_back(
             {level.at("chunks"), level.at("gaussians"), level.at("bytes"), level.at("error")});
-    model.root = row_of(json.at("root"), fields, kMostDepth);
+    model.root = row_of(json.at("root"), field_count(model), kMostDepth);
     return model;
 }
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "data/field_arrays.h"
+#include "io/model_json.h"
 #include "vog/error.h"
 
 namespace vog::vogz {
@@ -34,63 +34,30 @@ struct Start {
 static_assert(sizeof(Start) == 40);
 static_assert(sizeof(Blob) == 48);
 
-Json numbers(Vec3d v) { return {v.x, v.y, v.z}; }
-Vec3d vector_of(const Json& json) {
-    const auto v = json.get<std::array<double, 3>>();
-    return {v[0], v[1], v[2]};
-}
-
-template <class Field>
-Json field_json(const Field& field, const FieldRounding& rounding, const char* kind) {
-    return {{"name", field.name},     {"kind", kind},         {"unit", field.unit},
-            {"lower", field.lower},   {"upper", field.upper}, {"reference", rounding.reference},
-            {"scale", rounding.unit}, {"step", rounding.step}};
-}
-template <class Field>
-Field field_of(const Json& json) {
-    Field field;
-    field.name = json.at("name"), field.unit = json.at("unit");
-    field.lower = json.at("lower"), field.upper = json.at("upper");
-    return field;
-}
-
 Json to_json(const FileTable& table) {
     const Gaussians& model = table.description;
     const ShapeRounding& shapes = table.shapes;
-    Json json = {{"gaussians", table.count(Kind::gaussians)},
-                 {"rotated", table.rotated},
-                 {"cutoff", model.cutoff},
-                 {"origin", numbers(model.origin)},
-                 {"source_voxels", model.source_voxels},
-                 {"source", model.source},
-                 {"method", model.method},
-                 {"options", model.options},
-                 {"summary", model.summary},
-                 {"precision", {table.precision.step, table.precision.field_step}},
-                 {"corner", numbers(shapes.corner)},
-                 {"edge", shapes.edge},
-                 {"exponent", {shapes.exponent_at_zero, shapes.exponent_per_trace}},
-                 {"steps", {shapes.diagonal_step, shapes.shear_step, shapes.mass_step}}};
-    if (!model.box.empty()) json["box"] = {numbers(model.box.lower), numbers(model.box.upper)};
-    json["fields"] = Json::array();
-    std::size_t n = 0;
-    for (const ScalarField& field : model.fields.scalar)
-        json["fields"].push_back(
-            field_json(field, table.fields[n++], field.is_measure ? "measure" : "scalar"));
-    for (const VectorField& field : model.fields.vector)
-        json["fields"].push_back(field_json(field, table.fields[n++], "vector"));
+    Json json = {{"gaussians", table.count(Kind::gaussians)}, {"rotated", table.rotated}};
+    put_description(json, model);
+    json["precision"] = {table.precision.step, table.precision.field_step};
+    json["corner"] = json_of(shapes.corner);
+    json["edge"] = shapes.edge;
+    json["exponent"] = {shapes.exponent_at_zero, shapes.exponent_per_trace};
+    json["steps"] = {shapes.diagonal_step, shapes.shear_step, shapes.mass_step};
+    if (!model.box.empty()) json["box"] = {json_of(model.box.lower), json_of(model.box.upper)};
+    json["fields"] = fields_json(model.fields);
+    for (std::size_t n = 0; n < table.fields.size(); ++n) {
+        json["fields"][n]["reference"] = table.fields[n].reference;
+        json["fields"][n]["scale"] = table.fields[n].unit;
+        json["fields"][n]["step"] = table.fields[n].step;
+    }
     return json;
 }
 
 void from_json(const Json& json, FileTable& table) {
-    Gaussians& model = table.description;
     ShapeRounding& shapes = table.shapes;
     table.rotated = json.at("rotated");
-    model.cutoff = json.at("cutoff");
-    model.origin = vector_of(json.at("origin"));
-    model.source_voxels = json.at("source_voxels");
-    model.source = json.at("source"), model.method = json.at("method");
-    model.options = json.at("options"), model.summary = json.at("summary");
+    take_description(json, table.description);
     table.precision.step = json.at("precision").at(0);
     table.precision.field_step = json.at("precision").at(1);
     shapes.corner = vector_of(json.at("corner"));
@@ -100,24 +67,9 @@ void from_json(const Json& json, FileTable& table) {
     shapes.diagonal_step = json.at("steps").at(0);
     shapes.shear_step = json.at("steps").at(1);
     shapes.mass_step = json.at("steps").at(2);
-    if (json.contains("box")) {
-        model.box = {vector_of(json["box"].at(0)), vector_of(json["box"].at(1))};
-        if (model.box.empty()) throw Error("a box whose lower corner is above the upper one");
-    }
-    for (const Json& field : json.at("fields")) {
-        const std::string kind = field.at("kind");
-        if (kind == "vector") {
-            model.fields.vector.push_back(field_of<VectorField>(field));
-        } else if (kind == "scalar" || kind == "measure") {
-            if (!model.fields.vector.empty()) throw Error("a scalar field behind a vector field");
-            model.fields.scalar.push_back(field_of<ScalarField>(field));
-            model.fields.scalar.back().is_measure = kind == "measure";
-        } else {
-            throw Error(fmt::format("a field of the kind {}", kind));
-        }
+    table.description.fields = fields_of(json.at("fields"));
+    for (const Json& field : json.at("fields"))
         table.fields.push_back({field.at("reference"), field.at("scale"), field.at("step")});
-    }
-    check_descriptions(model.fields);
 }
 
 /// throws vog::Error unless blobs follow each other as writers write them

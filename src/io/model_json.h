@@ -1,0 +1,87 @@
+// model_json.h: descriptions of models and their fields as JSON, in compact files and in manifests of sites.
+#pragma once
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "data/field_arrays.h"
+#include "vog/error.h"
+#include "vog/gaussians.h"
+
+namespace vog {
+
+inline nlohmann::ordered_json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+/// throws  vog::Error for a number that is not finite, nlohmann::json::exception for another type
+inline Vec3d vector_of(const nlohmann::ordered_json& json) {
+    const auto v = json.get<std::array<double, 3>>();
+    for (const double x : v)
+        if (!std::isfinite(x)) throw Error("a number that is not finite");
+    return {v[0], v[1], v[2]};
+}
+
+/// Adds cutoff, origin and texts.
+inline void put_description(nlohmann::ordered_json& json, const Gaussians& model) {
+    json["cutoff"] = model.cutoff;
+    json["origin"] = json_of(model.origin);
+    json["source_voxels"] = model.source_voxels;
+    json["source"] = model.source;
+    json["method"] = model.method;
+    json["options"] = model.options;
+    json["summary"] = model.summary;
+}
+/// Sets cutoff, origin, texts and box.
+/// throws  as vector_of
+inline void take_description(const nlohmann::ordered_json& json, Gaussians& model) {
+    model.cutoff = json.at("cutoff");
+    model.origin = vector_of(json.at("origin"));
+    model.source_voxels = json.at("source_voxels");
+    model.source = json.at("source"), model.method = json.at("method");
+    model.options = json.at("options"), model.summary = json.at("summary");
+    if (!json.contains("box")) return;
+    model.box = {vector_of(json["box"].at(0)), vector_of(json["box"].at(1))};
+    if (model.box.empty()) throw Error("a box whose lower corner is above the upper one");
+}
+
+/// Name, kind, unit and range of each field, scalar ones first.
+inline nlohmann::ordered_json fields_json(const Fields& fields) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    const auto add = [&](const auto& field, const char* kind) {
+        all.push_back({{"name", field.name},
+                       {"kind", kind},
+                       {"unit", field.unit},
+                       {"lower", field.lower},
+                       {"upper", field.upper}});
+    };
+    for (const ScalarField& field : fields.scalar)
+        add(field, field.is_measure ? "measure" : "scalar");
+    for (const VectorField& field : fields.vector) add(field, "vector");
+    return all;
+}
+/// throws  vog::Error for fields in another order or of another kind, and as check_descriptions
+inline Fields fields_of(const nlohmann::ordered_json& json) {
+    Fields fields;
+    const auto set = [](auto& field, const nlohmann::ordered_json& from) {
+        field.name = from.at("name"), field.unit = from.at("unit");
+        field.lower = from.at("lower"), field.upper = from.at("upper");
+    };
+    for (const nlohmann::ordered_json& field : json) {
+        const std::string kind = field.at("kind");
+        if (kind == "vector") {
+            set(fields.vector.emplace_back(), field);
+        } else if (kind == "scalar" || kind == "measure") {
+            if (!fields.vector.empty()) throw Error("a scalar field behind a vector field");
+            set(fields.scalar.emplace_back(), field);
+            fields.scalar.back().is_measure = kind == "measure";
+        } else {
+            throw Error(fmt::format("a field of the kind {}", kind));
+        }
+    }
+    check_descriptions(fields);
+    return fields;
+}
+
+}  // namespace vog
