@@ -14,7 +14,7 @@
 
 namespace vog {
 
-inline nlohmann::ordered_json json_of(Vec3d v) { return {v.x, v.y, v.z}; }
+inline nlohmann::ordered_json vector_json(Vec3d v) { return {v.x, v.y, v.z}; }
 /// throws  vog::Error for a number that is not finite, nlohmann::json::exception for another type
 inline Vec3d vector_of(const nlohmann::ordered_json& json) {
     const auto v = json.get<std::array<double, 3>>();
@@ -26,7 +26,7 @@ inline Vec3d vector_of(const nlohmann::ordered_json& json) {
 /// Adds cutoff, origin and texts.
 inline void put_description(nlohmann::ordered_json& json, const Gaussians& model) {
     json["cutoff"] = model.cutoff;
-    json["origin"] = json_of(model.origin);
+    json["origin"] = vector_json(model.origin);
     json["source_voxels"] = model.source_voxels;
     json["source"] = model.source;
     json["method"] = model.method;

@@ -40,11 +40,12 @@ Json to_json(const FileTable& table) {
     Json json = {{"gaussians", table.count(Kind::gaussians)}, {"rotated", table.rotated}};
     put_description(json, model);
     json["precision"] = {table.precision.step, table.precision.field_step};
-    json["corner"] = json_of(shapes.corner);
+    json["corner"] = vector_json(shapes.corner);
     json["edge"] = shapes.edge;
     json["exponent"] = {shapes.exponent_at_zero, shapes.exponent_per_trace};
     json["steps"] = {shapes.diagonal_step, shapes.shear_step, shapes.mass_step};
-    if (!model.box.empty()) json["box"] = {json_of(model.box.lower), json_of(model.box.upper)};
+    if (!model.box.empty())
+        json["box"] = {vector_json(model.box.lower), vector_json(model.box.upper)};
     json["fields"] = fields_json(model.fields);
     for (std::size_t n = 0; n < table.fields.size(); ++n) {
         json["fields"][n]["reference"] = table.fields[n].reference;
