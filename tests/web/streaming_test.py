@@ -7,6 +7,7 @@ where there is no Chromium.
 """
 import json
 import os
+import random
 import re
 import shutil
 import socket
@@ -15,7 +16,7 @@ import sys
 import time
 import unittest
 
-from page_test_case import run, vog
+from page_test_case import run, vog, write_model
 from quantity_test_case import write_flow
 from streaming_test_case import SMALL, SiteTest, write_dust
 
@@ -80,6 +81,25 @@ class Streaming(SiteTest):
         self.change(self.near(0.3))
         self.assertGreater(len(server.chunks()), few)
 
+    def test_an_opaque_picture_takes_fewer_gaussians_than_a_faint_one(self):
+        rng, rows = random.Random(6), []
+        for _ in range(DUST):
+            rows += [*(rng.uniform(-1, 1) for _ in range(3)), 0.03, 0.03, 0.03, 1]
+        write_model(self.folder / "block.ply", rows)
+        vog("export", "block.ply", "-o", "block/", "--tf", "gray")
+        self.start("block", size=(320, 240), fragment="#subframes=1&embed&exposure=0.1")
+        self.change(self.near(0.1))  # from inside: what is far lies behind the rest
+        faint = self.drawn
+        self.expect_same("block.ply", least=LEAST_PSNR_DB)
+        self.change({"exposure": 8})
+        self.assertLess(self.drawn, faint)
+        self.expect_same("block.ply", least=LEAST_PSNR_DB)
+        hidden = self.drawn
+        self.change({"show": "column"})  # a sum hides nothing
+        self.assertEqual(self.drawn, faint)
+        self.change({"show": "T", "exposure": 8})
+        self.assertEqual(self.drawn, hidden)
+
     def test_detail_is_an_error_in_pixels(self):
         self.start(size=(160, 120), fragment="#subframes=1&error=32")
         coarse = self.drawn
@@ -104,7 +124,7 @@ class Streaming(SiteTest):
         self.assertEqual(self.value("vog.source.now(true).count"), whole)
 
     def test_memory_stays_within_its_limits_in_a_flight(self):
-        server = self.start(fragment="#subframes=1&error=0.5&memory=3.2&most=52000", size=(160, 120))
+        server = self.start(fragment="#subframes=1&error=0.5&memory=3.2&most=52000&show=column", size=(160, 120))
         self.value("""vog.peak = {bytes: 0, gaussians: 0};
             const { show } = vog.source.view;
             vog.source.view.show = (status) => {

@@ -1,6 +1,7 @@
 // cut.js: cuts through the chunk tree of a model for one view: the chunks to be had, coarse ones first, and those to be drawn of what
-// is there. The rule of docs/streaming.md: a chunk gives way to its parts where it is in view and its error is more than some pixels.
-import { add, dot, length, mul, sub } from '../vectors.js';
+// is there. The rule of docs/streaming.md: a chunk gives way to its parts where it is in view and its error, times how much of it is
+// seen through the rest of the model, is more than some pixels.
+import { dot, length, mul, sub } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
 import { planesOf } from '../picture/clip.js';
 
@@ -35,7 +36,7 @@ export function pixelsOf({ error, box: { center, half } }, { eye, forward, paral
   return (error * perUnit) / (Math.max(distance, nearest * error) || 1) / cosine ** 2;
 }
 
-/** Heap of chunks, the one with the most pixels of error at its top. */
+/** Heap of chunks, the one with the most pixels of error that are seen at its top. */
 class Heap {
   constructor() { this.list = []; }
   push(chunk) {
@@ -60,27 +61,27 @@ class Heap {
 
 /**
  * Chunks that a view wants, the largest errors divided first, until all are below a bound or memory is full. Sets of each chunk
- * met `pixels`, `wanted` and `divided`, the number of the turn.
+ * met `pixels`, its error times how much of it is seen, and `wanted` and `divided`, the number of the turn.
  * ask      {error: pixels, room: {bytes, gaussians}, bytesOf(chunk), visible(chunk): 0 to 1, isBad(chunk): cannot be had}
  * returns  {chunks: in the order of their use, {chunk, use}; tables: [{chunk, use}] whose rows are to be had; bytes, gaussians: of
  *          all chunks; error: bound in pixels that memory leaves}
  */
 export function wantedCut(root, view, turn, ask) {
   const out = { chunks: [], tables: [], bytes: 0, gaussians: 0, error: ask.error }, heap = new Heap();
-  const take = (chunk, use) => {
-    Object.assign(chunk, { pixels: pixelsOf(chunk, view), wanted: turn, use });
+  const take = (chunk, use, share) => {
+    Object.assign(chunk, { pixels: pixelsOf(chunk, view) * share, wanted: turn, use });
     out.chunks.push({ chunk, use });
     out.bytes += ask.bytesOf(chunk);
     out.gaussians += chunk.gaussians;
     if (chunk.nodes > 0) heap.push(chunk);
   };
   if (!root || !isSeen(root.box, view)) return out;
-  take(root, Infinity);
+  take(root, Infinity, ask.visible(root));
   while (heap.list.length > 0) {
     const chunk = heap.pop();
     if (!(chunk.pixels > ask.error)) break;
     if (!chunk.parts) {
-      if (!chunk.tableBad) out.tables.push({ chunk, use: chunk.pixels * ask.visible(chunk) });
+      if (!chunk.tableBad) out.tables.push({ chunk, use: chunk.pixels });
       continue;
     }
     const seen = chunk.parts.filter(({ box }) => isSeen(box, view));
@@ -92,7 +93,11 @@ export function wantedCut(root, view, turn, ask) {
     }
     chunk.divided = turn;
     // A part is worth as much as its parent's error is seen; never more than its parent, which has to be there first.
-    for (const part of seen) take(part, Math.min(chunk.pixels * ask.visible(part), 0.999 * chunk.use));
+    const pixels = pixelsOf(chunk, view);
+    for (const part of seen) {
+      const share = ask.visible(part);
+      take(part, Math.min(pixels * share, 0.999 * chunk.use), share);
+    }
   }
   const most = (a, b) => b.use - a.use;
   out.chunks.sort(most);
@@ -118,7 +123,3 @@ export function drawnCut(root, turn, isThere) {
   if (root?.wanted === turn && isThere(root)) visit(root);
   return out;
 }
-
-/** Points of a box at which it is tried: its middle, and half the way to its corners. */
-export const triedPoints = ({ center, half }) => [center, ...Array.from({ length: 8 }, (_, n) =>
-  add(center, half.map((h, k) => (n & (1 << k) ? 0.5 * h : -0.5 * h))))];

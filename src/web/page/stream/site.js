@@ -17,7 +17,7 @@ const mostMegabytes = 150, mostGaussians = 2e6;
 const slowMs = 50, fastMs = 25, mostCoarser = 64;  // frames in motion: a larger error above, a smaller one below
 const stepsAhead = 2, patienceMs = 500;            // steps in time fetched ahead; how long one that is there may stay coarse
 const perHalving = 2, sliderSteps = perHalving * Math.log2(mostError / leastError);  // of the slider of detail, finest to the right
-const oldMs = 200, mostSeen = 200;                 // age at which a visibility is found anew; how many in a plan: a few milliseconds
+const oldMs = 200;                                 // age at which visibility is found anew while the view changes: some milliseconds
 const soonMs = 15;                                 // from an arrival to the next plan
 
 export class Site {
@@ -27,7 +27,7 @@ export class Site {
    */
   constructor(page, decoder, view) {
     Object.assign(this, { page, view, trees: null, turn: 0, planned: null, drawn: null, version: 0, coarser: 1, moving: false, ahead: [] });
-    Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map(), soon: 0 });
+    Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map(), soon: 0, later: 0, isStale: false });
     this.base = new URL(page.site.base || '.', document.baseURI);
     this.base.hash = this.base.search = '';
     if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
@@ -86,7 +86,12 @@ export class Site {
   aspects() {
     const state = this.view.state(), { box, planes } = this.view.clip();
     return [state.camera, state.model, fieldPlace(state), state.show, ...this.view.size(), box, planes, state.pixelError,
-      state.memory, state.most, this.moving ? this.coarser : 1, this.view.renderer()];
+      state.memory, state.most, this.moving ? this.coarser : 1, this.view.renderer(), ...this.hiding()];
+  }
+  /** What tells how much the shown quantity hides: none that is a sum does. */
+  hiding() {
+    const { show, exposure } = this.view.state();
+    return show === 'T' ? [exposure] : show === 'volume' ? [this.view.transfer()] : [];
   }
 
   /** Something has come, or cannot be had: memory stays within its limits at once, plans follow, one for all that comes meanwhile. */
@@ -115,11 +120,11 @@ export class Site {
       room.gaussians -= cut.gaussians;
       return { model: n, cut, files: this.loading.files(this.trees[n], n, cut, needs.field) };
     };
-    const now = filesOf(state.model, this.visible(eye, needs));
+    const visible = this.visible(eye, needs), now = filesOf(state.model, visible);
     this.cut = now.cut;
     this.ahead = [];
     for (let step = 1; this.page.steps && step <= Math.min(stepsAhead, this.trees.length - 1) && room.bytes > 0; ++step)
-      this.ahead.push(filesOf((state.model + step) % this.trees.length, () => 1));
+      this.ahead.push(filesOf((state.model + step) % this.trees.length, visible));
     // The coarsest chunk has the line for itself: it is the first picture.
     const isBegun = !this.root || this.root.wanted !== this.turn || this.isThere(this.root, needs.field) || ask.isBad(this.root);
     this.requests.plan(isBegun ? [now, ...this.ahead].flatMap(({ files }) => files) : now.files.filter(({ use }) => use === Infinity));
@@ -128,13 +133,14 @@ export class Site {
     this.report();
   }
 
-  /** Visibility of chunks that are not there yet, by what the shown quantity hides. */
+  /** How much is seen of a chunk, by what the shown quantity hides; `isStale`: in an earlier view. */
   visible(eye, { field }) {
-    const state = this.view.state(), coarse = this.root?.kept?.coarse;
-    if (!coarse || (state.show !== 'T' && state.show !== 'volume')) return () => 1;
-    const volume = state.show === 'volume', transfer = this.view.transfer(), data = coarse.fields.get(field);
+    const state = this.view.state(), coarse = this.root?.kept?.coarse, hiding = this.hiding();
+    this.isStale = false;
+    if (!coarse || hiding.length === 0) return () => 1;
+    const volume = state.show === 'volume', [transfer] = hiding, data = coarse.fields.get(field), clip = this.view.clip();
     if (volume && !data) return () => 1;
-    const key = [coarse, state.show, volume ? transfer : state.exposure, data];
+    const key = [coarse, state.show, ...hiding, data];
     if (!this.lattice?.key.every((part, n) => part === key[n])) {
       const model = this.page.models[state.model], source = model.fields[field], { box } = this.root;
       const of = volume ? Visibility.ofValues(model, box, coarse.instances, data, extinctionIn(expectedLight(
@@ -142,16 +148,15 @@ export class Site {
         : new Visibility(model, box, coarse.instances, () => state.exposure);
       this.lattice = { key, of };
     }
-    const { of } = this.lattice, now = performance.now();
-    let left = mostSeen;
-    return (chunk) => {
-      if (this.isThere(chunk, field)) return 1;
-      const { seen } = chunk, isOld = !seen || seen.of !== of || (seen.planned !== this.planned[0] && now - seen.at > oldMs);
-      if (isOld && left-- <= 0) return (seen ?? chunk.parent?.seen)?.share ?? 1;
-      if (isOld)
-        chunk.seen = { of, planned: this.planned[0], at: now, share: of.of(chunk.box, eye, volume) };
-      return chunk.seen.share;
-    };
+    const { lattice } = this, now = performance.now(), aspects = [state.camera, clip.box, clip.planes];
+    const isNow = lattice.aspects?.every((one, n) => one === aspects[n]);
+    this.isStale = !isNow && now - (lattice.at ?? -Infinity) < oldMs;
+    if (!isNow && !this.isStale) {
+      lattice.of.look(eye, clip, volume);
+      Object.assign(lattice, { aspects, at: now });
+    }
+    if (this.isStale) this.later ||= setTimeout(() => { this.later = 0; this.replan(); }, oldMs);
+    return (chunk) => lattice.of.of(chunk.box);
   }
 
   // --- Drawing. ---
@@ -160,7 +165,7 @@ export class Site {
   settleCut(field) {
     const before = this.drawn, wasComplete = this.complete;
     this.drawn = drawnCut(this.root, this.turn, (chunk) => this.isThere(chunk, field));
-    this.complete = !this.waits(this.cut, field);
+    this.complete = !this.isStale && !this.waits(this.cut, field);
     const same = before && before.root === this.root && before.parts.length === this.drawn.parts.length &&
         before.parts.every(({ chunk, first, gpu }, n) => chunk === this.drawn.parts[n].chunk && first === this.drawn.parts[n].first && gpu === chunk.kept.gpu);
     for (const part of this.drawn.parts) part.gpu = part.chunk.kept.gpu;

@@ -1,12 +1,14 @@
-// visibility.js: how much of a place is seen through the rest of a model, from its coarsest chunk: orders requests, and nothing else.
-// The Gaussians' extinction is summed up in the cells of a small lattice, along which rays are followed.
-import { dot, length, mul, sub } from '../vectors.js';
+// visibility.js: how much of a place is seen through the rest of a model, from its coarsest chunk: weighs errors of chunks (cut.js).
+// The Gaussians' extinction is summed up in the cells of a small lattice, along which a ray is followed through each cell.
+import { add, dot, length, mul, sub } from '../vectors.js';
+import { kept } from '../picture/clip.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats } from '../model/fields.js';
-import { triedPoints } from './cut.js';
 
-const cells = 32, steps = 96;    // along each axis of the lattice; along a ray
-const least = 1e-6;              // visibility that still tells two chunks apart
+const cells = 32, steps = 48;  // along each axis of the lattice; along a ray
+// What is seen of a place is a mean of this order over its mass: near the largest, so that a rim counts, less so its last hair.
+const order = 16;
+const least = 1e-6;            // visibility that still tells two chunks apart
 
 /** Extinction of a model's coarsest chunk in cells of its box. */
 export class Visibility {
@@ -59,6 +61,7 @@ export class Visibility {
     }
   }
 
+
   /** Optical depth of a ray from one depth to another, page units. */
   depthOf(origin, direction, from, to) {
     for (let axis = 0; axis < 3; ++axis) {
@@ -79,18 +82,34 @@ export class Visibility {
   }
 
   /**
-   * Share of a change in a box that a picture shows, 0 to 1: exp(-T), T the optical depth of the ray through it.
+   * Finds what a view shows of each cell: exp(-T), T the optical depth of the ray through its middle.
    * view     of cut.js's viewOf
-   * inFront  only of what lies between it and the eye
+   * clip     what is drawn of the model (clip.js)
+   * inFront  only what lies between the cell and the eye hides it
    */
-  of(box, { eye, forward, parallel }, inFront) {
-    let most = least;
-    for (const point of triedPoints(box)) {
-      const to = this.inside(point), from = this.inside(eye), along = sub(to, from);
-      const direction = parallel ? forward : mul(1 / (length(along) || 1), along), depth = dot(along, direction);
-      const origin = parallel ? sub(to, mul(depth, direction)) : from;
-      most = Math.max(most, Math.exp(-this.depthOf(origin, direction, 0, inFront ? depth : Infinity)));
+  look({ eye, forward, parallel }, clip, inFront) {
+    const { unit, center } = this.model, edge = mul(1 / cells, this.size), reach = 0.5 * length(edge);
+    this.shown ??= new Float32Array(cells ** 3);
+    for (let x = 0, cell = 0; x < cells; ++x) for (let y = 0; y < cells; ++y) for (let z = 0; z < cells; ++z, ++cell) {
+      if (this.sums[cell] === 0) continue;
+      const point = [x, y, z].map((n, k) => center[k] + unit * (this.lower[k] + (n + 0.5) * edge[k]));
+      const along = sub(point, eye), direction = parallel ? forward : mul(1 / (length(along) || 1), along), depth = dot(along, direction);
+      const origin = parallel ? sub(point, mul(depth, direction)) : eye, [from, to] = kept({ origin, direction }, clip);
+      const end = inFront ? Math.min(to / unit, depth / unit - reach) : to / unit;
+      this.shown[cell] = this.sums[cell] * Math.exp(-order * this.depthOf(this.inside(origin), direction, from / unit, end));
     }
-    return most;
+  }
+
+  /** Share of a change in a box that the picture shows, 0 to 1. */
+  of({ center, half }) {
+    const [first, last] = [sub(center, half), add(center, half)].map((p) => sub(this.inside(p), this.lower).map((at, k) =>
+      Math.max(0, Math.min(cells - 1, Math.floor((at / this.size[k]) * cells)))));
+    let all = 0, shown = 0;
+    for (let x = first[0]; x <= last[0]; ++x) for (let y = first[1]; y <= last[1]; ++y)
+      for (let z = first[2], cell = (x * cells + y) * cells + z; z <= last[2]; ++z, ++cell) {
+        all += this.sums[cell];
+        shown += this.shown[cell];
+      }
+    return all > 0 ? Math.max(least, (shown / all) ** (1 / order)) : 1;
   }
 }
