@@ -6,6 +6,7 @@ import argparse
 import base64
 import json
 import os
+import pathlib
 import select
 import shutil
 import subprocess
@@ -20,11 +21,20 @@ FLAGS = [
 ]
 
 
+HOUSE = pathlib.Path(__file__).resolve().parents[2]
+
+
 def find_chromium():
     for name in ("chromium", "chromium-browser", "google-chrome"):
         if path := shutil.which(name):
             return path
     return None
+
+
+def modules(*names):
+    """Modules of the page as a plain script."""
+    lines = [line for name in names for line in (HOUSE / "src/web/page" / name).read_text().splitlines()]
+    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
 
 
 class Browser:

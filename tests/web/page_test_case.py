@@ -10,10 +10,9 @@ import sys
 import tempfile
 import unittest
 
-from browser import Browser, find_chromium
+from browser import HOUSE, Browser, find_chromium
 
 VOG = os.environ.get("VOG_COMMAND", "vog")
-HOUSE = pathlib.Path(__file__).resolve().parents[2]
 DATA = pathlib.Path(os.environ.get("VOG_DATA", HOUSE / "../shared/data"))
 WIDTH, HEIGHT = 320, 240
 # Pixels of the screen to a CSS pixel, for tests of what surrounds the picture: its area is what a GPU in software takes long for.

@@ -8,18 +8,13 @@ import json
 import math
 import random
 
-from page_test_case import HOUSE, run, vog
+from browser import modules
+from page_test_case import run, vog
 from quantity_test_case import write_flow
 from site_server import DROP
 from streaming_test_case import SMALL, SiteTest, write_dust
 
 DUST = 60000
-
-
-def modules(*names):
-    """Modules of the page as a plain script."""
-    lines = [line for name in names for line in (HOUSE / "src/web/page" / name).read_text().splitlines()]
-    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
 
 
 class Failures(SiteTest):
