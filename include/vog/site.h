@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -81,6 +82,18 @@ struct SiteInfo {
 };
 /// Whether a path is a folder with a manifest.
 bool is_site(const std::filesystem::path& path);
+/// A model of a site.
+struct SitePath {
+    std::filesystem::path folder;
+    std::size_t model = 0;  ///< place among the site's models
+};
+/// Model of a path: FOLDER, the first one of a site; FOLDER/NAME, where no file has that name; FOLDER/#N, the Nth from 1 on.
+/// returns  none: the path of something else
+/// throws   vog::Error for a malformed manifest
+std::optional<SitePath> find_site(const std::filesystem::path& path);
+/// Paths of a site's models as find_site takes them: by their names, or where two have one name by their places.
+/// throws  vog::Error for a missing or malformed manifest
+std::vector<std::filesystem::path> models_of_site(const std::filesystem::path& folder);
 /// throws  vog::Error for a missing or malformed manifest
 SiteInfo read_site_info(const std::filesystem::path& folder);
 

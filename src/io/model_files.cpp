@@ -46,9 +46,9 @@ Gaussians part_of(const Gaussians& whole, const ModelPart& part) {
 }  // namespace
 
 Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
-    if (is_site(file)) {
+    if (const auto site = find_site(file)) {
         if (hierarchy) *hierarchy = {};
-        return read_site(file);
+        return read_site(site->folder, site->model);
     }
     require_readable(file);
     switch (format_of(file, kReadable)) {
@@ -64,9 +64,9 @@ Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
 }
 
 Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
-    if (is_site(file)) {
+    if (const auto site = find_site(file)) {
         require_part(part, file.string());
-        return part_of(read_site(file), part);
+        return part_of(read_site(site->folder, site->model), part);
     }
     require_readable(file);
     switch (format_of(file, kReadable)) {

@@ -75,6 +75,17 @@ TEST_F(site_command, volumes_particles_and_steps_become_sites) {
     const Json steps = Json::parse(must("info steps --json").out)["files"][0]["site"];
     EXPECT_EQ(steps["steps"], true);
     EXPECT_EQ(steps["models"].size(), 2u);
+    must("render steps -o pictures/ --size 16");
+    EXPECT_TRUE(std::filesystem::exists(dir_ / "pictures/step_2.png"));
+    must("render steps/step_2 -o second.png --size 16 --extinction 3");
+    must("render step_2.ply -o whole.png --size 16 --extinction 3");
+    EXPECT_GT(Json::parse(must("compare second.png whole.png --json").out)["psnr_rgb_db"], 38);
+    EXPECT_NE(must("render steps -o first.png --size 16").error.find("the first of 2 models"),
+              std::string::npos);
+    must("export steps/step_2 -o second.ply");
+    EXPECT_EQ(Json::parse(must("info second.ply --json").out)["files"][0]["model"]["gaussians"],
+              steps["models"][1]["gaussians"]);
+    must_fail(1, "render steps/none -o none.png", "steps/none: no such file");
     must("export step_1.ply step_2.ply -o two/ --site --name A --name B");
     EXPECT_EQ(Json::parse(must("info two --json").out)["files"][0]["site"]["models"][1]["name"],
               "B");

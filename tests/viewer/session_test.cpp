@@ -73,6 +73,31 @@ TEST_F(view_command, a_sites_pictures_are_those_of_its_view_and_damage_leaves_th
     EXPECT_LT(difference.psnr_db, 60);
 }
 
+TEST_F(view_command, steps_of_a_site_play_as_views_need_them) {
+    for (const char* seed : {"1", "2", "3"}) {
+        must(std::string("sample explosion e.vdb --size 64 --seed ") + seed);
+        must(std::string("convert e.vdb --block 1 --soft-steps 0 -o s") + seed + ".ply");
+    }
+    must("export 's*.ply' -o site/ --site");
+    play("site",
+         "size 120 90\npanels off\noverlay off\ncolorbar off\ntf gray\nsave-camera "
+         "camera.json\nexposure 2\n"
+         "wait\nstep 2\nwait\npicture two.png\nsteps all\n");
+    must("render site/ -o all2/ --camera camera.json --size 120x90 --extinction 2 --tf gray");
+    for (const std::string n : {"1", "2", "3"})
+        expect_same_picture("all2/s" + n + ".png", "all/000" + n + ".png");
+    must("render site/s2 -o r2.png --camera camera.json --size 120x90 --extinction 2 --tf gray");
+    expect_same_picture("r2.png", "two.png");
+    play("site/s2",
+         "size 120 90\npanels off\noverlay off\ncolorbar off\ntf gray\nexposure 2\nwait\n"
+         "picture one.png\n",
+         "--camera camera.json");
+    expect_same_picture("r2.png", "one.png");
+    write("play.vog", "step 4\n");
+    must_fail(1, "view site --headless --script play.vog",
+              "play.vog:1: no step 4, expected 1 to 3");
+}
+
 TEST_F(view_command, a_sessions_picture_is_the_command_lines) {
     must("sample cloud cloud.vdb --size 64");
     must("convert cloud.vdb -o cloud.ply --block 4");

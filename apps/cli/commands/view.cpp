@@ -78,14 +78,7 @@ viewer::Content read_content(const std::vector<std::string>& files,
     std::vector<std::string> notes;
     switch (common_kind(files, arguments.volume.grid)) {
         case FileKind::model:
-            if (files.size() == 1 && is_site(files.front())) {
-                content.site = files.front();
-                if (const std::size_t count = read_site_info(content.site).models.size(); count > 1)
-                    note(
-                        fmt::format("{}: the first of {} models; its page shows all (vog serve {})",
-                                    content.site, count, content.site));
-                break;
-            }
+            if (files.size() == 1 && (content.site = find_site(files.front()))) break;
             content.model = load_models(files, &content.hierarchy);
             break;
         case FileKind::points:
@@ -111,6 +104,19 @@ viewer::Content read_content(const std::vector<std::string>& files,
     return content;
 }
 
+/// Makes the steps of a site in time the inputs, with its play bar; of other models the first is shown.
+void read_steps_of_site(WindowArguments& arguments, const CLI::App& command) {
+    const std::string folder = arguments.inputs.front();
+    const std::vector<std::filesystem::path> models = models_of_site(folder);
+    if (models.size() < 2) return;
+    if (command.count("--steps") == 0) arguments.steps = read_site_info(folder).steps;
+    if (arguments.steps)
+        arguments.inputs.assign(models.begin(), models.end());
+    else
+        note(fmt::format("{}: the first of {} models; {} is another one", folder, models.size(),
+                         models[1].string()));
+}
+
 /// A film by ffmpeg.
 class FilmSink : public viewer::PictureSink {
   public:
@@ -126,6 +132,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     // Models that one pattern matches are steps in time.
     const bool pattern = arguments.inputs.size() == 1;
     arguments.inputs = expanded(arguments.inputs);
+    if (pattern && is_site(arguments.inputs.front())) read_steps_of_site(arguments, command);
     if (command.count("--steps") == 0 && pattern && arguments.inputs.size() > 1)
         arguments.steps = common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model;
     if (arguments.steps &&
@@ -135,7 +142,8 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
             "--steps: of models, expected PLY files (vog convert 'volumes/*.vdb' -o models/)");
     // Inputs and options are checked before a window opens.
     for (const std::string& input : arguments.inputs)
-        if (!std::filesystem::exists(input)) throw Error(fmt::format("{}: no such file", input));
+        if (!std::filesystem::exists(input) && !find_site(input))
+            throw Error(fmt::format("{}: no such file", input));
     if (!arguments.inputs.empty())
         refuse_volume_options(command, common_kind(arguments.inputs, arguments.volume.grid),
                               arguments.inputs);

@@ -43,7 +43,7 @@ std::string extension_of(const std::string& file) {
 }
 
 FileKind kind_of(const std::string& file, const std::string& grid) {
-    if (is_site(file)) return FileKind::model;
+    if (find_site(file)) return FileKind::model;
     const std::string extension = extension_of(file);
     // A missing file is reported by its reader.
     std::error_code code;
@@ -268,8 +268,9 @@ std::vector<std::string> model_files(const std::vector<std::string>& files) {
 }
 
 bool all_sites(const std::vector<std::string>& files) {
-    return !files.empty() &&
-           std::ranges::all_of(files, [](const std::string& file) { return is_site(file); });
+    return !files.empty() && std::ranges::all_of(files, [](const std::string& file) {
+        return find_site(file).has_value();
+    });
 }
 
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy,
@@ -279,7 +280,8 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
     for (const std::string& file : model_files(files)) {
         const std::size_t before = model.size();
         if (view) {
-            SiteCut cut(file);
+            const SitePath site = *find_site(file);
+            SiteCut cut(site.folder, site.model);
             append(model, cut.choose(view->frame, {view->pixel_error, true}));
             view->report->chunks += cut.report().chunks;
             view->report->bytes_read += cut.report().bytes_read;
@@ -298,7 +300,8 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
 Box box_of(const std::string& input, const VolumeInputOptions& volume,
            const PointInputOptions& points) {
     const FileKind kind = kind_of(input, volume.grid);
-    if (is_site(input)) return view_box(read_site_info(input).models.front().description);
+    if (const auto site = find_site(input))
+        return view_box(read_site_info(site->folder).models[site->model].description);
     if (kind == FileKind::model) return view_box(load_models({input}));
     if (kind == FileKind::points) {
         std::vector<std::string> notes;

@@ -106,7 +106,7 @@ struct SiteView {
     std::shared_ptr<SiteCutReport> report =
         std::make_shared<SiteCutReport>();  ///< sums over the sites
 };
-/// Whether all files are folders of sites.
+/// Whether all files are sites, or models of them.
 bool all_sites(const std::vector<std::string>& files);
 /// Reads all models as one.
 /// hierarchy  set to the hierarchies of the models that have one; null: not read

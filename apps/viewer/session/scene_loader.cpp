@@ -129,7 +129,7 @@ void SceneLoader::work(const std::vector<std::string>& files) {
     Content content = read_(files);
     Scene scene;
     scene.title = title_of(files);
-    if (!content.site.empty()) return show_site(content.site, std::move(scene));
+    if (content.site) return show_site(*content.site, std::move(scene));
     if (!content.volumes.volumes.empty()) {
         show_volumes(std::move(content.volumes), content.read_fields, std::move(scene));
     } else if (content.points.size() > 0) {
@@ -190,23 +190,27 @@ void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) 
     add_level(std::move(level));
 }
 
-void SceneLoader::show_site(const std::string& folder, Scene scene) {
+Level level_of(const SitePath& site) {
     Level level;
-    level.site = std::make_shared<SiteCut>(folder);
+    level.site = std::make_shared<SiteCut>(site.folder, site.model);
     const SiteModelInfo& info = level.site->info();
     // The chunk at the root alone: no error is too large.
     const CutOptions coarsest{std::numeric_limits<double>::infinity(), false};
-    auto root = std::make_shared<Gaussians>(
+    level.model = std::make_shared<const Gaussians>(
         level.site->choose(frame_of(orbit_view(info.description.box), 1, 1), coarsest));
-    scene.box = view_box(*root);
-    scene.facts =
-        fmt::format("a site of {} Gaussians, read as views need them", count_text(info.gaussians));
-    show(std::move(scene));
     level.name = info.description.method.empty() ? "site" : info.description.method;
     level.made_by = info.description.options;
     if (const std::uint64_t voxels = info.description.source_voxels)
         level.share = static_cast<double>(info.gaussians) / static_cast<double>(voxels);
-    level.model = std::move(root);
+    return level;
+}
+
+void SceneLoader::show_site(const SitePath& site, Scene scene) {
+    Level level = level_of(site);
+    scene.box = view_box(*level.model);
+    scene.facts =
+        fmt::format("a site of {} Gaussians, read as views need them", count_text(level.size()));
+    show(std::move(scene));
     add_level(std::move(level));
 }
 

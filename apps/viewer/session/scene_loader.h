@@ -35,8 +35,8 @@ struct Content {
     Points points;
     PointOptions point_options;  ///< for the conversion to one Gaussian a particle
     Gaussians model;
-    Hierarchy hierarchy;  ///< of the model; empty if its files have none
-    std::string site;     ///< folder of a site, which is read as views need it; empty: none
+    Hierarchy hierarchy;           ///< of the model; empty if its files have none
+    std::optional<SitePath> site;  ///< model of a site, which is read as views need it
 };
 /// throws vog::Error
 using ReadFiles = std::function<Content(const std::vector<std::string>& files)>;
@@ -56,6 +56,10 @@ struct Level {
     /// Gaussians of the whole model.
     std::size_t size() const { return site ? site->info().gaussians : model->size(); }
 };
+
+/// Level of a model of a site, its coarsest part in memory.
+/// throws  vog::Error as SiteCut
+Level level_of(const SitePath& site);
 
 struct Scene {
     std::string title;            ///< "smoke.vdb"
@@ -94,7 +98,7 @@ class SceneLoader {
     void show_volumes(VolumeSet set, const ReadFields& read_fields, Scene scene);
     void show_points(const Points& points, PointOptions options, Scene scene);
     void show_model(Gaussians model, Hierarchy hierarchy, Scene scene);
-    void show_site(const std::string& folder, Scene scene);
+    void show_site(const SitePath& site, Scene scene);
     void convert_levels(const Composite& data, const VoxelData& voxels, Overlap overlap);
     Gaussians converted(const Composite& data, const VoxelData& voxels, std::size_t part,
                         bool is_mesh, MomentOptions options);

@@ -69,7 +69,7 @@ void Steps::drop_others() {
     while (true) {
         std::size_t gaussians = 0, last = wanted_;
         for (const auto& [step, level] : kept_) {
-            gaussians += level->model->size();
+            gaussians += level->size();
             if (wait_for(step) > wait_for(last)) last = step;
         }
         if ((gaussians <= kMostGaussians && kept_.size() <= kMostKept) || wait_for(last) < 2)
@@ -80,10 +80,16 @@ void Steps::drop_others() {
 
 Level Steps::read(std::size_t step) const {
     Content content = read_({files_[step]});
+    const std::string name = fmt::format("step {} of {}", step + 1, count());
+    if (content.site) {
+        Level level = level_of(*content.site);
+        level.name = name;
+        return level;
+    }
     if (content.model.size() == 0)
         throw Error(fmt::format("{}: a model without Gaussians", files_[step]));
     Level level;
-    level.name = fmt::format("step {} of {}", step + 1, count());
+    level.name = name;
     level.made_by = content.model.options;
     if (content.hierarchy.empty()) content.hierarchy = build_hierarchy(content.model);
     level.hierarchy = std::make_shared<const Hierarchy>(std::move(content.hierarchy));

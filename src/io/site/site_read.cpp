@@ -2,6 +2,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <map>
+#include <mutex>
+#include <utility>
 
 #include "core/parallel.h"
 #include "data/field_arrays.h"
@@ -15,6 +18,8 @@ namespace vog {
 using namespace site;
 
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Appends a chunk's row and those of all below, without their parts.
 void collect(const std::filesystem::path& folder, const Row& row, std::size_t fields, int depth,
@@ -36,12 +41,62 @@ void collect(const std::filesystem::path& folder, const Row& row, std::size_t fi
         collect(folder, part, fields, depth + 1, rows);
 }
 
+/// Name of a model by its place, from 0 on.
+std::string place_name(std::size_t model) { return fmt::format("#{}", model + 1); }
+
+/// Names of a site's models: those of the manifest read before, as long as that is the same file.
+std::vector<std::string> model_names(const fs::path& folder) {
+    static std::mutex mutex;
+    static std::pair<fs::path, fs::file_time_type> before;
+    static std::vector<std::string> names;
+    std::error_code code;
+    const std::pair now{fs::absolute(folder), fs::last_write_time(folder / kManifestName, code)};
+    const std::lock_guard lock(mutex);
+    if (now == before) return names;
+    std::vector<std::string> read;
+    for (const ManifestModel& model : read_manifest(folder).models) read.push_back(model.name);
+    names = std::move(read);
+    before = now;
+    return names;
+}
+
 }  // namespace
 
-bool is_site(const std::filesystem::path& path) {
+bool is_site(const fs::path& path) {
     std::error_code code;
-    return std::filesystem::is_directory(path, code) &&
-           std::filesystem::is_regular_file(path / kManifestName, code);
+    return fs::is_directory(path, code) && fs::is_regular_file(path / kManifestName, code);
+}
+
+std::optional<SitePath> find_site(const fs::path& path) {
+    if (is_site(path)) return SitePath{path, 0};
+    const fs::path folder = path.parent_path();
+    std::error_code code;
+    if (!path.has_filename() || fs::exists(path, code) || !is_site(folder)) return {};
+    const std::vector<std::string> names = model_names(folder);
+    const std::string name = path.filename().string();
+    auto found = std::ranges::find(names, name);
+    if (found == names.end())
+        for (found = names.begin(); found != names.end(); ++found)
+            if (name == place_name(static_cast<std::size_t>(found - names.begin()))) break;
+    if (found == names.end()) return {};
+    return SitePath{folder, static_cast<std::size_t>(found - names.begin())};
+}
+
+std::vector<fs::path> models_of_site(const fs::path& folder) {
+    const std::vector<std::string> names = model_names(folder);
+    std::map<std::string, int> count;
+    for (const std::string& name : names) ++count[name];
+    std::vector<fs::path> paths;
+    for (std::size_t n = 0; n < names.size(); ++n) {
+        const fs::path named = folder / names[n];
+        bool found = count[names[n]] == 1 && named.parent_path() == folder;
+        if (found) {
+            const auto site = find_site(named);
+            found = site && site->folder == folder && site->model == n;
+        }
+        paths.push_back(found ? named : folder / place_name(n));
+    }
+    return paths;
 }
 
 SiteInfo read_site_info(const std::filesystem::path& folder) {

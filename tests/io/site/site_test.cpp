@@ -308,6 +308,39 @@ TEST(site, models_are_steps_and_shared_chunks_are_written_once) {
               std::string::npos);
 }
 
+TEST(site, models_have_paths) {
+    const TempDir dir;
+    const auto write_site = [&](const std::vector<std::string>& names) {
+        SiteWriter site(dir / "site");
+        for (std::size_t n = 0; n < names.size(); ++n) {
+            Gaussians model = random_gaussians(100 + static_cast<int>(n), 0.1, 0.2, 11);
+            site.add(names[n], model, build_hierarchy(model));
+        }
+        site.finish();
+    };
+    const auto names_of = [&] {
+        std::vector<std::string> names;
+        for (const auto& path : models_of_site(dir / "site"))
+            names.push_back(path.filename().string());
+        return names;
+    };
+    // A file of that name, no plain name, a name twice: by the place.
+    write_site({"step_1", "chunks", "a/b", "twice", "twice", "", "."});
+    EXPECT_EQ(names_of(), (std::vector<std::string>{"step_1", "#2", "#3", "#4", "#5", "#6", "#7"}));
+    std::size_t n = 0;
+    for (const auto& path : models_of_site(dir / "site")) {
+        ASSERT_TRUE(find_site(path)) << path;
+        EXPECT_EQ(find_site(path)->model, n);
+        EXPECT_EQ(read_model(path).size(), 100 + n++);
+    }
+    EXPECT_EQ(find_site(dir / "site/")->model, 0u);
+    for (const char* other : {"site/#0", "site/#8", "site/#1x", "site/none", "site/chunks",
+                              "site/manifest.json", "elsewhere/#1"})
+        EXPECT_FALSE(find_site(dir / other)) << other;
+    write_site({"other"});
+    EXPECT_EQ(names_of(), std::vector<std::string>{"other"});
+}
+
 TEST(site, bytes_stay_near_those_of_one_compact_file) {
     const TempDir dir;
     Gaussians model = cloud();

@@ -5,9 +5,9 @@ import { kept } from '../picture/clip.js';
 import { instanceFloats } from '../model/gaussians.js';
 import { scalarFloats } from '../model/fields.js';
 
-const cells = 32, steps = 48;  // along each axis of the lattice; along a ray
+const cells = 20, steps = 40;  // along each axis of the lattice; along a ray
 // What is seen of a place is a mean of this order over its mass: near the largest, so that a rim counts, less so its last hair.
-const order = 16;
+const order = 6;
 const least = 1e-6;            // visibility that still tells two chunks apart
 
 /** Extinction of a model's coarsest chunk in cells of its box. */
@@ -82,22 +82,22 @@ export class Visibility {
   }
 
   /**
-   * Finds what a view shows of each cell: exp(-T), T the optical depth of the ray through its middle.
+   * Finds what a view shows of each cell: exp(-T), T the least optical depth of the rays through it and through the cells around: a
+   * rim may be thinner than a cell.
    * view     of cut.js's viewOf
    * clip     what is drawn of the model (clip.js)
    * inFront  only what lies between the cell and the eye hides it
    */
   look({ eye, forward, parallel }, clip, inFront) {
-    const { unit, center } = this.model, edge = mul(1 / cells, this.size), reach = 0.5 * length(edge);
-    this.shown ??= new Float32Array(cells ** 3);
+    const { unit, center } = this.model, edge = mul(1 / cells, this.size), reach = 0.5 * length(edge), depths = new Float32Array(cells ** 3);
     for (let x = 0, cell = 0; x < cells; ++x) for (let y = 0; y < cells; ++y) for (let z = 0; z < cells; ++z, ++cell) {
-      if (this.sums[cell] === 0) continue;
       const point = [x, y, z].map((n, k) => center[k] + unit * (this.lower[k] + (n + 0.5) * edge[k]));
       const along = sub(point, eye), direction = parallel ? forward : mul(1 / (length(along) || 1), along), depth = dot(along, direction);
       const origin = parallel ? sub(point, mul(depth, direction)) : eye, [from, to] = kept({ origin, direction }, clip);
       const end = inFront ? Math.min(to / unit, depth / unit - reach) : to / unit;
-      this.shown[cell] = this.sums[cell] * Math.exp(-order * this.depthOf(this.inside(origin), direction, from / unit, end));
+      depths[cell] = this.depthOf(this.inside(origin), direction, from / unit, end);
     }
+    this.shown = leastAround(depths).map((depth, cell) => this.sums[cell] * Math.exp(-order * depth));
   }
 
   /** Share of a change in a box that the picture shows, 0 to 1. */
@@ -112,4 +112,15 @@ export class Visibility {
       }
     return all > 0 ? Math.max(least, (shown / all) ** (1 / order)) : 1;
   }
+}
+
+/** Of each cell the least of the numbers of it and the 26 cells around it. */
+function leastAround(numbers) {
+  for (const stride of [1, cells, cells * cells]) {
+    numbers = numbers.map((number, cell) => {
+      const at = Math.floor(cell / stride) % cells;
+      return Math.min(number, at > 0 ? numbers[cell - stride] : number, at + 1 < cells ? numbers[cell + stride] : number);
+    });
+  }
+  return numbers;
 }
