@@ -8,6 +8,7 @@
 #include <limits>
 #include <new>
 #include <thread>
+#include <type_traits>
 
 namespace vog::mpi {
 
@@ -47,9 +48,12 @@ Ranks::Ranks(int* argc, char*** argv) {
     MPI_Comm_size(MPI_COMM_WORLD, &count_);
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     threads_per_rank_ = std::max(1, cores / ranks_on_this_machine());
-    collective_ = {rank_, count_, [this](std::span<double> values) { sum(values); },
+    collective_ = {rank_,
+                   count_,
+                   [this](std::span<double> values) { sum(values); },
                    [this](std::span<double> values) { max(values); },
-                   [this](const auto& to) { return exchange(to); }};
+                   [this](const std::vector<std::vector<float>>& to) { return exchange(to); },
+                   [this](const std::vector<std::string>& to) { return exchange(to); }};
 }
 
 Ranks::~Ranks() { MPI_Finalize(); }
@@ -143,14 +147,16 @@ std::string Ranks::from_root(std::string text) const {
     return text;
 }
 
-std::vector<std::vector<float>> Ranks::exchange(const std::vector<std::vector<float>>& to) const {
+template <class List>
+std::vector<List> Ranks::exchanged(const std::vector<List>& to) const {
+    const MPI_Datatype type = std::is_same_v<List, std::string> ? MPI_CHAR : MPI_FLOAT;
     const auto ranks = static_cast<std::size_t>(count_), self = static_cast<std::size_t>(rank_);
     std::vector<std::uint64_t> sent(ranks), received(ranks);
     std::ranges::transform(to, sent.begin(), [](const auto& one) { return one.size(); });
     agree();
     MPI_Alltoall(sent.data(), 1, MPI_UINT64_T, received.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
     // A rank without memory for this must not leave the others waiting.
-    std::vector<std::vector<float>> from(ranks);
+    std::vector<List> from(ranks);
     Failure failure;
     try {
         for (std::size_t n = 0; n < ranks; ++n) from[n].resize(received[n]);
@@ -161,7 +167,7 @@ std::vector<std::vector<float>> Ranks::exchange(const std::vector<std::vector<fl
     std::vector<MPI_Request> requests;
     const auto start = [&](auto* values, std::size_t size, std::size_t other, auto begin) {
         in_runs(size, [&](std::size_t first, int count) {
-            begin(values + first, count, MPI_FLOAT, static_cast<int>(other), 0, MPI_COMM_WORLD,
+            begin(values + first, count, type, static_cast<int>(other), 0, MPI_COMM_WORLD,
                   &requests.emplace_back());
         });
     };
@@ -173,6 +179,13 @@ std::vector<std::vector<float>> Ranks::exchange(const std::vector<std::vector<fl
     from[self] = to[self];
     MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
     return from;
+}
+
+std::vector<std::vector<float>> Ranks::exchange(const std::vector<std::vector<float>>& to) const {
+    return exchanged(to);
+}
+std::vector<std::string> Ranks::exchange(const std::vector<std::string>& to) const {
+    return exchanged(to);
 }
 
 void Ranks::sum_at_first(DepthImage& depth) const {

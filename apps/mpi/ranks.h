@@ -68,6 +68,7 @@ class Ranks {
     /// All-to-all: sends to[n] to rank n.
     /// returns  [ranks] received from each
     std::vector<std::vector<float>> exchange(const std::vector<std::vector<float>>& to) const;
+    std::vector<std::string> exchange(const std::vector<std::string>& to) const;
     /// Broadcast: the root's text on every rank.
     std::string from_root(std::string text) const;
     /// Sums T of all ranks' images, which have one size, into the root's, in double precision; the
@@ -75,6 +76,9 @@ class Ranks {
     void sum_at_first(DepthImage& depth) const;
 
   private:
+    template <class List>
+    std::vector<List> exchanged(const std::vector<List>& to) const;
+
     int rank_ = 0, count_ = 1, threads_per_rank_ = 1;
     Collective collective_;
 };

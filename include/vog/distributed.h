@@ -35,7 +35,11 @@ struct Collective {
     /// Sends to[p] to process p. Returns a vector from each process, in their order.
     std::function<std::vector<std::vector<float>>(const std::vector<std::vector<float>>& to)>
         exchange{};
+    /// The same of bytes.
+    std::function<std::vector<std::string>(const std::vector<std::string>& to)> exchange_bytes{};
 
+    /// Whether there are other processes.
+    bool several() const { return count > 1; }
     /// Whether there may be other processes.
     bool shared() const { return static_cast<bool>(allreduce_sum); }
     /// allreduce_sum; no change for a single process.

@@ -20,6 +20,8 @@
 
 namespace vog {
 
+struct Collective;
+
 /// Model of a page. With several, the page shows one and has a switch between them.
 struct HtmlModel {
     std::string name;               ///< label in the switch
@@ -86,10 +88,12 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
 
 /// Prepares a model for SiteWriter::add: removes Gaussians without density, and builds its hierarchy where it has none.
 /// hierarchy  of this model; empty: built with `options`, which sorts the model
+/// processes  have a part of the model each (SiteWriter); null: a single process
 /// returns    the model for write_site_page: a cut as fine as the pixels of a small picture, from which the page has its first
-///            extinction, ranges and histograms
+///            extinction, ranges and histograms; of several processes whole on process 0, elsewhere empty
 HtmlModel prepare_for_site(const std::string& name, Gaussians& model, Hierarchy& hierarchy,
-                           const HierarchyOptions& options = {});
+                           const HierarchyOptions& options = {},
+                           const Collective* processes = nullptr);
 
 /// Checks a page's first models and options before anything is written.
 /// throws  vog::Error as write_html

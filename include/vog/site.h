@@ -21,6 +21,8 @@
 
 namespace vog {
 
+struct Collective;
+
 /// Chunks of one depth of the tree: 0 the coarsest, one chunk.
 struct SiteLevel {
     std::uint64_t chunks = 0;     ///< number of them
@@ -39,27 +41,39 @@ struct SiteReport {
     std::uint64_t removed = 0;     ///< files of an earlier export that none of the models uses
 };
 
+/// Builder of a hierarchy over some Gaussians, which it may sort: build_hierarchy, with the options of the model.
+using HierarchyBuilder = std::function<Hierarchy(Gaussians&)>;
+
 /// Writes models into a folder, one after another; the manifest comes last. A folder whose export was interrupted is
 /// completed: chunks that it has are not written again.
 class SiteWriter {
   public:
-    /// folder  made if it does not exist. One that has a manifest of a site is exported anew
-    /// throws  vog::Error for a precision out of range, a folder that has another page or cannot be made
-    SiteWriter(const std::filesystem::path& folder, const VogzPrecision& precision = {});
+    /// folder     made if it does not exist. One that has a manifest of a site is exported anew
+    /// precision  of the numbers
+    /// processes  write the site together, each a part of every model (vog/distributed.h); all make the same calls in the same
+    ///            order. Null: a single process
+    /// throws     vog::Error for a precision out of range, a folder that has another page, cannot be made or is not the same of
+    ///            all processes
+    SiteWriter(const std::filesystem::path& folder, const VogzPrecision& precision = {},
+               const Collective* processes = nullptr);
     ~SiteWriter();
     SiteWriter(const SiteWriter&) = delete;
     SiteWriter& operator=(const SiteWriter&) = delete;
 
     /// Writes the chunks of a model.
     /// name       for people
-    /// model      all densities > 0, at least one Gaussian
+    /// model      all densities > 0, at least one Gaussian. Several processes pass a part each, which may be empty; origin,
+    ///            cutoff, box, texts and fields of all parts are those of the model
     /// hierarchy  of this model, as build_hierarchy makes it
+    /// build      for the nodes above the parts of several processes
     /// throws     vog::Error for an invalid model or hierarchy, or if a file cannot be written
-    /// cost       O(N) time, parallel; memory for a chunk a thread
-    void add(const std::string& name, const Gaussians& model, const Hierarchy& hierarchy);
+    /// cost       O(N) time, parallel; memory for a chunk a thread, and for the coarsest chunks of eight processes
+    void add(const std::string& name, const Gaussians& model, const Hierarchy& hierarchy,
+             const HierarchyBuilder& build = {});
     /// Writes the manifest, and removes chunks that it does not name.
-    /// steps   whether the models are steps in time
-    /// throws  vog::Error without a model, or if a file cannot be written
+    /// steps    whether the models are steps in time
+    /// returns  report of the whole; with several processes on process 0, elsewhere nothing
+    /// throws   vog::Error without a model, or if a file cannot be written
     SiteReport finish(bool steps = false);
 
   private:

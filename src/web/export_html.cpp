@@ -341,20 +341,6 @@ void check(std::span<const HtmlModel> models, const HtmlOptions& options) {
     if (options.camera) frame_of(*options.camera, 1, 1);
 }
 
-/// Removes Gaussians without density, which nodes do not stand for.
-/// returns  whether there were any
-bool drop_empty(Gaussians& model) {
-    if (std::ranges::all_of(model.density, [](float d) { return d > 0; })) return false;
-    std::vector<std::size_t> kept;
-    for (std::size_t n = 0; n < model.size(); ++n)
-        if (model.density[n] > 0) kept.push_back(n);
-    Gaussians rest = select(model, kept);
-    rest.source_voxels = model.source_voxels;
-    rest.summary = model.summary;
-    model = std::move(rest);
-    return true;
-}
-
 /// Style of the text over a background: "light", "dark", or "clear" for a transparent one.
 std::string ground_of(const Rgba& background) {
     if (background.a < 0.5f) return "clear";
@@ -445,19 +431,6 @@ HtmlReport write_html(const std::filesystem::path& file, std::span<const HtmlMod
 
 void require_page(std::span<const HtmlModel> models, const HtmlOptions& options) {
     check(models, options);
-}
-
-HtmlModel prepare_for_site(const std::string& name, Gaussians& model, Hierarchy& hierarchy,
-                           const HierarchyOptions& options) {
-    if (drop_empty(model)) hierarchy = {};
-    if (hierarchy.empty()) hierarchy = build_hierarchy(model, options);
-    constexpr int kSize = 256;
-    const Box box = view_box(model);
-    Gaussians coarse =
-        ViewCut(model, hierarchy).choose(frame_of(orbit_view(box), kSize, kSize), {1, false});
-    coarse.box = box;
-    coarse.source = model.source;
-    return {name, {std::move(coarse)}};
 }
 
 HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const HtmlModel> models,
