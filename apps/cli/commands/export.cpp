@@ -13,16 +13,14 @@
 #include "models/compact_options.h"
 #include "models/compact_run.h"
 #include "models/exchange_run.h"
+#include "models/page_options.h"
 #include "models/site_run.h"
-#include "options/camera_options.h"
-#include "options/color_options.h"
 #include "options/memory_options.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
-#include "values/page_quantity.h"
 #include "vog/convert_moments.h"
 #include "vog/error.h"
 #include "vog/export_html.h"
@@ -36,33 +34,20 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kPageGroup = "Page (.html)";
-
 struct ExportArguments {
-    std::vector<std::string> inputs, names;
-    std::string output, title, description;
-    ColorArguments color;
-    PageQuantityArguments quantity;
+    std::vector<std::string> inputs;
+    std::string output;
+    PageArguments page;
     CompactArguments compact;
     SplatArguments splats;
     VolumeInputOptions volume;
     PointInputOptions points;
-    ViewArguments view;
     std::size_t budget = 0, levels = 8;
     int threads = 0;
     bool json = false, verbose = false, no_fields = false;
-    bool precise = false;  ///< whether words are finer
-    bool steps = false;    ///< whether models are steps in time
-    bool site = false;     ///< --site
+    bool site = false;  ///< --site
     MemoryArguments memory;
-    std::optional<HtmlQuantity> chosen;  ///< of a sequence's first page
-    std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
-
-/// Name of a file without folder and extension, for people.
-std::string stem_of(const std::string& file) {
-    return printable(std::filesystem::path(file).stem().string());
-}
 
 /// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion
 /// of its own, about 4 dB better than coarsening the finest one (docs/web.md).
@@ -130,12 +115,13 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
             if (arguments.no_fields) model.fields = {};
             stages.run("levels", [&] {
                 if (arguments.budget) model = coarsen(model, arguments.budget);
-                entries.push_back({stem_of(input), detail_levels(std::move(model), most)});
+                entries.push_back(
+                    {model_name({}, input, 0), detail_levels(std::move(model), most)});
             });
         }
         return entries;
     }
-    entries.push_back({stem_of(arguments.inputs.front()), {}});
+    entries.push_back({model_name({}, arguments.inputs.front(), 0), {}});
     HtmlModel& entry = entries.front();
     stages.run("convert", [&] {
         entry.levels =
@@ -157,8 +143,8 @@ Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     if (is_splat_output(arguments.output, arguments.splats))
         return write_exchange(arguments.output, model, arguments.splats,
-                              {fixed_extinction(arguments.color), arguments.color.tf,
-                               arguments.quantity.quantity.field},
+                              {fixed_extinction(arguments.page.color), arguments.page.color.tf,
+                               arguments.page.quantity.quantity.field},
                               stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz")
         return write_compact(arguments.output, std::move(model), arguments.compact, stages,
@@ -196,42 +182,6 @@ Json report_page(const ExportArguments& arguments, const std::vector<HtmlModel>&
     return json;
 }
 
-HtmlOptions page_options(const ExportArguments& arguments, const CLI::App& command,
-                         const HtmlModel& first, std::vector<std::string>& notes) {
-    HtmlOptions options;
-    options.title = command.count("--title") ? arguments.title : first.name;
-    options.description = arguments.description;
-    options.precise = arguments.precise;
-    // A file of values is of volume; the other quantities then have the default colours.
-    const bool by_value = arguments.quantity.quantity.volume() &&
-                          !std::ranges::count(transfer_function_names(), arguments.color.tf);
-    options.tf =
-        by_value ? named_transfer_function("inferno") : load_transfer_function(arguments.color.tf);
-    options.extinction = fixed_extinction(arguments.color);
-    ColorArguments color = arguments.color;
-    options.system_background = color.background == "system";
-    if (options.system_background) color.background = ColorArguments{}.background;
-    options.shading = shading_of(color);
-    // Without an option for the view, every model of the page is framed by itself; the pages of a
-    // sequence share one view.
-    const bool viewed = arguments.box.has_value() || view_given(command);
-    if (viewed)
-        options.camera = camera_from(arguments.view, command,
-                                     arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
-    options.steps = arguments.steps;
-    if (arguments.chosen) {
-        options.quantity = *arguments.chosen;
-        return options;
-    }
-    std::vector<std::string> found;
-    options.quantity =
-        page_quantity(arguments.quantity, arguments.color, command, first.levels.front(),
-                      options.camera, arguments.inputs.front(), found);
-    print_notes(found);
-    notes.insert(notes.end(), found.begin(), found.end());
-    return options;
-}
-
 /// Result of one export.
 struct Exported {
     Json json;              ///< the report of --json
@@ -239,23 +189,18 @@ struct Exported {
     HtmlQuantity quantity{};
 };
 
-/// throws  CLI::ValidationError unless --name names every model or none
-void check_names(const ExportArguments& arguments, std::size_t models) {
-    if (!arguments.names.empty() && arguments.names.size() != models)
-        throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
-                                               arguments.names.size(), models));
-}
-
 Exported write_page(const ExportArguments& arguments, const CLI::App& command,
                     std::vector<HtmlModel> entries, Stages& stages,
                     std::vector<std::string>& notes) {
-    check_names(arguments, entries.size());
-    for (std::size_t n = 0; n < arguments.names.size(); ++n) entries[n].name = arguments.names[n];
-    const HtmlOptions options = page_options(arguments, command, entries.front(), notes);
+    check_names(arguments.page, entries.size());
+    for (std::size_t n = 0; n < arguments.page.names.size(); ++n)
+        entries[n].name = arguments.page.names[n];
+    const HtmlOptions options =
+        page_options(arguments.page, command, entries.front(), arguments.inputs.front(), notes);
     const HtmlReport report =
         stages.run("save", [&] { return write_html(arguments.output, entries, options); });
-    if (options.camera && !arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, *options.camera);
+    if (options.camera && !arguments.page.view.save_camera.empty())
+        write_camera(arguments.page.view.save_camera, *options.camera);
     return {report_page(arguments, entries, report, stages), report.extinction, options.quantity};
 }
 
@@ -291,21 +236,21 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
 /// first page.
 /// returns  the report of --json
 Json export_sequence(const ExportArguments& all, const CLI::App& command) {
-    if (!all.names.empty())
+    if (!all.page.names.empty())
         throw CLI::ValidationError(
             "--name names the models of one page: not for a folder of pages");
     ExportArguments one = all;
-    one.box = Box{};
+    one.page.box = Box{};
     for (const std::string& input : all.inputs)
-        one.box->include(box_of(input, all.volume, all.points));
+        one.page.box->include(box_of(input, all.volume, all.points));
     Json pages = Json::array();
     for (const Frame& frame : frames_of(all.inputs, all.output, ".html")) {
         one.inputs = {frame.input};
         one.output = frame.output;
         const Exported page = export_one(one, command);
         // After the first page, its automatic extinction and transfer function.
-        one.chosen = page.quantity;
-        one.color.extinction = fmt::format("{:.17g}", page.extinction);
+        one.page.chosen = page.quantity;
+        one.page.color.extinction = fmt::format("{:.17g}", page.extinction);
         pages.push_back(page.json);
     }
     return {{"output", all.output}, {"pages", pages}};
@@ -315,7 +260,7 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
 SiteInput read_site_input(const ExportArguments& arguments, FileKind kind, std::size_t n,
                           Stages& stages, std::vector<std::string>& notes) {
     const std::string& file = arguments.inputs[n];
-    SiteInput input{arguments.names.empty() ? stem_of(file) : arguments.names[n], {}};
+    SiteInput input{model_name(arguments.page, file, n), {}};
     if (kind == FileKind::model) {
         input.model = stages.run("load", [&] { return read_model(file, &input.hierarchy); });
         if (arguments.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
@@ -335,32 +280,6 @@ SiteInput read_site_input(const ExportArguments& arguments, FileKind kind, std::
     return input;
 }
 
-Json report_site(const ExportArguments& arguments, const SiteReport& report,
-                 std::uint64_t page_bytes, const Stages& stages,
-                 const std::vector<std::string>& notes) {
-    if (!arguments.json) {
-        print_line(fmt::format(
-            "{}: {} Gaussians in {} chunks, {}{}{}", arguments.output, count_text(report.gaussians),
-            count_text(report.chunks), bytes_text(report.bytes),
-            report.kept ? fmt::format(", {} chunks there already", count_text(report.kept)) : "",
-            report.removed ? fmt::format(", {} old files removed", count_text(report.removed))
-                           : ""));
-        print_line(fmt::format("{}: first picture after {}; vog serve {} shows it here",
-                               arguments.output, bytes_text(page_bytes + report.root_bytes),
-                               arguments.output));
-    }
-    Json json = {
-        {"output", arguments.output}, {"gaussians", report.gaussians},   {"chunks", report.chunks},
-        {"bytes", report.bytes},      {"root_bytes", report.root_bytes}, {"page_bytes", page_bytes},
-        {"kept", report.kept},        {"removed", report.removed}};
-    json["ms"] = Json::object();
-    for (const auto& [name, ms] : stages.times())  // a model each
-        json["ms"][name] = json["ms"].value(name, 0.0) + ms;
-    json["peak_memory"] = peak_memory();
-    if (!notes.empty()) json["notes"] = notes;
-    return json;
-}
-
 /// Writes a site: the models' chunks, the manifest, and the page.
 /// returns  the report of --json
 Json export_site(const ExportArguments& arguments, const CLI::App& command) {
@@ -372,18 +291,20 @@ Json export_site(const ExportArguments& arguments, const CLI::App& command) {
     if (command.count("--levels"))
         throw CLI::ValidationError("--levels: a site has all levels of detail");
     const std::size_t count = kind == FileKind::model ? arguments.inputs.size() : 1;
-    check_names(arguments, count);
+    check_names(arguments.page, count);
     const CommandMemory memory(arguments.memory);
     Stages stages(arguments.verbose);
     std::vector<std::string> notes;
     const WrittenSite site = write_site(
-        arguments.output, site_precision(arguments.compact, arguments.precise), count,
+        arguments.output, site_precision(arguments.compact, arguments.page.precise), count,
         [&](std::size_t n) { return read_site_input(arguments, kind, n, stages, notes); },
-        [&](const HtmlModel& first) { return page_options(arguments, command, first, notes); },
+        [&](const HtmlModel& first) {
+            return page_options(arguments.page, command, first, arguments.inputs.front(), notes);
+        },
         stages);
-    if (site.options.camera && !arguments.view.save_camera.empty())
-        write_camera(arguments.view.save_camera, *site.options.camera);
-    return report_site(arguments, site.chunks, site.page.bytes, stages, notes);
+    if (site.options.camera && !arguments.page.view.save_camera.empty())
+        write_camera(arguments.page.view.save_camera, *site.options.camera);
+    return report_site(arguments.output, !arguments.json, site, stages, notes);
 }
 
 /// Whether a folder is written as a site: of one input, or with --site.
@@ -398,14 +319,15 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
     if (command.count("--steps") == 0 && given.inputs.size() == 1 && arguments.inputs.size() > 1 &&
         (arguments.site || extension_of(arguments.output) == ".html") &&
         common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model) {
-        arguments.steps = true;
+        arguments.page.steps = true;
         note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
                          given.inputs.front(), arguments.inputs.size()));
     }
     std::vector<std::string> read = arguments.inputs;
-    read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf});
+    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.color.tf});
     check_distinct(
-        {is_sequence(arguments.output) ? "" : arguments.output, arguments.view.save_camera}, read);
+        {is_sequence(arguments.output) ? "" : arguments.output, arguments.page.view.save_camera},
+        read);
     if (arguments.site && !is_sequence(arguments.output))
         throw CLI::ValidationError("--site: expected -o with a folder (a name that ends in /)");
     if (!makes_site(arguments)) refuse_group(command, kLargeDataGroup, "pages and files");
@@ -414,38 +336,6 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
                       : is_sequence(arguments.output) ? export_sequence(arguments, command)
                                                       : export_one(arguments, command).json;
     if (arguments.json) print_json(json);
-}
-
-void add_page_options(CLI::App& command, ExportArguments& arguments) {
-    const auto add = [&](const std::string& name, auto& value, const std::string& text) {
-        return command.add_option(name, value, text)->group(kPageGroup);
-    };
-    add("--title", arguments.title, "Title of the page; default: the name of the first model");
-    add("--description", arguments.description, "Text below the title");
-    add("--name", arguments.names,
-        "Name of a model in the page's selector; repeat once per model. Default: the file's name")
-        ->expected(1)
-        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    add("--levels", arguments.levels,
-        "Largest number of levels of detail in the page: the model itself, then a quarter as many "
-        "Gaussians each time; 1: the model alone")
-        ->check(CLI::Range(1, 32))
-        ->capture_default_str();
-    command
-        .add_flag(
-            "--precise", arguments.precise,
-            "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
-            "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
-            "as fine as a page without this option")
-        ->group(kPageGroup);
-    add_page_quantity_options(command, arguments.quantity, kPageGroup);
-    command
-        .add_flag("--steps,!--no-steps", arguments.steps,
-                  "Whether the models are steps in time, with a play bar, one extinction and one "
-                  "range for all; default: where a single pattern names them")
-        ->group(kPageGroup);
-    add_color_options(command, arguments.color, kPageGroup,
-                      ", or system: black or white by the reader's colour scheme");
 }
 
 }  // namespace
@@ -483,12 +373,20 @@ void add_export(CLI::App& app) {
             "Largest number of Gaussians per model; larger models are coarsened by joining "
             "neighbouring Gaussians")
         ->check(positive_number());
-    add_page_options(*command, *arguments);
+    add_page_options(*command, arguments->page);
+    command
+        ->add_option("--levels", arguments->levels,
+                     "Largest number of levels of detail in the page: the model itself, then a "
+                     "quarter as many "
+                     "Gaussians each time; 1: the model alone")
+        ->check(CLI::Range(1, 32))
+        ->capture_default_str()
+        ->group(kPageGroup);
     add_compact_options(*command, arguments->compact);
     add_splat_options(*command, arguments->splats);
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
-    add_view_options(*command, arguments->view);
+    add_view_options(*command, arguments->page.view);
     add_memory_options(*command, arguments->memory, "Of sites.");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(non_negative_number())

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "models/compact_options.h"
 #include "shared/terminal.h"
+#include "vog/distributed.h"
 #include "vog/export_html.h"
 #include "vog/linear.h"
 #include "vog/site.h"
@@ -35,10 +37,18 @@ struct WrittenSite {
 };
 /// Writes models one after another: a time step is written before the next is read, and nothing before the first model's page
 /// is known to be right.
-/// read     read(n) reads model n of `count`
-/// options  options(first) of the page, from the first model
+/// read       read(n) reads model n of `count`
+/// options    options(first) of the page, from the first model
+/// processes  write the site together: read(n) then gives this one's part, and page and report are of process 0; null: one
 WrittenSite write_site(const std::string& folder, const VogzPrecision& precision, std::size_t count,
                        const std::function<SiteInput(std::size_t)>& read,
-                       const std::function<HtmlOptions(const HtmlModel&)>& options, Stages& stages);
+                       const std::function<HtmlOptions(const HtmlModel&)>& options, Stages& stages,
+                       const Collective* processes = nullptr);
+/// Prints the report of a site in words.
+/// in_words  false: not printed
+/// returns   the report of --json
+nlohmann::ordered_json report_site(const std::string& folder, bool in_words,
+                                   const WrittenSite& site, const Stages& stages,
+                                   const std::vector<std::string>& notes);
 
 }  // namespace vog::cli

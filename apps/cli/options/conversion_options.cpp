@@ -10,7 +10,6 @@ namespace vog::cli {
 
 namespace {
 
-constexpr const char* kMomentGroup = "Conversion by moments (--method moments)";
 constexpr const char* kPaperGroup = "Conversion of the paper (--method paper)";
 
 }  // namespace

@@ -8,6 +8,8 @@
 
 namespace vog::cli {
 
+inline constexpr const char* kMomentGroup = "Conversion by moments (--method moments)";
+
 void add_paper_options(CLI::App& command, ConvertArguments& arguments);
 void add_moment_options(CLI::App& command, ConvertArguments& arguments);
 

@@ -1,0 +1,96 @@
+// page_options.cpp: help and evaluation of the options of pages and sites.
+#include "models/page_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "shared/inputs.h"
+#include "vog/shade.h"
+#include "vog/text.h"
+
+namespace vog::cli {
+
+void add_page_options(CLI::App& command, PageArguments& arguments) {
+    const auto add = [&](const std::string& name, auto& value, const std::string& text) {
+        return command.add_option(name, value, text)->group(kPageGroup);
+    };
+    add("--title", arguments.title, "Title of the page; default: the name of the first model");
+    add("--description", arguments.description, "Text below the title");
+    add("--name", arguments.names,
+        "Name of a model in the page's selector; repeat once per model. Default: the file's name")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command
+        .add_flag(
+            "--precise", arguments.precise,
+            "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
+            "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
+            "as fine as a page without this option")
+        ->group(kPageGroup);
+    add_page_quantity_options(command, arguments.quantity, kPageGroup);
+    command
+        .add_flag("--steps,!--no-steps", arguments.steps,
+                  "Whether the models are steps in time, with a play bar, one extinction and one "
+                  "range for all; default: where a single pattern names them")
+        ->group(kPageGroup);
+    add_color_options(command, arguments.color, kPageGroup,
+                      ", or system: black or white by the reader's colour scheme");
+}
+
+HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command,
+                         const HtmlModel& first, const std::string& input,
+                         std::vector<std::string>& notes) {
+    HtmlOptions options;
+    options.title = command.count("--title") ? arguments.title : first.name;
+    options.description = arguments.description;
+    options.precise = arguments.precise;
+    // A file of values is of volume; the other quantities then have the default colours.
+    const bool by_value = arguments.quantity.quantity.volume() &&
+                          !std::ranges::count(transfer_function_names(), arguments.color.tf);
+    options.tf =
+        by_value ? named_transfer_function("inferno") : load_transfer_function(arguments.color.tf);
+    options.extinction = fixed_extinction(arguments.color);
+    ColorArguments color = arguments.color;
+    options.system_background = color.background == "system";
+    if (options.system_background) color.background = ColorArguments{}.background;
+    options.shading = shading_of(color);
+    // Without an option for the view, every model of the page is framed by itself; the pages of a
+    // sequence share one view.
+    const bool viewed = arguments.box.has_value() || view_given(command);
+    if (viewed)
+        options.camera = camera_from(arguments.view, command,
+                                     arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
+    options.steps = arguments.steps;
+    if (arguments.chosen) {
+        options.quantity = *arguments.chosen;
+        return options;
+    }
+    std::vector<std::string> found;
+    options.quantity = page_quantity(arguments.quantity, arguments.color, command,
+                                     first.levels.front(), options.camera, input, found);
+    print_notes(found);
+    notes.insert(notes.end(), found.begin(), found.end());
+    return options;
+}
+
+void check_page_options(const PageArguments& arguments, const CLI::App& command) {
+    stated_quantity(arguments.quantity, command);
+    if (!arguments.quantity.quantity.volume()) load_transfer_function(arguments.color.tf);
+    fixed_extinction(arguments.color);
+    if (view_given(command)) camera_from(arguments.view, command, {{-1, -1, -1}, {1, 1, 1}}, 1);
+}
+
+void check_names(const PageArguments& arguments, std::size_t models) {
+    if (!arguments.names.empty() && arguments.names.size() != models)
+        throw CLI::ValidationError(fmt::format("--name: {} names for {} models, expected one each",
+                                               arguments.names.size(), models));
+}
+
+std::string model_name(const PageArguments& arguments, const std::string& file, std::size_t n) {
+    return arguments.names.empty() ? printable(std::filesystem::path(file).stem().string())
+                                   : arguments.names[n];
+}
+
+}  // namespace vog::cli
