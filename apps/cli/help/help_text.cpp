@@ -39,7 +39,8 @@ class HelpFormatter : public CLI::Formatter {
         if (mode != CLI::AppFormatMode::Normal || !subcommand || common.empty())
             return CLI::Formatter::make_help(app, name, mode);
         std::vector<const CLI::Option*> some, all = named_options(*app);
-        for (const std::string& option : common) some.push_back(app->get_option(option));
+        for (const std::string& option : common)
+            if (const CLI::Option* known = app->get_option_no_throw(option)) some.push_back(known);
         some.push_back(app->get_help_ptr());
         std::ostringstream out;
         out << make_description(app) << make_usage(app, name) << make_positionals(app)
@@ -78,9 +79,9 @@ const std::vector<std::string>& common_options(const std::string& command) {
         {"render",
          {"--output", "--size", "--azimuth", "--elevation", "--show", "--field", "--tf",
           "--extinction", "--background", "--grid", "--turntable"}},
-        {"export",
+        {"export",  // of vog, and of vog-mpi
          {"--output", "--title", "--show", "--field", "--tf", "--light", "--steps", "--budget",
-          "--max-loss", "--as"}},
+          "--max-loss", "--as", "--error", "--block", "--carry"}},
         {"evaluate",
          {"--output", "--grid", "--field", "--size", "--show", "--tf", "--voxels", "--repeat",
           "--resume", "--json"}},

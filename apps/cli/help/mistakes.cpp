@@ -60,9 +60,9 @@ std::string unexpected_text(const CLI::App& app) {
 }
 
 /// Extension of the file that a command writes with -o; empty: a folder or no file.
-std::string output_extension(const std::string& command) {
+std::string output_extension(const CLI::App& program, const std::string& command) {
     if (command == "convert") return ".ply";
-    if (command == "export") return ".html";
+    if (command == "export") return program.get_name() == "vog-mpi" ? "/" : ".html";
     if (command == "voxelize") return ".vdb";
     return "";
 }
@@ -73,7 +73,7 @@ std::string output_example(const CLI::App& command) {
     const std::string input =
         inputs && inputs->count() ? inputs->results().front() : std::string("FILE");
     const std::filesystem::path path(input);
-    const std::string extension = output_extension(command.get_name());
+    const std::string extension = output_extension(*command.get_parent(), command.get_name());
     const std::string output =
         extension.empty() ? path.stem().string() + "-out" : path.stem().string() + extension;
     return fmt::format("{} {} -o {}", spoken(command), input, output);

@@ -1,5 +1,5 @@
 // whole_error.cpp: depth images summed over the ranks, compared on the first.
-#include "whole_error.h"
+#include "conversion/whole_error.h"
 
 #include <algorithm>
 #include <cmath>

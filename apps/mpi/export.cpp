@@ -1,0 +1,226 @@
+// export.cpp: vog-mpi export: sites, whose chunks each rank writes of its part of the model.
+#include <fmt/core.h>
+
+#include <algorithm>
+
+#include "commands.h"
+#include "conversion/volume_conversion.h"
+#include "models/page_options.h"
+#include "models/site_run.h"
+#include "options/conversion_options.h"
+#include "options/memory_options.h"
+#include "rank_files.h"
+#include "shared/inputs.h"
+#include "shared/outputs.h"
+#include "shared/sequence.h"
+#include "shared/validators.h"
+#include "vog/error.h"
+#include "vog/model_io.h"
+
+namespace vog::mpi {
+
+namespace {
+
+using cli::FileKind;
+using cli::SiteInput;
+
+struct SiteArguments {
+    cli::ConvertArguments convert;  ///< inputs, output and the conversion of volumes
+    cli::PageArguments page;
+    cli::CompactArguments compact;
+    bool site = false;  ///< --site
+};
+
+/// throws CLI::ValidationError and vog::Error for options and inputs that make no site
+FileKind check(const SiteArguments& arguments, const CLI::App& command) {
+    const cli::ConvertArguments& given = arguments.convert;
+    if (!cli::is_sequence(given.output))
+        throw CLI::ValidationError(
+            fmt::format("-o {}: expected a folder, a name that ends in /, for a site (vog export "
+                        "writes pages and files)",
+                        given.output));
+    std::vector<std::string> read = given.inputs;
+    read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.color.tf});
+    cli::check_distinct({arguments.page.view.save_camera}, read);
+    const FileKind kind = cli::common_kind(given.inputs, given.volume.grid);
+    if (kind == FileKind::points)
+        throw Error(
+            fmt::format("{}: particles, expected volumes or models (vog-mpi convert makes "
+                        "a model of them)",
+                        given.inputs.front()));
+    if (kind == FileKind::volume) {
+        cli::check_options(given, command, kind);
+        if (given.stamp) throw CLI::ValidationError("--stamp: sites have no stage times");
+        if (!given.fields.empty() && given.no_fields)
+            throw CLI::ValidationError("--carry and --no-fields exclude each other");
+    } else {
+        cli::refuse_volume_options(command, kind, given.inputs);
+        cli::refuse_group(command, cli::kMomentGroup, "models");
+        for (const char* option : {"--carry", "--lod", "--measure"})
+            if (command.count(option))
+                throw CLI::ValidationError(fmt::format("{} does not go with models", option));
+    }
+    cli::check_names(arguments.page, kind == FileKind::model ? given.inputs.size() : 1);
+    cli::check_page_options(arguments.page, command);
+    return kind;
+}
+
+/// Describes a part of a model by the whole: texts, box, ranges of fields.
+/// throws vog::Error for a part with other fields
+void describe(Gaussians& part, const Gaussians& whole) {
+    if (part.size() == 0) {
+        part = whole;
+        return;
+    }
+    if (part.fields.names() != whole.fields.names())
+        throw Error(fmt::format("{}: a part with other fields than the whole", part.source));
+    part.box = whole.box;
+    part.source_voxels = whole.source_voxels;
+    part.source = whole.source, part.method = whole.method;
+    part.options = whole.options, part.summary = whole.summary;
+    const auto take_range = [](auto& own, const auto& all) {
+        for (std::size_t k = 0; k < own.size(); ++k)
+            own[k].lower = all[k].lower, own[k].upper = all[k].upper;
+    };
+    take_range(part.fields.scalar, whole.fields.scalar);
+    take_range(part.fields.vector, whole.fields.vector);
+}
+
+/// This rank's part of the volumes' model.
+SiteInput convert_input(const SiteArguments& arguments, const CLI::App& command,
+                        cli::Stages& stages, const Ranks& ranks, std::vector<std::string>& notes) {
+    cli::VolumeConversion conversion;
+    conversion.moments = cli::moment_options(arguments.convert, command);
+    conversion.moments.progress = stages.progress();
+    ConvertedVolumes volumes = convert_parts(arguments.convert, conversion, stages, ranks);
+    notes = volumes.notes;
+    SiteInput input;
+    for (Gaussians& one : volumes.model.inputs)
+        if (one.size() > 0) append(input.model, std::exchange(one, {}));
+    describe(input.model, volumes.model.description);
+    input.index_from_world = volumes.index_from_world;
+    if (ranks.first())
+        cli::note(fmt::format("{}: {}", arguments.convert.inputs.front(),
+                              volumes.model.description.summary));
+    return input;
+}
+
+/// This rank's part of a model, of which every file is divided among all ranks.
+SiteInput read_input(const std::string& model, const Ranks& ranks) {
+    const std::vector<std::string> files = cli::model_files({model});
+    const SameFiles same(files, ranks);
+    SiteInput input;
+    for (const std::string& file : files) {
+        if (ranks.count() == 1 && files.size() == 1)
+            input.model = read_model(file, &input.hierarchy);
+        else
+            append(input.model, read_model(file, ModelPart{ranks.rank(), ranks.count()}));
+    }
+    same.check_unchanged();
+    return input;
+}
+
+void export_site(const SiteArguments& given, const CLI::App& command, const Ranks& ranks) {
+    SiteArguments arguments = given;
+    cli::ConvertArguments& convert = arguments.convert;
+    convert.inputs = cli::expanded(given.convert.inputs);
+    convert.volume.ones = convert.measure == "volume";
+    const FileKind kind = check(arguments, command);
+    // As of vog export: models that one pattern matches are steps in time.
+    if (kind == FileKind::model && command.count("--steps") == 0)
+        arguments.page.steps = given.convert.inputs.size() == 1 && convert.inputs.size() > 1;
+    const cli::CommandMemory memory(convert.memory);
+    const ThreadLimit threads(convert.threads);
+    cli::Stages stages(convert.verbose && ranks.first());
+    std::vector<std::string> notes;
+    const auto read = [&](std::size_t n) {
+        SiteInput input =
+            kind == FileKind::volume
+                ? convert_input(arguments, command, stages, ranks, notes)
+                : stages.run("load", [&] { return read_input(convert.inputs[n], ranks); });
+        input.name = cli::model_name(arguments.page, convert.inputs[n], n);
+        if (convert.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
+        ranks.agree();
+        return input;
+    };
+    const cli::WrittenSite site = cli::write_site(
+        convert.output, cli::site_precision(arguments.compact, arguments.page.precise),
+        kind == FileKind::model ? convert.inputs.size() : 1, read,
+        [&](const HtmlModel& first) {
+            return cli::page_options(arguments.page, command, first, convert.inputs.front(), notes);
+        },
+        stages, &ranks.collective());
+    if (!ranks.first()) return;
+    if (site.options.camera && !arguments.page.view.save_camera.empty())
+        write_camera(arguments.page.view.save_camera, *site.options.camera);
+    const auto json = cli::report_site(convert.output, !convert.json, site, stages, notes);
+    if (convert.json) cli::print_json(json);
+}
+
+void add_volume_conversion(CLI::App& command, cli::ConvertArguments& convert) {
+    command.add_option(
+        "--carry", convert.fields,
+        "Field that Gaussians of volumes carry beside density, as --field of vog-mpi "
+        "convert: GRID of the same file, FILE:GRID, or NAME=FILE:GRID. Repeatable");
+    command
+        .add_option("--lod", convert.lod,
+                    "Level of detail, 1 (finest) to 5 (coarsest): uniform cells with edges of 2, "
+                    "4, 8, 16, 32 voxels")
+        ->check(CLI::Range(1, 5));
+    command
+        .add_option("--measure", convert.measure,
+                    "Weight of a voxel. density: its value; volume: 1 for each active voxel")
+        ->check(CLI::IsMember({"density", "volume"}))
+        ->capture_default_str();
+    cli::add_volume_options(command, convert.volume);
+    cli::add_moment_options(command, convert);
+    cli::add_memory_options(command, convert.memory, "Of each rank.");
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, const Ranks& ranks) {
+    auto arguments = std::make_shared<SiteArguments>();
+    cli::ConvertArguments& convert = arguments->convert;
+    convert.threads = ranks.threads_per_rank();
+    CLI::App* command = app.add_subcommand(
+        "export", "Write a site that streams large models to browsers, each rank its chunks");
+    command
+        ->add_option(
+            "inputs", convert.inputs,
+            "Volumes (.vdb, .nvdb; .nii, .nrrd, .mha, .tif, .fits), converted to one model "
+            "by parts as vog-mpi convert does; or models (.ply, .vogz, .json), each divided "
+            "among the ranks. Quoted patterns match files in natural order, models as steps "
+            "in time")
+        ->required();
+    command
+        ->add_option("-o,--output", convert.output,
+                     "Folder of the site (a name that ends in /), which all ranks share")
+        ->required();
+    command->add_flag("--site", arguments->site,
+                      "As of vog export; here several models always are one site");
+    command->add_flag("--no-fields", convert.no_fields,
+                      "Leave fields out: a smaller site, without values");
+    add_volume_conversion(*command, convert);
+    cli::add_page_options(*command, arguments->page);
+    command
+        ->add_option("--step", arguments->compact.step,
+                     "Step of masses, shapes and (in standard deviations) means relative to "
+                     "themselves; default 0.025")
+        ->check(CLI::Range(1e-6, 0.5));
+    command
+        ->add_option("--field-step", arguments->compact.field_step,
+                     "Step of field values relative to the range of the data; default 1/256")
+        ->check(CLI::Range(1e-6, 0.5));
+    cli::add_view_options(*command, arguments->page.view);
+    command->add_option("--threads", convert.threads, "Number of threads; 0: one per core")
+        ->check(cli::non_negative_number())
+        ->capture_default_str();
+    command->add_flag("--json", convert.json,
+                      "Print one JSON object and nothing else on standard output");
+    command->add_flag("--verbose,-v", convert.verbose,
+                      "Print the time of each stage to standard error");
+    command->callback([arguments, command, &ranks] { export_site(*arguments, *command, ranks); });
+}
+
+}  // namespace vog::mpi
