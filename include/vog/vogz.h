@@ -44,8 +44,8 @@ struct VogzReport {
 
 /// Writes a model. Its mass is exact to 1e-6, the number and place of its Gaussians are kept; those without density are
 /// left out where there is no hierarchy.
-/// hierarchy  of this model, in the order of build_hierarchy; the file then has its order. Empty: the file is in Morton
-///            order
+/// hierarchy  of this model, in the order of build_hierarchy; the file then has its order, and with VogzOptions::deflate pages
+///            can stream it by ranges (docs/streaming.md). Empty: the file is in Morton order
 /// throws     vog::Error for an invalid model, hierarchy or option, or if the file cannot be written
 /// cost       O(N log N) time, parallel; 30 bytes a Gaussian
 VogzReport write_vogz(const std::filesystem::path& file, const Gaussians& gaussians,
@@ -75,6 +75,8 @@ struct VogzInfo {
         levels;              ///< number of nodes of each depth of the hierarchy, roots first
     std::size_t chunks = 0;  ///< number of chunks of Gaussians
     VogzPrecision precision;
+    /// Why a page cannot stream the file by ranges, and what would be valid, in words; empty: it can.
+    std::string not_streamed;
 };
 /// throws  vog::Error for a missing or malformed file
 VogzInfo read_vogz_info(const std::filesystem::path& file);

@@ -23,6 +23,12 @@ inline Vec3d vector_of(const nlohmann::ordered_json& json) {
     return {v[0], v[1], v[2]};
 }
 
+/// Six digits, rounded up or down: boxes and errors may grow, not shrink.
+inline double six_digits(double v, bool up) {
+    constexpr double kSlack = 6e-6;  // of six digits' rounding, 5e-6, and a bit
+    return std::stod(fmt::format("{:.6g}", v + (up ? kSlack : -kSlack) * std::abs(v)));
+}
+
 /// Adds cutoff, origin and texts.
 inline void put_description(nlohmann::ordered_json& json, const Gaussians& model) {
     json["cutoff"] = model.cutoff;

@@ -30,12 +30,6 @@ constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;
 constexpr std::uint32_t kMostGaussians = 1u << 20, kMostChunkBytes = 1u << 30;
 constexpr int kMostDepth = 64;
 
-/// Six digits, rounded up or down: boxes and errors may grow, not shrink.
-double six_digits(double v, bool up) {
-    constexpr double kSlack = 6e-6;  // of six digits' rounding, 5e-6, and a bit
-    return std::stod(fmt::format("{:.6g}", v + (up ? kSlack : -kSlack) * std::abs(v)));
-}
-
 Json json_of(const Row& row) {
     Json json = {{"name", row.name},
                  {"nodes", row.nodes},

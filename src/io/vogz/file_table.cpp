@@ -20,6 +20,8 @@ constexpr std::array<char, 8> kMagic{'V', 'O', 'G', 'Z', '\r', '\n', '\x1a', '\n
 /// Major version in the lower 16 bits: readers refuse others. Minor version in the upper ones: what a newer one adds, readers of
 /// the same major version can leave out.
 constexpr std::uint32_t kVersion = 1;
+/// 1.1: with a tree.
+constexpr std::uint32_t kTreeVersion = kVersion | 1u << 16;
 constexpr std::uint32_t major_version(std::uint32_t version) { return version & 0xffff; }
 /// Far above those of any model; a corrupt length does not allocate more.
 constexpr std::uint64_t kMostHeader = std::uint64_t{1} << 32;
@@ -33,6 +35,32 @@ struct Start {
 };
 static_assert(sizeof(Start) == 40);
 static_assert(sizeof(Blob) == 48);
+
+/// Of each chunk in turn its parent's place, -1 for none, and its error in six digits, rounded up.
+Json tree_json(const std::vector<TreeChunk>& tree) {
+    Json parents = Json::array(), errors = Json::array();
+    for (const TreeChunk& chunk : tree) {
+        parents.push_back(chunk.parent ? std::int64_t{*chunk.parent} : -1);
+        errors.push_back(six_digits(chunk.error, true));
+    }
+    return {{"parents", parents}, {"errors", errors}};
+}
+
+std::vector<TreeChunk> tree_of(const Json& json) {
+    const auto parents = json.at("parents").get<std::vector<std::int64_t>>();
+    const auto errors = json.at("errors").get<std::vector<double>>();
+    if (parents.size() != errors.size())
+        throw Error(
+            fmt::format("a tree of {} parents and {} errors", parents.size(), errors.size()));
+    std::vector<TreeChunk> tree(parents.size());
+    for (std::size_t n = 0; n < tree.size(); ++n) {
+        tree[n].error = errors[n];
+        if (parents[n] >= static_cast<std::int64_t>(n) || parents[n] < -1)
+            throw Error(fmt::format("a tree whose chunk {} has the parent {}", n, parents[n]));
+        if (parents[n] >= 0) tree[n].parent = static_cast<std::uint32_t>(parents[n]);
+    }
+    return tree;
+}
 
 Json to_json(const FileTable& table) {
     const Gaussians& model = table.description;
@@ -52,6 +80,7 @@ Json to_json(const FileTable& table) {
         json["fields"][n]["scale"] = table.fields[n].unit;
         json["fields"][n]["step"] = table.fields[n].step;
     }
+    if (!table.tree.empty()) json["tree"] = tree_json(table.tree);
     return json;
 }
 
@@ -71,6 +100,34 @@ void from_json(const Json& json, FileTable& table) {
     table.description.fields = fields_of(json.at("fields"));
     for (const Json& field : json.at("fields"))
         table.fields.push_back({field.at("reference"), field.at("scale"), field.at("step")});
+    if (json.contains("tree")) table.tree = tree_of(json["tree"]);
+}
+
+/// throws vog::Error for a tree that is not that of the blobs
+void check_tree(const FileTable& table) {
+    if (table.tree.empty()) return;
+    std::vector<const Blob*> chunks;
+    for (const Blob& blob : table.blobs)
+        if (blob.kind == Kind::gaussians || blob.kind == Kind::nodes) chunks.push_back(&blob);
+    if (chunks.size() != table.tree.size())
+        throw Error(
+            fmt::format("a tree of {} chunks, expected {}", table.tree.size(), chunks.size()));
+    for (std::size_t n = 0; n < chunks.size(); ++n) {
+        const TreeChunk& chunk = table.tree[n];
+        const bool nodes = chunks[n]->kind == Kind::nodes;
+        if (!std::isfinite(chunk.error) || chunk.error < 0 || (!nodes && chunk.error > 0))
+            throw Error(fmt::format("a tree whose chunk {} has the error {}", n, chunk.error));
+        if (!chunk.parent) {
+            if (chunks[n]->depth > 0)
+                throw Error(fmt::format("a tree whose chunk {} lacks a parent", n));
+            continue;
+        }
+        const Blob& parent = *chunks[*chunk.parent];
+        if (parent.kind != Kind::nodes || chunks[n]->depth != parent.depth + 1 ||
+            chunk.error > table.tree[*chunk.parent].error)
+            throw Error(
+                fmt::format("a tree whose chunk {} does not belong to chunk {}", n, *chunk.parent));
+    }
 }
 
 /// throws vog::Error unless blobs follow each other as writers write them
@@ -104,6 +161,7 @@ void check(const FileTable& table, std::uint64_t left) {
     if (bytes != left)
         throw Error(fmt::format("{} bytes of chunks, expected {}: {}", left, bytes,
                                 left < bytes ? "truncated" : "too long"));
+    check_tree(table);
 }
 
 }  // namespace
@@ -123,6 +181,7 @@ std::string header_bytes(const FileTable& table) {
     // Names of files and fields are any bytes; JSON is UTF-8.
     std::string body = to_json(table).dump(-1, ' ', false, Json::error_handler_t::replace);
     Start start;
+    if (!table.tree.empty()) start.version = kTreeVersion;
     start.compression = static_cast<std::uint32_t>(table.compression);
     start.json = body.size();
     start.blobs = table.blobs.size();

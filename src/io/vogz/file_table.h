@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,13 @@ struct Blob {
         box{};  ///< of the supports, relative to the origin: lower, then upper corner
 };
 
+/// Place of a run of Gaussians or nodes, with its fields, in the tree of a file's hierarchy.
+struct TreeChunk {
+    /// Place of the nodes that these are the children of, among the file's runs; none: there are none above.
+    std::optional<std::uint32_t> parent{};
+    double error = 0;  ///< largest Hierarchy::error of its nodes, world units; 0: of Gaussians
+};
+
 struct FileTable {
     Gaussians description;  ///< all but Gaussians
     bool rotated = false;
@@ -40,6 +48,7 @@ struct FileTable {
     ShapeRounding shapes;
     std::vector<FieldRounding> fields;  ///< scalar ones first
     std::vector<Blob> blobs;
+    std::vector<TreeChunk> tree;    ///< of each run of Gaussians or nodes in turn; empty: not known
     std::uint64_t body_offset = 0;  ///< of the first blob; by reading alone
 
     /// Sum over the blobs of a kind.

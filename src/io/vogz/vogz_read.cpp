@@ -222,6 +222,22 @@ std::vector<std::size_t> level_sizes(const FileTable& table) {
     return sizes;
 }
 
+/// Why a page cannot stream a file; empty: it can.
+std::string not_streamed(const FileTable& table) {
+    std::string why;
+    const auto starts =
+        std::ranges::count_if(table.tree, [](const TreeChunk& chunk) { return !chunk.parent; });
+    if (table.compression != Compression::deflate)
+        why = "packed by zstd, which browsers have not";
+    else if (table.tree.empty())
+        why = "without the tree of its levels";
+    else if (starts != 1)
+        why = fmt::format("of {} trees, which have no level in common", starts);
+    return why.empty()
+               ? why
+               : why + ": expected one of vog export MODEL -o FILE.vogz --hierarchy --deflate";
+}
+
 }  // namespace
 
 VogzInfo read_vogz_info(const std::filesystem::path& file) {
@@ -232,6 +248,7 @@ VogzInfo read_vogz_info(const std::filesystem::path& file) {
     info.chunks = static_cast<std::size_t>(std::ranges::count_if(
         in.table.blobs, [](const Blob& blob) { return blob.kind == Kind::gaussians; }));
     info.precision = in.table.precision;
+    info.not_streamed = not_streamed(in.table);
     info.description = std::move(in.table.description);
     return info;
 }

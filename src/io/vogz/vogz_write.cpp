@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "core/atomic_file.h"
@@ -97,41 +98,46 @@ struct Chunk {
     Kind kind = Kind::gaussians;
     std::uint32_t depth = 0;
     std::size_t begin = 0, end = 0;
+    TreeChunk place{};                 ///< in the tree
     std::vector<std::string> blobs{};  ///< shapes, links of nodes, fields
     std::array<float, 6> box{};
 };
 
 /// Runs of equal length of at most kChunk.
+/// parent  place of the nodes above them; none: there are none
 void divide(Kind kind, std::uint32_t depth, std::size_t begin, std::size_t end,
-            std::vector<Chunk>& chunks) {
+            std::optional<std::uint32_t> parent, std::vector<Chunk>& chunks) {
     const std::size_t parts = (end - begin + kChunk - 1) / kChunk;
     for (std::size_t part = 0; part < parts; ++part)
-        chunks.push_back({kind, depth, begin + (end - begin) * part / parts,
-                          begin + (end - begin) * (part + 1) / parts});
+        chunks.push_back({kind,
+                          depth,
+                          begin + (end - begin) * part / parts,
+                          begin + (end - begin) * (part + 1) / parts,
+                          {parent}});
 }
 
-/// Chunks level by level: nodes from the roots down, then the Gaussians below each depth.
+/// Chunks from the roots down: behind each depth the children of its chunks, those of one chunk side by side, nodes first. Nodes
+/// and Gaussians keep their order.
 /// leaves  number of Gaussians
 std::vector<Chunk> chunks_of(const Hierarchy& hierarchy, std::size_t leaves) {
     std::vector<Chunk> chunks;
     std::size_t below = 0;
     for (const std::uint8_t count : hierarchy.node_count) below += count;
-    std::vector<std::size_t> leaf_end;
-    std::size_t begin = 0, end = hierarchy.size() - below, leaf = 0;
-    for (std::uint32_t depth = 0; begin < end; ++depth) {
-        divide(Kind::nodes, depth, begin, end, chunks);
-        std::size_t next = end;
-        for (std::size_t n = begin; n < end; ++n)
-            next += hierarchy.node_count[n], leaf += hierarchy.leaf_count[n];
-        leaf_end.push_back(leaf);
-        begin = end, end = next;
+    std::size_t node = hierarchy.size() - below, leaf = 0;  // next ones without a chunk
+    divide(Kind::nodes, 0, 0, node, {}, chunks);
+    for (std::size_t n = 0; n < chunks.size(); ++n) {
+        if (chunks[n].kind != Kind::nodes) continue;
+        std::size_t node_end = node, leaf_end = leaf;
+        for (std::size_t i = chunks[n].begin; i < chunks[n].end; ++i) {
+            chunks[n].place.error = std::max(chunks[n].place.error, double{hierarchy.error[i]});
+            node_end += hierarchy.node_count[i], leaf_end += hierarchy.leaf_count[i];
+        }
+        const auto parent = static_cast<std::uint32_t>(n);
+        const std::uint32_t depth = chunks[n].depth + 1;
+        divide(Kind::nodes, depth, std::exchange(node, node_end), node_end, parent, chunks);
+        divide(Kind::gaussians, depth, std::exchange(leaf, leaf_end), leaf_end, parent, chunks);
     }
-    std::size_t first = 0;
-    for (std::uint32_t depth = 0; depth < leaf_end.size(); ++depth) {
-        divide(Kind::gaussians, depth + 1, first, leaf_end[depth], chunks);
-        first = leaf_end[depth];
-    }
-    divide(Kind::gaussians, 0, first, leaves, chunks);
+    divide(Kind::gaussians, 0, leaf, leaves, {}, chunks);
     return chunks;
 }
 
@@ -245,6 +251,7 @@ Coding coded(const Gaussians& model, const Hierarchy& hierarchy, const VogzOptio
                       [&](std::size_t n) { encode(coding, coding.chunks[n]); });
 
     for (const Chunk& chunk : coding.chunks) {
+        if (!hierarchy.empty()) table.tree.push_back(chunk.place);
         for (std::size_t n = 0; n < chunk.blobs.size(); ++n) {
             Blob blob;
             const std::size_t first_field = chunk.kind == Kind::nodes ? 2 : 1;
