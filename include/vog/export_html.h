@@ -106,4 +106,24 @@ void require_page(std::span<const HtmlModel> models, const HtmlOptions& options)
 HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const HtmlModel> models,
                            const HtmlOptions& options = {});
 
+/// Address from which a page loads its models.
+struct HtmlSource {
+    /// Address of a site's folder or of a compact file: absolute, https or http, or relative to the page.
+    std::string url;
+    bool file = false;  ///< a compact file, read by ranges of bytes, in place of a folder
+};
+
+/// Models of a site or of a compact file for write_streaming_page.
+/// path    a site, or a .vogz with levels, packed by deflate
+/// throws  vog::Error for another file, or one that is malformed
+std::vector<HtmlModel> models_to_stream(const std::filesystem::path& path);
+
+/// Writes a page alone, whose models lie elsewhere, with a security policy that lets it read from that origin and no other.
+/// models  of models_to_stream
+/// throws  vog::Error as write_html, and for an address of another scheme, with a user, or with characters that addresses
+///         write encoded
+HtmlReport write_streaming_page(const std::filesystem::path& file,
+                                std::span<const HtmlModel> models, const HtmlSource& source,
+                                const HtmlOptions& options = {});
+
 }  // namespace vog

@@ -21,6 +21,7 @@
 #include "vog/field_maps.h"
 #include "vog/splat.h"
 #include "web/page_fields.h"
+#include "web/page_source.h"
 #include "web/web_files.h"
 
 namespace vog {
@@ -41,8 +42,11 @@ constexpr const char* kModules[] = {
     "input.js",    "editor.js",  "clip_controls.js", "controls.js", "overlay.js",  "handles.js",
     "player.js",   "readout.js", "outer.js"};
 /// Those of pages that stream, between the others and the last one.
-constexpr const char* kStreamModules[] = {"rows.js",  "cut.js",     "visibility.js", "requests.js",
-                                          "store.js", "loading.js", "site.js",       "status.js"};
+constexpr const char* kStreamModules[] = {"rows.js",     "cut.js",    "visibility.js",
+                                          "requests.js", "source.js", "store.js",
+                                          "loading.js",  "site.js",   "status.js"};
+/// Those of pages that stream a compact file by ranges.
+constexpr const char* kRangeModules[] = {"file_tree.js", "range_file.js"};
 constexpr const char* kLastModule[] = {"main.js"};
 /// Those of the worker that decodes.
 constexpr const char* kWorkerModules[] = {"worker.js"};
@@ -105,8 +109,9 @@ std::string bundle(std::span<const char* const> modules) {
 
 /// The page's own script.
 std::string page_script(const Json& page) {
-    return bundle(kModules) + (page.contains("site") ? bundle(kStreamModules) : "") +
-           bundle(kLastModule);
+    const bool streams = page.contains("site"), ranges = streams && page["site"].contains("file");
+    return bundle(kModules) + (streams ? bundle(kStreamModules) : "") +
+           (ranges ? bundle(kRangeModules) : "") + bundle(kLastModule);
 }
 
 /// JSON for a script element, with '<' escaped: no text ends the element or starts a comment.
@@ -441,6 +446,19 @@ HtmlReport write_site_page(const std::filesystem::path& folder, std::span<const 
     page["site"] = {{"manifest", "manifest.json"}, {"base", ""}};
     page["models"] = entries_json(models, options, true, data);
     return write_page(folder / "index.html", options, page, "", "'self'");
+}
+
+HtmlReport write_streaming_page(const std::filesystem::path& file,
+                                std::span<const HtmlModel> models, const HtmlSource& source,
+                                const HtmlOptions& options) {
+    const std::string connect = allowed_origin(source);
+    check(models, options);
+    std::string data;
+    Json page = page_json(models.front().levels.front(), options);
+    page["site"] = source.file ? Json{{"file", source.url}}
+                               : Json{{"manifest", "manifest.json"}, {"base", source.url}};
+    page["models"] = entries_json(models, options, true, data);
+    return write_page(file, options, page, "", connect);
 }
 
 }  // namespace vog

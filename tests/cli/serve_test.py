@@ -106,6 +106,32 @@ class Answers(ServeTest):
             self.assertEqual(server.status(path)[0], 404, path)
         self.assertEqual(server.stop()[0], 0)
 
+    def test_a_compact_file_with_levels_has_a_page(self):
+        def vog(*words):
+            subprocess.run([VOG, *words], check=True, stdout=subprocess.DEVNULL, cwd=self.folder)
+        vog("sample", "cloud", "c.vdb", "--size", "64")
+        vog("convert", "c.vdb", "-o", "c.ply")
+        vog("export", "c.ply", "-o", "a file.vogz", "--hierarchy", "--deflate")
+        vog("export", "c.ply", "-o", "plain.vogz")
+        data = (self.folder / "a file.vogz").read_bytes()
+        server = self.serve(self.folder / "a file.vogz", "--port", "0")
+        self.assertTrue(server.url.endswith(f":{server.port}/"), server.url)
+        answer, page = server.get("/")
+        self.assertEqual((answer.status, answer.getheader("Content-Type")), (200, "text/html; charset=utf-8"))
+        self.assertIn(b'"file":"a%20file.vogz"', page)
+        self.assertEqual(server.status("/a%20file.vogz"), (200, data))
+        answer, body = server.get("/a%20file.vogz", Range="bytes=5-9")
+        self.assertEqual((answer.status, body), (206, data[5:10]))
+        for path in ["/index.html", "/page.html", "/c.ply"]:
+            self.assertEqual(server.status(path)[0], 404, path)
+        self.assertEqual(server.stop(), (0, "", ""))
+        server = self.serve(self.folder / "plain.vogz", "--port", "0")
+        self.assertTrue(server.url.endswith("/plain.vogz"))
+        self.assertEqual(server.status("/")[0], 404)
+        code, _, errors = server.stop()
+        self.assertEqual((code, errors.count("\n")), (0, 1))
+        self.assertIn("--hierarchy --deflate", errors)
+
 
 class Ends(ServeTest):
     def test_signals_end_it_well(self):

@@ -93,6 +93,40 @@ TEST_F(site_command, volumes_particles_and_steps_become_sites) {
     EXPECT_TRUE(std::filesystem::exists(dir_ / "pages/step_1.html"));
 }
 
+TEST_F(site_command, pages_of_models_elsewhere_hold_no_model) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --block 2");
+    must("export c.ply -o site/");
+    must("export c.ply -o c.vogz --hierarchy --deflate");
+    const std::string own = read_text(dir_ / "site/index.html");
+    for (const std::string input : {"site", "c.vogz"}) {
+        const std::string url = "HTTPS://data.example.org:8443/a/" + input;
+        const Json made =
+            Json::parse(must("export " + input + " -o page.html --json --from " + url).out);
+        const std::string page = read_text(dir_ / "page.html");
+        EXPECT_EQ(made["bytes"], page.size());
+        EXPECT_EQ(made["from"], input == "site" ? url + "/" : url);
+        EXPECT_NE(page.find("connect-src https://data.example.org:8443;"), std::string::npos);
+        EXPECT_NE(page.find(made["from"].dump()), std::string::npos);
+        EXPECT_LT(page.size(), own.size() + 20000);
+        must("export " + input + " -o page.html --from ../a%20folder/" + input +
+             " --title Elsewhere --show mean --field density --name Cloud");
+        EXPECT_NE(read_text(dir_ / "page.html").find("connect-src 'self';"), std::string::npos);
+    }
+    std::filesystem::remove(dir_ / "page.html");
+    must_fail(2, "export c.ply -o page.html --from https://host/c.ply", "expected one site");
+    must_fail(2, "export site c.vogz -o page.html --from https://host/", "expected one site");
+    must_fail(1, "export c.vogz -o c.ply --from https://host/c.vogz", "c.ply");
+    must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --budget 9", "--budget");
+    must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --step 0.1", "--step");
+    must_fail(1, "export c.vogz -o page.html --from ftp://host/c.vogz", "https or http");
+    must_fail(1, "export c.vogz -o page.html --from https://a:b@host/c.vogz", "without a user");
+    must_fail(1, "export site -o page.html --from https://host/?a", "with a query");
+    must("export c.ply -o zstd.vogz --hierarchy");
+    must_fail(1, "export zstd.vogz -o page.html --from zstd.vogz", "--hierarchy --deflate");
+    EXPECT_FALSE(std::filesystem::exists(dir_ / "page.html"));
+}
+
 TEST_F(site_command, requests_without_sense_are_refused) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --budget 100");

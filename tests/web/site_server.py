@@ -5,6 +5,7 @@ Needs nothing but Python. SiteServer(folder) serves a folder within a `with` blo
 import http.server
 import mimetypes
 import pathlib
+import re
 import threading
 import time
 import urllib.parse
@@ -14,12 +15,16 @@ DROP = "drop"  # in place of an answer: the connection ends without one
 
 class SiteServer:
     """
+    origin   that may read: Access-Control-Allow-Origin
+    ranges   whether single ranges are answered by 206
     answers  {end of a path: DROP, a status or bytes in place of the file}; a callable gets the file's bytes and returns one
              of these, or the bytes to send
+    part     a callable that gets the beginning of a range, its bytes, and the fields of the answer, which it may change, and
+             returns one of the above
     """
 
-    def __init__(self, folder, origin=None):
-        self.folder, self.origin = pathlib.Path(folder).resolve(), origin
+    def __init__(self, folder, origin=None, ranges=False):
+        self.folder, self.origin, self.ranges = pathlib.Path(folder).resolve(), origin, ranges
         self.reset()
         server = self
 
@@ -29,6 +34,9 @@ class SiteServer:
 
             def do_GET(self):
                 server.answer(self)
+
+            def do_HEAD(self):
+                server.send(self, 200, "application/octet-stream", b"", {})
 
             def log_message(self, *_):
                 pass
@@ -43,7 +51,9 @@ class SiteServer:
         self.url = f"http://127.0.0.1:{self.server.server_address[1]}/"
 
     def reset(self):
-        self.answers = {}
+        self.answers, self.part = {}, None
+        self.tag = None           # ETag of all files
+        self.asked = []           # ranges, in order: (first, last)
         self.delay_s = 0          # before each answer
         self.bytes_per_s = None   # of each connection
         self.paths = []           # requests, in order
@@ -79,17 +89,31 @@ class SiteServer:
             request.close_connection = True
             return
         status, body = (body, b"") if isinstance(body, int) else (200, body)
+        fields = {"ETag": self.tag} if self.tag else {}
+        if status == 200 and self.ranges and (asked := re.fullmatch(r"bytes=(\d+)-(\d+)", request.headers.get("Range", ""))):
+            first, last = int(asked[1]), min(int(asked[2]), len(body) - 1)
+            self.asked.append((first, int(asked[2])))
+            fields["Content-Range"] = f"bytes {first}-{last}/{len(body)}"
+            status, body = (206, body[first:last + 1]) if first <= last else (416, b"")
+            if self.part:
+                answer = self.part(first, body, fields)
+                if answer == DROP:
+                    request.close_connection = True
+                    return
+                status, body = (answer, b"") if isinstance(answer, int) else (206, answer)
         try:
-            self.send(request, status, mimetypes.guess_type(file.name)[0] or "application/octet-stream", body)
+            self.send(request, status, mimetypes.guess_type(file.name)[0] or "application/octet-stream", body, fields)
         except OSError:
             self.cut_off += 1
             request.close_connection = True
 
-    def send(self, request, status, kind, body):
+    def send(self, request, status, kind, body, fields):
         request.send_response(status)
         request.send_header("Content-Type", kind)
         request.send_header("Content-Length", str(len(body)))
         request.send_header("Cache-Control", "no-store")  # so that every request is counted
+        for name, value in fields.items():
+            request.send_header(name, value)
         if self.origin:
             request.send_header("Access-Control-Allow-Origin", self.origin)
         request.end_headers()

@@ -27,6 +27,7 @@
 #include "vog/lod.h"
 #include "vog/model_io.h"
 #include "vog/ply.h"
+#include "vog/site.h"
 
 namespace vog::cli {
 
@@ -46,6 +47,7 @@ struct ExportArguments {
     int threads = 0;
     bool json = false, verbose = false, no_fields = false;
     bool site = false;  ///< --site
+    std::string from;   ///< --from; empty: the models lie in the page or beside it
     MemoryArguments memory;
 };
 
@@ -307,6 +309,49 @@ Json export_site(const ExportArguments& arguments, const CLI::App& command) {
     return report_site(arguments.output, !arguments.json, site, stages, notes);
 }
 
+/// Writes a page alone, of a site or a compact file whose copy lies at an address.
+/// returns  the report of --json
+Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command) {
+    check_output(arguments.output, arguments.inputs, {".html"});
+    const std::string& input = arguments.inputs.front();
+    const bool site = is_site(input);
+    if (arguments.inputs.size() > 1 || (!site && extension_of(input) != ".vogz"))
+        throw CLI::ValidationError(
+            "--from: expected one site (a folder) or one compact model (.vogz), whose copy lies at "
+            "the address");
+    for (const char* option : {"--site", "--no-fields", "--budget", "--levels", "--precise"})
+        if (command.count(option))
+            throw CLI::ValidationError(
+                fmt::format("{} does not go with --from: the model is written already", option));
+    for (const char* group : {kPointGroup, kCompactGroup, kSplatGroup, kLargeDataGroup})
+        refuse_group(command, group, "--from");
+    refuse_volume_options(command, FileKind::model, arguments.inputs);
+    ExportArguments page = arguments;
+    if (site && command.count("--steps") == 0) page.page.steps = read_site_info(input).steps;
+    HtmlSource source{arguments.from, !site};
+    if (site && !source.url.ends_with('/')) source.url += '/';
+    Stages stages(arguments.verbose);
+    std::vector<std::string> notes;
+    std::vector<HtmlModel> entries = stages.run("load", [&] { return models_to_stream(input); });
+    check_names(page.page, entries.size());
+    for (std::size_t n = 0; n < page.page.names.size(); ++n) entries[n].name = page.page.names[n];
+    const HtmlOptions options = page_options(page.page, command, entries.front(), input, notes);
+    const HtmlReport report = stages.run(
+        "save", [&] { return write_streaming_page(page.output, entries, source, options); });
+    if (options.camera && !page.page.view.save_camera.empty())
+        write_camera(page.page.view.save_camera, *options.camera);
+    if (!page.json)
+        print_line(
+            fmt::format("{}: {}, streams {}", page.output, bytes_text(report.bytes), source.url));
+    Json json = {{"output", page.output},
+                 {"bytes", report.bytes},
+                 {"from", source.url},
+                 {"extinction", report.extinction}};
+    for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
+    if (!notes.empty()) json["notes"] = notes;
+    return json;
+}
+
 /// Whether a folder is written as a site: of one input, or with --site.
 bool makes_site(const ExportArguments& arguments) {
     return is_sequence(arguments.output) && (arguments.site || arguments.inputs.size() == 1);
@@ -332,7 +377,8 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
         throw CLI::ValidationError("--site: expected -o with a folder (a name that ends in /)");
     if (!makes_site(arguments)) refuse_group(command, kLargeDataGroup, "pages and files");
     const ThreadLimit limit(arguments.threads);
-    const Json json = makes_site(arguments)           ? export_site(arguments, command)
+    const Json json = command.count("--from")         ? export_elsewhere(arguments, command)
+                      : makes_site(arguments)         ? export_site(arguments, command)
                       : is_sequence(arguments.output) ? export_sequence(arguments, command)
                                                       : export_one(arguments, command).json;
     if (arguments.json) print_json(json);
@@ -374,6 +420,12 @@ void add_export(CLI::App& app) {
             "neighbouring Gaussians")
         ->check(positive_number());
     add_page_options(*command, arguments->page);
+    command
+        ->add_option("--from", arguments->from,
+                     "Address at which a copy of the input lies, a site's folder or a compact "
+                     "model written with --hierarchy --deflate: the page streams it from there. Of "
+                     "https or http, or relative to the page")
+        ->group(kPageGroup);
     command
         ->add_option("--levels", arguments->levels,
                      "Largest number of levels of detail in the page: the model itself, then a "

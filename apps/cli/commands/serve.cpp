@@ -6,15 +6,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <csignal>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <system_error>
 
 #include "commands.h"
 #include "films/film.h"
 #include "serve/site_folder.h"
 #include "serve/site_server.h"
 #include "shared/terminal.h"
+#include "vog/error.h"
+#include "vog/export_html.h"
+#include "vog/temporary_file.h"
+#include "vog/vogz.h"
 
 namespace vog::cli {
 
@@ -73,9 +80,28 @@ void open_browser(std::string url) {
     if (failure != 0) note("--open: xdg-open does not start; open the address in a browser");
 }
 
+/// Has a compact file that pages can stream shown by one. The page is a file without a name.
+void begin_with_page(SiteFolder& folder, const std::filesystem::path& file) {
+    const std::string why = read_vogz_info(file).not_streamed;
+    if (!why.empty())
+        return note(fmt::format("{}: served as it is, without a page: {}", file.string(), why));
+    const std::vector<HtmlModel> models = models_to_stream(file);
+    HtmlOptions options;
+    options.title = models.front().name;
+    const TemporaryFile page(std::filesystem::temp_directory_path() / "page.html");
+    write_streaming_page(page.path(), models, {folder.only(), true}, options);
+    const int descriptor = ::open(page.path().c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0)
+        throw Error(
+            fmt::format("{}: {}", page.path().string(), std::generic_category().message(errno)));
+    folder.begin_with(std::make_shared<const OpenFile>(descriptor));
+}
+
 void serve(ServeArguments arguments, bool port_given) {
-    const SiteFolder folder(arguments.input);
+    SiteFolder folder(arguments.input);
     ServerOptions& server = arguments.server;
+    if (folder.only().ends_with(".vogz"))
+        server.prepare = [&] { begin_with_page(folder, arguments.input); };
     server.next_port = !port_given;
     server.on_listening = [&](const std::string& url, int port, bool loopback) {
         if (!port_given && port != server.port)
@@ -102,7 +128,8 @@ void add_serve(CLI::App& app) {
         ->add_option(
             "site", arguments->input,
             "Folder that vog export MODEL -o site/ has written, one page (.html) or one compact "
-            "model (.vogz). Nothing outside of it is served")
+            "model (.vogz; with --hierarchy --deflate a page shows it). Nothing outside of it is "
+            "served")
         ->required();
     CLI::Option* port =
         command

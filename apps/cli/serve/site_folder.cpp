@@ -79,6 +79,18 @@ bool is_chunk(std::string_view path) {
            });
 }
 
+/// An open file with its size and time; none unless it is a regular one.
+/// path  of the request, without its first slash
+std::optional<SiteFile> described(const std::shared_ptr<const OpenFile>& file,
+                                  const std::string& path) {
+    struct stat status {};
+    if (!file || ::fstat(file->descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
+    return SiteFile{file, static_cast<std::uint64_t>(status.st_size),
+                    fmt::format("\"{:x}-{:x}-{:x}\"", status.st_size, status.st_ctim.tv_sec,
+                                status.st_ctim.tv_nsec),
+                    content_type(path), is_chunk(path)};
+}
+
 /// Refusal of a folder that is no site, with what it lacks.
 void check_site(const fs::path& folder) {
     std::string absent;
@@ -155,6 +167,7 @@ SiteFolder::SiteFolder(const fs::path& path) {
 
 std::optional<SiteFile> SiteFolder::open(std::string_view request_path) const {
     std::optional<std::string> path = site_path(request_path);
+    if (path && page_ && request_path == "/") return described(page_, "index.html");
     if (!path || (!only_.empty() && *path != only_)) return {};
     // Links are resolved first. The result is then opened name by name without following any, so that one
     // that is put there in between opens nothing.
@@ -177,15 +190,12 @@ std::optional<SiteFile> SiteFolder::open(std::string_view request_path) const {
         file = open_in(*file, name, last ? 0 : O_DIRECTORY);
         begin = last ? end : end + 1;
     }
-    struct stat status {};
-    if (!file || ::fstat(file->descriptor(), &status) != 0 || !S_ISREG(status.st_mode)) return {};
-    return SiteFile{file, static_cast<std::uint64_t>(status.st_size),
-                    fmt::format("\"{:x}-{:x}-{:x}\"", status.st_size, status.st_ctim.tv_sec,
-                                status.st_ctim.tv_nsec),
-                    content_type(*path), is_chunk(*path)};
+    return described(file, *path);
 }
 
-std::string SiteFolder::start() const {
+std::string SiteFolder::start() const { return page_ ? "" : only(); }
+
+std::string SiteFolder::only() const {
     std::string text;
     for (const char letter : only_) {
         const auto byte = static_cast<unsigned char>(letter);

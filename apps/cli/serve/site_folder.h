@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace vog::cli {
 
@@ -49,17 +50,23 @@ class SiteFolder {
     /// throws  vog::Error for anything else
     explicit SiteFolder(const std::filesystem::path& path);
 
+    /// Answers requests of / by a page in place of the only file, which stays beside it.
+    void begin_with(std::shared_ptr<const OpenFile> page) { page_ = std::move(page); }
+
     /// Opens the file that a request names. None: there is none, it is no regular file, it cannot be
     /// read, or a symbolic link leads out of the folder or to a hidden file.
     std::optional<SiteFile> open(std::string_view request_path) const;
 
-    /// Path of the page to open, percent-encoded, without its first slash: empty for a site.
+    /// Path of the page to open, percent-encoded, without its first slash: empty for a site and for begin_with.
     std::string start() const;
+    /// Percent-encoded name of the only file; empty: a site.
+    std::string only() const;
 
   private:
     std::filesystem::path root_;  ///< without symbolic links
     std::string only_;            ///< name of the single file; empty: all below root_
     std::shared_ptr<const OpenFile> folder_;
+    std::shared_ptr<const OpenFile> page_;  ///< of begin_with; null: none
 };
 
 }  // namespace vog::cli

@@ -319,8 +319,9 @@ class SignalThread {
 }  // namespace
 
 void serve_files(const SiteFolder& folder, const ServerOptions& options) {
-    const ListeningSocket socket = listen_at(options.host, options.port, options.next_port);
     const HeldSignals signals;
+    if (options.prepare) options.prepare();
+    const ListeningSocket socket = listen_at(options.host, options.port, options.next_port);
     SiteServer server(folder, options, socket);
     if (options.on_listening)
         options.on_listening(fmt::format("http://{}/{}", socket.authority, folder.start()),

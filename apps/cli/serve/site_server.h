@@ -14,6 +14,8 @@ struct ServerOptions {
     bool next_port = false;          ///< a port in use is replaced by the next free one
     std::string allow_origin;        ///< origin whose pages may read the files, or *; empty: none
 
+    /// Called first, while signals that end the server are held back: threads that start here leave them to it. Null: none.
+    std::function<void()> prepare;
     /// The server accepts connections: its URL, port, and whether this machine alone reaches it.
     std::function<void(const std::string& url, int port, bool loopback)> on_listening;
     /// One line a request; null: none. Called from several threads, one at a time.

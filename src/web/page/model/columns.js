@@ -12,13 +12,33 @@ export class Damaged extends Error {
 
 /** Bytes of a zlib stream. */
 export async function inflated(packed) {
-  if (!('DecompressionStream' in globalThis)) throw new Error('this browser is too old to unpack it');
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
   try {
-    return new Uint8Array(await new Response(stream).arrayBuffer());
+    return new Uint8Array(await new Response(inflating(packed)).arrayBuffer());
   } catch {
     throw new Damaged();
   }
+}
+
+/** Likewise, of exactly `count` bytes: a stream of a hostile file ends there. */
+export async function inflatedTo(packed, count) {
+  const out = new Uint8Array(count), reader = inflating(packed).getReader();
+  let at = 0;
+  try {
+    for (let part = await reader.read(); !part.done; part = await reader.read()) {
+      out.set(part.value, at);  // throws beyond the end
+      at += part.value.length;
+    }
+  } catch {
+    reader.cancel().catch(() => {});
+    throw new Damaged();
+  }
+  if (at !== count) throw new Damaged();
+  return out;
+}
+
+function inflating(packed) {
+  if (!('DecompressionStream' in globalThis)) throw new Error('this browser is too old to unpack it');
+  return new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'));
 }
 
 /** Numbers and runs of bytes, little-endian, in turn. */
@@ -39,6 +59,7 @@ export class Bytes {
   u8() { return this.number('Uint8', 1); }
   i16() { return this.number('Int16', 2); }
   u32() { return this.number('Uint32', 4); }
+  f32() { return this.number('Float32', 4); }
   i64() { return Number(this.number('BigInt64', 8)); }
   f64() { return this.number('Float64', 8); }
   get ended() { return this.at === this.bytes.length; }

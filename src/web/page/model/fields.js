@@ -38,11 +38,12 @@ const empty = (file, { vector }) => new Float32Array(file.gaussians * (vector ? 
 
 /**
  * Instances of a field of one level, in the page's units.
+ * source  as of openedModel
  * field  place among the model's fields
  * page   {vector, reference, scale}: (value - reference) / scale is what the page has
  */
-export async function decodeField(base64, field, page) {
-  const file = await openedModel(base64), out = empty(file, page);
+export async function decodeField(source, field, page) {
+  const file = await openedModel(source), out = empty(file, page);
   let first = 0;
   for (const chunk of file.chunks) {
     await chunkField(file, chunk, field, setter(out, first, page));

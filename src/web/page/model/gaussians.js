@@ -4,9 +4,10 @@ import { chunkShapes, opened } from './vogz.js';
 /** Floats per instance: mean x y z, density, three scales, rotation w x y z (splat.vert). */
 export const instanceFloats = 11;
 
-/** Compact model of a script element's text, base64, or of the bytes of a file. */
+/** Compact model of a script element's text, base64, or of the bytes of a file; one that is opened stays as it is. */
 export function openedModel(source) {
-  if (typeof source !== 'string') return opened(source);
+  if (source instanceof Uint8Array) return opened(source);
+  if (typeof source !== 'string') return source;
   const text = atob(source.trim()), bytes = new Uint8Array(text.length);
   for (let n = 0; n < text.length; ++n) bytes[n] = text.charCodeAt(n);
   return opened(bytes);

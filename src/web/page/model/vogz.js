@@ -1,10 +1,11 @@
 // vogz.js: compact models (.vogz, docs/formats.md) whose columns browsers can unpack: table, shapes, fields. Encoder:
 // src/io/vogz.
-import { Bits, Bytes, Damaged, inflated, takeNumbers, takeWords } from './columns.js';
+import { Bits, Bytes, Damaged, inflatedTo, takeNumbers, takeWords } from './columns.js';
 
 const magic = [0x56, 0x4f, 0x47, 0x5a, 0x0d, 0x0a, 0x1a, 0x0a], fieldMagic = [0x56, 0x4f, 0x47, 0x46], version = 1, deflate = 1;
-const kinds = { gaussians: 0, nodes: 1, links: 2, field: 3 };
-const blobBytes = 48, mostPlaceBits = 40;
+export const kinds = { gaussians: 0, nodes: 1, links: 2, field: 3 };
+const startBytes = 48, blobBytes = 48, mostPlaceBits = 40;
+const mostJson = 1 << 26, mostBlobs = 1 << 20;  // of a table that a page holds
 /** Steps of a field's columns from that of its values (rounding.h). */
 const changeSteps = 1.41, deviationSteps = 4, shareSteps = 32;
 
@@ -26,26 +27,43 @@ function described(json) {
   }
 }
 
-/** Description of a file and its chunks of Gaussians: [{count, shapes, fields}], bytes of each. */
-export async function opened(bytes) {
+/** Beginning of a file: {json: bytes of the description, blobs: number of them, crc, end: of the header}. */
+export function startOf(bytes) {
   const from = new Bytes(bytes);
   if (magic.some((byte) => byte !== from.u8())) throw new Damaged();
   const found = from.u32() & 0xffff;  // the major version
   if (found !== version) throw new Error(`a model of version ${found}, expected ${version}`);
   if (from.u32() !== deflate) throw new Error('a model packed by zstd, expected one that was written with --deflate');
-  const jsonBytes = from.i64(), blobs = from.i64(), packed = from.i64(), crc = from.u32();
-  from.u32();
-  const header = from.take(packed);
-  if (checksum(header) !== crc) throw new Damaged();
-  const body = new Bytes(await inflated(header));
-  const file = described(body.take(jsonBytes));
+  const json = from.i64(), blobs = from.i64(), packed = from.i64(), crc = from.u32();
+  if (!(json >= 0 && json <= mostJson && blobs >= 0 && blobs <= mostBlobs && packed >= 0)) throw new Damaged();
+  return { json, blobs, crc, end: startBytes + packed };
+}
+
+/**
+ * Description of a file and the rows of its table.
+ * start  of startOf
+ * bytes  of the file, up to start.end at least
+ * returns {file, rows: [{kind, field, depth, count, bytes, crc, box: six numbers}]}
+ */
+export async function headerOf({ json, blobs, crc, end }, bytes) {
+  const packed = bytes.subarray(startBytes, end);
+  if (packed.length !== end - startBytes || checksum(packed) !== crc) throw new Damaged();
+  const body = new Bytes(await inflatedTo(packed, json + blobs * blobBytes)), file = described(body.take(json)), rows = [];
+  for (let n = 0; n < blobs; ++n) {
+    const [kind, field, depth, count, size, sum] = Array.from({ length: 6 }, () => body.u32());
+    rows.push({ kind, field, depth, count, bytes: size, crc: sum, box: Array.from({ length: 6 }, () => body.f32()) });
+  }
+  return { file, rows };
+}
+
+/** Description of a file and its chunks of Gaussians: [{count, shapes, fields}], bytes of each. */
+export async function opened(bytes) {
+  const start = startOf(bytes), { file, rows } = await headerOf(start, bytes), from = new Bytes(bytes);
+  from.take(start.end);
   file.chunks = [];
   let chunk = null;
-  for (let n = 0; n < blobs; ++n) {
-    const row = new Bytes(body.take(blobBytes));
-    const kind = row.u32(), field = row.u32();
-    row.u32();
-    const count = row.u32(), blob = { bytes: from.take(row.u32()), crc: row.u32() };
+  for (const { kind, field, count, bytes: size, crc } of rows) {
+    const blob = { bytes: from.take(size), crc };
     if (kind === kinds.gaussians) file.chunks.push(chunk = { count, shapes: blob, fields: [] });
     else if (kind === kinds.nodes) chunk = null;
     else if (kind === kinds.field && chunk) chunk.fields[field] = blob;

@@ -8,9 +8,10 @@ const mostDecoding = 3;  // in the worker's line: enough that it never waits
 export class Loading {
   /**
    * store  of store.js
-   * hooks  {url(path), renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, field, line): why not}
+   * source  of source.js or range_file.js
+   * hooks  {renderer(): null: none, changed(): something has come or cannot be had; lacks(chunk, field, line): why not}
    */
-  constructor(page, decoder, store, hooks) { Object.assign(this, { page, decoder, store, hooks, decoding: 0 }); }
+  constructor(page, source, decoder, store, hooks) { Object.assign(this, { page, source, decoder, store, hooks, decoding: 0 }); }
 
   /** Whether a chunk cannot be had with a field; null: none. */
   isBad({ bad, badFields }, field) { return bad === true || badFields?.has(field) === true; }
@@ -28,13 +29,13 @@ export class Loading {
    * field  place of the shown field; null: none
    */
   files(tree, n, { chunks, tables }, field) {
-    const list = [];
-    const add = (use, name, bytes, take, failed, again = false) => list.push({
-      use, url: this.hooks.url(`chunks/${name}`), bytes, done: take, cache: again ? 'reload' : undefined,
-      failed: (kind, reason) => { failed(`chunks/${name}: ${reason}`); this.hooks.changed(); },
+    const list = [], { source } = this;
+    const add = (use, file, take, failed, again = false) => list.push({
+      use, ...file, done: take, cache: again ? 'reload' : undefined,
+      failed: (kind, reason) => { failed(`${file.name}: ${reason}`); this.hooks.changed(); },
     });
     for (const { chunk, use } of tables)
-      add(use, `${chunk.table}.json`, chunk.tableBytes ?? undefined, (body) => this.takeTable(tree, chunk, body), (line) => this.refuseTable(chunk, line));
+      add(use, source.table(chunk), (body) => this.takeTable(tree, chunk, body), (line) => this.refuseTable(chunk, line));
     for (const { chunk, use } of chunks) {
       if (this.isBad(chunk, field)) continue;
       const kept = this.store.of(chunk);
@@ -44,10 +45,9 @@ export class Loading {
         this.hooks.changed();
       };
       if (!kept.shapes)
-        add(use, `${chunk.name}.vogz`, chunk.bytes[0], take((to, body) => { to.shapes = body; }), (line) => this.refuse(chunk, null, line),
-            chunk.again?.has(null));
+        add(use, source.shapes(chunk), take((to, body) => { to.shapes = body; }), (line) => this.refuse(chunk, null, line), chunk.again?.has(null));
       if (field !== null && !kept.fields.has(field))
-        add(use, `${chunk.name}.${field}`, chunk.bytes[1 + field], take((to, body) => to.fields.set(field, body)), (line) => this.refuse(chunk, field, line),
+        add(use, source.field(chunk, field), take((to, body) => to.fields.set(field, body)), (line) => this.refuse(chunk, field, line),
             chunk.again?.has(field));
       this.decode(chunk, n, field);
     }
@@ -73,7 +73,7 @@ export class Loading {
   decode(chunk, n, field) {
     const { kept } = chunk, { center, unit, extinction, fields } = this.page.models[n];
     if (kept.shapes && !kept.gpu)
-      this.once(chunk, null, ['decodeLevel', kept.shapes, { center, unit }, extinction], (instances, renderer) => {
+      this.once(chunk, null, ['decodeLevel', this.source.shapesOf(chunk, kept.shapes), { center, unit }, extinction], (instances, renderer) => {
         if (instances.length !== chunk.gaussians * instanceFloats) throw new Damaged();
         kept.gpu = renderer.upload(instances);
         if (!chunk.parent) kept.coarse ??= { instances, fields: new Map() };
@@ -81,7 +81,7 @@ export class Loading {
       });
     if (field === null || !kept.gpu || !kept.fields.has(field) || kept.gpu.fields.has(field)) return;
     const { vector, reference, scale } = fields[field];
-    this.once(chunk, field, ['decodeFieldFile', kept.shapes, kept.fields.get(field), { vector, reference, scale }], (data, renderer) => {
+    this.once(chunk, field, this.source.fieldCall(chunk, kept, field, { vector, reference, scale }), (data, renderer) => {
       if (!kept.gpu) return;
       renderer.uploadField(kept.gpu, field, data, vector);
       if (!vector) kept.coarse?.fields.set(field, data);
@@ -111,7 +111,7 @@ export class Loading {
 
   /** A file that cannot be decoded: asked for once more, past all caches, then refused. */
   spoiled(chunk, field, reason) {
-    if (chunk.again?.has(field)) return this.refuse(chunk, field, `chunks/${chunk.name}.${field ?? 'vogz'}: ${reason}`);
+    if (chunk.again?.has(field)) return this.refuse(chunk, field, `${(field === null ? this.source.shapes(chunk) : this.source.field(chunk, field)).name}: ${reason}`);
     (chunk.again ??= new Set()).add(field);
     if (field === null) chunk.kept.shapes = null;
     else chunk.kept.fields.delete(field);

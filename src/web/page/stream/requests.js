@@ -6,24 +6,47 @@ const mostTries = 5, firstPause = 300; // milliseconds before the second try, tw
 const longPause = 20e3;               // before another round of tries
 
 /** Why a file cannot be had: 'missing', 'damaged' or 'away', and the reason in words. */
-class Failure extends Error {
+export class Failure extends Error {
   constructor(kind, message) {
     super(message);
     this.kind = kind;
   }
 }
 
-/** Bytes of a file; undefined `bytes`: any number of them. */
-async function fetched({ url, bytes }, signal, cache) {
-  const answer = await fetch(url, { signal, cache }).catch((error) => {
-    throw signal.aborted ? error : new Failure('away', 'no connection');
+/** Whether a server of another origin answers, and does not let this page read it. */
+async function isForbidden(url) {
+  if (new URL(url).origin === self.origin || !navigator.onLine) return false;
+  const answers = (mode) => fetch(url, { method: 'HEAD', mode, cache: 'no-store' }).then(() => true, () => false);
+  return await answers('no-cors') && !await answers('cors');
+}
+
+/**
+ * Answer of a server, of a good status.
+ * options  of fetch
+ * isFirst  nothing of its origin has been read: another one may not let this page read it
+ */
+export async function answered(url, options, isFirst) {
+  const answer = await fetch(url, options).catch(async (error) => {
+    if (options.signal.aborted) throw error;
+    if (isFirst && await isForbidden(url))
+      throw new Failure('missing', `${new URL(url).host} does not let pages of ${self.origin} read it, expected Access-Control-Allow-Origin in its answer`);
+    throw new Failure('away', 'no connection');
   });
   const busy = answer.status >= 500 || answer.status === 429 || answer.status === 408;
   if (!answer.ok) throw new Failure(busy ? 'away' : 'missing', `HTTP ${answer.status}`);
-  const body = await answer.arrayBuffer().catch((error) => {
-    throw signal.aborted ? error : new Failure('away', 'the connection dropped');
-  });
-  return new Uint8Array(body);
+  return answer;
+}
+
+/** Result of reading a body; a connection that drops is none. */
+export const whole = (body, signal) => body.catch((error) => {
+  throw signal.aborted || error instanceof Failure ? error : new Failure('away', 'the connection dropped');
+});
+
+/** Bytes of a file. */
+async function fetched({ url, isFirst }, { signal, cache, count }) {
+  const answer = await answered(url, { signal, cache }, isFirst), body = new Uint8Array(await whole(answer.arrayBuffer(), signal));
+  count(body.length);
+  return body;
 }
 
 export class Requests {
@@ -37,7 +60,9 @@ export class Requests {
 
   /**
    * Sets all files that are wanted, the most useful first; requests of others are cancelled.
-   * list  [{url, bytes: undefined: any number; cache: of fetch; done(bytes), failed(kind, reason): 'missing' or 'damaged'}]
+   * list  [{url: of one file alone; bytes: undefined: any number; cache: of fetch; isFirst: as of answered; done(bytes),
+   *       failed(kind, reason): 'missing' or 'damaged'; read({signal, cache, count(bytes that have come)}): undefined: the whole of
+   *       url}]
    */
   plan(list) {
     this.list = list;
@@ -77,9 +102,9 @@ export class Requests {
     this.flying.set(url, { stop });
     try {
       // A damaged file may be a cache's.
-      let body = await fetched(one, stop.signal, one.cache ?? 'default');
-      if (one.bytes !== undefined && body.length !== one.bytes) body = await fetched(one, stop.signal, 'reload');
-      this.loaded += body.length;
+      const read = (cache) => (one.read ?? ((how) => fetched(one, how)))({ signal: stop.signal, cache, count: (bytes) => { this.loaded += bytes; } });
+      let body = await read(one.cache ?? 'default');
+      if (one.bytes !== undefined && body.length !== one.bytes) body = await read('reload');
       // Steps in time may share chunks: one answer is for all of them.
       const all = this.settle(one);
       if (one.bytes !== undefined && body.length !== one.bytes) throw new Failure('damaged', `${body.length} bytes, expected ${one.bytes}`);

@@ -8,13 +8,13 @@ const slack = 2e-5;                                      // of numbers, by which
 /** An answer that is no part of a site; its message is one line: where, found, expected. */
 export class Refused extends Error {}
 
-function refuse(where, found, expected) {
+export function refuse(where, found, expected) {
   const text = JSON.stringify(found) ?? 'nothing';
   throw new Refused(`${where}: ${text.length > 60 ? `${text.slice(0, 57)}...` : text}, expected ${expected}`);
 }
-const isObject = (v) => typeof v === 'object' && v !== null && !Array.isArray(v);
-const isCount = (v, most = Number.MAX_SAFE_INTEGER) => Number.isSafeInteger(v) && v >= 0 && v <= most;
-const areNumbers = (v, count) => Array.isArray(v) && v.length === count && v.every(Number.isFinite);
+export const isObject = (v) => typeof v === 'object' && v !== null && !Array.isArray(v);
+export const isCount = (v, most = Number.MAX_SAFE_INTEGER) => Number.isSafeInteger(v) && v >= 0 && v <= most;
+export const areNumbers = (v, count) => Array.isArray(v) && v.length === count && v.every(Number.isFinite);
 
 export function parsedJson(bytes, where) {
   try {
@@ -81,7 +81,7 @@ export function tableOf(bytes, model, parent) {
   return partsOf(isObject(json) ? json.parts : json, model, parent, where);
 }
 
-function checkFields(fields, of, where) {
+export function checkFields(fields, of, where) {
   if (!Array.isArray(fields) || fields.length !== of.fields.length) refuse(where, fields, `the ${of.fields.length} fields of the page`);
   fields.forEach((field, n) => {
     const { name, vector } = of.fields[n];

@@ -1,5 +1,5 @@
-// site.js: models that are streamed from a folder on a web server (docs/streaming.md): for each view the chunks that it needs, of them
-// the files that the quantity needs. The same calls as Levels (model/levels.js).
+// site.js: models that are streamed from a web server (docs/streaming.md): for each view the chunks that it needs, of them what the
+// quantity needs. The same calls as Levels (model/levels.js).
 import { fieldPlace, inSlabs } from '../quantity.js';
 import { expectedLight } from '../picture/transfer.js';
 import { extinctionIn } from '../picture/probe.js';
@@ -8,7 +8,8 @@ import { leastError, mostError } from '../link.js';
 import { drawnCut, viewOf, wantedCut } from './cut.js';
 import { Loading } from './loading.js';
 import { Requests } from './requests.js';
-import { treesOf } from './rows.js';
+import { RangeFile } from './range_file.js';
+import { Folder, cannotRead } from './source.js';
 import { Store, bytesOf } from './store.js';
 import { Visibility } from './visibility.js';
 
@@ -28,18 +29,15 @@ export class Site {
   constructor(page, decoder, view) {
     Object.assign(this, { page, view, trees: null, turn: 0, planned: null, drawn: null, version: 0, coarser: 1, moving: false, ahead: [] });
     Object.assign(this, { asked: false, said: new Set(), awaited: {}, lattice: null, cut: null, reads: new Map(), soon: 0, later: 0, isStale: false });
-    this.base = new URL(page.site.base || '.', document.baseURI);
-    this.base.hash = this.base.search = '';
-    if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
+    this.source = page.site.file ? new RangeFile(page.site.file) : new Folder(page.site);
     this.store = new Store();
     this.requests = new Requests({ changed: () => this.requested(), away: (isAway, reason) => this.sayAway(isAway, reason) });
-    this.loading = new Loading(page, decoder, this.store, {
-      url: (path) => this.url(path), renderer: () => view.renderer(), changed: () => this.arrived(),
+    this.loading = new Loading(page, this.source, decoder, this.store, {
+      renderer: () => view.renderer(), changed: () => this.arrived(),
       lacks: (chunk, field, line) => this.lacks(chunk, field, line),
     });
   }
 
-  url(path) { return new URL(path, this.base).href; }
   get root() { return this.trees?.[this.view.state().model].root ?? null; }
 
   /** What the shown quantity needs of each chunk, as of bytesOf. */
@@ -61,16 +59,14 @@ export class Site {
   async load() {
     if (this.trees || this.asked) return this.replan();
     this.asked = true;
-    if (this.base.protocol === 'file:')
-      return this.view.fail('The model lies in files beside this page, which browsers read from a web server only: serve the folder, as by ' +
-                            'vog serve FOLDER, and open the address that it prints');
-    const { manifest } = this.page.site, fail = (reason) => this.view.fail(`The model cannot be read: ${reason}`);
+    const line = cannotRead(this.source.base), first = this.source.first();
+    if (line) return this.view.fail(line);
+    const fail = (reason) => this.view.fail(`The model cannot be read: ${reason}`);
     this.requests.plan([{
-      url: this.url(manifest), bytes: undefined, cache: 'no-cache',  // the names of all others are of their content
-      failed: (_, reason) => fail(`${manifest}: ${reason}, expected the description of a site`),
-      done: (bytes) => {
+      ...first, isFirst: true, failed: (_, reason) => fail(`${first.name}: ${reason}${this.source.hint}`),
+      done: async (bytes) => {
         try {
-          this.trees = treesOf(bytes, manifest, this.page);
+          this.trees = await this.source.trees(bytes, this.page);
         } catch (error) {
           return fail(error.message);
         }
@@ -176,12 +172,12 @@ export class Site {
 
   /** Whether files of a cut are under way; not those that no server answers for, or that cannot be had. */
   waits({ chunks, tables }, field) {
-    const waitsFor = (name) => !(this.requests.hasFailed && this.requests.isHeld(this.url(`chunks/${name}`)));
-    return tables.some(({ chunk }) => waitsFor(`${chunk.table}.json`)) || chunks.some(({ chunk }) => {
+    const { source, requests } = this, waitsFor = (kind, ...of) => !(requests.hasFailed && requests.isHeld(source[kind](...of).url));
+    return tables.some(({ chunk }) => waitsFor('table', chunk)) || chunks.some(({ chunk }) => {
       if (this.isThere(chunk, field) || this.loading.isBad(chunk, field)) return false;
       const { kept } = chunk;
-      return kept.busy.size > 0 || (kept.shapes ? kept.gpu === null : waitsFor(`${chunk.name}.vogz`)) ||
-        (field !== null && (kept.fields.has(field) || waitsFor(`${chunk.name}.${field}`)));
+      return kept.busy.size > 0 || (kept.shapes ? kept.gpu === null : waitsFor('shapes', chunk)) ||
+        (field !== null && (kept.fields.has(field) || waitsFor('field', chunk, field)));
     });
   }
 
@@ -259,7 +255,10 @@ export class Site {
   }
 
   sayAway(isAway, reason) {
-    if (isAway) this.view.say(`No answer from ${this.base.host} (${reason}): what is here stays, and the rest is tried again.`, 0);
-    else this.view.say('');
+    const { host, origin } = this.source.base;
+    if (!isAway) this.view.say('');
+    else if (!this.trees && origin !== self.origin)
+      this.view.say(`No answer from ${host} that pages of ${self.origin} may read (Access-Control-Allow-Origin): it is tried again.`, 0);
+    else this.view.say(`No answer from ${host} (${reason}): what is here stays, and the rest is tried again.`, 0);
   }
 }

@@ -1,0 +1,40 @@
+// source.js: where the models of a streamed page lie: a site's folder; RangeFile (range_file.js) has the same calls.
+import { treesOf } from './rows.js';
+
+/** Why a page cannot read from an address, in a line; '': it may. */
+export function cannotRead(base) {
+  if (base.protocol === 'file:')
+    return 'The model lies in files beside this page, which browsers read from a web server only: serve the folder, as by vog serve FOLDER, ' +
+      'and open the address that it prints';
+  const isHere = ['localhost', '127.0.0.1'].includes(base.hostname);
+  return location.protocol === 'https:' && base.protocol === 'http:' && !isHere
+    ? `The model lies at ${base.origin}, which browsers do not let a page of https read: expected an address of https` : '';
+}
+
+/** A folder of chunks, each in files of its own. */
+export class Folder {
+  /** site  {manifest: name of the description, base: address of the folder; '': the page's} */
+  constructor({ manifest, base }) {
+    this.base = new URL(base || '.', document.baseURI);
+    this.base.hash = this.base.search = '';
+    if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
+    this.manifest = manifest;
+    this.hint = ', expected the description of a site';
+  }
+
+  /** A file as Requests takes it, and its name. */
+  file(name, bytes) { return { url: new URL(name, this.base).href, name, bytes }; }
+  /** The file that describes all others; their names are of their content. */
+  first() { return { ...this.file(this.manifest), cache: 'no-cache' }; }
+  /** Trees of chunks, one a model, of what first() has brought; throws Error with a line for the reader. */
+  trees(bytes, page) { return treesOf(bytes, this.manifest, page); }
+
+  table({ table, tableBytes }) { return this.file(`chunks/${table}.json`, tableBytes ?? undefined); }
+  shapes({ name, bytes }) { return this.file(`chunks/${name}.vogz`, bytes[0]); }
+  field({ name, bytes }, place) { return this.file(`chunks/${name}.${place}`, bytes[1 + place]); }
+
+  /** What decodeLevel takes of the bytes of a chunk's shapes. */
+  shapesOf(chunk, shapes) { return shapes; }
+  /** Call of the decoder for a field of a chunk; kept: of store.js. */
+  fieldCall(chunk, { shapes, fields }, place, page) { return ['decodeFieldFile', shapes, fields.get(place), page]; }
+}
