@@ -4,6 +4,7 @@ requested, servers without ranges, other origins, files that change, are cut, ar
 
 VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Chromium.
 """
+import base64
 import json
 import os
 import re
@@ -411,6 +412,94 @@ class Fields(Elsewhere):
         self.browser.open(self.folder / "files/index.html")
         self.until("!failure.hidden")
         self.assertIn("vog serve", self.failure())
+
+
+CHECKSUM = """const checksum = (bytes) => {
+    let crc = ~0;
+    for (const byte of bytes) {
+        crc ^= byte;
+        for (let bit = 0; bit < 8; ++bit) crc = crc & 1 ? (crc >>> 1) ^ 0xedb88320 : crc >>> 1;
+    }
+    return ~crc >>> 0;
+};"""
+
+
+class Checksums(Elsewhere):
+    """A changed byte of any file."""
+
+    @classmethod
+    def make(cls):
+        write_flow(cls.folder / "flow.ply", 300)
+        vog("export", "flow.ply", "-o", "flow/")
+
+    def missed(self, call, *files):
+        """Places of bytes of the last file whose change a decoder does not notice."""
+        texts = [base64.b64encode(file.read_bytes()).decode() for file in files]
+        return self.value(f"""(async () => {{
+            const files = {json.dumps(texts)}.map((text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0))), missed = [], last = files.pop();
+            const frame = {{ center: [0, 0, 0], unit: 1 }}, field = {{ vector: false, reference: 0, scale: 1 }};
+            await {call}(...files, last, {'frame, 1' if len(files) == 1 else 'field'});
+            for (let at = 0; at < last.length; at += at < 200 ? 1 : 11) {{
+                const changed = last.slice();
+                changed[at] ^= 1 << at % 8;
+                await {call}(...files, changed, {'frame, 1' if len(files) == 1 else 'field'}).then(() => missed.push(at), () => {{}});
+            }}
+            return missed;
+        }})()""")
+
+    def test_a_changed_byte_of_a_chunk_is_noticed(self):
+        self.browser.viewport(*SMALL)
+        self.open(self.serve("flow").url)
+        chunk = self.folder / "flow/chunks" / self.root("flow")["name"]
+        # The minor version and a word that is reserved stand for nothing.
+        self.assertEqual(self.missed("decodeLevel", chunk.with_suffix(".vogz")), [10, 11, 44, 45, 46, 47])
+        self.assertEqual(self.missed("decodeFieldFile", chunk.with_suffix(".vogz"), chunk.with_suffix(".0")), [])
+
+    def test_a_changed_byte_of_a_manifest_or_table_is_noticed(self):
+        write_dust(self.folder / "dust.ply", 150_000)
+        vog("export", "dust.ply", "-o", "dust/")
+        table = next((self.folder / "dust/chunks").glob("*.json"))
+        (self.folder / "rows.html").write_text(
+            f"<!doctype html><title>rows</title><script>{CHECKSUM}{modules('stream/rows.js')}</script>")
+        self.browser.open(self.folder / "rows.html")
+        for file in (self.folder / "dust/manifest.json", table):
+            found = self.value(f"""(() => {{
+                const bytes = new TextEncoder().encode({json.dumps(file.read_text())}), missed = [];
+                parsedJson(bytes, '');
+                for (let at = 0; at < bytes.length; at += at < bytes.length - 40 ? 13 : 1) {{
+                    const changed = bytes.slice();
+                    changed[at] ^= 1 << at % 7;
+                    try {{ parsedJson(changed, ''); missed.push(bytes.length - at); }} catch {{}}
+                }}
+                return missed;
+            }})()""")
+            # But for the checksum's own key.
+            digits = len(file.read_text().rsplit('"crc":', 1)[1]) - 2
+            self.assertTrue(all(digits + 2 < place <= digits + 9 for place in found), (found, digits))
+
+    def test_a_damaged_table_is_asked_for_again(self):
+        write_dust(self.folder / "dust.ply", 150_000)
+        vog("export", "dust.ply", "-o", "dust/", "--tf", "gray")
+        tables = sorted(path.name for path in (self.folder / "dust/chunks").glob("*.json"))
+        self.browser.viewport(*SMALL)
+        for answers, notices in ((1, ""), (9, "damaged")):
+            left = {name: answers for name in tables}
+
+            def changed(body, name):
+                left[name] -= 1
+                return body if left[name] < 0 else body.replace(b'"error":0', b'"error":1', 1)
+            server = self.serve("dust")
+            server.answers = {name: lambda body, name=name: changed(body, name) for name in tables}
+            self.browser.open(server.url, "#subframes=1&error=0.5")
+            self.value(f"vog.change({self.near(0.2)})")
+            self.browser.settle()
+            asked = [path for path in server.paths if path.endswith(".json") and "manifest" not in path]
+            self.assertTrue(asked)
+            self.assertLessEqual(max(asked.count(path) for path in asked), 2)
+            if notices:
+                self.assertIn("damaged", self.notice())
+            else:
+                self.assertEqual(self.notice(), "")
 
 
 class Headers(SiteTest):

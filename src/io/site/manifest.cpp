@@ -9,11 +9,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <string_view>
 
 #include "core/atomic_file.h"
 #include "core/json_fault.h"
 #include "io/model_json.h"
 #include "io/site/chunk_name.h"
+#include "io/vogz/file_table.h"
 #include "vog/error.h"
 
 namespace vog::site {
@@ -25,6 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "vog site";
 constexpr int kVersion = 1;
+constexpr std::string_view kCrcKey = ",\"crc\":";
 /// Far above those of any site; a file of damaged length does not allocate more.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 28;
 constexpr std::uint32_t kMostGaussians = 1u << 20, kMostChunkBytes = 1u << 30;
@@ -145,8 +148,25 @@ auto named(const fs::path& file, const Read& read) {
     }
 }
 
+/// Text of a description, its last entry the CRC-32 of all bytes before that entry: browsers have no hash of names.
 std::string text_of(const Json& json) {
-    return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
+    std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    text.pop_back();
+    const std::uint32_t crc = vogz::checksum(text);
+    return text + fmt::format("{}{}}}\n", kCrcKey, crc);
+}
+
+/// throws vog::Error where a text ends in another checksum than its own; those of earlier writers have none
+void check_sum(std::string_view text) {
+    const std::size_t at = text.rfind(kCrcKey);
+    if (at == text.npos || !text.ends_with("}\n")) return;
+    const std::string_view digits =
+        text.substr(at + kCrcKey.size(), text.size() - 2 - at - kCrcKey.size());
+    const bool number = !digits.empty() && std::ranges::all_of(digits, [](char letter) {
+        return letter >= '0' && letter <= '9';
+    });
+    if (number && digits != std::to_string(vogz::checksum(text.substr(0, at))))
+        throw Error("damaged: other bytes than were written");
 }
 
 }  // namespace
@@ -216,6 +236,7 @@ Manifest read_manifest(const fs::path& folder) {
         if (json.at("version") != kVersion)
             throw Error(fmt::format("version {}, expected {}: written by another vog",
                                     json["version"].dump(), kVersion));
+        check_sum(text);
         Manifest manifest;
         manifest.steps = json.at("steps");
         for (const Json& model : json.at("models")) manifest.models.push_back(model_of(model));

@@ -13,7 +13,8 @@ const crcTable = Uint32Array.from({ length: 256 }, (_, n) => {
   for (let bit = 0; bit < 8; ++bit) n = n & 1 ? (n >>> 1) ^ 0xedb88320 : n >>> 1;
   return n;
 });
-function checksum(bytes) {
+/** CRC-32. */
+export function checksum(bytes) {
   let crc = ~0;
   for (let n = 0; n < bytes.length; ++n) crc = (crc >>> 8) ^ crcTable[(crc ^ bytes[n]) & 255];
   return ~crc >>> 0;

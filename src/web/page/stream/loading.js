@@ -35,7 +35,7 @@ export class Loading {
       failed: (kind, reason) => { failed(`${file.name}: ${reason}`); this.hooks.changed(); },
     });
     for (const { chunk, use } of tables)
-      add(use, source.table(chunk), (body) => this.takeTable(tree, chunk, body), (line) => this.refuseTable(chunk, line));
+      add(use, source.table(chunk), (body) => this.takeTable(tree, chunk, body), (line) => this.refuseTable(chunk, line), chunk.tableAgain);
     for (const { chunk, use } of chunks) {
       if (this.isBad(chunk, field)) continue;
       const kept = this.store.of(chunk);
@@ -64,7 +64,8 @@ export class Loading {
       chunk.parts = tableOf(body, tree, chunk);
     } catch (error) {
       if (!(error instanceof Refused)) throw error;
-      this.refuseTable(chunk, error.message);
+      if (chunk.tableAgain) this.refuseTable(chunk, error.message);
+      chunk.tableAgain = true;  // past all caches
     }
     this.hooks.changed();
   }

@@ -1,4 +1,5 @@
 // rows.js: manifest and rows of the chunk tree of a site (docs/streaming.md), checked number by number: a server may send anything.
+import { checksum } from '../model/vogz.js';
 
 const format = 'vog site', version = 1;
 const mostModels = 1e5, mostParts = 4096, mostDepth = 64;
@@ -16,7 +17,11 @@ export const isObject = (v) => typeof v === 'object' && v !== null && !Array.isA
 export const isCount = (v, most = Number.MAX_SAFE_INTEGER) => Number.isSafeInteger(v) && v >= 0 && v <= most;
 export const areNumbers = (v, count) => Array.isArray(v) && v.length === count && v.every(Number.isFinite);
 
+/** Value of a JSON text. Those of sites end in the CRC-32 of all before. */
 export function parsedJson(bytes, where) {
+  const [ending, crc] = /,"crc":(\d+)\}\n$/.exec(new TextDecoder().decode(bytes.subarray(-32))) ?? [];
+  if (ending && checksum(bytes.subarray(0, bytes.length - ending.length)) !== Number(crc))
+    throw new Refused(`${where}: damaged, expected bytes of the checksum ${crc}`);
   try {
     return JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes));
   } catch {
