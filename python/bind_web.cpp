@@ -110,6 +110,21 @@ py::dict export_site(const std::filesystem::path& folder, const Named& named,
     return result;
 }
 
+/// Models of a page whose data lies elsewhere: those of a site or of a compact file.
+/// models  a path
+std::vector<HtmlModel> models_elsewhere(const py::object& models, const HtmlSource& source,
+                                        const std::string& title) {
+    if (!py::isinstance<py::str>(models) && !py::hasattr(models, "__fspath__"))
+        throw py::type_error(
+            "export_html: url goes with a path of a site or of a compact model "
+            "(.vogz) as models, got " +
+            py::type::of(models).attr("__name__").cast<std::string>());
+    const auto path = models.cast<std::filesystem::path>();
+    std::vector<HtmlModel> entries = unlocked([&] { return models_to_stream(path); });
+    if (!title.empty() && entries.size() == 1 && source.file) entries.front().name = title;
+    return entries;
+}
+
 py::dict export_html(const std::filesystem::path& file, const py::object& models,
                      const std::string& title, const std::string& description, int levels,
                      const std::optional<Camera>& camera, const py::object& extinction,
@@ -117,8 +132,24 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
                      const std::string& show, const std::string& field, const py::object& range,
                      bool log, const py::object& unit_distance, const py::object& light,
                      const py::object& clip, const py::object& clip_planes, bool steps,
-                     bool precise) {
-    const Named named = named_models(models, title);
+                     bool precise, const std::string& url) {
+    std::vector<HtmlModel> elsewhere;
+    HtmlSource source{url, false};
+    if (!url.empty()) {
+        if (is_folder(file) || precise || levels != 8)
+            throw Error(
+                "export_html: url goes with a page, and without levels and precise: the model is "
+                "written already");
+        const auto path = py::isinstance<py::str>(models) || py::hasattr(models, "__fspath__")
+                              ? models.cast<std::filesystem::path>()
+                              : std::filesystem::path();
+        source.file = !is_site(path);
+        if (!source.file && !url.ends_with('/')) source.url += '/';
+        elsewhere = models_elsewhere(models, source, title);
+    }
+    Named named;
+    for (const HtmlModel& entry : elsewhere) named.emplace_back(entry.name, &entry.levels.front());
+    if (url.empty()) named = named_models(models, title);
     if (named.empty()) throw Error("export_html: no model, expected at least one");
     if (levels < 1)
         throw Error("export_html: " + std::to_string(levels) + " levels, expected 1 or more");
@@ -140,6 +171,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
     options.shading.blend = blend;
     if (is_folder(file)) return export_site(file, named, options);
     const HtmlReport report = unlocked([&] {
+        if (!url.empty()) return write_streaming_page(file, elsewhere, source, options);
         std::vector<HtmlModel> entries;
         for (const auto& [name, model] : named)
             entries.push_back({name, detail_levels(*model, static_cast<std::size_t>(levels))});
@@ -163,7 +195,7 @@ void bind_web(py::module_& m) {
         py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = false,
         py::arg("unit_distance") = py::none(), py::arg("light") = py::none(),
         py::arg("clip") = py::none(), py::arg("clip_planes") = py::none(), py::arg("steps") = false,
-        py::arg("precise") = false,
+        py::arg("precise") = false, py::arg("url") = "",
         R"(Writes models to one self-contained HTML page, which needs no server, network or other file.
 
 file         page to write; or a folder, an existing one or a name that ends in /: a site, of whose models a browser loads what its
@@ -187,6 +219,8 @@ clip         box of the world that is shown first, [2, 3]; None: all
 clip_planes  rows (nx, ny, nz, d): first shown is the side where n.x >= d; at most 10
 steps        True: the models are steps in time, with a play bar and one extinction
 precise      True: numbers four times as fine, for 4 bytes more a Gaussian
+url          address of https or http, or relative to the page, at which a copy of the data lies: models is then the path of a site or of
+             a compact model (vog export --hierarchy --deflate), and the page streams it from there
 
 Returns a dict: bytes (size of the file), viewer_bytes (size without the models), gaussians.
 

@@ -632,7 +632,7 @@ def rate_distortion(
 ) -> dict[str, Any]: ...
 def export_html(
     file: _Path,
-    models: Union[Gaussians, dict[str, Gaussians]],
+    models: Union[Gaussians, dict[str, Gaussians], _Path],
     *,
     title: str = ...,
     description: str = ...,
@@ -652,6 +652,7 @@ def export_html(
     clip_planes: Union[Sequence[Sequence[float]], NDArray[Any], None] = ...,
     steps: bool = ...,
     precise: bool = ...,
+    url: str = ...,
 ) -> dict[str, int]: ...
 def export_splats(
     model: Gaussians,

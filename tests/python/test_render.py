@@ -370,6 +370,25 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
     assert not (tmp_path / "none.html").exists()
 
 
+def test_pages_of_models_elsewhere_are_the_commands(tmp_path, command, model):
+    model.save(tmp_path / "a.ply")
+    command("export", "a.ply", "-o", "a.vogz", "--hierarchy", "--deflate")
+    command("export", "a.ply", "-o", "site/")
+    for name, url in (("a.vogz", "https://data.example.org/a.vogz"), ("site", "../site"), ("a.vogz", "a.vogz")):
+        command("export", name, "-o", "command.html", "--from", url, "--title", "a", "--name", "a")
+        report = vog.export_html(tmp_path / "python.html", tmp_path / name, title="a", url=url)
+        assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
+        assert report["bytes"] == (tmp_path / "python.html").stat().st_size
+    for wrong, words in ((("a.ply", "https://host/a.ply"), "vogz"), (("a.vogz", "ftp://host/a.vogz"), "https"), (("site", "https://a b/"), "expected")):
+        with pytest.raises(vog.Error, match=words):
+            vog.export_html(tmp_path / "none.html", tmp_path / wrong[0], url=wrong[1])
+    with pytest.raises(TypeError, match="path"):
+        vog.export_html(tmp_path / "none.html", model, url="https://host/a.vogz")
+    with pytest.raises(vog.Error, match="levels"):
+        vog.export_html(tmp_path / "none.html", tmp_path / "a.vogz", url="a.vogz", levels=2)
+    assert not (tmp_path / "none.html").exists()
+
+
 def test_coarser_models_keep_the_mass(model):
     few = model.coarsen(100)
     assert len(few) <= 100 and few.mass == pytest.approx(model.mass, rel=1e-4)
