@@ -411,7 +411,7 @@ class Fields(Elsewhere):
     def test_a_page_opened_as_a_file_beside_its_file_says_what_to_do(self):
         self.browser.open(self.folder / "files/index.html")
         self.until("!failure.hidden")
-        self.assertIn("vog serve", self.failure())
+        self.assertIn("python3 -m http.server", self.failure())
 
 
 CHECKSUM = """const checksum = (bytes) => {

@@ -42,7 +42,7 @@ export class RangeFile {
     this.base = new URL(file, document.baseURI);
     this.base.hash = '';
     this.name = decodeURIComponent(this.base.pathname.split('/').at(-1)) || this.base.host;
-    Object.assign(this, { marks: {}, size: null, here: new Uint8Array(0), isWhole: false, isChanged: false, hint: '' });
+    Object.assign(this, { marks: {}, size: null, here: new Uint8Array(0), isWhole: false, isChanged: false, hint: '', server: 'python3 -m http.server' });
   }
 
   /** Throws where the file is another one than that of the first answer, by what can be read of the answer's head. */

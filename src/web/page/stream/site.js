@@ -59,7 +59,7 @@ export class Site {
   async load() {
     if (this.trees || this.asked) return this.replan();
     this.asked = true;
-    const line = cannotRead(this.source.base), first = this.source.first();
+    const line = cannotRead(this.source), first = this.source.first();
     if (line) return this.view.fail(line);
     const fail = (reason) => this.view.fail(`The model cannot be read: ${reason}`);
     this.requests.plan([{

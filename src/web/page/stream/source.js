@@ -1,11 +1,11 @@
 // source.js: where the models of a streamed page lie: a site's folder; RangeFile (range_file.js) has the same calls.
 import { treesOf } from './rows.js';
 
-/** Why a page cannot read from an address, in a line; '': it may. */
-export function cannotRead(base) {
+/** Why a page cannot read from a source, in a line; '': it may. */
+export function cannotRead({ base, server }) {
   if (base.protocol === 'file:')
-    return 'The model lies in files beside this page, which browsers read from a web server only: serve the folder, as by vog serve FOLDER, ' +
-      'and open the address that it prints';
+    return 'The model lies in files beside this page, which browsers read from a web server only: serve the folder, as by ' +
+      `${server}, and open the address that it prints`;
   const isHere = ['localhost', '127.0.0.1'].includes(base.hostname);
   return location.protocol === 'https:' && base.protocol === 'http:' && !isHere
     ? `The model lies at ${base.origin}, which browsers do not let a page of https read: expected an address of https` : '';
@@ -20,6 +20,7 @@ export class Folder {
     if (!this.base.pathname.endsWith('/')) this.base.pathname += '/';
     this.manifest = manifest;
     this.hint = ', expected the description of a site';
+    this.server = 'vog serve FOLDER';
   }
 
   /** A file as Requests takes it, and its name. */
