@@ -15,14 +15,15 @@ import sys
 import time
 import unittest
 
+from browser import modules
 from page_test_case import VOG, run, vog
 from quantity_test_case import write_flow
 from site_server import DROP, SiteServer
-from streaming_failures_test import modules
 from streaming_test_case import SMALL, SiteTest, write_dust
 
 DUST = 60000
 LEAST_PSNR_DB = 50  # as of sites
+FINE = "#subframes=1&error=0.5"  # at few pixels the coarsest chunk errs by one
 FIRST_BYTES = 65536  # of the first request
 
 
@@ -36,7 +37,7 @@ class Elsewhere(SiteTest):
         vog("export", model, "-o", "page/index.html", "--from", url, "--tf", "gray", *options)
         return (folder / "index.html").read_text()
 
-    def begin_page(self, folder="page", fragment="#subframes=1", **settings):
+    def begin_page(self, folder="page", fragment=FINE, **settings):
         """Opens a page; does not wait for the picture."""
         self.browser.viewport(*SMALL)
         server = self.serve(folder, **settings)
@@ -65,7 +66,7 @@ class Ranges(Elsewhere):
     def size(self):
         return (self.folder / "files/dust.vogz").stat().st_size
 
-    def begin(self, fragment="#subframes=1", ranges=True, **hooks):
+    def begin(self, fragment=FINE, ranges=True, **hooks):
         """Opens the page with hooks of the server; does not wait for the picture."""
         self.browser.viewport(*SMALL)
         server = self.serve("files", ranges=ranges)
@@ -158,7 +159,7 @@ class Ranges(Elsewhere):
         try:
             address = re.search(r"http://[0-9.:]+/", server.stdout.readline()).group()
             self.browser.viewport(*SMALL)
-            self.open(address)
+            self.open(address, FINE)
             self.expect_model("files/dust.vogz")
         finally:
             server.terminate()
@@ -188,7 +189,7 @@ class Ranges(Elsewhere):
                 if (folder / "pid").exists():
                     break
                 time.sleep(0.1)
-            self.open(f"http://127.0.0.1:{port}/")
+            self.open(f"http://127.0.0.1:{port}/", FINE)
             self.expect_model("files/dust.vogz")
         finally:
             nginx.terminate()
@@ -233,7 +234,7 @@ class Ranges(Elsewhere):
                 address = server.stdout.readline().strip()
                 self.page_of("files/dust.vogz", address + "dust.vogz")
                 self.browser.viewport(*SMALL)
-                self.browser.open(page.url, "#subframes=1")
+                self.browser.open(page.url, FINE)
                 if allowed:
                     self.browser.settle()
                     self.expect_model("files/dust.vogz")

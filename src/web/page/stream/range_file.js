@@ -41,7 +41,7 @@ export class RangeFile {
   constructor(file) {
     this.base = new URL(file, document.baseURI);
     this.base.hash = '';
-    this.name = decodeURIComponent(this.base.pathname.split('/').at(-1)) || this.base.host;
+    this.name = this.base.pathname.split('/').at(-1) || this.base.host;
     Object.assign(this, { marks: {}, size: null, here: new Uint8Array(0), isWhole: false, isChanged: false, hint: '', server: 'python3 -m http.server' });
   }
 
