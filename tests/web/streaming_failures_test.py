@@ -50,13 +50,16 @@ class Failures(SiteTest):
         self.assertGreater(first[1], 0)
         self.assertIn("to come", first[2])
         self.assertEqual(first[3], "")
-        # Frames go on meanwhile.
-        self.assertGreater(self.value("""new Promise((done) => {
+        # Frames go on while files are under way.
+        self.assertEqual(self.value("""new Promise((done) => {
             let frames = 0;
-            const next = () => { ++frames; requestAnimationFrame(next); };
+            const next = () => {
+                if (frames === 3 || vog.source.requests.toCome.length === 0) return done(frames);
+                ++frames;
+                requestAnimationFrame(next);
+            };
             next();
-            setTimeout(() => done(frames), 500);
-        })"""), 2)
+        })"""), 3)
         self.until("!document.getElementById('progress').hidden || vog.source.requests.toCome.length === 0")
         self.browser.settle()
         self.assertEqual(self.drawn, whole)
