@@ -2,12 +2,13 @@
 """Bytes and memory of a streamed page: first picture, full detail of the first view, of a view zoomed to a hundredth of the distance, and a
 flight.
 
-usage: bench/page_streaming.py SITE/ [--size 512x512] [--error 1] [--rate kB/s] [--views 40] [--most GAUSSIANS] [--memory MB]
+usage: bench/page_streaming.py FOLDER/ [--size 512x512] [--error 1] [--rate kB/s] [--views 40] [--most GAUSSIANS] [--memory MB]
 
-Serves the folder on loopback to headless Chromium, whose GPU is software (SwiftShader), one sub-frame a picture. Bytes are those of
-answers' bodies, uncompressed, the page's own included. Memory is private memory of the page's process and of the browser's GPU process,
-the largest of samples every 0.2 s. The flight nears the model to a hundredth of its distance and leaves it, turning by 9 degrees a view,
-0.3 s each, as drags do: frames decide on the error meanwhile. Expects that every view ends within the error or with full memory, and
+Serves a site, or a folder of a page (index.html, vog export MODEL.vogz --from MODEL.vogz) and its compact file, by ranges, on loopback
+to headless Chromium, whose GPU is software (SwiftShader), one sub-frame a picture. Bytes are those of answers' bodies, uncompressed,
+the page's own included. Memory is private memory of the page's process and of the browser's GPU process, the largest of samples every
+0.2 s. The flight nears the model to a hundredth of its distance and leaves it, turning by 9 degrees a view, 0.3 s each, as drags do:
+frames decide on the error meanwhile. Expects that every view ends within the error or with full memory, and
 without a line of error.
 """
 import argparse
@@ -83,7 +84,8 @@ def main():
     parser.add_argument("--memory", type=int)
     options = parser.parse_args()
     limits = "".join(f"&{name}={value}" for name, value in (("most", options.most), ("memory", options.memory)) if value)
-    with SiteServer(options.site) as server, Browser(3000) as browser:
+    is_site = (options.site / "manifest.json").exists()
+    with SiteServer(options.site, ranges=not is_site) as server, Browser(3000) as browser:
         browser.viewport(*map(int, options.size.split("x")))
         server.bytes_per_s = options.rate and int(1000 * options.rate)
 
@@ -99,8 +101,12 @@ def main():
         with Memory(browser) as memory:
             browser.open(server.url, f"#subframes=1&embed&error={options.error}{limits}")
             browser.settle()
-        first = next(n for n, path in enumerate(server.paths) if path.startswith("/chunks/"))
-        sizes = [(options.site / (path[1:] or "index.html")).stat().st_size for path in server.paths[:first + 1]]
+        size = lambda path: (options.site / (path[1:] or "index.html")).stat().st_size
+        if is_site:
+            first = next(n for n, path in enumerate(server.paths) if path.startswith("/chunks/"))
+            sizes = [size(path) for path in server.paths[:first + 1]]
+        else:  # the header, and the coarsest chunk, whose runs may be two requests
+            sizes = [size("/"), *(last + 1 - first for first, last in server.asked[:3])]
         print(f"{'first picture':20} {sum(sizes) / 1e6:7.3f} MB: {', '.join(map(str, sizes))} bytes")
         report("first view", 0, began, memory)
         browser.evaluate("vog.first = vog.state.camera")

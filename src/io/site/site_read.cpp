@@ -82,7 +82,8 @@ std::optional<SitePath> find_site(const fs::path& path) {
     return SitePath{folder, static_cast<std::size_t>(found - names.begin())};
 }
 
-std::vector<fs::path> models_of_site(const fs::path& folder) {
+std::vector<fs::path> models_of_site(const fs::path& given) {
+    const fs::path folder = given.has_filename() ? given : given.parent_path();  // site/ is site
     const std::vector<std::string> names = model_names(folder);
     std::map<std::string, int> count;
     for (const std::string& name : names) ++count[name];

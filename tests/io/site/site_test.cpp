@@ -339,6 +339,7 @@ TEST(site, models_have_paths) {
         EXPECT_FALSE(find_site(dir / other)) << other;
     write_site({"other"});
     EXPECT_EQ(names_of(), std::vector<std::string>{"other"});
+    EXPECT_EQ(models_of_site(dir / "site/"), models_of_site(dir / "site"));
 }
 
 TEST(site, bytes_stay_near_those_of_one_compact_file) {
