@@ -62,6 +62,7 @@ FileKind check(const SiteArguments& arguments, const CLI::App& command) {
     }
     cli::check_names(arguments.page, kind == FileKind::model ? given.inputs.size() : 1);
     cli::check_page_options(arguments.page, command);
+    cli::refuse_own_folder(given.inputs, given.output);
     return kind;
 }
 
@@ -174,7 +175,7 @@ void add_volume_conversion(CLI::App& command, cli::ConvertArguments& convert) {
         ->capture_default_str();
     cli::add_volume_options(command, convert.volume);
     cli::add_moment_options(command, convert);
-    cli::add_memory_options(command, convert.memory, "Of each rank.");
+    cli::add_memory_options(command, convert.memory, ". Of each rank");
 }
 
 }  // namespace

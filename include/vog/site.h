@@ -52,8 +52,8 @@ class SiteWriter {
     /// precision  of the numbers
     /// processes  write the site together, each a part of every model (vog/distributed.h); all make the same calls in the same
     ///            order. Null: a single process
-    /// throws     vog::Error for a precision out of range, a folder that has another page, cannot be made or is not the same of
-    ///            all processes
+    /// throws     vog::Error for a precision out of range, a folder that has another page, cannot be made, is not the same of
+    ///            all processes, or that another SiteWriter writes into
     SiteWriter(const std::filesystem::path& folder, const VogzPrecision& precision = {},
                const Collective* processes = nullptr);
     ~SiteWriter();

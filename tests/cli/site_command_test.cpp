@@ -82,10 +82,20 @@ TEST_F(site_command, volumes_particles_and_steps_become_sites) {
     EXPECT_GT(Json::parse(must("compare second.png whole.png --json").out)["psnr_rgb_db"], 38);
     EXPECT_NE(must("render steps -o first.png --size 16").error.find("the first of 2 models"),
               std::string::npos);
+    must("export steps -o copy/");
+    const Json copy = Json::parse(must("info copy --json").out)["files"][0]["site"];
+    EXPECT_EQ(copy["steps"], true);
+    ASSERT_EQ(copy["models"].size(), 2u);
+    EXPECT_EQ(copy["models"][1]["name"], "step_2");
+    must_fail(1, "export steps -o steps/", "steps/: is an input and would be overwritten");
+    must_fail(1, "export steps/step_2 -o steps", "is an input and would be overwritten");
+    must("export steps -o page.html");
+    EXPECT_NE(read_text(dir_ / "page.html").find("step_2"), std::string::npos);
     must("export steps/step_2 -o second.ply");
     EXPECT_EQ(Json::parse(must("info second.ply --json").out)["files"][0]["model"]["gaussians"],
               steps["models"][1]["gaussians"]);
-    must_fail(1, "render steps/none -o none.png", "steps/none: no such file");
+    must_fail(1, "render steps/none -o none.png",
+              "steps/none: no model of this name, expected step_1, step_2");
     must("export step_1.ply step_2.ply -o two/ --site --name A --name B");
     EXPECT_EQ(Json::parse(must("info two --json").out)["files"][0]["site"]["models"][1]["name"],
               "B");
@@ -125,6 +135,17 @@ TEST_F(site_command, pages_of_models_elsewhere_hold_no_model) {
     must("export c.ply -o zstd.vogz --hierarchy");
     must_fail(1, "export zstd.vogz -o page.html --from zstd.vogz", "--hierarchy --deflate");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "page.html"));
+}
+
+TEST_F(site_command, an_export_that_has_not_ended_is_said) {
+    must("sample cloud c.vdb --size 64");
+    must("convert c.vdb -o c.ply --block 2");
+    must("export c.ply -o site/");
+    std::filesystem::remove(dir_ / "site/manifest.json");
+    must_fail(1, "info site", "site: an export of a site that has not ended");
+    std::filesystem::remove(dir_ / "site/index.html");
+    must("export c.ply -o site/");
+    must("info site");
 }
 
 TEST_F(site_command, requests_without_sense_are_refused) {

@@ -336,24 +336,25 @@ class Rows(SiteTest):
         for one in found:
             self.assertEqual(one, [0, True, True, True, True])
 
-    def test_what_the_rest_hides_stays_coarse(self):
+    def test_what_the_rest_hides_comes_last(self):
         row = {"gaussians": 10, "bytes": [1000]}
         leaf = lambda name, x: {**row, "name": name * 32, "nodes": 0, "error": 0, "box": [x, -1, -1, x + 1, 1, 1]}
         part = lambda name, x: {**leaf(name, x), "nodes": 8, "error": 0.1, "parts": [leaf(chr(ord(name) + 2), x)]}
         root = {**row, "name": "0" * 32, "nodes": 8, "error": 0.2, "box": [-1, -1, -1, 1, 1, 1], "parts": [part("a", -1), part("b", 0)]}
         text = json.dumps({"format": "vog site", "version": 1, "models": [{"gaussians": 20, "origin": [0, 0, 0], "fields": [], "root": root}]})
-        for room, drawn, bound in (1e9, "0abc", 1), (3e3, "0ab", 2.5):
+        for room, drawn, bound, seen in (1e9, "0abcd", 1, 1), (4e3, "0abc", 2.5, 1), (3e3, "0ab", 2.5, 2.5):
             found = self.value(f"""(() => {{
                 const tree = treesOf(new TextEncoder().encode({json.dumps(text)}), 'm', {{ models: [{{ fields: [] }}] }})[0].root;
                 const view = viewOf({{ eye: [0, 0, 5], at: [0, 0, 0], up: [0, 1, 0], fov: 40, span: 4 }}, 100, 100, null);
                 const visible = ({{ name }}) => (name[0] === 'b' ? 0.3 : 1);
                 const cut = wantedCut(tree, view, 1, {{ error: 1, room: {{ bytes: {room}, gaussians: 1e9 }}, bytesOf: () => 1000, visible, isBad: () => false }});
-                return [cut.chunks.map(({{ chunk }}) => chunk.name[0]).sort().join(''), cut.error, drawnCut(tree, 1, () => true).error];
+                return [cut.chunks.map(({{ chunk }}) => chunk.name[0]).sort().join(''), cut.error, cut.shown, drawnCut(tree, 1, () => true).error];
             }})()""")
             # 25 pixels a unit: 2.5 pixels of nodes, of the hidden ones 0.75 are seen.
             self.assertEqual(found[0], drawn)
             self.assertAlmostEqual(found[1], bound)
-            self.assertAlmostEqual(found[2], 0.75 if bound == 1 else 2.5)
+            self.assertAlmostEqual(found[2], seen)
+            self.assertAlmostEqual(found[3], 0 if bound == 1 else 2.5)
 
     def test_visibility_is_that_of_the_optical_depth(self):
         found = self.value("""(() => {

@@ -81,24 +81,28 @@ class Streaming(SiteTest):
         self.change(self.near(0.3))
         self.assertGreater(len(server.chunks()), few)
 
-    def test_an_opaque_picture_takes_fewer_gaussians_than_a_faint_one(self):
+    def test_what_the_rest_hides_comes_last(self):
         rng, rows = random.Random(6), []
         for _ in range(DUST):
             rows += [*(rng.uniform(-1, 1) for _ in range(3)), 0.03, 0.03, 0.03, 1]
         write_model(self.folder / "block.ply", rows)
         vog("export", "block.ply", "-o", "block/", "--tf", "gray")
-        self.start("block", size=(320, 240), fragment="#subframes=1&embed&exposure=0.1")
+        bound = "[vog.source.cut.shown, vog.source.cut.error, stream.textContent.includes('full')]"
+        self.start("block", size=(320, 240), fragment="#subframes=1&embed&exposure=0.1&most=40000")
         self.change(self.near(0.1))  # from inside: what is far lies behind the rest
-        faint = self.drawn
-        self.expect_same("block.ply", least=LEAST_PSNR_DB)
+        faint = self.value(bound)
         self.change({"exposure": 8})
-        self.assertLess(self.drawn, faint)
+        opaque = self.value(bound)
+        # What memory leaves out is hidden by more than it was.
+        self.assertEqual([faint[2], opaque[2]], [True, True])
+        self.assertLess(opaque[0], 0.1 * faint[0])
         self.expect_same("block.ply", least=LEAST_PSNR_DB)
-        hidden = self.drawn
         self.change({"show": "column"})  # a sum hides nothing
-        self.assertEqual(self.drawn, faint)
-        self.change({"show": "T", "exposure": 8})
-        self.assertEqual(self.drawn, hidden)
+        self.assertEqual(*self.value(bound)[:2])
+        # With room for it, all that is in view has its detail.
+        self.change({"show": "T", "most": None})
+        self.assertEqual(self.value(bound), [1, 1, False])
+        self.assertEqual(self.drawn, DUST)
 
     def test_detail_is_an_error_in_pixels(self):
         self.start(size=(160, 120), fragment="#subframes=1&error=32")

@@ -294,6 +294,7 @@ Json export_site(const ExportArguments& arguments, const CLI::App& command) {
         throw CLI::ValidationError("--levels: a site has all levels of detail");
     const std::size_t count = kind == FileKind::model ? arguments.inputs.size() : 1;
     check_names(arguments.page, count);
+    refuse_own_folder(arguments.inputs, arguments.output);
     const CommandMemory memory(arguments.memory);
     Stages stages(arguments.verbose);
     std::vector<std::string> notes;
@@ -357,6 +358,19 @@ bool makes_site(const ExportArguments& arguments) {
     return is_sequence(arguments.output) && (arguments.site || arguments.inputs.size() == 1);
 }
 
+/// Makes the models of a site the inputs; a file that holds one has the first, which a note says.
+void read_models_of_site(ExportArguments& arguments, const CLI::App& command) {
+    const std::string folder = arguments.inputs.front();
+    const std::vector<std::filesystem::path> models = models_of_site(folder);
+    if (models.size() < 2) return;
+    if (!is_sequence(arguments.output) && extension_of(arguments.output) != ".html")
+        return note(fmt::format("{}: the first of {} models; {} is another one", folder,
+                                models.size(), models[1].string()));
+    arguments.inputs.assign(models.begin(), models.end());
+    arguments.site = is_sequence(arguments.output);
+    if (command.count("--steps") == 0) arguments.page.steps = read_site_info(folder).steps;
+}
+
 void export_files(const ExportArguments& given, const CLI::App& command) {
     ExportArguments arguments = given;
     arguments.inputs = expanded(given.inputs);
@@ -368,6 +382,9 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
         note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
                          given.inputs.front(), arguments.inputs.size()));
     }
+    if (arguments.inputs.size() == 1 && is_site(arguments.inputs.front()) &&
+        command.count("--from") == 0)
+        read_models_of_site(arguments, command);
     std::vector<std::string> read = arguments.inputs;
     read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.color.tf});
     check_distinct(
@@ -439,7 +456,7 @@ void add_export(CLI::App& app) {
     add_volume_options(*command, arguments->volume);
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->page.view);
-    add_memory_options(*command, arguments->memory, "Of sites.");
+    add_memory_options(*command, arguments->memory, ". Of sites");
     command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
         ->check(non_negative_number())
         ->capture_default_str();

@@ -8,6 +8,7 @@
 
 #include "shared/inputs.h"
 #include "vog/shade.h"
+#include "vog/site.h"
 #include "vog/text.h"
 
 namespace vog::cli {
@@ -89,8 +90,10 @@ void check_names(const PageArguments& arguments, std::size_t models) {
 }
 
 std::string model_name(const PageArguments& arguments, const std::string& file, std::size_t n) {
-    return arguments.names.empty() ? printable(std::filesystem::path(file).stem().string())
-                                   : arguments.names[n];
+    if (!arguments.names.empty()) return arguments.names[n];
+    if (const auto site = find_site(file))
+        return read_site_info(site->folder).models[site->model].name;
+    return printable(std::filesystem::path(file).stem().string());
 }
 
 }  // namespace vog::cli

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "shared/terminal.h"
+#include "vog/error.h"
 #include "vog/memory.h"
 
 namespace vog::cli {
@@ -13,6 +14,14 @@ VogzPrecision site_precision(const CompactArguments& arguments, bool precise) {
     if (arguments.step > 0) precision.step = arguments.step;
     if (arguments.field_step > 0) precision.field_step = arguments.field_step;
     return precision;
+}
+
+void refuse_own_folder(const std::vector<std::string>& inputs, const std::string& folder) {
+    std::error_code code;
+    for (const std::string& input : inputs)
+        if (const auto site = find_site(input);
+            site && std::filesystem::equivalent(site->folder, folder, code))
+            throw Error(fmt::format("{}: is an input and would be overwritten", folder));
 }
 
 WrittenSite write_site(const std::string& folder, const VogzPrecision& precision, std::size_t count,

@@ -35,6 +35,8 @@ struct WrittenSite {
     HtmlReport page;
     HtmlOptions options;
 };
+/// throws vog::Error for an input that is, or is of, the site that would be written
+void refuse_own_folder(const std::vector<std::string>& inputs, const std::string& folder);
 /// Writes models one after another: a time step is written before the next is read, and nothing before the first model's page
 /// is known to be right.
 /// read       read(n) reads model n of `count`

@@ -42,6 +42,19 @@ std::string extension_of(const std::string& file) {
     return extension;
 }
 
+/// throws vog::Error for a file that is not there, with the names of a site's models
+[[noreturn]] void refuse_missing(const std::string& file) {
+    const fs::path folder = fs::path(file).parent_path();
+    if (!is_site(folder)) throw Error(fmt::format("{}: no such file", file));
+    constexpr std::size_t kMost = 8;
+    std::string names;
+    const std::vector<fs::path> models = models_of_site(folder);
+    for (std::size_t n = 0; n < std::min(models.size(), kMost); ++n)
+        names += (n > 0 ? ", " : "") + models[n].filename().string();
+    throw Error(fmt::format("{}: no model of this name, expected {}{}", file, names,
+                            models.size() > kMost ? ", ..." : ""));
+}
+
 FileKind kind_of(const std::string& file, const std::string& grid) {
     if (find_site(file)) return FileKind::model;
     const std::string extension = extension_of(file);
@@ -58,7 +71,10 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
         if (inner == text) return FileKind::points;
     for (const char* snapshot : {".hdf5", ".h5", ".hdf"})
         if (extension == snapshot) return FileKind::points;
-    if (!fs::exists(file, code)) throw Error(fmt::format("{}: no such file", file));
+    if (!fs::exists(file, code)) refuse_missing(file);
+    if (fs::is_directory(fs::path(file) / "chunks", code))
+        throw Error(fmt::format(
+            "{}: an export of a site that has not ended; vog export again goes on", file));
     if (fs::is_directory(file, code))
         throw Error(fmt::format("{}: a folder, expected files, such as '{}' (vog {} lists it)",
                                 file, (fs::path(file) / "*.vdb").string(), file));

@@ -1,7 +1,11 @@
 // site_write.cpp: models into a folder, of one process or several; the manifest last.
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <functional>
 #include <optional>
 #include <set>
@@ -53,6 +57,28 @@ void require_own(const fs::path& folder) {
             folder.string()));
     }
 }
+
+/// Lock of a folder, which ends with the process at the latest; file systems without locks give none.
+class FolderLock {
+  public:
+    /// throws vog::Error for a folder that another process holds
+    explicit FolderLock(const fs::path& folder)
+        : file_(::open(folder.c_str(), O_RDONLY | O_CLOEXEC)) {
+        if (file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+            ::close(file_);
+            throw Error(fmt::format("{}: another export writes into this folder",
+                                    folder.parent_path().string()));
+        }
+    }
+    ~FolderLock() {
+        if (file_ >= 0) ::close(file_);
+    }
+    FolderLock(const FolderLock&) = delete;
+    FolderLock& operator=(const FolderLock&) = delete;
+
+  private:
+    int file_;
+};
 
 /// throws vog::Error, on all processes, unless they see one folder under the name
 void require_shared(const fs::path& folder, const Collective& processes) {
@@ -118,6 +144,8 @@ struct SiteWriter::State {
     Collective processes;
     Manifest manifest;
     SiteReport report;
+    bool again = false;  ///< whether the folder had a manifest
+    std::optional<FolderLock> lock;
 
     void gather_files(std::set<std::string>& files);
 };
@@ -139,8 +167,13 @@ void SiteWriter::State::gather_files(std::set<std::string>& files) {
 
 SiteWriter::SiteWriter(const fs::path& folder, const VogzPrecision& precision,
                        const Collective* processes)
-    : state_(new State{
-          ChunkFolder(folder), precision, processes ? *processes : Collective{}, {}, {}}) {
+    : state_(new State{ChunkFolder(folder),
+                       precision,
+                       processes ? *processes : Collective{},
+                       {},
+                       {},
+                       false,
+                       {}}) {
     vogz::require_valid(precision);
     require_own(folder);
     const Collective& all = state_->processes;
@@ -149,6 +182,8 @@ SiteWriter::SiteWriter(const fs::path& folder, const VogzPrecision& precision,
     if (all.is_root()) {
         make_folder(folder);
         make_folder(folder / kChunksName);
+        state_->lock.emplace(folder / kChunksName);
+        state_->again = is_site(folder);
     }
     if (all.several()) require_shared(folder, all);
 }
@@ -215,7 +250,8 @@ SiteReport SiteWriter::finish(bool steps) {
     const std::string text = manifest_text(s.manifest);
     write_file(folder / kManifestName, [&](std::ofstream& out) { out << text; });
     s.report.bytes += text.size();
-    // Names of content alone: whatever else lies in the folder stays.
+    // Names of content alone, where there was a site: whatever else lies in the folder stays.
+    if (!s.again) return s.report;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder / kChunksName)) {
         const std::string file = entry.path().filename().string();
         if (!is_content_name(entry.path().stem().string()) || files.contains(file)) continue;

@@ -308,6 +308,38 @@ TEST(site, models_are_steps_and_shared_chunks_are_written_once) {
               std::string::npos);
 }
 
+TEST(site, one_export_at_a_time_writes_into_a_folder) {
+    const TempDir dir;
+    Gaussians model = random_gaussians(200, 0.1, 0.2, 11);
+    {
+        SiteWriter site(dir / "site");
+        EXPECT_NE(refusal([&] {
+                      SiteWriter other(dir / "site");
+                  }).find("another export writes into this folder"),
+                  std::string::npos);
+        SiteWriter elsewhere(dir / "elsewhere");
+        site.add("a", model, build_hierarchy(model));
+        site.finish();
+    }
+    SiteWriter again(dir / "site");
+    again.add("a", model, build_hierarchy(model));
+    EXPECT_EQ(again.finish().kept, 1u);
+}
+
+TEST(site, files_of_others_stay_where_no_site_was) {
+    const TempDir dir;
+    std::filesystem::create_directories(dir / "site/chunks");
+    const auto foreign = dir / "site/chunks/0123456789abcdef0123456789abcdef.vogz";
+    std::ofstream(foreign) << "mine";
+    Gaussians model = random_gaussians(200, 0.1, 0.2, 11);
+    for (const bool stays : {true, false}) {
+        SiteWriter site(dir / "site");
+        site.add("a", model, build_hierarchy(model));
+        EXPECT_EQ(site.finish().removed, stays ? 0u : 1u);
+        EXPECT_EQ(std::filesystem::exists(foreign), stays);
+    }
+}
+
 TEST(site, models_have_paths) {
     const TempDir dir;
     const auto write_site = [&](const std::vector<std::string>& names) {

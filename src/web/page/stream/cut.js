@@ -1,6 +1,6 @@
 // cut.js: cuts through the chunk tree of a model for one view: the chunks to be had, coarse ones first, and those to be drawn of what
-// is there. The rule of docs/streaming.md: a chunk gives way to its parts where it is in view and its error, times how much of it is
-// seen through the rest of the model, is more than some pixels.
+// is there. The rule of docs/streaming.md: a chunk gives way to its parts where it is in view and its error is more than some pixels.
+// What the rest of the model hides comes last.
 import { dot, length, mul, sub } from '../vectors.js';
 import { axesOf, halfTangent } from '../camera.js';
 import { planesOf } from '../picture/clip.js';
@@ -36,13 +36,13 @@ export function pixelsOf({ error, box: { center, half } }, { eye, forward, paral
   return (error * perUnit) / (Math.max(distance, nearest * error) || 1) / cosine ** 2;
 }
 
-/** Heap of chunks, the one with the most pixels of error that are seen at its top. */
+/** Heap of chunks, the one with the largest error that is seen at its top. */
 class Heap {
   constructor() { this.list = []; }
   push(chunk) {
     const { list } = this;
     let at = list.push(chunk) - 1;
-    for (let above; at > 0 && list[(above = (at - 1) >> 1)].pixels < chunk.pixels; at = above) list[at] = list[above];
+    for (let above; at > 0 && list[(above = (at - 1) >> 1)].shown < chunk.shown; at = above) list[at] = list[above];
     list[at] = chunk;
   }
   pop() {
@@ -50,8 +50,8 @@ class Heap {
     if (list.length === 0) return top;
     let at = 0;
     for (let below; (below = 2 * at + 1) < list.length; at = below) {
-      if (below + 1 < list.length && list[below + 1].pixels > list[below].pixels) ++below;
-      if (list[below].pixels <= last.pixels) break;
+      if (below + 1 < list.length && list[below + 1].shown > list[below].shown) ++below;
+      if (list[below].shown <= last.shown) break;
       list[at] = list[below];
     }
     list[at] = last;
@@ -60,43 +60,44 @@ class Heap {
 }
 
 /**
- * Chunks that a view wants, the largest errors divided first, until all are below a bound or memory is full. Sets of each chunk
- * met `pixels`, its error times how much of it is seen, and `wanted` and `divided`, the number of the turn.
+ * Chunks that a view wants, the largest errors that are seen divided first, until all errors are below a bound or memory is full. Sets of
+ * each chunk met `pixels`, `shown`: that times how much of it is seen, and `wanted` and `divided`, the number of the turn.
  * ask      {error: pixels, room: {bytes, gaussians}, bytesOf(chunk), visible(chunk): 0 to 1, isBad(chunk): cannot be had}
  * returns  {chunks: in the order of their use, {chunk, use}; tables: [{chunk, use}] whose rows are to be had; bytes, gaussians: of
- *          all chunks; error: bound in pixels that memory leaves}
+ *          all chunks; error: bound in pixels that memory leaves, shown:
+ *          that of what is seen}
  */
 export function wantedCut(root, view, turn, ask) {
-  const out = { chunks: [], tables: [], bytes: 0, gaussians: 0, error: ask.error }, heap = new Heap();
+  const out = { chunks: [], tables: [], bytes: 0, gaussians: 0, error: ask.error, shown: ask.error }, heap = new Heap();
   const take = (chunk, use, share) => {
-    Object.assign(chunk, { pixels: pixelsOf(chunk, view) * share, wanted: turn, use });
+    const pixels = pixelsOf(chunk, view);
+    Object.assign(chunk, { pixels, shown: pixels * share, wanted: turn, use });
     out.chunks.push({ chunk, use });
     out.bytes += ask.bytesOf(chunk);
     out.gaussians += chunk.gaussians;
-    if (chunk.nodes > 0) heap.push(chunk);
+    if (chunk.nodes > 0 && pixels > ask.error) heap.push(chunk);
   };
   if (!root || !isSeen(root.box, view)) return out;
   take(root, Infinity, ask.visible(root));
   while (heap.list.length > 0) {
     const chunk = heap.pop();
-    if (!(chunk.pixels > ask.error)) break;
     if (!chunk.parts) {
-      if (!chunk.tableBad) out.tables.push({ chunk, use: chunk.pixels });
+      if (!chunk.tableBad) out.tables.push({ chunk, use: chunk.shown });
       continue;
     }
     const seen = chunk.parts.filter(({ box }) => isSeen(box, view));
     if (seen.some(ask.isBad)) continue;
     const bytes = seen.reduce((sum, part) => sum + ask.bytesOf(part), 0), gaussians = seen.reduce((sum, part) => sum + part.gaussians, 0);
     if (out.bytes + bytes > ask.room.bytes || out.gaussians + gaussians > ask.room.gaussians) {
-      out.error = chunk.pixels;
+      out.error = heap.list.reduce((most, { pixels }) => Math.max(most, pixels), chunk.pixels);
+      out.shown = Math.max(chunk.shown, ask.error);
       break;
     }
     chunk.divided = turn;
     // A part is worth as much as its parent's error is seen; never more than its parent, which has to be there first.
-    const pixels = pixelsOf(chunk, view);
     for (const part of seen) {
       const share = ask.visible(part);
-      take(part, Math.min(pixels * share, 0.999 * chunk.use), share);
+      take(part, Math.min(chunk.pixels * share, 0.999 * chunk.use), share);
     }
   }
   const most = (a, b) => b.use - a.use;

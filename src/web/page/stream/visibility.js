@@ -1,4 +1,4 @@
-// visibility.js: how much of a place is seen through the rest of a model, from its coarsest chunk: weighs errors of chunks (cut.js).
+// visibility.js: how much of a place is seen through the rest of a model, from its coarsest chunk: what is seen comes first (cut.js).
 // The Gaussians' extinction is summed up in the cells of a small lattice, along which a ray is followed through each cell.
 import { add, dot, length, mul, sub } from '../vectors.js';
 import { kept } from '../picture/clip.js';
