@@ -23,7 +23,8 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "tests/web"
 from browser import Browser
 from site_server import SiteServer
 
-STATUS = """JSON.stringify({drawn: vog.source.drawn?.count ?? 0, error: vog.source.drawn?.error ?? 0, full: stream.textContent.includes('full'),
+STATUS = """JSON.stringify({drawn: vog.source.drawn?.count ?? 0, error: vog.source.drawn?.error ?? 0,
+    shown: vog.source.cut?.shown ?? 0, full: stream.textContent.includes('full'),
     notice: notice.hidden ? '' : notice.textContent, files: vog.source.requests.flying.size,
     store: vog.source.store.used().bytes})"""
 VIEW = """(() => {{
@@ -93,7 +94,7 @@ def main():
             now = json.loads(browser.evaluate(STATUS))
             assert not now["notice"] and not browser.complaints, (now["notice"], browser.complaints)
             assert now["error"] <= options.error or now["full"], now
-            print(f"{name:20} {(server.sent - sent) / 1e6:7.2f} MB, {now['drawn']:9,} Gaussians, error {now['error']:.2f} px"
+            print(f"{name:20} {(server.sent - sent) / 1e6:7.2f} MB, {now['drawn']:9,} Gaussians, error {now['error']:.2f} px, seen {now['shown']:.2f}"
                   f"{' (memory full)' if now['full'] else ''}, {time.monotonic() - began:.1f} s, held {now['store'] / 1e6:.0f} MB, "
                   f"page {memory.most['page']} MB, GPU {memory.most['GPU']} MB", flush=True)
 
