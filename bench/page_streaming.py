@@ -3,19 +3,23 @@
 flight.
 
 usage: bench/page_streaming.py FOLDER/ [--size 512x512] [--error 1] [--rate kB/s] [--views 40] [--most GAUSSIANS] [--memory MB]
+       [--reference VOG MODEL]
 
 Serves a site, or a folder of a page (index.html, vog export MODEL.vogz --from MODEL.vogz) and its compact file, by ranges, on loopback
 to headless Chromium, whose GPU is software (SwiftShader), one sub-frame a picture. Bytes are those of answers' bodies, uncompressed,
 the page's own included. Memory is private memory of the page's process and of the browser's GPU process, the largest of samples every
 0.2 s. The flight nears the model to a hundredth of its distance and leaves it, turning by 9 degrees a view, 0.3 s each, as drags do:
 frames decide on the error meanwhile. Expects that every view ends within the error or with full memory, and
-without a line of error.
+without a line of error. --reference: also the PSNR of V of the pictures at rest but for the flight's, against vog render of the model
+(a site with --tf gray).
 """
 import argparse
+import base64
 import json
 import pathlib
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -53,6 +57,18 @@ def private_mb(browser):
     return out
 
 
+def psnr_db(browser, vog, model, size):
+    """PSNR of the page's picture against that of vog render."""
+    state = json.loads(browser.evaluate("JSON.stringify({...vog.state.camera, extinction: vog.page.models[vog.state.model].extinction * vog.state.exposure})"))
+    with tempfile.TemporaryDirectory() as made:
+        folder = pathlib.Path(made)
+        (folder / "page.png").write_bytes(base64.b64decode(browser.evaluate("vog.picture()").partition(",")[2]))
+        (folder / "camera.json").write_text(json.dumps({"eye": state["eye"], "look_at": state["at"], "up": state["up"], "fov_degrees": state["fov"]}))
+        subprocess.run([vog, "render", model, "-o", folder / "whole.png", "--camera", folder / "camera.json", "--size", size, "--tf", "gray",
+                        "--extinction", repr(state["extinction"]), "--pixel-error", "0"], check=True, stdout=subprocess.DEVNULL)
+        return json.loads(subprocess.run([vog, "compare", folder / "page.png", folder / "whole.png", "--json"], check=True, capture_output=True).stdout)["psnr_rgb_db"]
+
+
 class Memory:
     """Largest private memory while a `with` block runs."""
 
@@ -83,6 +99,7 @@ def main():
     parser.add_argument("--views", type=int, default=40)
     parser.add_argument("--most", type=int)
     parser.add_argument("--memory", type=int)
+    parser.add_argument("--reference", nargs=2, metavar=("VOG", "MODEL"))
     options = parser.parse_args()
     limits = "".join(f"&{name}={value}" for name, value in (("most", options.most), ("memory", options.memory)) if value)
     is_site = (options.site / "manifest.json").exists()
@@ -90,13 +107,14 @@ def main():
         browser.viewport(*map(int, options.size.split("x")))
         server.bytes_per_s = options.rate and int(1000 * options.rate)
 
-        def report(name, sent, began, memory):
+        def report(name, sent, began, memory, rests=True):
             now = json.loads(browser.evaluate(STATUS))
             assert not now["notice"] and not browser.complaints, (now["notice"], browser.complaints)
             assert now["error"] <= options.error or now["full"], now
-            print(f"{name:20} {(server.sent - sent) / 1e6:7.2f} MB, {now['drawn']:9,} Gaussians, error {now['error']:.2f} px, seen {now['shown']:.2f}"
+            print(f"{name:20} {(server.sent - sent) / 1e6:7.2f} MB, {len(server.paths)} requests in all, {now['drawn']:9,} Gaussians, error {now['error']:.2f} px, seen {now['shown']:.2f}"
                   f"{' (memory full)' if now['full'] else ''}, {time.monotonic() - began:.1f} s, held {now['store'] / 1e6:.0f} MB, "
-                  f"page {memory.most['page']} MB, GPU {memory.most['GPU']} MB", flush=True)
+                  f"page {memory.most['page']} MB, GPU {memory.most['GPU']} MB"
+                  + (f", {psnr_db(browser, *options.reference, options.size):.1f} dB" if options.reference and rests else ""), flush=True)
 
         began = time.monotonic()
         with Memory(browser) as memory:
@@ -119,7 +137,7 @@ def main():
                     browser.evaluate(VIEW.format(distance=distance, angle=angle))
                     time.sleep(0.3)
                 browser.settle()
-            report(name, sent, began, memory)
+            report(name, sent, began, memory, name != "flight")
 
 
 if __name__ == "__main__":

@@ -110,19 +110,14 @@ py::dict export_site(const std::filesystem::path& folder, const Named& named,
     return result;
 }
 
-/// Models of a page whose data lies elsewhere: those of a site or of a compact file.
-/// models  a path
-std::vector<HtmlModel> models_elsewhere(const py::object& models, const HtmlSource& source,
-                                        const std::string& title) {
+/// Path of data that lies elsewhere than its page.
+std::filesystem::path path_elsewhere(const py::object& models) {
     if (!py::isinstance<py::str>(models) && !py::hasattr(models, "__fspath__"))
         throw py::type_error(
             "export_html: url goes with a path of a site or of a compact model "
             "(.vogz) as models, got " +
             py::type::of(models).attr("__name__").cast<std::string>());
-    const auto path = models.cast<std::filesystem::path>();
-    std::vector<HtmlModel> entries = unlocked([&] { return models_to_stream(path); });
-    if (!title.empty() && entries.size() == 1 && source.file) entries.front().name = title;
-    return entries;
+    return models.cast<std::filesystem::path>();
 }
 
 py::dict export_html(const std::filesystem::path& file, const py::object& models,
@@ -140,12 +135,11 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
             throw Error(
                 "export_html: url goes with a page, and without levels and precise: the model is "
                 "written already");
-        const auto path = py::isinstance<py::str>(models) || py::hasattr(models, "__fspath__")
-                              ? models.cast<std::filesystem::path>()
-                              : std::filesystem::path();
+        const std::filesystem::path path = path_elsewhere(models);
         source.file = !is_site(path);
         if (!source.file && !url.ends_with('/')) source.url += '/';
-        elsewhere = models_elsewhere(models, source, title);
+        elsewhere = unlocked([&] { return models_to_stream(path); });
+        if (!title.empty() && source.file) elsewhere.front().name = title;
     }
     Named named;
     for (const HtmlModel& entry : elsewhere) named.emplace_back(entry.name, &entry.levels.front());

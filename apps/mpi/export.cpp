@@ -16,6 +16,7 @@
 #include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/model_io.h"
+#include "vog/site.h"
 
 namespace vog::mpi {
 
@@ -125,11 +126,15 @@ void export_site(const SiteArguments& given, const CLI::App& command, const Rank
     SiteArguments arguments = given;
     cli::ConvertArguments& convert = arguments.convert;
     convert.inputs = cli::expanded(given.convert.inputs);
+    const std::vector<std::string> copied = cli::models_of_one_site(convert.inputs);
+    if (!copied.empty()) convert.inputs = copied;
     convert.volume.ones = convert.measure == "volume";
     const FileKind kind = check(arguments, command);
-    // As of vog export: models that one pattern matches are steps in time.
+    // As of vog export: models that one pattern matches are steps in time, and those of a site that has steps.
     if (kind == FileKind::model && command.count("--steps") == 0)
-        arguments.page.steps = given.convert.inputs.size() == 1 && convert.inputs.size() > 1;
+        arguments.page.steps = !copied.empty()
+                                   ? read_site_info(given.convert.inputs.front()).steps
+                                   : given.convert.inputs.size() == 1 && convert.inputs.size() > 1;
     const cli::CommandMemory memory(convert.memory);
     const ThreadLimit threads(convert.threads);
     cli::Stages stages(convert.verbose && ranks.first());

@@ -13,6 +13,7 @@
 
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/site.h"
 
 namespace vog::mpi {
 
@@ -23,10 +24,17 @@ struct FileStatus {
     std::int64_t seconds = 0, nanoseconds = 0;  ///< of the last change, since 1970
 };
 
+/// File that changes with an input: of a site its manifest, which names all others by their content.
+std::string file_of(const std::string& input) {
+    const auto site = find_site(input);
+    return site ? (site->folder / "manifest.json").string() : input;
+}
+
 /// throws vog::Error for a file that is not there; its reader reports all other faults
 FileStatus status_of(const std::string& file) {
     struct stat status {};
-    if (::stat(file.c_str(), &status) != 0) throw Error(fmt::format("{}: no such file", file));
+    if (::stat(file_of(file).c_str(), &status) != 0)
+        throw Error(fmt::format("{}: no such file", file));
     return {static_cast<std::uint64_t>(status.st_size), status.st_dev, status.st_ino,
             status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
 }
@@ -46,7 +54,7 @@ std::uint64_t hash_of(std::span<const char> bytes, std::uint64_t hash) {
 /// byte, which take a few ms.
 std::uint64_t hash_of_file(const std::string& file, std::uint64_t bytes, bool whole) {
     constexpr std::uint64_t kPiece = 1 << 16, kPieces = 16;
-    std::ifstream in(file, std::ios::binary);
+    std::ifstream in(file_of(file), std::ios::binary);
     std::vector<char> piece(kPiece);
     std::uint64_t hash = 0xcbf29ce484222325;
     const std::uint64_t pieces =
@@ -81,7 +89,7 @@ void require_equal(const std::string& file, const std::string& text, const Ranks
 /// Bytes; 0 for a missing file, which its reader reports.
 std::uint64_t size_of(const std::string& file) {
     std::error_code code;
-    const std::uintmax_t size = std::filesystem::file_size(file, code);
+    const std::uintmax_t size = std::filesystem::file_size(file_of(file), code);
     return code ? 0 : size;
 }
 

@@ -7,8 +7,20 @@
 
 #include "support/command.h"
 #include "vog/image.h"
+#include "vog/volume.h"
 
 namespace vog::test {
+
+/// Two leaves side by side: more ranks have nothing.
+inline Volume two_leaves() {
+    Volume volume;
+    volume.name = "density";
+    volume.leaves.resize(2);
+    volume.leaves[1].origin = {8, 0, 0};
+    for (int n = 0; n < kLeafVoxels; ++n)
+        for (Leaf& leaf : volume.leaves) leaf.set(n, 1.0f + static_cast<float>(n % 7));
+    return volume;
+}
 
 /// Command line tests of vog-mpi.
 class Mpi : public CommandLine {

@@ -54,13 +54,7 @@ TEST_F(mpi_convert, cells_larger_than_the_volume_are_the_same_bytes) {
 }
 
 TEST_F(mpi_convert, ranks_without_a_leaf_change_nothing) {
-    Volume volume;
-    volume.name = "density";
-    volume.leaves.resize(2);
-    volume.leaves[1].origin = {8, 0, 0};
-    for (int n = 0; n < kLeafVoxels; ++n)
-        for (Leaf& leaf : volume.leaves) leaf.set(n, 1.0f + static_cast<float>(n % 7));
-    write_vdb(dir_ / "leaf.vdb", volume);
+    write_vdb(dir_ / "leaf.vdb", two_leaves());
     expect_same_bytes(4, "leaf.vdb --soft-steps 0 --block 4");
     const auto [one, many] = both(4, "leaf.vdb --budget 12");
     EXPECT_LE(read_ply(dir_ / "many.ply").size(), 12u);

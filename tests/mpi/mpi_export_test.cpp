@@ -4,12 +4,9 @@
 #include <set>
 
 #include "mpi_command.h"
-#include "vog/camera.h"
-#include "vog/compare.h"
+#include "support/model_psnr.h"
 #include "vog/ply.h"
-#include "vog/shade.h"
 #include "vog/site.h"
-#include "vog/splat.h"
 #include "vog/volume_io.h"
 
 namespace vog::test {
@@ -29,15 +26,6 @@ double field_mass(const Gaussians& model, const std::string& name) {
     if (!field) return 0;
     for (std::size_t i = 0; i < model.size(); ++i) sum += mass(model, i) * double{field->value[i]};
     return sum;
-}
-
-/// PSNR of V, dB, of two models in a view.
-double psnr(const Gaussians& a, const Gaussians& b, const Camera& camera, int size) {
-    DepthImage one = render_splat(a, camera, size, size),
-               other = render_splat(b, camera, size, size);
-    const double extinction = auto_extinction(one);
-    set_extinction(one, extinction), set_extinction(other, extinction);
-    return compare(one, other).grey.psnr_db;
 }
 
 std::set<std::string> files_in(const fs::path& folder) {
@@ -145,13 +133,7 @@ TEST_F(mpi_export, parts_join_in_rounds_and_may_be_empty) {
     expect_site("site", read_ply(dir_ / "c.ply"));
     expect_whole("site", report);
     // Two leaves: three ranks have nothing.
-    Volume volume;
-    volume.name = "density";
-    volume.leaves.resize(2);
-    volume.leaves[1].origin = {8, 0, 0};
-    for (int n = 0; n < kLeafVoxels; ++n)
-        for (Leaf& leaf : volume.leaves) leaf.set(n, 1.0f + static_cast<float>(n % 7));
-    write_vdb(dir_ / "two.vdb", volume);
+    write_vdb(dir_ / "two.vdb", two_leaves());
     must_mpi(1, "convert two.vdb -o two.ply --block 4");
     const Json few = exported(5, "two.vdb -o few/ --block 4");
     EXPECT_EQ(few["chunks"], 1);
@@ -188,6 +170,11 @@ TEST_F(mpi_export, levels_of_a_mesh_and_steps_become_sites) {
     EXPECT_EQ(two["steps"], false);
     EXPECT_EQ(two["models"][1]["name"], "B");
     EXPECT_TRUE(read_site(dir_ / "two", 1).fields.empty());
+    // A site of several.
+    must_mpi(2, "export two/ -o copy/");
+    EXPECT_EQ(Json::parse(must("info copy --json").out)["files"][0]["site"]["models"][1]["name"],
+              "B");
+    must_fail_mpi(1, "-n 2 COMMAND export two/ -o two/", "is an input and would be overwritten");
     // A model in several files.
     must_mpi(2, "convert c.vdb -o split.ply --block 2 --split");
     must_mpi(2, "convert c.vdb -o whole.ply --block 2");

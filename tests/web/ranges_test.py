@@ -6,14 +6,8 @@ VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, wher
 """
 import base64
 import json
-import os
-import re
 import shutil
-import socket
 import subprocess
-import sys
-import time
-import unittest
 
 from browser import modules
 from page_test_case import VOG, run, vog
@@ -154,48 +148,17 @@ class Ranges(Elsewhere):
         self.assertEqual(server.paths.count("/dust.vogz"), 1)
 
     def test_from_pythons_own_server(self):
-        server = subprocess.Popen([sys.executable, "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", self.folder / "files"],
-                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        try:
-            address = re.search(r"http://[0-9.:]+/", server.stdout.readline()).group()
+        with self.pythons_server("files") as address:
             self.browser.viewport(*SMALL)
             self.open(address, FINE)
             self.expect_model("files/dust.vogz")
-        finally:
-            server.terminate()
-            server.wait()
-            server.stdout.close()
 
     def test_behind_nginx(self):
-        if not shutil.which("nginx"):
-            print("skipped: no nginx here", file=sys.stderr)
-            raise unittest.SkipTest("no nginx")
-        folder = self.folder / "nginx"
-        folder.mkdir()
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        places = "".join(f"{kind}_temp_path {folder}/{kind}; " for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-        (folder / "nginx.conf").write_text(
-            # The folder is the test's user's own; others than root may not set one.
-            ("user root; " if os.getuid() == 0 else "")
-            + f"daemon off; pid {folder}/pid; error_log {folder}/error.log; events {{}} http {{ {places}"
-            f"log_format sizes '$status $request_uri $bytes_sent'; access_log {folder}/access.log sizes; "
-            f"types {{ text/html html; }} gzip on; gzip_types *; server {{ listen 127.0.0.1:{port}; root {self.folder}/files; }} }}")
-        nginx = subprocess.Popen(["nginx", "-e", f"{folder}/error.log", "-c", f"{folder}/nginx.conf"])
-        try:
+        with self.nginx("files") as (address, log):
             self.browser.viewport(*SMALL)
-            for _ in range(100):
-                if (folder / "pid").exists():
-                    break
-                time.sleep(0.1)
-            self.open(f"http://127.0.0.1:{port}/", FINE)
+            self.open(address, FINE)
             self.expect_model("files/dust.vogz")
-        finally:
-            nginx.terminate()
-            nginx.wait()
-        statuses = {line.split()[0] for line in (folder / "access.log").read_text().splitlines() if "dust.vogz" in line}
-        self.assertEqual(statuses, {"206"})
+        self.assertEqual({line.split()[0] for line in log() if "dust.vogz" in line}, {"206"})
 
     # --- Other origins. ---
 

@@ -6,15 +6,7 @@ VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77
 where there is no Chromium.
 """
 import json
-import os
 import random
-import re
-import shutil
-import socket
-import subprocess
-import sys
-import time
-import unittest
 
 from page_test_case import run, vog, write_model
 from quantity_test_case import write_flow
@@ -188,46 +180,16 @@ class Streaming(SiteTest):
         self.assertGreater(len(chunks.chunks()), 0)
 
     def test_from_pythons_own_server(self):
-        server = subprocess.Popen([sys.executable, "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", self.folder / "site"],
-                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-        try:
-            address = re.search(r"http://[0-9.:]+/", server.stdout.readline()).group()
+        with self.pythons_server("site") as address:
             self.browser.viewport(*SMALL)
             self.open(address)
             self.expect_same("dust.ply", least=LEAST_PSNR_DB)
-        finally:
-            server.terminate()
-            server.wait()
-            server.stdout.close()
 
     def test_behind_nginx(self):
-        if not shutil.which("nginx"):
-            print("skipped: no nginx here", file=sys.stderr)
-            raise unittest.SkipTest("no nginx")
-        folder = self.folder / "nginx"
-        folder.mkdir()
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            port = free.getsockname()[1]
-        places = "".join(f"{kind}_temp_path {folder}/{kind}; " for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-        (folder / "nginx.conf").write_text(
-            # The folder is the test's user's own; others than root may not set one.
-            ("user root; " if os.getuid() == 0 else "")
-            + f"daemon off; pid {folder}/pid; error_log {folder}/error.log; events {{}} http {{ access_log off; {places}"
-            f"types {{ text/html html; application/json json; }} gzip on; gzip_types *; "
-            f"server {{ listen 127.0.0.1:{port}; root {self.folder}/site; }} }}")
-        nginx = subprocess.Popen(["nginx", "-e", f"{folder}/error.log", "-c", f"{folder}/nginx.conf"])
-        try:
+        with self.nginx("site") as (address, _):
             self.browser.viewport(*SMALL)
-            for _ in range(100):
-                if (folder / "pid").exists():
-                    break
-                time.sleep(0.1)
-            self.open(f"http://127.0.0.1:{port}/")
+            self.open(address)
             self.expect_same("dust.ply", least=LEAST_PSNR_DB)
-        finally:
-            nginx.terminate()
-            nginx.wait()
 
 
 class Quantities(SiteTest):

@@ -1,6 +1,15 @@
 """What tests of streamed pages share: sites that `vog export -o FOLDER/` writes, served on loopback."""
+import contextlib
 import json
+import os
 import random
+import re
+import shutil
+import socket
+import subprocess
+import sys
+import time
+import unittest
 
 from page_test_case import PageTest, write_model
 from site_server import SiteServer
@@ -28,6 +37,48 @@ class SiteTest(PageTest):
         self.addCleanup(server.__exit__)
         self.server = server
         return server
+
+    @contextlib.contextmanager
+    def pythons_server(self, folder):
+        """python3 -m http.server of a folder; gives its address."""
+        server = subprocess.Popen([sys.executable, "-u", "-m", "http.server", "0", "--bind", "127.0.0.1", "--directory", self.folder / folder],
+                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        try:
+            yield re.search(r"http://[0-9.:]+/", server.stdout.readline()).group()
+        finally:
+            server.terminate()
+            server.wait()
+            server.stdout.close()
+
+    @contextlib.contextmanager
+    def nginx(self, served):
+        """nginx of a folder; gives its address and a function that returns the lines of its log: status, path, bytes sent."""
+        if not shutil.which("nginx"):
+            print("skipped: no nginx here", file=sys.stderr)
+            raise unittest.SkipTest("no nginx")
+        folder = self.folder / "nginx"
+        folder.mkdir()
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        places = "".join(f"{kind}_temp_path {folder}/{kind}; " for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
+        (folder / "nginx.conf").write_text(
+            # The folder is the test's user's own; others than root may not set one.
+            ("user root; " if os.getuid() == 0 else "")
+            + f"daemon off; pid {folder}/pid; error_log {folder}/error.log; events {{}} http {{ {places}"
+            f"log_format sizes '$status $request_uri $bytes_sent'; access_log {folder}/access.log sizes; "
+            f"types {{ text/html html; application/json json; }} gzip on; gzip_types *; "
+            f"server {{ listen 127.0.0.1:{port}; root {self.folder}/{served}; }} }}")
+        nginx = subprocess.Popen(["nginx", "-e", f"{folder}/error.log", "-c", f"{folder}/nginx.conf"])
+        try:
+            for _ in range(100):
+                if (folder / "pid").exists():
+                    break
+                time.sleep(0.1)
+            yield f"http://127.0.0.1:{port}/", lambda: (folder / "access.log").read_text().splitlines()
+        finally:
+            nginx.terminate()
+            nginx.wait()
 
     def start(self, site="site", fragment="#subframes=1&embed", size=SMALL):
         """Opens a site and waits for the whole picture; returns the server."""

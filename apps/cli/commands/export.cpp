@@ -360,15 +360,14 @@ bool makes_site(const ExportArguments& arguments) {
 
 /// Makes the models of a site the inputs; a file that holds one has the first, which a note says.
 void read_models_of_site(ExportArguments& arguments, const CLI::App& command) {
-    const std::string folder = arguments.inputs.front();
-    const std::vector<std::filesystem::path> models = models_of_site(folder);
-    if (models.size() < 2) return;
+    const std::string site = arguments.inputs.front();
+    const std::vector<std::string> models = models_of_one_site(arguments.inputs);
+    if (models.empty()) return;
     if (!is_sequence(arguments.output) && extension_of(arguments.output) != ".html")
-        return note(fmt::format("{}: the first of {} models; {} is another one", folder,
-                                models.size(), models[1].string()));
-    arguments.inputs.assign(models.begin(), models.end());
+        return note_first_model(site, models);
+    arguments.inputs = models;
     arguments.site = is_sequence(arguments.output);
-    if (command.count("--steps") == 0) arguments.page.steps = read_site_info(folder).steps;
+    if (command.count("--steps") == 0) arguments.page.steps = read_site_info(site).steps;
 }
 
 void export_files(const ExportArguments& given, const CLI::App& command) {
@@ -382,9 +381,7 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
         note(fmt::format("{}: {} models as steps in time (--no-steps: one switch between them)",
                          given.inputs.front(), arguments.inputs.size()));
     }
-    if (arguments.inputs.size() == 1 && is_site(arguments.inputs.front()) &&
-        command.count("--from") == 0)
-        read_models_of_site(arguments, command);
+    if (command.count("--from") == 0) read_models_of_site(arguments, command);
     std::vector<std::string> read = arguments.inputs;
     read.insert(read.end(), {arguments.page.view.camera_file, arguments.page.color.tf});
     check_distinct(

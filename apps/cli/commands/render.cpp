@@ -285,17 +285,15 @@ std::vector<std::string> read_files(const RenderArguments& arguments) {
     return files;
 }
 
-/// Models of a single site of several: all where many pictures are made, else the first, which a note says.
+/// Takes all models of a single site where many pictures are made, else the first, which a note says.
 void name_models_of_site(RenderArguments& arguments, const RenderRanks& ranks) {
     std::vector<std::string>& inputs = arguments.drawing.inputs;
-    if (inputs.size() != 1 || !is_site(inputs.front())) return;
-    const std::vector<std::filesystem::path> models = models_of_site(inputs.front());
-    if (models.size() < 2) return;
+    const std::vector<std::string> models = models_of_one_site(inputs);
+    if (models.empty()) return;
     if (is_of_many(arguments.output) && (!arguments.turntable || arguments.steps))
-        inputs.assign(models.begin(), models.end());
+        inputs = models;
     else if (ranks.is_root)
-        note(fmt::format("{}: the first of {} models; {} is another one", inputs.front(),
-                         models.size(), models[1].string()));
+        note_first_model(inputs.front(), models);
 }
 
 /// Runs the command and prints its report, on the root.

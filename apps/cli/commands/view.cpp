@@ -104,17 +104,16 @@ viewer::Content read_content(const std::vector<std::string>& files,
     return content;
 }
 
-/// Makes the steps of a site in time the inputs, with its play bar; of other models the first is shown.
+/// Makes the steps in time of a site the inputs; of other models the first is shown.
 void read_steps_of_site(WindowArguments& arguments, const CLI::App& command) {
-    const std::string folder = arguments.inputs.front();
-    const std::vector<std::filesystem::path> models = models_of_site(folder);
-    if (models.size() < 2) return;
-    if (command.count("--steps") == 0) arguments.steps = read_site_info(folder).steps;
+    const std::string site = arguments.inputs.front();
+    const std::vector<std::string> models = models_of_one_site(arguments.inputs);
+    if (models.empty()) return;
+    if (command.count("--steps") == 0) arguments.steps = read_site_info(site).steps;
     if (arguments.steps)
-        arguments.inputs.assign(models.begin(), models.end());
+        arguments.inputs = models;
     else
-        note(fmt::format("{}: the first of {} models; {} is another one", folder, models.size(),
-                         models[1].string()));
+        note_first_model(site, models);
 }
 
 /// A film by ffmpeg.
@@ -132,7 +131,7 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     // Models that one pattern matches are steps in time.
     const bool pattern = arguments.inputs.size() == 1;
     arguments.inputs = expanded(arguments.inputs);
-    if (pattern && is_site(arguments.inputs.front())) read_steps_of_site(arguments, command);
+    if (pattern) read_steps_of_site(arguments, command);
     if (command.count("--steps") == 0 && pattern && arguments.inputs.size() > 1)
         arguments.steps = common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model;
     if (arguments.steps &&

@@ -283,6 +283,18 @@ std::vector<std::string> model_files(const std::vector<std::string>& files) {
     return all;
 }
 
+std::vector<std::string> models_of_one_site(const std::vector<std::string>& inputs) {
+    if (inputs.size() != 1 || !is_site(inputs.front())) return {};
+    const std::vector<fs::path> models = models_of_site(inputs.front());
+    if (models.size() < 2) return {};
+    return {models.begin(), models.end()};
+}
+
+void note_first_model(const std::string& site, const std::vector<std::string>& models) {
+    note(fmt::format("{}: the first of {} models; {} is another one", site, models.size(),
+                     models[1]));
+}
+
 bool all_sites(const std::vector<std::string>& files) {
     return !files.empty() && std::ranges::all_of(files, [](const std::string& file) {
         return find_site(file).has_value();

@@ -106,6 +106,10 @@ struct SiteView {
     std::shared_ptr<SiteCutReport> report =
         std::make_shared<SiteCutReport>();  ///< sums over the sites
 };
+/// Models of a single input that is a site of several; empty: other inputs.
+std::vector<std::string> models_of_one_site(const std::vector<std::string>& inputs);
+/// Note that of a site's models the first is taken, and how another one is named.
+void note_first_model(const std::string& site, const std::vector<std::string>& models);
 /// Whether all files are sites, or models of them.
 bool all_sites(const std::vector<std::string>& files);
 /// Reads all models as one.

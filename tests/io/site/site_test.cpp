@@ -15,6 +15,7 @@
 #include "io/site/manifest.h"
 #include "support/data.h"
 #include "support/field_models.h"
+#include "support/model_psnr.h"
 #include "support/refusal.h"
 #include "support/scenes.h"
 #include "vog/compare.h"
@@ -67,15 +68,6 @@ void replace(const fs::path& file, const std::string& from, const std::string& t
     const std::size_t at = text.rfind(from);
     ASSERT_NE(at, std::string::npos) << from;
     write_text(file, text.replace(at, from.size(), to));
-}
-
-/// PSNR of V, dB, of two models in a view.
-double psnr(const Gaussians& a, const Gaussians& b, const Camera& camera, int size) {
-    DepthImage one = render_splat(a, camera, size, size),
-               other = render_splat(b, camera, size, size);
-    const double extinction = auto_extinction(one);
-    set_extinction(one, extinction), set_extinction(other, extinction);
-    return compare(one, other).grey.psnr_db;
 }
 
 /// Views from afar, beside and inside, and one along parallel rays.

@@ -64,8 +64,7 @@ class Heap {
  * each chunk met `pixels`, `shown`: that times how much of it is seen, and `wanted` and `divided`, the number of the turn.
  * ask      {error: pixels, room: {bytes, gaussians}, bytesOf(chunk), visible(chunk): 0 to 1, isBad(chunk): cannot be had}
  * returns  {chunks: in the order of their use, {chunk, use}; tables: [{chunk, use}] whose rows are to be had; bytes, gaussians: of
- *          all chunks; error: bound in pixels that memory leaves, shown:
- *          that of what is seen}
+ *          all chunks; error: bound in pixels that memory leaves; shown: that of what is seen}
  */
 export function wantedCut(root, view, turn, ask) {
   const out = { chunks: [], tables: [], bytes: 0, gaussians: 0, error: ask.error, shown: ask.error }, heap = new Heap();

@@ -131,28 +131,28 @@ export class Site {
 
   /** How much is seen of a chunk, by what the shown quantity hides; `isStale`: in an earlier view. */
   visible(eye, { field }) {
-    const state = this.view.state(), coarse = this.root?.kept?.coarse, hiding = this.hiding();
+    const state = this.view.state(), coarse = this.root?.kept?.coarse, hiding = this.hiding(), clip = this.view.clip();
     this.isStale = false;
     if (!coarse || hiding.length === 0) return () => 1;
-    const volume = state.show === 'volume', [transfer] = hiding, data = coarse.fields.get(field), clip = this.view.clip();
+    const volume = state.show === 'volume', data = coarse.fields.get(field);
     if (volume && !data) return () => 1;
-    const key = [coarse, state.show, ...hiding, data];
-    if (!this.lattice?.key.every((part, n) => part === key[n])) {
-      const model = this.page.models[state.model], source = model.fields[field], { box } = this.root;
-      const of = volume ? Visibility.ofValues(model, box, coarse.instances, data, extinctionIn(expectedLight(
-        transfer, { reference: source.reference, unit: source.scale, isMeasure: source.isMeasure })))
-        : new Visibility(model, box, coarse.instances, () => state.exposure);
-      this.lattice = { key, of };
+    const aspects = [coarse, state.show, ...hiding, data, state.camera, clip.box, clip.planes], now = performance.now();
+    const isNow = this.lattice?.aspects.every((one, n) => one === aspects[n]);
+    this.isStale = !isNow && this.lattice !== null && now - this.lattice.at < oldMs;
+    if (this.isStale) {
+      this.later ||= setTimeout(() => { this.later = 0; this.replan(); }, oldMs);
+    } else if (!isNow) {
+      const of = volume ? this.latticeOfValues(coarse, data, hiding[0]) :
+        new Visibility(this.page.models[state.model], this.root.box, coarse.instances, () => state.exposure);
+      of.look(eye, clip, volume);
+      this.lattice = { aspects, of, at: now };
     }
-    const { lattice } = this, now = performance.now(), aspects = [state.camera, clip.box, clip.planes];
-    const isNow = lattice.aspects?.every((one, n) => one === aspects[n]);
-    this.isStale = !isNow && now - (lattice.at ?? -Infinity) < oldMs;
-    if (!isNow && !this.isStale) {
-      lattice.of.look(eye, clip, volume);
-      Object.assign(lattice, { aspects, at: now });
-    }
-    if (this.isStale) this.later ||= setTimeout(() => { this.later = 0; this.replan(); }, oldMs);
-    return (chunk) => lattice.of.of(chunk.box);
+    const { of } = this.lattice;
+    return (chunk) => of.of(chunk.box);
+  }
+  latticeOfValues({ instances }, data, transfer) {
+    const state = this.view.state(), model = this.page.models[state.model], { reference, scale: unit, isMeasure } = model.fields[state.field];
+    return Visibility.ofValues(model, this.root.box, instances, data, extinctionIn(expectedLight(transfer, { reference, unit, isMeasure })));
   }
 
   // --- Drawing. ---

@@ -61,7 +61,6 @@ export class Visibility {
     }
   }
 
-
   /** Optical depth of a ray from one depth to another, page units. */
   depthOf(origin, direction, from, to) {
     for (let axis = 0; axis < 3; ++axis) {
