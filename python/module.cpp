@@ -102,23 +102,10 @@ std::optional<double> extinction_of(const py::object& extinction) {
                 ", expected a number > 0 or 'auto'");
 }
 
-/// throws ImportError for a NumPy whose arrays this build misreads: sizes of types moved in NumPy 2, which
-/// pybind11 knows from 2.12 on
-void require_known_numpy() {
-#if PYBIND11_VERSION_HEX < 0x020C0000
-    const auto version = py::module_::import("numpy").attr("__version__").cast<std::string>();
-    if (version.starts_with("0.") || version.starts_with("1.")) return;
-    throw py::import_error("vog: built with pybind11 " + std::to_string(PYBIND11_VERSION_MAJOR) +
-                           "." + std::to_string(PYBIND11_VERSION_MINOR) + ", got NumPy " + version +
-                           ", expected NumPy 1, or vog built with pybind11 2.12 or later");
-#endif
-}
-
 }  // namespace vog::python
 
 PYBIND11_MODULE(_vog, m) {
     using namespace vog::python;
-    require_known_numpy();
     // Classes appear as vog.X, not vog._vog.X, in messages, help() and pickles.
     m.attr("__name__") = "vog";
     m.attr("__version__") = VOG_VERSION;

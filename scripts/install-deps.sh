@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|peers|fuzz|docs]. Default: all.
+# Installs Debian 12 packages that are missing: scripts/install-deps.sh [command|all|peers|sanitize|docs]. Default: all.
 #   command  enough to build the command `vog` (scripts/demo.sh)
 #   all      window, Python package, vog-mpi, tests, benches and checks as well
 #   peers    programs and Python packages that tests hand files to, and skip aloud without
-#   fuzz     the compiler of the fuzz targets as well (scripts/fuzz.sh)
+#   sanitize the compiler with the sanitizers and libFuzzer as well (scripts/build.sh sanitize, scripts/fuzz.sh)
 #   docs     the documents' site alone (scripts/docs.sh)
 # Runs as root or with sudo.
 set -euo pipefail
@@ -28,7 +28,7 @@ all_packages=(
     # tests of the page for browsers
     chromium python3
     # Python package and its tests; the stubs are checked by mypy, a notebook is run by Jupyter
-    python3-nbclient python3-ipykernel python3-dev python3-numpy pybind11-dev python3-pytest python3-venv mypy python3-mypy
+    python3-nbclient python3-ipykernel python3-dev python3-numpy python3-pytest python3-pip python3-venv mypy python3-mypy
     # the codec that vog evaluate --rate-distortion compares with
     libzfp-dev
     # clusters
@@ -39,11 +39,11 @@ all_packages=(
 case ${1:-all} in
     command) ;;
     all) packages+=("${all_packages[@]}") ;;
-    fuzz) packages+=("${all_packages[@]}" clang-16 libclang-rt-16-dev) ;;
+    sanitize) packages+=("${all_packages[@]}" clang-16 libclang-rt-16-dev llvm-16) ;;
     # shells; older processors; units, scans and stacks, VTK
     peers) packages=(zsh fish qemu-user groff python3-astropy python3-pint python3-xarray python3-nibabel python3-tifffile python3-vtk9) ;;
     docs) packages=(mkdocs) ;;
-    *) echo "install-deps: set '$1', expected command, all, peers, fuzz or docs" >&2; exit 2 ;;
+    *) echo "install-deps: set '$1', expected command, all, peers, sanitize or docs" >&2; exit 2 ;;
 esac
 
 missing=()
