@@ -7,7 +7,7 @@ preset=${1:-release}
 shift || true
 case $preset in
     demo) scripts/install-deps.sh command ;;
-    fuzz) scripts/install-deps.sh fuzz ;;
+    sanitize) scripts/install-deps.sh sanitize ;;
     *) scripts/install-deps.sh all ;;
 esac
 

@@ -19,12 +19,12 @@ else
     echo "fuzz: no target '$target', expected all or one of:" tests/fuzz/*_fuzz.cpp | sed 's|tests/fuzz/||g; s|_fuzz.cpp||g' >&2
     exit 2
 fi
-scripts/build.sh fuzz -DVOG_WERROR=ON
+scripts/build.sh sanitize -DVOG_WERROR=ON
 
-folder=build/fuzz
+folder=build/fuzz programs=build/sanitize/tests/fuzz
 mkdir -p "$folder"/{corpus,broken,logs}
 for name in "${targets[@]}"; do mkdir -p "$folder/corpus/$name"; done
-"$folder/tests/fuzz/vog_fuzz_seeds" "$folder/corpus"
+"$programs/vog_fuzz_seeds" "$folder/corpus"
 vog=${VOG_COMMAND:-build/release/apps/cli/vog}
 if [[ -x $vog ]]; then
     tests/fuzz/seeds.sh "$vog" "$folder/corpus"
@@ -37,7 +37,7 @@ search() {  # target, seconds, seed
     [[ -f $dictionary ]] && options+=("-dict=$dictionary")
     mkdir -p "tests/fuzz/kept/$name"
     # A timeout is of wall-clock time on a busy machine; the target itself limits the processor's time.
-    if "$folder/tests/fuzz/${name}_fuzz" -seed="$3" -max_total_time="$2" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=8192 -max_len=16384 \
+    if "build/sanitize/tests/fuzz/${name}_fuzz" -seed="$3" -max_total_time="$2" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=8192 -max_len=16384 \
         -print_final_stats=1 -artifact_prefix="$folder/broken/$name-" "${options[@]}" \
         "$folder/corpus/$name" "tests/fuzz/kept/$name" >"$folder/logs/$name.log" 2>&1; then
         awk -v name="$name" '/number_of_executed_units/ {n = $2} /cov: / {for (i = 1; i < NF; ++i) if ($i == "cov:") c = $(i + 1)}

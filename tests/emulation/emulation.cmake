@@ -12,18 +12,16 @@ function(vog_add_emulated_gpu target)
                 ${gpu}/optix/optix_model.cpp ${gpu}/optix/optix_volume.cpp ${gpu}/voxels/voxel_scene.cpp
                 ${gpu}/voxels/gpu_volumes.cpp ${emulation}/cuda/memory.cpp
                 ${emulation}/cuda/streams.cpp ${emulation}/cuda/blocks.cpp ${emulation}/device/traversal.cpp)
-    # The compiler does not know .cu: as C++, with the qualifiers of tests/emulation/cuda. Their executed lines are
-    # counted, for tests/emulation/coverage.py; without weak symbols inline functions of src/render/device are
-    # theirs alone, and not the linker's choice among those of other sources.
-    set_source_files_properties(${kernels} PROPERTIES
-                                LANGUAGE CXX COMPILE_OPTIONS "-x;c++;--coverage;-fprofile-update=atomic;-fno-weak;-Wno-conversion")
-    # GCC 12 takes (double)(float)v for v where it vectorizes exact() of float_pair.h (-O2 and up).
-    set_property(SOURCE ${kernels} APPEND PROPERTY
-                 COMPILE_OPTIONS "-DVOG_FLOAT_PAIRS;-fno-tree-slp-vectorize")
-    # Lines are counted one by one only without optimisation.
+    # The compiler does not know .cu: as C++, with the qualifiers of tests/emulation/cuda.
+    set(options "-x;c++;-DVOG_FLOAT_PAIRS;-Wno-conversion")
     if(VOG_SANITIZE)
-        set_property(SOURCE ${kernels} APPEND PROPERTY COMPILE_OPTIONS "-O0")
+        # Executed lines are counted, for tests/emulation/coverage.py: one by one only without optimisation.
+        list(APPEND options "--coverage;-fprofile-update=atomic;-DVOG_EMULATED_KERNEL;-O0")
+    elseif(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+        # GCC 12 takes (double)(float)v for v where it vectorizes exact() of float_pair.h (-O2 and up).
+        list(APPEND options -fno-tree-slp-vectorize)
     endif()
+    set_source_files_properties(${kernels} PROPERTIES LANGUAGE CXX COMPILE_OPTIONS "${options}")
     set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
     set_target_properties(${target}_gpu PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_gpu PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src
@@ -62,5 +60,5 @@ function(vog_add_emulated_gpu target)
     endif()
     target_sources(${target} PRIVATE $<TARGET_OBJECTS:${target}_gpu>)
     target_link_libraries(${target} PRIVATE ${CMAKE_DL_LIBS})
-    target_link_options(${target} PRIVATE --coverage)
+    target_link_options(${target} PRIVATE $<$<BOOL:${VOG_SANITIZE}>:--coverage>)
 endfunction()

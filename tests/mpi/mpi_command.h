@@ -4,12 +4,18 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <vector>
 
 #include "support/command.h"
 #include "vog/image.h"
 #include "vog/volume.h"
 
 namespace vog::test {
+
+/// Numbers of ranks that properties of any number are tried with: one, and one that divides nothing evenly; by night more.
+inline std::vector<int> rank_counts() {
+    return nightly() ? std::vector{1, 2, 3, 5, 8} : std::vector{1, 3};
+}
 
 /// Two leaves side by side: more ranks have nothing.
 inline Volume two_leaves() {

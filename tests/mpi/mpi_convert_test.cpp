@@ -44,7 +44,7 @@ TEST_P(mpi_convert_ranks, uniform_cuts_are_the_same_bytes) {
     expect_same_bytes(GetParam(), "c.vdb --soft-steps 0 --lod 5");
 }
 
-INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::Values(1, 2, 3, 5),
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_convert_ranks, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 
 TEST_F(mpi_convert, cells_larger_than_the_volume_are_the_same_bytes) {

@@ -109,7 +109,7 @@ TEST_P(mpi_export_ranks, sites_have_the_models_of_convert) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(ranks, mpi_export_ranks, testing::Values(1, 2, 3, 5),
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_export_ranks, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 
 TEST_F(mpi_export, one_rank_writes_the_bytes_of_one_process) {

@@ -79,7 +79,7 @@ TEST_P(mpi_render, pictures_of_time_steps_are_the_same) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(ranks, mpi_render, testing::Values(1, 2, 3, 5, 8),
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_render, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 
 class mpi_inputs : public Mpi {};

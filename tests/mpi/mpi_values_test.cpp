@@ -30,7 +30,7 @@ TEST_P(mpi_values, models_by_value_are_the_same) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(ranks, mpi_values, testing::Values(2, 8),
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_values, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 
 class mpi_value_inputs : public Mpi {};

@@ -153,7 +153,7 @@ TEST_P(mpi_volume_values, signed_values_and_vectors_are_the_same) {
               kSamePicture);
 }
 
-INSTANTIATE_TEST_SUITE_P(ranks, mpi_volume_values, testing::Values(1, 2, 3, 5, 8),
+INSTANTIATE_TEST_SUITE_P(ranks, mpi_volume_values, testing::ValuesIn(rank_counts()),
                          testing::PrintToStringParamName());
 
 class mpi_volume_inputs : public Mpi {};

@@ -17,6 +17,9 @@ inline std::filesystem::path data_dir() {
     return source_dir() / ".." / "shared" / "data";
 }
 
+/// True in runs of scripts/nightly.sh (VOG_NIGHTLY is set), which try more values of a parameter than every change does.
+inline bool nightly() { return std::getenv("VOG_NIGHTLY") != nullptr; }
+
 /// New temporary folder, removed with its contents on destruction.
 class TempDir {
   public:
