@@ -1,5 +1,6 @@
 // bind_points.cpp: Points: particles from files and arrays, with array views.
 #include <memory>
+#include <variant>
 
 #include "arrays.h"
 #include "vog/error.h"
@@ -47,23 +48,30 @@ void bind_points(py::module_& m) {
 The arrays are views of the particles' memory: writing to them changes the particles.)")
         .def_static(
             "load",
-            [](const std::filesystem::path& file, const std::vector<std::string>& columns,
-               const std::string& grid, bool skip_nonfinite) {
-                ValueNotes notes;
+            [](const std::variant<std::filesystem::path, std::vector<std::filesystem::path>>& file,
+               const std::vector<std::string>& columns, const std::string& grid,
+               bool skip_nonfinite) {
+                std::vector<std::filesystem::path> files;
+                if (const auto* several = std::get_if<1>(&file))
+                    files = *several;
+                else
+                    files.push_back(std::get<0>(file));
+                if (files.empty()) throw Error("no files, expected one or more");
+                std::vector<std::string> notes;
                 auto points = std::make_shared<Points>(unlocked([&] {
-                    return read_points(file, {columns, grid, {skip_nonfinite}}, &notes);
+                    return read_points(files, {columns, grid, {skip_nonfinite}}, &notes);
                 }));
-                if (const std::string text = values_text(notes, file.string()); !text.empty())
-                    warn({text});
+                if (!notes.empty()) warn(notes);
                 return points;
             },
             py::arg("file"), py::kw_only(), py::arg("columns") = std::vector<std::string>{},
             py::arg("grid") = "", py::arg("skip_nonfinite") = false,
-            R"(Reads particles from text (.xyz, .txt, .dat, .csv, .tsv) or a PointDataGrid (.vdb). Returns Points.
+            R"(Reads particles from text (.xyz, .txt, .dat, .csv, .tsv), a PointDataGrid (.vdb) or a snapshot (.hdf5). Returns Points.
 
+file     a path, or a list of paths that are read as one: the parts of a snapshot
 columns  text files: the columns of x, y, z, or of x, y, z, vx, vy, vz: names, or numbers from 1 as text.
          Default: columns of these names, else the first ones. Other numeric columns become attributes
-grid     .vdb files: name of the grid; default: the only one
+grid     .vdb files: name of the grid; snapshots: type of the particles, 'PartType0'; default: the only one
 skip_nonfinite  leaves particles with NaN or infinite numbers out, which are an error otherwise
 
 Raises vog.Error for an unreadable file, with the line.)")

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,14 @@ namespace vog {
 /// Attribute of particles, one number each: a mass, a temperature.
 struct PointAttribute {
     std::string name;        ///< name of the column or of the grid's attribute
-    BigVector<float> value;  ///< [N] finite, in the unit of the file
+    BigVector<float> value;  ///< [N] numbers of the file divided by `unit`; NaN: missing
+    double unit = 1;         ///< power of ten > 1 where the file has numbers beyond float's range
 };
 
 /// Particles in world space. Positions are doubles, so that a box of 50,000 kpc/h keeps its halos.
 struct Points {
-    BigVector<Vec3d> position;               ///< [N] world units
-    BigVector<Vec3f> velocity;               ///< [N] in the unit of the file; empty: unknown
+    BigVector<Vec3d> position;  ///< [N] world units
+    BigVector<Vec3f> velocity;  ///< [N] in the unit of the file, NaN: missing; empty: unknown
     std::vector<PointAttribute> attributes;  ///< in the order of the file
     std::string source;  ///< file of origin, for messages and model headers; empty: none
 
@@ -31,17 +33,21 @@ struct Points {
 
 /// Smallest axis-aligned box around all positions, world units; empty for no particles.
 Box bounds(const Points& points);
-/// Appends `other`.
+/// Appends `other`. Where units of an attribute differ, all its values take the larger one.
 /// throws  vog::Error unless both have the same attributes, and both velocities or neither
 void append(Points& points, const Points& other);
-/// Checks the lengths of the arrays, that all numbers are finite, and N, 1 to 2^31 - 1.
+/// Checks the lengths of the arrays, that all numbers are finite or missing (NaN; positions are never missing), and N, 1 to
+/// 2^31 - 1.
 /// throws  vog::Error naming `points.source` and the first offence
 void validate(const Points& points);
 
 /// Values of the particles, [N], by name: "count" (1 for each), "speed" (length of the velocity; an
 /// attribute "speed" or "velocity" where there is none), or the name of an attribute.
-/// throws  vog::Error listing the names for an unknown one
-BigVector<float> point_values(const Points& points, const std::string& name);
+/// missing  values may be missing (NaN)
+/// throws   vog::Error listing the names for an unknown one, and naming the first particle without a value
+BigVector<float> point_values(const Points& points, const std::string& name, bool missing = false);
+/// throws  vog::Error naming the first particle for which a value is missing (NaN)
+void require_values(const Points& points, const std::string& name, const BigVector<float>& values);
 /// Names that point_values takes for these particles: "count", "speed", ...
 std::vector<std::string> point_value_names(const Points& points);
 
@@ -65,22 +71,33 @@ struct PointReadOptions {
 /// throws  vog::Error for a missing, foreign or truncated file
 bool vdb_holds_points(const std::filesystem::path& file, const std::string& grid = {});
 
-/// Reads particles from text, by extension: .xyz, .txt and .dat (fields between blanks), .csv
-/// (commas or semicolons), .tsv (tabs), or from a PointDataGrid (.vdb).
-///   text  '#' and '%' begin comments. Lines without a number before the first particle are
-///         headers; the last comment before it may name the columns too. An .xyz may begin with the
-///         number of particles and a title, as in chemistry. Columns of numbers other than position
-///         and velocity become attributes; columns of text are left out.
+/// Types of the particles of a snapshot (.hdf5) that have positions: "PartType0", ...; empty for other files.
+/// throws  vog::Error for a missing, foreign or truncated file
+std::vector<std::string> point_types(const std::filesystem::path& file);
+
+/// Reads particles from text (.xyz, .txt, .dat, .csv, .tsv), a PointDataGrid (.vdb) or a snapshot (.hdf5).
+///   text  fields between blanks, commas, semicolons or tabs, whichever the lines have. '#', '%' and '//' begin comments; lines
+///         end in LF, CR LF or CR. A line above the particles, or a comment, names the columns. The number of particles may stand
+///         in a line of its own; in an .xyz a title follows, as in chemistry, with the columns of extended XYZ (Properties=).
+///         Columns of numbers other than position and velocity become attributes; columns of text are left out. An empty field of
+///         an attribute or velocity is missing (NaN).
 ///   .vdb  Attributes of every codec: P as position; a vector called velocity or v as velocity;
 ///         other numbers as attributes; other vectors by their length. Particles in the order of
 ///         leaves.
 /// notes   is increased by the number of particles left out; null: not counted
-/// throws  vog::Error for a missing or foreign file, no particles, unknown columns, every line
-///         with another count of numbers than the first: file and line, got, expected; and for
-///         numbers not finite, unless options.values accepts them
+/// throws  vog::Error for a missing or foreign file, no particles, unknown columns, names of columns that do not fit the lines,
+///         a stated number of particles that is not theirs, every line with another count of numbers than the first: file and
+///         line, got, expected; and for infinite numbers and positions of NaN, unless options.values accepts them
 /// cost    1 M lines of six numbers in about 0.2 s on two cores
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {},
                    ValueNotes* notes = nullptr);
+
+/// Reads several files as one set, in their order: parts of a snapshot may lack the type of particles that others have.
+/// notes   receives a line on every file's particles that were left out, on parts without the type, and on attributes in
+///         units of their own; null: none
+/// throws  vog::Error as read_points and append do
+Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,
+                   std::vector<std::string>* notes);
 
 /// Sets the negative values of an attribute to 0.
 /// name     of an attribute; others, such as "count", have no negative values

@@ -64,8 +64,20 @@ void append(Points& points, const Points& other) {
                                 fmt::join(point_value_names(points), ", ")));
     append_kept(points.position, other.position);
     append_kept(points.velocity, other.velocity);
-    for (std::size_t n = 0; n < points.attributes.size(); ++n)
-        append_kept(points.attributes[n].value, other.attributes[n].value);
+    const auto multiply = [](BigVector<float>& values, std::size_t first, double factor) {
+        for (std::size_t n = first; n < values.size(); ++n)
+            values[n] = static_cast<float>(factor * double{values[n]});
+    };
+    for (std::size_t n = 0; n < points.attributes.size(); ++n) {
+        PointAttribute& own = points.attributes[n];
+        const PointAttribute& more = other.attributes[n];
+        const double unit = std::max(own.unit, more.unit);
+        const std::size_t count = own.value.size();
+        if (own.unit < unit) multiply(own.value, 0, own.unit / unit);
+        append_kept(own.value, more.value);
+        if (more.unit < unit) multiply(own.value, count, more.unit / unit);
+        own.unit = unit;
+    }
 }
 
 void validate(const Points& points) {
@@ -78,11 +90,12 @@ void validate(const Points& points) {
     if (count > 0x7fffffff) refuse(fmt::format("{} particles, expected at most 2^31 - 1", count));
     if (!points.velocity.empty() && points.velocity.size() != count)
         refuse(fmt::format("{} velocities for {} particles", points.velocity.size(), count));
-    const auto finite = [](const auto& v) { return std::isfinite(v.x + v.y + v.z); };
     for (std::size_t n = 0; n < count; ++n) {
-        if (!finite(points.position[n]))
+        const Vec3d p = points.position[n];
+        if (!std::isfinite(p.x + p.y + p.z))
             refuse(fmt::format("the position of particle {} is not finite", n));
-        if (!points.velocity.empty() && !finite(points.velocity[n]))
+        if (const Vec3f v = points.velocity.empty() ? Vec3f{} : points.velocity[n];
+            std::isinf(v.x) || std::isinf(v.y) || std::isinf(v.z))
             refuse(fmt::format("the velocity of particle {} is not finite", n));
         keep_memory_at(n);
     }
@@ -91,7 +104,7 @@ void validate(const Points& points) {
             refuse(fmt::format("{} values of '{}' for {} particles", attribute.value.size(),
                                attribute.name, count));
         for (std::size_t n = 0; n < count; ++n) {
-            if (!std::isfinite(attribute.value[n]))
+            if (std::isinf(attribute.value[n]))
                 refuse(fmt::format("'{}' of particle {} is not finite", attribute.name, n));
             keep_memory_at(n);
         }
@@ -107,7 +120,17 @@ std::vector<std::string> point_value_names(const Points& points) {
     return names;
 }
 
-BigVector<float> point_values(const Points& points, const std::string& name) {
+void require_values(const Points& points, const std::string& name, const BigVector<float>& values) {
+    for (std::size_t n = 0; n < values.size(); ++n)
+        if (std::isnan(values[n]))
+            throw Error(
+                fmt::format("{}: '{}' of particle {} is missing, expected a number "
+                            "(--skip-nonfinite leaves such particles "
+                            "out)",
+                            where(points), name, n));
+}
+
+BigVector<float> point_values(const Points& points, const std::string& name, bool missing) {
     BigVector<float> values;
     values.reserve(points.size());
     const auto take = [&](const auto& value_of) {
@@ -115,6 +138,7 @@ BigVector<float> point_values(const Points& points, const std::string& name) {
             values.push_back(value_of(n));
             keep_memory_at(n);
         }
+        if (!missing) require_values(points, name, values);
         return values;
     };
     if (name == "count") return take([](std::size_t) { return 1.0f; });

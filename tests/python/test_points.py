@@ -60,3 +60,18 @@ def test_columns_are_chosen_by_name(tmp_path):
 def test_bad_arrays_are_refused(arguments, message):
     with pytest.raises(vog.Error, match=message):
         vog.Points.from_numpy(*arguments)
+
+
+def test_several_files_are_read_as_one_and_values_may_be_missing(tmp_path):
+    (tmp_path / "a.csv").write_text("x,y,z,m\n1,2,3,4\n")
+    (tmp_path / "b.csv").write_text("x,y,z,m\n1,2,5,\n")
+    points = vog.Points.load([tmp_path / "a.csv", str(tmp_path / "b.csv")])
+    assert len(points) == 2 and np.isnan(points.attributes["m"][1])
+    vog.convert(points, radius=1)
+    with pytest.raises(vog.Error, match="'m' of particle 1 is missing"):
+        vog.convert(points, radius=1, value="m")
+    with pytest.raises(vog.Error, match="no files"):
+        vog.Points.load([])
+    (tmp_path / "c.csv").write_text("x,y,z,m\n1,2,3,2e43\n")
+    with pytest.warns(UserWarning, match="'m' is divided by 1e\\+43"):
+        assert vog.Points.load(tmp_path / "c.csv").attributes["m"] == [2]

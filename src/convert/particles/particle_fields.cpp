@@ -91,6 +91,8 @@ std::vector<ParticleValues> particle_values(const Points& points,
             values.component = vector_values(points, field.values);
         if (values.component.empty())
             values.component.push_back(point_values(points, field.values));
+        for (const BigVector<float>& component : values.component)
+            require_values(points, values.name, component);
         all.push_back(std::move(values));
     }
     return all;

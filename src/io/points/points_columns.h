@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,19 +21,22 @@ struct PointColumns {
     bool has_velocity = false;
     std::vector<std::string> attributes;  ///< names
     std::uint64_t first_line = 0;         ///< number of the first particle's line, from 0
+    std::optional<std::uint64_t> count;   ///< number of particles that the file states
+    std::uint64_t count_line = 0;         ///< number of its line, from 0
+    bool may_be_title = false;  ///< the first particle's line may be a title: `count` decides
 };
 
 /// Extension in lower case, with its dot: ".csv", of a gzip'd "a.csv.gz" too.
 std::string text_extension(const std::filesystem::path& file);
 
-/// Separator by extension; 0 for blanks.
-/// head    first lines of the file, to tell commas from semicolons in a .csv
+/// Separator that files of this extension are written with; 0 for blanks.
 /// throws  vog::Error for an unknown extension
-char text_separator(const std::filesystem::path& file, std::string_view head);
+char own_separator(const std::filesystem::path& file);
 
 /// Finds the roles of the columns from the first lines of a file.
-/// throws vog::Error without a particle or without the requested columns
+/// title   a line that may_be_title is one
+/// throws  vog::Error without a particle, without the requested columns, or with a header that does not fit the lines
 PointColumns find_columns(const std::filesystem::path& file, std::string_view head,
-                          const PointReadOptions& options);
+                          const PointReadOptions& options, bool title = false);
 
 }  // namespace vog::point_files

@@ -1,13 +1,15 @@
 // points_files.cpp: choice of the particle format by extension.
 #include "io/points/points_files.h"
 
-#include <fmt/core.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/paging.h"
 #include "vog/error.h"
+#include "vog/text.h"
 
 namespace vog {
 
@@ -20,22 +22,28 @@ bool is_vdb(const std::filesystem::path& file) {
     return extension == ".vdb" || extension == ".VDB";
 }
 
-bool is_finite(const Points& points, std::size_t n) {
-    const auto finite = [](const auto& v) { return std::isfinite(v.x + v.y + v.z); };
-    return finite(points.position[n]) && (points.velocity.empty() || finite(points.velocity[n])) &&
-           std::ranges::all_of(points.attributes, [n](const PointAttribute& attribute) {
-               return std::isfinite(attribute.value[n]);
-           });
+/// Whether a particle can be read: its numbers are finite; others than its position may be missing (NaN).
+/// strict  none is missing
+bool is_readable(const Points& points, std::size_t n, bool strict) {
+    const auto good = [strict](float x) { return std::isfinite(x) || (!strict && std::isnan(x)); };
+    const Vec3d p = points.position[n];
+    if (!std::isfinite(p.x + p.y + p.z)) return false;
+    if (!points.velocity.empty())
+        for (int axis = 0; axis < 3; ++axis)
+            if (!good(points.velocity[n][axis])) return false;
+    return std::ranges::all_of(points.attributes, [&](const PointAttribute& attribute) {
+        return good(attribute.value[n]);
+    });
 }
 
 /// Removes particles with a number that is not finite.
 /// returns  their number
-/// throws   vog::Error for such a particle, unless `skip`
+/// throws   vog::Error for such a particle, unless `skip`; missing values are no error
 std::uint64_t keep_finite(Points& points, bool skip) {
     std::size_t kept = 0, first = points.size();
     for (std::size_t n = 0; n < points.size(); ++n) {
         keep_memory_at(n);
-        if (!is_finite(points, n)) {
+        if (!is_readable(points, n, skip)) {
             first = std::min(first, n);
             continue;
         }
@@ -64,6 +72,10 @@ std::uint64_t keep_finite(Points& points, bool skip) {
 
 }  // namespace
 
+std::vector<std::string> point_types(const std::filesystem::path& file) {
+    return is_hdf5(file) ? types_of_hdf5(file) : std::vector<std::string>{};
+}
+
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options,
                    ValueNotes* notes) {
     if (!options.columns.empty() && (is_vdb(file) || is_hdf5(file)))
@@ -74,6 +86,52 @@ Points read_points(const std::filesystem::path& file, const PointReadOptions& op
                                     : read_points_text(file, options);
     const std::uint64_t skipped = keep_finite(points, options.values.skip_nonfinite);
     if (notes) notes->skipped_nonfinite += skipped;
+    return points;
+}
+
+namespace {
+
+/// Type of particles of the parts of a snapshot: the requested one, or the only one of all parts. Empty: no snapshot.
+std::string common_type(std::span<const std::filesystem::path> files,
+                        const std::string& requested) {
+    std::set<std::string> types;
+    for (const auto& file : files)
+        for (const std::string& type : point_types(file)) types.insert(type);
+    if (types.empty() || types.contains(requested)) return requested;
+    if (requested.empty() && types.size() == 1) return *types.begin();
+    throw Error(fmt::format(
+        "{}: {}, expected one by name (--grid; the files have: {})", files.front().string(),
+        requested.empty() ? fmt::format("{} types of particles", types.size())
+                          : fmt::format("no particles '{}'", printable(requested)),
+        fmt::join(types, ", ")));
+}
+
+}  // namespace
+
+Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,
+                   std::vector<std::string>* notes) {
+    PointReadOptions chosen = options;
+    if (files.size() > 1) chosen.grid = common_type(files, options.grid);
+    const auto note = [&](const std::string& text) {
+        if (notes && !text.empty()) notes->push_back(text);
+    };
+    Points points;
+    for (const auto& file : files) {
+        if (files.size() > 1 && is_hdf5(file)) {
+            const std::vector<std::string> types = point_types(file);
+            if (std::ranges::find(types, chosen.grid) == types.end()) {
+                note(fmt::format("{}: no particles of {}", printable(file.string()), chosen.grid));
+                continue;
+            }
+        }
+        ValueNotes changed;
+        append(points, read_points(file, chosen, &changed));
+        note(values_text(changed, file.string()));
+    }
+    for (const PointAttribute& attribute : points.attributes)
+        if (attribute.unit != 1)
+            note(fmt::format("{}: '{}' is divided by {:g}: its numbers are beyond single precision",
+                             points.source, attribute.name, attribute.unit));
     return points;
 }
 

@@ -16,5 +16,6 @@ bool is_hdf5(const std::filesystem::path& file);
 /// Particles of one type (PartType0, ...) of a snapshot of Gadget, Arepo, Gizmo or SWIFT.
 /// throws  vog::Error as read_points does, and in a build without libhdf5
 Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options);
+std::vector<std::string> types_of_hdf5(const std::filesystem::path& file);
 
 }  // namespace vog::point_files

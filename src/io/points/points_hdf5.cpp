@@ -14,9 +14,11 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
+#include "io/float_of.h"
 #endif
 
 namespace vog::point_files {
@@ -31,6 +33,10 @@ bool is_hdf5(const std::filesystem::path& file) {
 Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions&) {
     throw Error(fmt::format("{}: this build reads no HDF5 (libhdf5 was absent when it was built)",
                             file.string()));
+}
+std::vector<std::string> types_of_hdf5(const std::filesystem::path& file) {
+    read_points_hdf5(file, {});
+    return {};
 }
 
 #else
@@ -75,6 +81,9 @@ struct Array {
     std::string name;
     hsize_t rows = 0, components = 1;
     bool number = false;  ///< integers or floats
+    bool is_position() const {
+        return name == "Coordinates" && number && components == 3 && rows > 0;
+    }
 };
 
 std::vector<std::string> members(hid_t group) {
@@ -98,24 +107,42 @@ bool is_dataset(hid_t group, const std::string& name) {
 /// A snapshot file, and the group of one type of particles.
 class Snapshot {
   public:
-    Snapshot(const std::filesystem::path& path, const std::string& type)
-        : name_(path.string()),
-          bytes_(std::filesystem::file_size(path)),
+    explicit Snapshot(const std::filesystem::path& path)
+        : path_(path),
+          name_(path.string()),
           file_(H5Fopen(name_.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose) {
         if (!file_.good()) fail("not HDF5, or corrupt");
-        group_name_ = chosen_type(type);
-        group_.emplace(H5Gopen2(file_, group_name_.c_str(), H5P_DEFAULT), H5Gclose);
-        if (!group_->good()) fail(fmt::format("group '{}' cannot be read", group_name_));
-        for (const std::string& name : members(*group_))
-            if (is_dataset(*group_, name)) arrays_.push_back(described(name));
+        for (const std::string& name : members(file_)) {
+            if (!name.starts_with("PartType") || name.size() != 9 || name[8] < '0' || name[8] > '9')
+                continue;
+            ++groups_;
+            try {
+                open(name);
+                if (std::ranges::none_of(arrays_, &Array::is_position)) continue;
+            } catch (const Error&) {  // reported when the type is chosen
+            }
+            types_.push_back(name);
+        }
     }
 
-    const std::vector<Array>& arrays() const { return arrays_; }
-    const Array* find(std::string_view name) const {
-        for (const Array& array : arrays_)
-            if (array.name == name) return &array;
-        return nullptr;
+    /// Types of particles that have positions.
+    const std::vector<std::string>& types() const { return types_; }
+    /// Opens the only type, or the one that is requested.
+    void choose(const std::string& requested) {
+        if (types_.empty())
+            fail(groups_ ? "no type with particles: Coordinates of 3 numbers each"
+                         : "no group PartType0 to PartType9");
+        if (requested.empty() && types_.size() == 1) return open(types_.front());
+        if (std::ranges::find(types_, requested) != types_.end()) return open(requested);
+        throw Error(fmt::format("{}: {}, expected one by name (--grid; it has: {})", name_,
+                                requested.empty()
+                                    ? fmt::format("{} types of particles", types_.size())
+                                    : fmt::format("no particles '{}'", printable(requested)),
+                                fmt::join(types_, ", ")));
     }
+    const std::vector<Array>& arrays() const { return arrays_; }
+    /// Positions of the chosen type.
+    const Array& position() const { return *std::ranges::find_if(arrays_, &Array::is_position); }
     [[noreturn]] void fail(const std::string& what) const {
         throw Error(fmt::format(
             "{}: {}, expected a snapshot with PartType0/Coordinates or the like", name_, what));
@@ -146,21 +173,39 @@ class Snapshot {
     }
 
   private:
-    /// PartType0 of the file, or the one that --grid names.
-    std::string chosen_type(const std::string& requested) const {
-        std::vector<std::string> types;
-        for (const std::string& name : members(file_))
-            if (name.starts_with("PartType") && name.size() == 9 && name[8] >= '0' &&
-                name[8] <= '9')
-                types.push_back(name);
-        if (types.empty()) fail("no group PartType0 to PartType9");
-        if (requested.empty() && types.size() == 1) return types.front();
-        if (std::ranges::find(types, requested) != types.end()) return requested;
-        throw Error(fmt::format("{}: {}, expected one by name (--grid; it has: {})", name_,
-                                requested.empty()
-                                    ? fmt::format("{} types of particles", types.size())
-                                    : fmt::format("no particles '{}'", printable(requested)),
-                                fmt::join(types, ", ")));
+    void open(const std::string& type) {
+        group_name_ = type;
+        group_.emplace(H5Gopen2(file_, type.c_str(), H5P_DEFAULT), H5Gclose);
+        if (!group_->good()) fail(fmt::format("group '{}' cannot be read", type));
+        arrays_.clear();
+        for (const std::string& name : members(*group_))
+            if (is_dataset(*group_, name)) arrays_.push_back(described(name));
+    }
+    /// Bytes of the files that an array is stored in: this one, or those that a virtual array refers to.
+    double stored_bytes(hid_t set, const std::string& name) const {
+        auto bytes = static_cast<double>(std::filesystem::file_size(path_));
+        const Handle layout(H5Dget_create_plist(set), H5Pclose);
+        if (H5Pget_layout(layout) != H5D_VIRTUAL) return bytes;
+        std::size_t sources = 0;
+        H5Pget_virtual_count(layout, &sources);
+        std::set<std::string> names;
+        for (std::size_t n = 0; n < sources; ++n) {
+            std::string source(4096, '\0');
+            H5Pget_virtual_filename(layout, n, source.data(), source.size());
+            names.insert(source.c_str());
+        }
+        for (const std::string& source : names) {
+            // "%b" counts blocks. The library looks beside the file, then in the working folder; what it cannot find is filled.
+            if (source == "." || source.find("%b") != source.npos) continue;
+            std::filesystem::path part = path_.parent_path() / source;
+            std::error_code code;
+            if (!std::filesystem::exists(part, code)) part = source;
+            if (!std::filesystem::exists(part, code))
+                throw Error(fmt::format("{}: '{}/{}' lies in {}, which is not there", name_,
+                                        group_name_, printable(name), printable(source)));
+            bytes += static_cast<double>(std::filesystem::file_size(part, code));
+        }
+        return bytes;
     }
     /// Shape and type of an array. Its size is checked against the file before memory is allocated.
     Array described(const std::string& name) const {
@@ -177,52 +222,46 @@ class Snapshot {
         array.number = kind == H5T_INTEGER || kind == H5T_FLOAT;
         array.rows = size[0];
         array.components = size[1];
-        // Deflate's largest ratio is 1032; shuffled constants come near.
+        // Deflate's largest ratio is 1032; shuffled constants come near. Chunks that were never written hold the fill value.
         constexpr double kMostRatio = 1100;
-        const double bytes = static_cast<double>(size[0]) * static_cast<double>(size[1]);
-        if (array.number && (bytes > kMostRatio * static_cast<double>(bytes_) ||
-                             (array.rows > 0 && H5Dget_storage_size(set) == 0)))
+        const double values = static_cast<double>(size[0]) * static_cast<double>(size[1]);
+        if (array.number && values > kMostRatio * stored_bytes(set, name))
             fail(fmt::format("'{}/{}' has {} x {} values, more than the file holds", group_name_,
                              printable(name), size[0], size[1]));
         return array;
     }
 
+    std::filesystem::path path_;
     std::string name_;
-    std::uintmax_t bytes_;
     Handle file_;
+    int groups_ = 0;  ///< PartType0 to PartType9
+    std::vector<std::string> types_;
     std::string group_name_;
     std::optional<Handle> group_;
     std::vector<Array> arrays_;
 };
 
-/// Conversion beyond float's range is undefined behaviour: such values become infinite.
-float float_of(double value) {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    return std::abs(value) > kLargest ? std::numeric_limits<float>::infinity()
-                                      : static_cast<float>(value);
-}
-
 /// Values of an array, one a particle: numbers, or lengths of vectors of three.
-BigVector<float> attribute_values(const Snapshot& snapshot, const Array& array) {
+PointAttribute attribute_of(const Snapshot& snapshot, const Array& array) {
     BigVector<double> numbers;
     resize_kept(numbers, array.rows * array.components);
     snapshot.read(array, H5T_NATIVE_DOUBLE, numbers.data());
-    BigVector<float> values;
-    resize_kept(values, array.rows);
+    double largest = 0;
+    for (std::size_t n = 0; n < array.rows; ++n) {
+        if (array.components == 3)
+            numbers[n] = length(Vec3d{numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]});
+        if (std::isfinite(numbers[n])) largest = std::max(largest, std::abs(numbers[n]));
+    }
+    PointAttribute attribute{printable(array.name), {}, float_unit(largest)};
+    resize_kept(attribute.value, array.rows);
     for (std::size_t n = 0; n < array.rows; ++n)
-        values[n] =
-            array.components == 1
-                ? float_of(numbers[n])
-                : float_of(length(Vec3d{numbers[3 * n], numbers[3 * n + 1], numbers[3 * n + 2]}));
-    return values;
+        attribute.value[n] = float_of(numbers[n], attribute.unit);
+    return attribute;
 }
 
 Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
-    const Array* place = snapshot.find("Coordinates");
-    if (!place || !place->number || place->components != 3)
-        snapshot.fail(
-            fmt::format("no '{}/Coordinates' of 3 numbers a particle", snapshot.group_name()));
-    if (place->rows < 1 || place->rows > std::numeric_limits<std::int32_t>::max())
+    const Array* place = &snapshot.position();
+    if (place->rows > std::numeric_limits<std::int32_t>::max())
         snapshot.fail(fmt::format("{} particles in '{}'", place->rows, snapshot.group_name()));
     Points points;
     points.source = printable(file.string());
@@ -243,17 +282,19 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
             continue;
         }
         has_mass |= array.name == "Masses";
-        points.attributes.push_back({printable(array.name), attribute_values(snapshot, array)});
+        points.attributes.push_back(attribute_of(snapshot, array));
     }
-    if (const double mass = has_mass ? 0 : snapshot.table_mass(); mass > 0)
-        points.attributes.push_back({"Masses", BigVector<float>(place->rows, float_of(mass))});
+    if (const double mass = has_mass ? 0 : snapshot.table_mass(); mass > 0) {
+        const double unit = float_unit(mass);
+        points.attributes.push_back(
+            {"Masses", BigVector<float>(place->rows, float_of(mass, unit)), unit});
+    }
     return points;
 }
 
-}  // namespace
-
-Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options) {
-    // Debian's library is not built for several threads.
+/// run(snapshot), one at a time: Debian's library is not built for several threads.
+template <class Run>
+auto with_snapshot(const std::filesystem::path& file, const Run& run) {
     static std::mutex one_at_a_time;
     const std::lock_guard lock(one_at_a_time);
     // Objects of a corrupt file may stay open; libhdf5 would print a line on them when the process ends.
@@ -262,12 +303,26 @@ Points read_points_hdf5(const std::filesystem::path& file, const PointReadOption
     require_readable(file);
     const Silence silence;
     try {
-        return points_of(Snapshot(file, options.grid), file);
+        Snapshot snapshot(file);
+        return run(snapshot);
     } catch (const std::bad_alloc&) {
         throw Error(fmt::format("{}: not enough memory", file.string()));
     } catch (const std::length_error&) {
         throw Error(fmt::format("{}: not enough memory", file.string()));
     }
+}
+
+}  // namespace
+
+std::vector<std::string> types_of_hdf5(const std::filesystem::path& file) {
+    return with_snapshot(file, [](const Snapshot& snapshot) { return snapshot.types(); });
+}
+
+Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options) {
+    return with_snapshot(file, [&](Snapshot& snapshot) {
+        snapshot.choose(options.grid);
+        return points_of(snapshot, file);
+    });
 }
 
 #endif

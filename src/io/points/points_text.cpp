@@ -8,11 +8,14 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <ranges>
+#include <utility>
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "io/file_extension.h"
+#include "io/float_of.h"
 #include "io/points/points_columns.h"
 #include "io/points/points_files.h"
 #include "io/points/text_fields.h"
@@ -52,31 +55,25 @@ class LineFile {
     /// Complete lines that start in bytes [begin, end); valid until `buffer` changes.
     std::string_view lines(std::uint64_t begin, std::uint64_t end,
                            std::vector<char>& buffer) const {
-        // The byte before shows whether a line starts at `begin`.
+        // The bytes before `begin` and at `end` show whether lines start there.
         const std::uint64_t first = begin > 0 ? begin - 1 : 0;
-        end = std::min(end, size_);
-        buffer.resize(end - first);
+        const std::uint64_t limit = std::min(end, size_) - first;
+        buffer.resize(std::min(limit + 1, size_ - first));
         read(first, buffer.data(), buffer.size());
-        std::size_t skipped = 0;
-        if (begin > 0) {
-            const void* line_end = std::memchr(buffer.data(), '\n', buffer.size() - 1);
-            if (!line_end && buffer.back() != '\n') return {};
-            skipped =
-                line_end ? static_cast<const char*>(line_end) - buffer.data() + 1 : buffer.size();
-            if (skipped >= buffer.size()) return {};
-        }
+        const auto held = [&] { return std::string_view(buffer.data(), buffer.size()); };
+        std::size_t start = begin - first;
+        if (begin > 0)
+            while (start < limit && !starts_line(held(), start)) ++start;
+        if (start == limit) return {};
         // Appends the rest of the last line.
-        constexpr std::uint64_t kStep = 4096;
-        while (end < size_ && buffer.back() != '\n') {
-            const std::uint64_t more = std::min(kStep, size_ - end);
-            const std::size_t held = buffer.size();
-            buffer.resize(held + more);
-            read(end, buffer.data() + held, more);
-            const void* line_end = std::memchr(buffer.data() + held, '\n', more);
-            if (line_end) buffer.resize(static_cast<const char*>(line_end) - buffer.data() + 1);
-            end += more;
-        }
-        const std::string_view text(buffer.data() + skipped, buffer.size() - skipped);
+        std::size_t stop = limit;
+        while (first + stop < size_ && !starts_line(held(), stop))
+            if (++stop == buffer.size() && first + stop < size_) {
+                constexpr std::uint64_t kStep = 4096;
+                buffer.resize(stop + std::min(kStep, size_ - first - stop));
+                read(first + stop, buffer.data() + stop, buffer.size() - stop);
+            }
+        const std::string_view text = held().substr(start, stop - start);
         return begin == 0 ? without_byte_order_mark(text) : text;
     }
 
@@ -124,9 +121,12 @@ class LineFile {
 
 constexpr std::uint64_t kChunkBytes = std::uint64_t{1} << 20;
 
+/// text  complete lines
 std::uint64_t count_lines(std::string_view text) {
     if (text.empty()) return 0;
-    return static_cast<std::uint64_t>(std::ranges::count(text, '\n')) + (text.back() != '\n');
+    std::uint64_t count = 1;
+    for (std::size_t at = 1; at < text.size(); ++at) count += starts_line(text, at);
+    return count;
 }
 
 /// Lines and results of a chunk of 1 MiB.
@@ -134,7 +134,8 @@ struct Chunk {
     std::uint64_t first_line = 0, line_count = 0;  ///< first_line from 0
     std::uint64_t particles = 0;                   ///< number read
     std::vector<std::uint64_t> bad_lines;          ///< numbers of malformed lines, from 0
-    std::string first_fault;                       ///< message about the first of them
+    std::vector<double> largest;  ///< [attributes], sizes beyond float's range; empty: none
+    std::string first_fault;      ///< message about the first of them
 };
 
 /// Parses the particles of one chunk into their final arrays.
@@ -145,9 +146,10 @@ class ChunkReader {
 
     void read(std::string_view text, Chunk& chunk) const {
         for (std::uint64_t line = chunk.first_line; !text.empty(); ++line) {
-            const std::string_view content = trimmed(take_line(text));
-            if (line < columns_.first_line || is_comment_or_empty(content)) continue;
-            if (read_particle(content, first_particle(chunk) + chunk.particles)) {
+            const std::string_view content = trimmed(take_line(text), columns_.separator);
+            if (line < columns_.first_line || is_comment_or_empty(content, columns_.separator))
+                continue;
+            if (read_particle(content, first_particle(chunk) + chunk.particles, chunk)) {
                 ++chunk.particles;
                 continue;
             }
@@ -161,59 +163,77 @@ class ChunkReader {
     }
 
   private:
-    bool read_particle(std::string_view line, std::uint64_t n) const;
+    bool read_particle(std::string_view line, std::uint64_t n, Chunk& chunk) const;
     std::string fault(std::string_view line) const;
-    void put(int role, std::uint64_t n, double value) const {
-        if (role < kFirstVelocity)
+    void put(int role, std::uint64_t n, double value, Chunk& chunk) const {
+        if (role < kFirstVelocity) {
             points_.position[n][role] = value;
-        else if (role < kFirstAttribute)
+        } else if (role < kFirstAttribute) {
             points_.velocity[n][role - kFirstVelocity] = float_of(value);
-        else
-            points_.attributes[static_cast<std::size_t>(role - kFirstAttribute)].value[n] =
-                float_of(value);
+        } else {
+            const auto k = static_cast<std::size_t>(role - kFirstAttribute);
+            PointAttribute& attribute = points_.attributes[k];
+            attribute.value[n] = float_of(value, attribute.unit);
+            if (std::abs(value) <= kLargest || !std::isfinite(value)) return;
+            chunk.largest.resize(points_.attributes.size());
+            chunk.largest[k] = std::max(chunk.largest[k], std::abs(value));
+        }
     }
-    /// Conversion beyond float's range is undefined behaviour: such values become infinite.
-    static float float_of(double value) {
-        return std::abs(value) > double{std::numeric_limits<float>::max()}
-                   ? std::numeric_limits<float>::infinity()
-                   : static_cast<float>(value);
+    /// Number of a field; NaN for an empty one, which is missing, behind the position.
+    static bool parse(int role, std::string_view field, double& value) {
+        const bool missing = role >= kFirstVelocity && field.empty();
+        if (!missing && !parse_number(field, value)) return false;
+        if (missing || std::isnan(value)) value = std::numeric_limits<double>::quiet_NaN();
+        return true;
     }
     bool fits(int role, double value) const {
         if (skip_nonfinite_) return true;  // left out when all are read
-        return role < kFirstVelocity ? std::isfinite(value)
-                                     : std::abs(value) <= double{std::numeric_limits<float>::max()};
+        if (role < kFirstVelocity) return std::isfinite(value);
+        return role < kFirstAttribute ? !(std::abs(value) > kLargest) : !std::isinf(value);
     }
+    static constexpr double kLargest = std::numeric_limits<float>::max();
 
     const PointColumns& columns_;
     Points& points_;
     bool skip_nonfinite_;
 };
 
-bool ChunkReader::read_particle(std::string_view line, std::uint64_t n) const {
-    const bool ends_open = columns_.separator && line.ends_with(columns_.separator);
+bool ChunkReader::read_particle(std::string_view line, std::uint64_t n, Chunk& chunk) const {
+    bool ends_open = columns_.separator && line.ends_with(columns_.separator);
     for (const int role : columns_.role) {
-        if (line.empty()) return false;
+        if (line.empty() && !std::exchange(ends_open, false)) return false;
         const std::string_view field = take_field(line, columns_.separator);
         if (role == kSkipped) continue;
         double value;
-        if (!parse_number(field, value) || !fits(role, value)) return false;
-        put(role, n, value);
+        if (!parse(role, field, value) || !fits(role, value)) return false;
+        put(role, n, value, chunk);
     }
-    return line.empty() && !ends_open;
+    // Separators may follow the last column.
+    while (!line.empty())
+        if (!take_field(line, columns_.separator).empty()) return false;
+    return true;
 }
 
 /// Message about a line for which read_particle returned false.
 std::string ChunkReader::fault(std::string_view line) const {
     const auto fields = split_fields(line, columns_.separator);
-    if (fields.size() != columns_.role.size())
+    if (columns_.count && fields.size() == 1 && line.find_first_not_of("0123456789") == line.npos)
+        return "a second count: several frames, expected one";
+    const bool longer = std::ranges::any_of(
+        fields | std::views::drop(std::min(fields.size(), columns_.role.size())),
+        [](std::string_view field) { return !field.empty(); });
+    if (fields.size() < columns_.role.size() || longer)
         return fmt::format("got {} columns, expected {}", fields.size(), columns_.role.size());
-    for (std::size_t column = 0; column < fields.size(); ++column) {
+    for (std::size_t column = 0; column < columns_.role.size(); ++column) {
         const int role = columns_.role[column];
         double value;
         if (role == kSkipped) continue;
         constexpr std::size_t kShown = 40;
         const std::string text(fields[column].substr(0, kShown));
-        if (!parse_number(fields[column], value))
+        if (has_decimal_comma(fields[column]))
+            return fmt::format("got '{}' in column {}, a decimal comma; expected decimal points",
+                               text, column + 1);
+        if (!parse(role, fields[column], value))
             return fmt::format("got '{}' in column {}, expected a number", text, column + 1);
         if (!fits(role, value))
             return fmt::format(
@@ -268,42 +288,85 @@ void close_gaps(Points& points, const std::vector<Chunk>& chunks, const ChunkRea
     for (PointAttribute& attribute : points.attributes) close(attribute.value);
 }
 
+/// Reader of one file: the layout of its lines, then its particles.
+class TextReader {
+  public:
+    TextReader(const std::filesystem::path& path, const PointReadOptions& options)
+        : path_(path),
+          options_(options),
+          file_(path),
+          chunks_((file_.size() + kChunkBytes - 1) / kChunkBytes) {}
+
+    Points read() {
+        const std::string_view text = head();
+        vog::parallel_for(std::size_t{0}, chunks_.size(),
+                          [&](std::size_t n) { chunks_[n].line_count = count_lines(lines_of(n)); });
+        for (std::size_t n = 1; n < chunks_.size(); ++n)
+            chunks_[n].first_line = chunks_[n - 1].first_line + chunks_[n - 1].line_count;
+        PointColumns columns = find_columns(path_, text, options_);
+        Points points = read_particles(columns);
+        if (columns.may_be_title && points.size() == *columns.count + 1)
+            points = read_particles(columns = find_columns(path_, head(), options_, true));
+        if (columns.count && points.size() != *columns.count)
+            throw Error(fmt::format("{}:{}: a count of {}, but {} particles follow", file_.name(),
+                                    columns.count_line + 1, *columns.count, points.size()));
+        return points;
+    }
+
+  private:
+    std::string_view head() {
+        constexpr std::uint64_t kHeadBytes = std::uint64_t{1} << 20;
+        return file_.size() ? file_.lines(0, kHeadBytes, head_) : "";
+    }
+    std::string_view lines_of(std::size_t n) {
+        return file_.lines(n * kChunkBytes, (n + 1) * kChunkBytes, buffers_.local());
+    }
+    Points read_particles(const PointColumns& columns) {
+        Points points;
+        points.source = printable(path_.string());
+        for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
+        const std::uint64_t lines = chunks_.back().first_line + chunks_.back().line_count;
+        resize(points, lines - columns.first_line, columns);
+        const ChunkReader reader(columns, points, options_.values.skip_nonfinite);
+        read_chunks(reader);
+        // Attributes beyond float's range are read again in a unit of their size.
+        bool again = false;
+        for (const Chunk& chunk : chunks_)
+            for (std::size_t k = 0; k < chunk.largest.size(); ++k) {
+                double& unit = points.attributes[k].unit;
+                unit = std::max(unit, float_unit(chunk.largest[k]));
+                again |= unit > 1;
+            }
+        if (again) read_chunks(reader);
+        close_gaps(points, chunks_, reader);
+        std::uint64_t particles = 0;
+        for (const Chunk& chunk : chunks_) particles += chunk.particles;
+        resize(points, particles, columns);
+        return points;
+    }
+    void read_chunks(const ChunkReader& reader) {
+        vog::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t n) {
+            Chunk& chunk = chunks_[n];
+            chunk.particles = 0;
+            chunk.largest.clear();
+            reader.read(lines_of(n), chunk);
+        });
+        for (const Chunk& chunk : chunks_)
+            if (!chunk.bad_lines.empty()) throw_malformed(file_.name(), chunks_);
+    }
+
+    const std::filesystem::path& path_;
+    const PointReadOptions& options_;
+    const LineFile file_;
+    std::vector<Chunk> chunks_;
+    std::vector<char> head_{};
+    tbb::enumerable_thread_specific<std::vector<char>> buffers_{};
+};
+
 }  // namespace
 
 Points read_points_text(const std::filesystem::path& path, const PointReadOptions& options) {
-    const LineFile file(path);
-    std::vector<Chunk> chunks((file.size() + kChunkBytes - 1) / kChunkBytes);
-    tbb::enumerable_thread_specific<std::vector<char>> buffers;
-    const auto lines_of = [&](std::size_t n) {
-        return file.lines(n * kChunkBytes, (n + 1) * kChunkBytes, buffers.local());
-    };
-
-    // Columns from the first MiB, then line numbers of all chunks, then the particles.
-    std::vector<char> head;
-    constexpr std::uint64_t kHeadBytes = std::uint64_t{1} << 20;
-    const PointColumns columns =
-        find_columns(path, file.size() ? file.lines(0, kHeadBytes, head) : "", options);
-    vog::parallel_for(std::size_t{0}, chunks.size(),
-                      [&](std::size_t n) { chunks[n].line_count = count_lines(lines_of(n)); });
-    for (std::size_t n = 1; n < chunks.size(); ++n)
-        chunks[n].first_line = chunks[n - 1].first_line + chunks[n - 1].line_count;
-    const std::uint64_t lines = chunks.back().first_line + chunks.back().line_count;
-
-    Points points;
-    points.source = printable(path.string());
-    for (const std::string& name : columns.attributes) points.attributes.push_back({name, {}});
-    resize(points, lines - columns.first_line, columns);
-    const ChunkReader reader(columns, points, options.values.skip_nonfinite);
-    vog::parallel_for(std::size_t{0}, chunks.size(),
-                      [&](std::size_t n) { reader.read(lines_of(n), chunks[n]); });
-    std::uint64_t particles = 0;
-    for (const Chunk& chunk : chunks) {
-        particles += chunk.particles;
-        if (!chunk.bad_lines.empty()) throw_malformed(file.name(), chunks);
-    }
-    close_gaps(points, chunks, reader);
-    resize(points, particles, columns);
-    return points;
+    return TextReader(path, options).read();
 }
 
 }  // namespace vog::point_files

@@ -32,7 +32,8 @@ std::string lines_of(const Points& points, std::size_t first, std::size_t last, 
         if (!points.velocity.empty())
             for (int axis = 0; axis < 3; ++axis) put(text, points.velocity[n][axis], separator);
         for (const PointAttribute& attribute : points.attributes)
-            put(text, attribute.value[n], separator);
+            attribute.unit == 1 ? put(text, attribute.value[n], separator)
+                                : put(text, attribute.unit * double{attribute.value[n]}, separator);
         text.back() = '\n';
     }
     return text;
@@ -81,8 +82,8 @@ void require_names(const std::filesystem::path& file, bool velocity,
         (reads_back(file, velocity, names.first(middle), separator) ? valid : faulty) = middle;
     }
     throw Error(
-        fmt::format("{}: cannot write: attribute name '{}', expected no name of another column, no "
-                    "number and no {}",
+        fmt::format("{}: cannot write: attribute name '{}', expected no name of another column and "
+                    "no {}",
                     file.string(), printable(names[valid]), separator ? "quotes" : "blanks"));
 }
 
@@ -93,7 +94,7 @@ void write_points_text(const std::filesystem::path& file, const Points& points) 
         throw Error(
             fmt::format("{}: cannot write packed text, expected .xyz, .txt, .dat, .csv or .tsv",
                         file.string()));
-    const char own = text_separator(file, "");
+    const char own = own_separator(file);
     const char separator = own ? own : ' ';
     const bool velocity = !points.velocity.empty();
     std::vector<std::string> names;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cstdlib>
-#include <cstring>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,23 +12,35 @@ namespace vog::point_files {
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-inline std::string_view trimmed(std::string_view text) {
-    while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+/// separator  not removed, as a tab is that stands for an empty field
+inline std::string_view trimmed(std::string_view text, char separator = 0) {
+    const auto removed = [&](char c) { return is_blank(c) && c != separator; };
+    while (!text.empty() && removed(text.front())) text.remove_prefix(1);
+    while (!text.empty() && removed(text.back())) text.remove_suffix(1);
     return text;
 }
 
-/// Whether a trimmed line is empty or a comment (# or %).
-inline bool is_comment_or_empty(std::string_view trimmed_line) {
-    return trimmed_line.empty() || trimmed_line.front() == '#' || trimmed_line.front() == '%';
+/// Whether a trimmed line is empty, as of a spreadsheet with separators alone, or a comment (#, % or //).
+inline bool is_comment_or_empty(std::string_view trimmed_line, char separator = 0) {
+    const char* blanks = separator == '\t' ? " \t" : separator == ';' ? " \t;" : " \t,";
+    return trimmed_line.empty() || trimmed_line.front() == '#' || trimmed_line.front() == '%' ||
+           trimmed_line.starts_with("//") ||
+           (separator && trimmed_line.find_first_not_of(blanks) == trimmed_line.npos);
 }
 
-/// Removes the first line from `text`; returns it without its newline.
+/// Whether a line starts at `at`, 1 to text.size(): after LF, or after CR without LF.
+inline bool starts_line(std::string_view text, std::size_t at) {
+    return text[at - 1] == '\n' ||
+           (text[at - 1] == '\r' && (at == text.size() || text[at] != '\n'));
+}
+
+/// Removes the first line from `text`, which ends in LF, CR LF or CR; returns it without its end.
 inline std::string_view take_line(std::string_view& text) {
-    const auto* end = static_cast<const char*>(std::memchr(text.data(), '\n', text.size()));
-    const std::size_t size = end ? static_cast<std::size_t>(end - text.data()) : text.size();
+    std::size_t size = 0;
+    while (size < text.size() && text[size] != '\n' && text[size] != '\r') ++size;
     const std::string_view line = text.substr(0, size);
-    text.remove_prefix(end ? size + 1 : size);
+    text.remove_prefix(size);
+    text.remove_prefix(text.starts_with("\r\n") ? 2 : text.empty() ? 0 : 1);
     return line;
 }
 
@@ -57,7 +68,7 @@ inline std::string_view take_field(std::string_view& line, char separator) {
 
 inline std::vector<std::string_view> split_fields(std::string_view line, char separator) {
     std::vector<std::string_view> fields;
-    line = trimmed(line);
+    line = trimmed(line, separator);
     // A separator at the end of a line is followed by an empty field.
     const bool ends_open = separator && !line.empty() && line.back() == separator;
     while (!line.empty()) fields.push_back(take_field(line, separator));
@@ -81,6 +92,17 @@ inline bool parse_number(std::string_view field, double& value) {
     std::string with_e(begin, end);
     with_e[static_cast<std::size_t>(stop - begin)] = 'e';
     return parse_number(with_e, value);
+}
+
+/// Whether a field is a number with a decimal comma, as in 1,5.
+inline bool has_decimal_comma(std::string_view field) {
+    const std::size_t comma = field.find(',');
+    if (comma >= field.size() - 1 || field.find_first_of("0123456789", comma) != comma + 1)
+        return false;
+    std::string point(field);
+    point[comma] = '.';
+    double value;
+    return parse_number(point, value);
 }
 
 }  // namespace vog::point_files

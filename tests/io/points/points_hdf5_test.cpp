@@ -99,6 +99,152 @@ TEST(points_hdf5, one_of_several_types_is_named) {
     EXPECT_EQ(point_values(points, "Masses")[0], 5);
 }
 
+namespace {
+
+/// A snapshot of one type with Coordinates, and an array that `add` writes into its group.
+template <class Add>
+void write_one_type(const std::filesystem::path& file, const char* type, const Add& add) {
+    const hid_t handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t group = H5Gcreate2(handle, type, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    put(group, "Coordinates", {1, 2, 3, 4, 5, 6}, 2, 3);
+    add(handle, group);
+    H5Gclose(group);
+    H5Fclose(handle);
+}
+
+void put_virtual(hid_t group, const char* name, std::initializer_list<const char*> files,
+                 const char* array, hsize_t components) {
+    const hsize_t all[2] = {2 * files.size(), components}, some[2] = {2, components};
+    const int rank = components > 1 ? 2 : 1;
+    const hid_t space = H5Screate_simple(rank, all, nullptr),
+                part = H5Screate_simple(rank, some, nullptr);
+    const hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+    hsize_t start[2] = {0, 0};
+    for (const char* file : files) {
+        H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, some, nullptr);
+        H5Pset_virtual(layout, space, file, array, part);
+        start[0] += 2;
+    }
+    H5Sselect_all(space);
+    H5Dclose(H5Dcreate2(group, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, layout, H5P_DEFAULT));
+    H5Pclose(layout), H5Sclose(part), H5Sclose(space);
+}
+
+}  // namespace
+
+TEST(points_hdf5, types_without_particles_are_no_choice) {
+    const TempDir dir;
+    write_one_type(dir / "s.hdf5", "PartType1", [](hid_t file, hid_t) {
+        H5Gclose(H5Gcreate2(file, "PartType0", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+        const hid_t none = H5Gcreate2(file, "PartType4", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+        put(none, "Coordinates", {}, 0, 3);
+        H5Gclose(none);
+    });
+    EXPECT_EQ(point_types(dir / "s.hdf5"), std::vector<std::string>{"PartType1"});
+    EXPECT_EQ(read_points(dir / "s.hdf5").size(), 2u);
+    EXPECT_NE(refusal([&] {
+                  read_points(dir / "s.hdf5", {.grid = "PartType0"});
+              }).find("no particles 'PartType0', expected one by name (--grid; it has: PartType1)"),
+              std::string::npos);
+}
+
+TEST(points_hdf5, parts_of_a_snapshot_may_lack_the_type) {
+    const TempDir dir;
+    write_snapshot(dir / "s.0.hdf5", true);  // PartType0 and PartType1
+    write_one_type(dir / "s.1.hdf5", "PartType0", [](hid_t, hid_t group) {
+        put(group, "Velocities", {0, 0, 1, 3, 4, 0}, 2, 3);
+        put(group, "Density", {10, 20}, 2, 1);
+        put(group, "MagneticField", {3, 4, 0, 0, 0, 2}, 2, 3);
+        put(group, "Masses", {1, 2}, 2, 1);
+    });
+    const std::vector<std::filesystem::path> parts{dir / "s.0.hdf5", dir / "s.1.hdf5"};
+    std::vector<std::string> notes;
+    EXPECT_EQ(read_points(parts, {.grid = "PartType1"}, &notes).size(), 1u);
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("s.1.hdf5: no particles of PartType1"), std::string::npos) << notes[0];
+    EXPECT_EQ(read_points(parts, {.grid = "PartType0"}, nullptr).size(), 4u);
+    // Without a name the types of all parts count, not each part's own.
+    for (const char* grid : {"", "PartType7"}) {
+        const std::string message = refusal([&] { read_points(parts, {.grid = grid}, nullptr); });
+        EXPECT_NE(message.find("the files have: PartType0, PartType1"), std::string::npos)
+            << message;
+    }
+}
+
+TEST(points_hdf5, chunks_that_were_never_written_have_the_fill_value) {
+    const TempDir dir;
+    write_one_type(dir / "s.hdf5", "PartType0", [](hid_t, hid_t group) {
+        const hsize_t size = 2, chunk = 1;
+        const double fill = 2.5, first = 7;
+        const hid_t space = H5Screate_simple(1, &size, nullptr),
+                    layout = H5Pcreate(H5P_DATASET_CREATE);
+        H5Pset_chunk(layout, 1, &chunk);
+        H5Pset_fill_value(layout, H5T_NATIVE_DOUBLE, &fill);
+        for (const char* name : {"Masses", "Density"}) {
+            const hid_t set =
+                H5Dcreate2(group, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+            if (std::string(name) == "Density") {
+                H5Sselect_hyperslab(space, H5S_SELECT_SET, std::vector<hsize_t>{0}.data(), nullptr,
+                                    &chunk, nullptr);
+                const hid_t one = H5Screate_simple(1, &chunk, nullptr);
+                H5Dwrite(set, H5T_NATIVE_DOUBLE, one, space, H5P_DEFAULT, &first);
+                H5Sclose(one);
+            }
+            H5Dclose(set);
+        }
+        H5Pclose(layout), H5Sclose(space);
+    });
+    const Points points = read_points(dir / "s.hdf5");
+    EXPECT_EQ(point_values(points, "Masses"), (BigVector<float>{2.5f, 2.5f}));
+    EXPECT_EQ(point_values(points, "Density"), (BigVector<float>{7, 2.5f}));
+}
+
+/// SWIFT writes parts, and a file of virtual arrays over all of them.
+TEST(points_hdf5, virtual_arrays_are_read_from_their_parts) {
+    const TempDir dir;
+    for (const char* name : {"s.0.hdf5", "s.1.hdf5"})
+        write_one_type(dir / name, "PartType0", [&](hid_t, hid_t group) {
+            put(group, "Masses", {1.0 * (name[2] - '0'), 5}, 2, 1);
+        });
+    const hid_t all = H5Fcreate((dir / "s.hdf5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+    const hid_t group = H5Gcreate2(all, "PartType0", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    put_virtual(group, "Coordinates", {"s.0.hdf5", "s.1.hdf5"}, "PartType0/Coordinates", 3);
+    put_virtual(group, "Masses", {"s.0.hdf5", "s.1.hdf5"}, "PartType0/Masses", 1);
+    H5Gclose(group);
+    H5Fclose(all);
+    const Points points = read_points(dir / "s.hdf5");
+    ASSERT_EQ(points.size(), 4u);
+    EXPECT_EQ(points.position[3], (Vec3d{4, 5, 6}));
+    EXPECT_EQ(point_values(points, "Masses"), (BigVector<float>{0, 5, 1, 5}));
+    std::filesystem::remove(dir / "s.1.hdf5");
+    EXPECT_NE(refusal([&] {
+                  read_points(dir / "s.hdf5");
+              }).find("'PartType0/Coordinates' lies in s.1.hdf5, which is not there"),
+              std::string::npos);
+}
+
+TEST(points_hdf5, masses_beyond_floats_have_a_unit) {
+    const TempDir dir;
+    write_one_type(dir / "s.hdf5", "PartType0", [](hid_t, hid_t group) {
+        put(group, "Masses", {2e43, 1e43}, 2, 1);
+    });
+    const Points points = read_points(dir / "s.hdf5");
+    EXPECT_EQ(points.attributes.at(0).unit, 1e43);
+    EXPECT_EQ(point_values(points, "Masses"), (BigVector<float>{2, 1}));
+}
+
+TEST(points_hdf5, files_in_the_table_of_reports) {
+    const auto folder = source_dir() / ".." / "shared" / "reported";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+    EXPECT_EQ(read_points(folder / "emptygroup.hdf5").size(), 200u);
+    EXPECT_EQ(point_values(read_points(folder / "fill.hdf5"), "Masses"), BigVector<float>(200, 2));
+    EXPECT_EQ(read_points(folder / "f32big.hdf5").attributes.at(0).unit, 1e43);
+    const std::vector<std::filesystem::path> parts{folder / "snap.0.hdf5", folder / "snap.1.hdf5"};
+    for (const auto& [type, count] :
+         {std::pair{"PartType0", 200u}, {"PartType1", 100u}, {"PartType5", 3u}})
+        EXPECT_EQ(read_points(parts, {.grid = type}, nullptr).size(), count) << type;
+}
+
 TEST(points_hdf5, columns_are_of_text_files_alone) {
     const TempDir dir;
     write_snapshot(dir / "s.hdf5");

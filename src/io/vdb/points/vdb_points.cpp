@@ -12,6 +12,7 @@
 
 #include "core/paging.h"
 #include "core/parallel.h"
+#include "io/float_of.h"
 #include "io/points/points_files.h"
 #include "io/vdb/bytes/vdb_tree_check.h"
 #include "io/vdb/points/vdb_point_codecs.h"
@@ -263,17 +264,29 @@ class PointGridReader {
         resize_kept(to, first_.back());
         for_each_leaf([&](std::size_t leaf) {
             for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n)
-                to[n] = vec_cast<float>(value(from, leaf, n - first_[leaf]));
+                for (int axis = 0; axis < 3; ++axis)
+                    to[n][axis] = float_of(value(from, leaf, n - first_[leaf])[axis]);
         });
     }
     /// Reads an attribute; vectors are replaced by their length.
     void read_attribute(const Numbers& from, PointAttribute& to) const {
         resize_kept(to.value, first_.back());
+        const auto number = [&](std::size_t leaf, std::size_t n) {
+            const Vec3d v = value(from, leaf, n - first_[leaf]);
+            return from.codec.components == 3 ? length(v) : v.x;
+        };
+        // Doubles may lie beyond float's range.
+        std::vector<double> largest(tree_.leaves.size(), 0);
+        const bool wide = from.codec.element == PointCodec::Element::float64;
         for_each_leaf([&](std::size_t leaf) {
-            for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n) {
-                const Vec3d v = value(from, leaf, n - first_[leaf]);
-                to.value[n] = static_cast<float>(from.codec.components == 3 ? length(v) : v.x);
-            }
+            for (std::size_t n = first_[leaf]; wide && n < first_[leaf + 1]; ++n)
+                if (const double size = std::abs(number(leaf, n)); std::isfinite(size))
+                    largest[leaf] = std::max(largest[leaf], size);
+        });
+        to.unit = float_unit(largest.empty() ? 0 : *std::ranges::max_element(largest));
+        for_each_leaf([&](std::size_t leaf) {
+            for (std::size_t n = first_[leaf]; n < first_[leaf + 1]; ++n)
+                to.value[n] = float_of(number(leaf, n), to.unit);
         });
     }
 

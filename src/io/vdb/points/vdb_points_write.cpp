@@ -22,12 +22,14 @@ using Descriptor = vp::AttributeSet::Descriptor;
 /// each to the next, because OpenVDB appends attributes to a leaf one by one.
 std::vector<Descriptor::Ptr> describe(const Points& points) {
     const auto vector = vp::TypedAttributeArray<openvdb::Vec3f>::attributeType();
-    const auto number = vp::TypedAttributeArray<float>::attributeType();
+    const auto number = vp::TypedAttributeArray<float>::attributeType(),
+               wide = vp::TypedAttributeArray<double>::attributeType();
     std::vector<Descriptor::Ptr> chain{Descriptor::create(vector)};
     if (!points.velocity.empty())
         chain.push_back(chain.back()->duplicateAppend("velocity", vector));
     for (const PointAttribute& attribute : points.attributes)
-        chain.push_back(chain.back()->duplicateAppend(attribute.name, number));
+        chain.push_back(
+            chain.back()->duplicateAppend(attribute.name, attribute.unit == 1 ? number : wide));
     return chain;
 }
 
@@ -72,8 +74,14 @@ PointLeaf* make_leaf(const Points& points, const LeafOrder& order, double voxel_
     if (!points.velocity.empty())
         fill<openvdb::Vec3f>(*leaf, column++, count,
                              [&](Index n) { return to_openvdb(points.velocity[index(n)]); });
-    for (const PointAttribute& attribute : points.attributes)
-        fill<float>(*leaf, column++, count, [&](Index n) { return attribute.value[index(n)]; });
+    for (const PointAttribute& attribute : points.attributes) {
+        const auto stored = [&](Index n) { return attribute.value[index(n)]; };
+        if (attribute.unit == 1)
+            fill<float>(*leaf, column++, count, stored);
+        else
+            fill<double>(*leaf, column++, count,
+                         [&](Index n) { return attribute.unit * double{stored(n)}; });
+    }
     return leaf;
 }
 

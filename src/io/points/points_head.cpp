@@ -1,0 +1,323 @@
+// points_head.cpp: reading of the lines above the particles of a text file, and of the first particles.
+#include "io/points/points_head.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <span>
+
+#include "io/points/text_fields.h"
+#include "vog/error.h"
+#include "vog/text.h"
+
+namespace vog::point_files {
+
+namespace {
+
+using Fields = std::vector<std::string_view>;
+using Names = std::vector<std::string>;
+
+/// Particles that are looked at for separators, columns and their types.
+constexpr std::size_t kSample = 64;
+
+std::string lower(std::string_view text) {
+    std::string result(text);
+    for (char& c : result) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return result;
+}
+
+/// Name without its unit: "x" of "X [kpc]".
+std::string plain_name(const std::string& name) {
+    return lower(trimmed(std::string_view(name).substr(0, name.find_first_of("[("))));
+}
+
+std::vector<std::size_t> named_three(const Names& names,
+                                     std::span<const std::string_view> prefixes) {
+    for (const std::string_view prefix : prefixes)
+        for (const std::string_view letters : {"xyz", "012"}) {
+            if (prefix.empty() && letters == "012") continue;
+            std::vector<std::size_t> found;
+            std::string repeated;
+            for (const char letter : letters) {
+                const std::string name = std::string(prefix) + letter;
+                const auto at = std::ranges::find(names, name, plain_name);
+                if (at == names.end()) break;
+                found.push_back(static_cast<std::size_t>(at - names.begin()));
+                if (std::ranges::count(names, name, plain_name) > 1) repeated = name;
+            }
+            if (found.size() < 3) continue;
+            if (repeated.empty()) return found;
+            throw Error(
+                fmt::format("two columns called '{}', expected one, or --columns with "
+                            "the numbers of three",
+                            repeated));
+        }
+    return {};
+}
+
+/// Number of numbers among the fields of a line, those with a decimal comma included.
+std::size_t count_numbers(std::string_view line, char separator) {
+    const Fields fields = split_fields(line, separator);
+    return static_cast<std::size_t>(std::ranges::count_if(
+        fields, [](auto field) { return is_number(field) || has_decimal_comma(field); }));
+}
+
+/// Separator that gives most of the first lines the most numbers. Lines that leave a choice have no say; `own` is preferred.
+char find_separator(std::string_view text, char own) {
+    std::array<char, 4> candidates{0, ';', ',', '\t'};
+    std::array<std::size_t, 4> votes{};
+    bool tabs = false;  // between the names of a header, which may hold blanks
+    for (std::size_t lines = 0; !text.empty() && lines < kSample;) {
+        const std::string_view line = trimmed(take_line(text));
+        if (line.empty()) continue;
+        if (is_comment_or_empty(line)) {
+            tabs |= line.find('\t') != line.npos;
+            continue;
+        }
+        ++lines;
+        std::array<std::size_t, 4> numbers{};
+        std::ranges::transform(candidates, numbers.begin(),
+                               [&](char separator) { return count_numbers(line, separator); });
+        const std::size_t most = std::ranges::max(numbers);
+        if (most == 0) tabs |= line.find('\t') != line.npos;
+        for (std::size_t n = 0; n < votes.size(); ++n) votes[n] += most > 0 && numbers[n] == most;
+    }
+    const std::size_t most = std::ranges::max(votes);
+    const auto voted = [&](char separator) {
+        return votes[static_cast<std::size_t>(std::ranges::find(candidates, separator) -
+                                              candidates.begin())] == most;
+    };
+    if (voted(own) && !(own == 0 && tabs && voted('\t'))) return own;
+    if (tabs && voted('\t')) return '\t';
+    return *std::ranges::find_if(candidates, voted);
+}
+
+std::string_view without_mark(std::string_view comment) {
+    while (!comment.empty() && std::string_view("#%/").find(comment.front()) != comment.npos)
+        comment.remove_prefix(1);
+    return trimmed(comment);
+}
+
+std::size_t filled(const Fields& fields) {
+    std::size_t count = fields.size();
+    while (count > 0 && fields[count - 1].empty()) --count;
+    return count;
+}
+
+Names names_of(const Fields& fields) {
+    Names names;
+    for (const std::string_view field : fields)
+        names.push_back(field.empty() ? number_name(names.size()) : printable(field));
+    return names;
+}
+
+bool names_position(const Fields& fields) {
+    try {
+        return !position_columns(Names(fields.begin(), fields.end())).empty();
+    } catch (const Error&) {
+        return true;
+    }
+}
+
+/// Columns of extended XYZ: "Properties=species:S:1:pos:R:3" has species, pos_x, pos_y, pos_z.
+/// returns  empty without the word, or where it is malformed
+Names extended_names(std::string_view title) {
+    constexpr std::string_view kKey = "properties=";
+    const std::size_t at = lower(title).find(kKey);
+    if (at == title.npos) return {};
+    std::string_view list = title.substr(at + kKey.size());
+    if (list.starts_with('"')) list = list.substr(1, list.find('"', 1) - 1);
+    list = list.substr(0, list.find_first_of(" \t"));
+    Names names;
+    while (!list.empty()) {
+        const std::string name(take_field(list, ':'));
+        take_field(list, ':');  // type
+        const std::string_view digits = take_field(list, ':');
+        std::size_t count = 0;
+        const auto [stop, code] =
+            std::from_chars(digits.data(), digits.data() + digits.size(), count);
+        constexpr std::size_t kMost = 1000;
+        if (code != std::errc{} || stop != digits.data() + digits.size() || count > kMost)
+            return {};
+        for (std::size_t n = 0; n < count; ++n)
+            names.push_back(count == 1   ? name
+                            : count == 3 ? name + "_" + "xyz"[n]
+                                         : fmt::format("{}_{}", name, n + 1));
+    }
+    return names;
+}
+
+/// Reads the lines of a head in turn.
+class HeadReader {
+  public:
+    HeadReader(std::string_view text, char separator, bool xyz, bool title)
+        : text_(text), xyz_(xyz), title_(title) {
+        head_.separator = separator;
+    }
+
+    PointHead read() {
+        for (; !text_.empty(); ++head_.line) {
+            const std::string_view before = text_;
+            const std::string_view line = trimmed(take_line(text_), head_.separator);
+            if (trimmed(line).empty()) continue;
+            if (is_comment_or_empty(line, head_.separator)) {
+                comments_.push_back(without_mark(line));
+                continue;
+            }
+            const Fields fields = split_fields(line, head_.separator);
+            if (is_count(fields)) {
+                read_count(fields.front());
+                continue;
+            }
+            if (is_header(fields)) {
+                headers_.push_back(line);
+                continue;
+            }
+            text_ = before;
+            read_rows();
+            return std::move(head_);
+        }
+        throw Error("no particles");
+    }
+
+  private:
+    bool is_count(const Fields& fields) const {
+        return !head_.count && filled(fields) == 1 &&
+               fields.front().find_first_not_of("0123456789") == fields.front().npos;
+    }
+    static bool is_header(const Fields& fields) {
+        if (names_position(fields)) return true;
+        if (std::ranges::any_of(fields, is_number)) return false;
+        for (const std::string_view field : fields)
+            if (has_decimal_comma(field))
+                throw Error(
+                    fmt::format("got '{}', a decimal comma; expected decimal points", field));
+        return true;
+    }
+    void read_count(std::string_view digits) {
+        std::uint64_t count = 0;
+        if (std::from_chars(digits.data(), digits.data() + digits.size(), count).ec != std::errc{})
+            throw Error(fmt::format("{} particles, expected fewer", digits));
+        head_.count = count;
+        head_.count_line = head_.line;
+        if (!xyz_ || !headers_.empty()) return;
+        // The title may be empty, prose, names of columns, or look like a particle.
+        std::string_view rest = text_;
+        const std::string_view title = trimmed(take_line(rest));
+        const Fields fields = split_fields(title, head_.separator);
+        if (!is_comment_or_empty(title) && !is_header(fields) && like_next(fields, rest)) {
+            // Of words and numbers, it is the title where one line more than the count follows.
+            head_.may_be_title = !std::ranges::all_of(fields, is_number);
+            if (!head_.may_be_title || !title_) return;
+        }
+        head_.titled = true;
+        extended_ = extended_names(title);
+        comments_.push_back(without_mark(title));
+        text_ = rest;
+        ++head_.line;
+    }
+    /// Whether the fields of a line are numbers and words as those of the next particle are. Without one, whether they are numbers.
+    bool like_next(const Fields& fields, std::string_view rest) const {
+        while (!rest.empty()) {
+            const std::string_view line = trimmed(take_line(rest), head_.separator);
+            if (is_comment_or_empty(line, head_.separator)) continue;
+            const Fields next = split_fields(line, head_.separator);
+            return std::ranges::equal(fields, next, {}, is_number, is_number);
+        }
+        return fields.size() >= 3 && std::ranges::all_of(fields, is_number);
+    }
+    void read_rows() {
+        std::vector<Fields> rows;
+        const std::size_t sample = std::min<std::uint64_t>(kSample, head_.count.value_or(kSample));
+        for (std::string_view rest = text_;
+             !rest.empty() && rows.size() < std::max<std::size_t>(sample, 1);) {
+            const std::string_view line = trimmed(take_line(rest), head_.separator);
+            if (is_comment_or_empty(line, head_.separator)) continue;
+            rows.push_back(split_fields(line, head_.separator));
+        }
+        // Fields of the first line, with empty ones at its end, and those that some line fills.
+        const std::size_t most = rows.empty() ? 0 : rows.front().size();
+        std::size_t held = 0;
+        for (const Fields& fields : rows) held = std::max(held, std::min(most, filled(fields)));
+        std::size_t columns = held;
+        // The header decides whether empty fields at the ends of lines are columns.
+        const auto take = [&](const Fields& fields) {
+            if (fields.size() < held || filled(fields) > most || fields.empty()) return false;
+            columns = std::max(filled(fields), held);
+            head_.names = names_of({fields.begin(), fields.begin() + std::ptrdiff_t(columns)});
+            return true;
+        };
+        name_columns(take, held);
+        for (const Fields& fields : rows) {
+            Names row(fields.begin(), fields.end());
+            row.resize(columns);
+            head_.rows.push_back(std::move(row));
+        }
+    }
+    /// Chooses the line that names the columns: one with x, y and z first, of headers the first, of comments the last.
+    template <class Take>
+    void name_columns(const Take& take, std::size_t columns) {
+        if (!extended_.empty()) {
+            if (extended_.size() == columns)
+                head_.names = extended_;
+            else
+                head_.misfit = fmt::format("Properties names {} columns", extended_.size());
+            return;
+        }
+        std::vector<std::string_view> lines = headers_;
+        lines.insert(lines.end(), comments_.rbegin(), comments_.rend());
+        for (const bool with_position : {true, false}) {
+            if (!head_.misfit.empty()) return;
+            for (const std::string_view line : lines) {
+                Fields fields = split_fields(line, head_.separator);
+                // "columns: x y z"
+                if (fields.size() > 1 && fields.front().ends_with(':'))
+                    fields.erase(fields.begin());
+                if (names_position(fields) != with_position) continue;
+                if (!with_position && std::ranges::any_of(fields, is_number)) continue;
+                if (take(fields)) {
+                    head_.misfit.clear();
+                    return;
+                }
+                if (with_position && head_.misfit.empty())
+                    head_.misfit = fmt::format("a header of {} names", fields.size());
+            }
+        }
+    }
+
+    std::string_view text_;
+    bool xyz_, title_;
+    PointHead head_;
+    std::vector<std::string_view> headers_, comments_;
+    Names extended_;
+};
+
+}  // namespace
+
+std::string number_name(std::size_t column) { return fmt::format("column{}", column + 1); }
+
+bool is_number(std::string_view field) {
+    double value;
+    return parse_number(field, value);
+}
+
+std::vector<std::size_t> position_columns(const Names& names) {
+    static constexpr std::string_view kPrefixes[] = {
+        "",        "pos_",    "pos",  "position_", "p",           "coord_",
+        "points:", "points_", "pos:", "position:", "coordinates_"};
+    return named_three(names, kPrefixes);
+}
+
+std::vector<std::size_t> velocity_columns(const Names& names) {
+    static constexpr std::string_view kPrefixes[] = {
+        "v", "vel_", "vel", "velocity_", "vel:", "v_", "velocity:", "velocities_", "velo_"};
+    return named_three(names, kPrefixes);
+}
+
+PointHead read_head(std::string_view text, char own, bool xyz, bool title) {
+    return HeadReader(text, find_separator(text, own), xyz, title).read();
+}
+
+}  // namespace vog::point_files

@@ -1,0 +1,198 @@
+// points_reported_test.cpp: text files that people report against other readers: headers, counts, line ends, separators, units.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "io/scan/scan_files.h"
+#include "support/data.h"
+#include "support/image_bytes.h"
+#include "support/refusal.h"
+#include "vog/points.h"
+
+namespace vog::test {
+
+namespace {
+
+const BigVector<Vec3d> kTwo{{1, 2, 3}, {4, 5, 6}};
+const BigVector<Vec3d> kThree{{1, 2, 3}, {4, 5, 6}, {7, 8, 9.5}};
+
+/// A file and its positions, or words of its refusal.
+struct Case {
+    std::string name, text;
+    BigVector<Vec3d> position{};
+    std::string refusal{};
+    std::vector<std::string> attributes{};  ///< names; empty: not checked
+};
+
+const std::vector<Case> kCases{
+    // Headers with a name that repeats, is a number, or is missing.
+    {"dup.csv", "x,y,z,m,m\n1,2,3,10,11\n4,5,6,20,21\n", kTwo, "", {"m", "column5"}},
+    {"dup_first.csv", "m,x,y,z,m\n10,1,2,3,11\n20,4,5,6,21\n", kTwo, "", {"m", "column5"}},
+    {"dup_x.csv", "x,y,z,x\n1,2,3,4\n", {}, "two columns called 'x'"},
+    {"number.csv", "m,x,y,z,100\n9,1,2,3,7\n9,4,5,6,7\n", kTwo, "", {"m", "100"}},
+    {"number.txt", "# m x y z 2\n9 1 2 3 7\n9 4 5 6 7\n", kTwo, "", {"m", "2"}},
+    {"index.csv", ",x,y,z\n0,1,2,3\n1,4,5,6\n", kTwo, "", {"column1"}},
+    {"short.txt", "mass x y z\n9 1 2 3 8\n", {}, "a header of 4 names above lines of 5 columns"},
+    {"short.xyz", "# mass x y z\n9 1 2 3 8\n", {}, "a header of 4 names above lines of 5 columns"},
+    {"units.csv", "m,X [kpc],Y [kpc],Z (kpc)\n9,1,2,3\n9,4,5,6\n", kTwo},
+    {"first_values.txt", "0 1 2\n4 5 6\n", {{0, 1, 2}, {4, 5, 6}}},
+    {"prose.xyz", "# columns: x y z\n1 2 3\n4 5 6\n", kTwo},
+    // Chemistry: atomic numbers, titles, columns of extended XYZ.
+    {"atomnum.xyz", "3\n\n 6 1.0 2.0 3.0\n 7 4.0 5.0 6.0\n 8 7.0 8.0 9.5\n", kThree},
+    {"atomnum_title.xyz", "3\nwater\n6 1 2 3 .1 .1 .1\n7 4 5 6 .1 .1 .1\n8 7 8 9.5 0 0 0\n",
+     kThree},
+    {"whole.xyz", "2\n\n6 1 2 3\n7 4 5 6\n", {}, "column 1 may be atomic numbers or x"},
+    {"mass.xyz", "2\ntitle\n1 2 3 0.5\n4 5 6 1.5\n", {{2, 3, 0.5}, {5, 6, 1.5}}},
+    {"title_names.xyz", "2\nmass x y z\n9 1 2 3\n9 4 5 6\n", kTwo, "", {"mass"}},
+    {"title_like.xyz", "2\nwater 9 9 9\nO 1 2 3\nH 4 5 6\n", kTwo},
+    {"no_title.xyz", "2\nO 1 2 3\nH 4 5 6\n", kTwo},
+    {"extended.xyz",
+     "2\nLattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:forces:R:3:pos:R:3 pbc=\"T T T\"\n"
+     "C 9 9 9 1 2 3\nN 8 8 8 4 5 6\n",
+     kTwo,
+     "",
+     {"forces_x", "forces_y", "forces_z"}},
+    {"extended_first.xyz", "2\nproperties=pos:R:3:Z:I:1\n1 2 3 6\n4 5 6 8\n", kTwo, "", {"Z"}},
+    {"extended_short.xyz",
+     "1\nProperties=species:S:1:pos:R:3\nC 1 2 3 4\n",
+     {},
+     "Properties names 4"},
+    {"extended_none.xyz",
+     "1\nProperties=species:S:1:force:R:3\nC 1 2 3\n",
+     {},
+     "no columns x, y, z"},
+    {"frames.xyz", "1\nt\nO 1 2 3\n1\nt\nO 1 2 4\n", {}, ":4: a second count"},
+    // Counts.
+    {"pts_count.xyz", "3\n1 2 3 10\n4 5 6 20\n7 8 9.5 30\n", kThree, "", {"column4"}},
+    {"count_one.xyz", "1\n1 2 3\n", {{1, 2, 3}}},
+    {"count_few.xyz", "4\n1 2 3\n4 5 6\n7 8 9.5\n", {}, ":1: a count of 4, but 3 particles follow"},
+    {"count_many.xyz", "2\n1 2 3 10\n4 5 6 20\n7 8 9.5 30\n", {}, "a count of 2, but 3 particles"},
+    {"count_title.xyz", "3\nwater\nO 1 2 3\nH 4 5 6\n", {}, "a count of 3, but 2 particles follow"},
+    {"count.txt", "X;Y;Z\n2\n1;2;3\n4;5;6\n", kTwo},
+    // Ends of lines.
+    {"cr.xyz", "1 2 3 10\r4 5 6 20\r7 8 9.5 30\r", kThree},
+    {"cr.csv", "m,x,y,z\r9,1,2,3\r9,4,5,6", kTwo, "", {"m"}},
+    {"cr_once.csv", "x,y,z,m\n1,2,3,9\r4,5,6,9\n", kTwo, "", {"m"}},
+    {"cr_lf.csv", "\r\nx,y,z,m\r\n\r\n1,2,3,9\r\n4,5,6,9", kTwo, "", {"m"}},
+    {"last.txt", "x y z\n1 2 3\n4 5 6", kTwo},
+    // Separators, at the ends of lines too.
+    {"commas.txt", "x,y,z,m\n1,2,3,10\n4,5,6,20\n7,8,9.5,30\n", kThree, "", {"m"}},
+    {"commas.xyz", "1, 2, 3,\n4, 5, 6,\n", kTwo},
+    {"semicolons.dat", "1;2;3;\n4;5;6;\n", kTwo},
+    {"blanks.csv", "x y z\n1 2 3\n4 5 6\n", kTwo},
+    {"tabs.txt", "x\ty\tz\tmy mass\n1\t2\t3\t4\n4\t5\t6\t\n", kTwo, "", {"my mass"}},
+    {"trailcomma.csv", "x,y,z,m\n1,2,3,10,\n4,5,6,20,\n7,8,9.5,30,\n", kThree, "", {"m"}},
+    {"trail_header.csv", "x,y,z,,,\n1,2,3,,,\n4,5,6,,,\n,,,,,\n", kTwo},
+    {"text.csv", "id,x,y,z,name\n1,1,2,3,a;b\n2,4,5,6,\"c, d\"\n", kTwo, "", {"id"}},
+    {"cc.txt", "//X;Y;Z;Rf\n3\n1;2;3;1\n4;5;6;1\n7;8;9.5;1\n", kThree, "", {"Rf"}},
+    {"cc_blanks.txt", "//X Y Z R G B\n2\n1 2 3 255 0 0\n4 5 6 1 1 1\n", kTwo, "", {"R", "G", "B"}},
+    // Decimal commas.
+    {"comma.txt", "1,5;2,5;3,5\n", {}, "'1,5', a decimal comma; expected decimal points"},
+    {"comma.xyz", "1,5 2,5 3,5\n", {}, "a decimal comma"},
+    {"comma_header.csv", "x;y;z\n1,5;2,5;3,5\n", {}, "a decimal comma"},
+    {"comma_one.csv", "x;y;z;m\n1;2;3;1,5\n", {}, ":2: got '1,5' in column 4, a decimal comma"},
+    {"comma_quoted.csv", "\"1,5\",\"2,5\",\"3,5\"\n", {}, "a decimal comma"},
+    // Missing values.
+    {"miss_attr.csv", "x,y,z,m\n1,2,3,10\n4,5,6,\n", kTwo, "", {"m"}},
+    {"miss_first.csv", "x,y,z,m\n1,2,3,\n4,5,6,7\n", kTwo, "", {"m"}},
+    {"miss_x.csv", "x,y,z,m\n1,2,3,10\n,5,6,7\n", {}, ":3: got '' in column 1, expected a number"},
+    {"miss_last.csv", "x,y,z,m\n1,2,3,10\n4,5,6\n", {}, ":3: got 3 columns, expected 4"},
+};
+
+}  // namespace
+
+TEST(points_reported, positions_are_those_that_the_file_means) {
+    const TempDir dir;
+    for (const Case& one : kCases)
+        for (const bool packed : {false, true}) {
+            const std::string name = one.name + (packed ? ".gz" : "");
+            write_bytes(dir / name, packed ? gzipped(one.text) : one.text);
+            Points points;
+            const std::string message = refusal([&] { points = read_points(dir / name); });
+            if (!one.refusal.empty()) {
+                EXPECT_NE(message.find(one.refusal), std::string::npos) << name << ": " << message;
+                EXPECT_NE(message.find(name), std::string::npos) << message;
+                continue;
+            }
+            EXPECT_EQ(message, "no error") << name;
+            EXPECT_EQ(points.position, one.position) << name;
+            std::vector<std::string> names;
+            for (const PointAttribute& attribute : points.attributes)
+                names.push_back(attribute.name);
+            if (!one.attributes.empty()) EXPECT_EQ(names, one.attributes) << name;
+        }
+}
+
+TEST(points_reported, files_in_the_table_of_reports) {
+    const auto folder = source_dir() / ".." / "shared" / "reported";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+    for (const char* name :
+         {"atomnum.xyz", "pts_count.xyz", "cr.xyz", "commas.txt", "trailcomma.csv"})
+        EXPECT_EQ(read_points(folder / name).position, kThree) << name;
+    EXPECT_EQ(read_points(folder / "dup.csv").position, kTwo);
+    EXPECT_EQ(read_points(folder / "cc.txt").position[0], (Vec3d{1.4, 2.7, 1.7}));
+    EXPECT_EQ(read_points(folder / "miss_attr.csv").position[1], (Vec3d{4, 5, 6}));
+}
+
+TEST(points_reported, a_missing_value_is_refused_where_it_is_used) {
+    const TempDir dir;
+    write_bytes(dir / "m.csv", "x,y,z,vx,vy,vz,m,t\n1,2,3,4,5,6,,8\n1,2,4,,5,6,7,8\n");
+    const Points points = read_points(dir / "m.csv");
+    EXPECT_TRUE(std::isnan(points.attributes[0].value[0]));
+    EXPECT_EQ(point_values(points, "t"), (BigVector<float>{8, 8}));
+    EXPECT_NE(refusal([&] { point_values(points, "m"); }).find("'m' of particle 0 is missing"),
+              std::string::npos);
+    EXPECT_NE(refusal([&] { point_values(points, "speed"); }).find("'speed' of particle 1"),
+              std::string::npos);
+    ValueNotes notes;
+    write_bytes(dir / "n.csv", "x,y,z,m\n1,2,3,4\n1,2,4,\n");
+    EXPECT_EQ(read_points(dir / "n.csv", {.values = {.skip_nonfinite = true}}, &notes).size(), 1u);
+    EXPECT_EQ(notes.skipped_nonfinite, 1u);
+    for (const char* name : {"again.csv", "again.xyz", "again.vdb"}) {
+        write_points(dir / name, points);
+        EXPECT_TRUE(std::isnan(read_points(dir / name).attributes[0].value[0])) << name;
+    }
+}
+
+/// Masses in grams are beyond single precision.
+TEST(points_reported, numbers_beyond_floats_have_a_unit) {
+    const TempDir dir;
+    write_bytes(dir / "m.csv", "x,y,z,m\n1,2,3,2e43\n1,2,4,1e42\n");
+    write_bytes(dir / "n.csv", "x,y,z,m\n1,2,5,8e41\n");
+    const std::vector<std::filesystem::path> files{dir / "n.csv", dir / "m.csv"};
+    std::vector<std::string> notes;
+    const Points points = read_points(files, {}, &notes);
+    EXPECT_EQ(points.attributes[0].unit, 1e43);
+    EXPECT_EQ(point_values(points, "m"), (BigVector<float>{0.08f, 2, 0.1f}));
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("'m' is divided by 1e+43"), std::string::npos) << notes[0];
+    for (const char* name : {"again.csv", "again.xyz", "again.vdb"}) {
+        write_points(dir / name, points);
+        const Points again = read_points(dir / name);
+        EXPECT_EQ(again.attributes[0].unit, 1e43) << name;
+        float most = 0;
+        for (const float value : again.attributes[0].value) most = std::max(most, value);
+        EXPECT_EQ(most, 2) << name;
+    }
+}
+
+/// 20,000 lines took 13.5 s: every line was sought to the end of the file.
+TEST(points_reported, time_is_linear_for_every_end_of_line) {
+    const TempDir dir;
+    const auto seconds = [&](const char* name, const char* end) {
+        std::string text;
+        for (int n = 0; n < 200'000; ++n) text += "1 2 3" + std::string(end);
+        write_bytes(dir / name, text);
+        const auto start = std::chrono::steady_clock::now();
+        EXPECT_EQ(read_points(dir / name).size(), 200'000u);
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    };
+    const double lf = seconds("lf.xyz", "\n"), cr = seconds("cr.xyz", "\r");
+    // Quadratic time would be thousands of times as long; the rest allows for a busy machine.
+    EXPECT_LT(cr, 20 * lf + 1);
+}
+
+}  // namespace vog::test
