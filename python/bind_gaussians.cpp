@@ -195,13 +195,19 @@ void require_compact(const std::filesystem::path& file, bool options) {
 }
 
 Model load(const std::filesystem::path& file, const std::optional<std::size_t>& level,
-           const py::object& box, const std::optional<std::vector<std::string>>& fields) {
+           const py::object& box, const std::optional<std::vector<std::string>>& fields,
+           bool skip_nonfinite) {
     const bool part = level || !box.is_none() || fields;
     require_compact(file, part);
     VogzPart chosen{level, {}, fields};
     if (!box.is_none()) chosen.box = box_of(box);
-    return std::make_shared<Gaussians>(
-        unlocked([&] { return part ? read_vogz(file, chosen) : read_model(file); }));
+    ValueNotes notes;
+    Model model = std::make_shared<Gaussians>(unlocked([&] {
+        return part ? read_vogz(file, chosen)
+                    : read_model(file, nullptr, {.skip_nonfinite = skip_nonfinite}, &notes);
+    }));
+    if (const std::string text = values_text(notes, file.string()); !text.empty()) warn({text});
+    return model;
 }
 
 /// Pictures of the voxels of a Volume or Levels.
@@ -286,9 +292,12 @@ fields    mapping of names to vog.Field objects, or to dicts: value [N], gradien
 
 Raises vog.Error for other shapes and values out of range.)")
         .def_static("load", &load, py::arg("file"), py::kw_only(), py::arg("level") = py::none(),
-                    py::arg("box") = py::none(), py::arg("fields") = py::none(), R"(
+                    py::arg("box") = py::none(), py::arg("fields") = py::none(),
+                    py::arg("skip_nonfinite") = false, R"(
 Reads a model: .ply in the layout of vog, 3DGS or volprim, compact (.vogz), or splats (.spz, .glb, .usda, .usdc),
 whose opacities become densities.
+
+skip_nonfinite  leaves splats of other programs out that have a NaN or infinite number, which is an error otherwise
 
 Of a compact file parts alone may be read:
 level   depth of the hierarchy, 0 the roots: its nodes, and the Gaussians above them, as a coarse model

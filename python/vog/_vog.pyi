@@ -255,7 +255,11 @@ class Points:
     source: str
     @staticmethod
     def load(
-        file: _Path, *, columns: Sequence[str] = ..., grid: str = ..., skip_nonfinite: bool = ...
+        file: Union[_Path, Sequence[_Path]],
+        *,
+        columns: Sequence[str] = ...,
+        grid: str = ...,
+        skip_nonfinite: bool = ...,
     ) -> Points: ...
     @staticmethod
     def from_numpy(
@@ -330,6 +334,7 @@ class Gaussians:
         level: Union[int, None] = ...,
         box: Union[ArrayLike, None] = ...,
         fields: Union[Sequence[str], None] = ...,
+        skip_nonfinite: bool = ...,
     ) -> Gaussians: ...
     def save(
         self,

@@ -11,6 +11,7 @@
 #include "io/exchange/splat_models.h"
 #include "io/file_extension.h"
 #include "io/model_part.h"
+#include "io/ply/ply_part.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/ply.h"
@@ -45,7 +46,8 @@ Gaussians part_of(const Gaussians& whole, const ModelPart& part) {
 
 }  // namespace
 
-Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
+Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy,
+                     const ValueRules& rules, ValueNotes* notes) {
     if (const auto site = find_site(file)) {
         if (hierarchy) *hierarchy = {};
         return read_site(site->folder, site->model);
@@ -53,17 +55,22 @@ Gaussians read_model(const std::filesystem::path& file, Hierarchy* hierarchy) {
     require_readable(file);
     switch (format_of(file, kReadable)) {
         case Format::ply:
-            return read_ply(file, hierarchy);
+            return ply::read_part(file, {}, hierarchy, {rules, notes});
         case Format::vogz:
             return read_vogz(file, hierarchy);
         case Format::splats:
             break;
     }
     if (hierarchy) *hierarchy = {};
-    return exchange::read_splats(file);
+    return exchange::read_splats(file, {rules, notes});
 }
 
 Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
+    return read_model(file, part, {}, nullptr);
+}
+
+Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
+                     const ValueRules& rules, ValueNotes* notes) {
     if (const auto site = find_site(file)) {
         require_part(part, file.string());
         return part_of(read_site(site->folder, site->model), part);
@@ -71,14 +78,15 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part) {
     require_readable(file);
     switch (format_of(file, kReadable)) {
         case Format::ply:
-            return read_ply(file, part);
+            require_part(part, file.string());
+            return ply::read_part(file, part, nullptr, {rules, notes});
         case Format::vogz:
             return read_vogz(file, part);
         case Format::splats:
             break;
     }
     require_part(part, file.string());
-    return part_of(exchange::read_splats(file), part);
+    return part_of(exchange::read_splats(file, {rules, notes}), part);
 }
 
 void write_model(const std::filesystem::path& file, const Gaussians& gaussians,

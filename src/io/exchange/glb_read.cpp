@@ -173,7 +173,7 @@ void add_primitive(const Json& primitive, const Accessors& accessors, const Plac
         model.rotation.push_back(product_of(placement.rotation, q));
         model.scale.push_back(static_cast<float>(placement.factor) *
                               Vec3f{scale[3 * i], scale[3 * i + 1], scale[3 * i + 2]});
-        if (!(opacity[i] >= 0 && opacity[i] <= 1))
+        if (opacity[i] < 0 || opacity[i] > 1)
             throw Error(fmt::format("opacity {} of splat {}, expected 0 to 1", opacity[i], i));
         model.density.push_back(splat_density(double{opacity[i]}, model.scale.back()));
     }
@@ -205,6 +205,23 @@ void add_node(const Json& gltf, std::size_t index, const Placement& parent, int 
         add_node(gltf, child.get<std::size_t>(), placement, above + 1, seen, accessors, model);
 }
 
+/// Root nodes of the scene, the first where none is chosen; without scenes, nodes that are no children.
+std::vector<std::size_t> roots_of(const Json& gltf) {
+    const Json scenes = gltf.value("scenes", Json::array());
+    if (!scenes.empty())
+        return scenes.at(gltf.value("scene", std::size_t{0}))
+            .value("nodes", std::vector<std::size_t>{});
+    const Json& nodes = gltf.at("nodes");
+    std::vector<bool> is_child(nodes.size());
+    for (const Json& node : nodes)
+        for (const Json& child : node.value("children", Json::array()))
+            is_child.at(child.get<std::size_t>()) = true;
+    std::vector<std::size_t> roots;
+    for (std::size_t n = 0; n < is_child.size(); ++n)
+        if (!is_child[n]) roots.push_back(n);
+    return roots;
+}
+
 }  // namespace
 
 Gaussians read_glb(const std::filesystem::path& file) {
@@ -232,10 +249,9 @@ Gaussians read_glb(const std::filesystem::path& file) {
     try {
         const Json gltf = Json::parse(text);
         const Accessors accessors(gltf, {body.data(), body.size()});
-        const Json& scene = gltf.at("scenes").at(gltf.value("scene", std::size_t{0}));
         std::vector<bool> seen(gltf.at("nodes").size());
-        for (const Json& node : scene.at("nodes"))
-            add_node(gltf, node.get<std::size_t>(), {}, 0, seen, accessors, model);
+        for (const std::size_t node : roots_of(gltf))
+            add_node(gltf, node, {}, 0, seen, accessors, model);
     } catch (const std::out_of_range& error) {
         throw Error(fmt::format("{}: corrupt: a node that is not there", file.string()));
     } catch (const Json::exception& error) {

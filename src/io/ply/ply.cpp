@@ -15,10 +15,13 @@
 #include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "io/exchange/splat_density.h"
+#include "io/exchange/splat_models.h"
 #include "io/model_part.h"
 #include "io/ply/ply_fields.h"
 #include "io/ply/ply_header.h"
 #include "io/ply/ply_nodes.h"
+#include "io/ply/ply_part.h"
+#include "io/ply/ply_rows.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 
@@ -39,7 +42,8 @@ void adopt_conventions(Layout layout, Gaussians& model) {
     model.cutoff = exchange::kSplatCutoff;
     for (std::size_t i = 0; i < model.size(); ++i) {
         Vec3f& s = model.scale[i];
-        s = {std::exp(s.x), std::exp(s.y), std::exp(s.z)};  // both files store logarithms
+        if (!std::isfinite(s.x + s.y + s.z)) s = {NAN, NAN, NAN};  // the logarithm of 0 as well
+        s = {std::exp(s.x), std::exp(s.y), std::exp(s.z)};         // both files store logarithms
         if (layout == Layout::splatting) {
             // Opacity is a logit.
             model.density[i] =
@@ -54,21 +58,26 @@ void adopt_conventions(Layout layout, Gaussians& model) {
 }
 
 /// Checks that the body's length matches the header before anything is allocated for it.
-void check_length(const std::filesystem::path& file, const Header& header, std::size_t node_bytes) {
-    const std::uint64_t row_bytes = header.properties.size() * sizeof(float);
+void check_length(const std::filesystem::path& file, const Header& header) {
     const std::uint64_t body = std::filesystem::file_size(file) - header.body_offset;
-    // Counts larger than the body are refused before they are multiplied, so nothing overflows.
-    const bool countable = header.vertices <= body / row_bytes &&
-                           (header.nodes == 0 || header.nodes <= body / node_bytes);
-    const std::uint64_t expected =
-        countable ? header.vertices * row_bytes + header.nodes * node_bytes : 0;
-    if (!countable || body != expected)
-        fail(file, fmt::format("{} bytes of data, expected {} Gaussians of {} bytes{}: {}", body,
-                               header.vertices, row_bytes,
-                               header.has_nodes
-                                   ? fmt::format(" and {} nodes of {}", header.nodes, node_bytes)
-                                   : "",
-                               !countable || body < expected ? "truncated" : "too long"));
+    std::uint64_t expected = 0;
+    bool exact = true, countable = true;
+    std::string rows;
+    for (const Element& element : header.elements) {
+        const std::size_t bytes = row_bytes(header, element);
+        exact &= bytes > 0;  // rows of lists and of ASCII have at least a byte a property
+        const std::uint64_t least = bytes ? bytes : element.properties.size();
+        // Counts larger than the body are refused before they are multiplied, so nothing overflows.
+        countable &= least == 0 || element.count <= body / least;
+        if (countable) expected += element.count * least;
+        const bool vertex = element.name == "vertex";
+        rows += fmt::format("{}{} {} of {} bytes", rows.empty() ? "" : " and ", element.count,
+                            vertex ? "Gaussians" : element.name + "s", least);
+    }
+    const bool short_of = !countable || body < expected;
+    if (short_of || (exact && body != expected))
+        fail(file, fmt::format("{} bytes of data, expected {}: {}", body, rows,
+                               short_of ? "truncated" : "too long"));
 }
 
 /// Reads `count` rows from where `in` is, values as the file has them.
@@ -93,16 +102,14 @@ Gaussians read_rows(const std::filesystem::path& file, std::istream& in, const H
 
     // Block by block, so that the body is not held twice.
     const std::size_t stride = header.properties.size();
-    std::vector<float> rows(std::min(count, kBlock) * stride);
+    std::vector<float> rows;
     const std::size_t cx = column["x"], cy = column["y"], cz = column["z"], c0 = column["scale_0"],
                       c1 = column["scale_1"], c2 = column["scale_2"], cd = column[weight];
     const std::size_t q0 = rotated ? column["rot_0"] : 0, q1 = rotated ? column["rot_1"] : 0,
                       q2 = rotated ? column["rot_2"] : 0, q3 = rotated ? column["rot_3"] : 0;
     for (std::size_t first = 0; first < count; first += kBlock) {
         const std::size_t block = std::min(kBlock, count - first);
-        const auto bytes = static_cast<std::streamsize>(block * stride * sizeof(float));
-        if (!in.read(reinterpret_cast<char*>(rows.data()), bytes))
-            fail(file, "cannot be read to its end");
+        read_vertices(file, in, header, block, rows);
         for (std::size_t i = 0; i < block; ++i) {
             const float* row = rows.data() + i * stride;
             model.mean[first + i] = {row[cx], row[cy], row[cz]};
@@ -131,13 +138,15 @@ struct CheckedHeader : Header {
         if (layout == Layout::vog) fields = described_fields(file, *this);
         refuse_unknown(file, *this, layout, fields);
         require_columns(file, *this, fields);
-        check_length(file, *this, check_nodes(file, *this, layout, !rotated, fields));
+        if (layout == Layout::vog) check_nodes(file, *this, !rotated, fields);
+        check_length(file, *this);
     }
 };
 
-/// hierarchy  receives the nodes; null to leave them unread, as for a part of the model
-Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
-                     Hierarchy* hierarchy) {
+}  // namespace
+
+Gaussians ply::read_part(const std::filesystem::path& file, const ModelPart& part,
+                         Hierarchy* hierarchy, const exchange::SplatRules& rules) {
     require_readable(file);
     std::ifstream in(file, std::ios::binary);
     const CheckedHeader header(file, in);
@@ -145,11 +154,12 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
 
     const auto [begin, end] = run_of(part, header.vertices);
     const std::size_t count = end - begin;
-    const std::uint64_t row_bytes = header.properties.size() * sizeof(float);
-    in.seekg(static_cast<std::streamoff>(header.body_offset + begin * row_bytes));
+    skip_to_vertices(file, in, header);
+    skip_vertices(file, in, header, begin);
     Gaussians model = read_rows(file, in, header, layout, header.fields, count);
     if (layout == Layout::vog) read_comments(file, header, model);
     adopt_conventions(layout, model);
+    if (layout != Layout::vog) exchange::keep_finite(model, file.string(), rules);
 
     // Messages of validate() name the model's source: here the file that was read.
     const std::string source = model.source;
@@ -158,8 +168,8 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
     model.source = source;
     if (!hierarchy) return model;
     *hierarchy = {};
-    if (header.nodes == 0) return model;
-    if (!read_nodes(in, header.nodes, !rotated, header.fields, *hierarchy))
+    if (layout != Layout::vog || !header.nodes() || header.nodes()->count == 0) return model;
+    if (!read_nodes(in, header.nodes()->count, !rotated, header.fields, *hierarchy))
         fail(file, "cannot be read to its end");
     hierarchy->nodes.cutoff = model.cutoff;
     link(*hierarchy, count, file.string());
@@ -167,8 +177,6 @@ Gaussians read_model(const std::filesystem::path& file, const ModelPart& part,
     validate(*hierarchy, model, file.string());
     return model;
 }
-
-}  // namespace
 
 bool is_whole_ply(const std::filesystem::path& file) {
     try {
@@ -182,12 +190,12 @@ bool is_whole_ply(const std::filesystem::path& file) {
 }
 
 Gaussians read_ply(const std::filesystem::path& file, Hierarchy* hierarchy) {
-    return read_model(file, {}, hierarchy);
+    return read_part(file, {}, hierarchy, {});
 }
 
 Gaussians read_ply(const std::filesystem::path& file, const ModelPart& part) {
     require_part(part, file.string());
-    return read_model(file, part, nullptr);
+    return read_part(file, part, nullptr, {});
 }
 
 std::string ply_header(const Gaussians& description, std::uint64_t count, bool rotated) {

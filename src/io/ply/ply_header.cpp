@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <istream>
@@ -24,6 +25,17 @@ namespace vog::ply {
 namespace {
 
 constexpr std::size_t kMaxLines = 4096;
+constexpr std::array<std::string_view, 3> kFormats{"binary_little_endian", "binary_big_endian",
+                                                   "ascii"};
+/// Both names of each Type, in their order.
+constexpr std::array<std::array<std::string_view, 2>, 8> kTypes{{{"char", "int8"},
+                                                                 {"uchar", "uint8"},
+                                                                 {"short", "int16"},
+                                                                 {"ushort", "uint16"},
+                                                                 {"int", "int32"},
+                                                                 {"uint", "uint32"},
+                                                                 {"float", "float32"},
+                                                                 {"double", "float64"}}};
 
 /// Header lines one after another, into a Header.
 class HeaderReader {
@@ -38,8 +50,17 @@ class HeaderReader {
             if (!read_line(line)) break;
         }
         if (!has_format_) fail(file_, "the header has no format line");
-        if (!has_vertices_) fail(file_, "the header has no element vertex");
         header_.body_offset = static_cast<std::uint64_t>(in_.tellg());
+        const auto vertex = std::ranges::find(header_.elements, "vertex", &Element::name);
+        if (vertex == header_.elements.end()) fail(file_, "the header has no element vertex");
+        header_.vertex = static_cast<std::size_t>(vertex - header_.elements.begin());
+        header_.vertices = vertex->count;
+        for (const Property& property : vertex->properties) {
+            if (property.is_list)
+                fail(file_, fmt::format("property '{}' of a vertex is a list, expected a number",
+                                        property.name));
+            header_.properties.push_back(property.name);
+        }
         return std::move(header_);
     }
 
@@ -50,12 +71,14 @@ class HeaderReader {
         if (in_.gcount() < 4 || std::string_view(magic, 3) != "ply" ||
             (magic[3] != '\n' && magic[3] != '\r'))
             fail(file_, "not a PLY file (it does not begin with 'ply')");
+        // Lines may end in CR alone; the body may then begin with a byte that looks like LF.
+        if (magic[3] == '\r' && in_.peek() != '\n') header_.line_end = '\r';
         if (magic[3] == '\r' && in_.peek() == '\n') in_.get();
     }
 
     std::string next_line() {
         std::string line;
-        if (!std::getline(in_, line) || in_.eof())
+        if (!std::getline(in_, line, header_.line_end) || in_.eof())
             fail(file_, "truncated: the PLY header has no end_header");
         if (!line.empty() && line.back() == '\r') line.pop_back();
         return line;
@@ -72,13 +95,15 @@ class HeaderReader {
         } else if (word == "format") {
             std::string type;
             words >> type;
-            if (type != "binary_little_endian")
-                fail(file_, fmt::format("format '{}', expected binary_little_endian", type));
+            const auto known = std::ranges::find(kFormats, type);
+            if (known == kFormats.end())
+                fail(file_, fmt::format("format '{}', expected ascii or binary", type));
+            header_.format = static_cast<Format>(known - kFormats.begin());
             has_format_ = true;
         } else if (word == "element") {
             read_element(line, words);
         } else if (word == "property") {
-            read_property(words);
+            read_property(line, words);
         } else if (word != "obj_info") {
             fail(file_, fmt::format("header line '{}' is not PLY", line.substr(0, 60)));
         }
@@ -86,37 +111,43 @@ class HeaderReader {
     }
 
     void read_element(const std::string& line, std::istream& words) {
-        std::string name;
-        words >> name;
-        const bool nodes = has_vertices_ && name == "node" && !header_.has_nodes;
-        if (!nodes && (name != "vertex" || has_vertices_))
-            fail(file_, fmt::format("element '{}', expected the one element 'vertex', and after "
-                                    "it none or the one element 'node'",
-                                    name));
-        if (!(words >> (nodes ? header_.nodes : header_.vertices)))
-            fail(file_, fmt::format("'{}': expected a count", line));
-        (nodes ? header_.has_nodes : has_vertices_) = true;
+        Element element;
+        words >> element.name;
+        if (std::ranges::find(header_.elements, element.name, &Element::name) !=
+            header_.elements.end())
+            fail(file_, fmt::format("element '{}' twice", element.name));
+        if (!(words >> element.count)) fail(file_, fmt::format("'{}': expected a count", line));
+        header_.elements.push_back(std::move(element));
     }
 
-    void read_property(std::istream& words) {
-        std::string type, name;
-        words >> type >> name;
-        if (header_.has_nodes) {
-            header_.node_properties.push_back(type + " " + name);
-            return;
+    void read_property(const std::string& line, std::istream& words) {
+        if (header_.elements.empty()) fail(file_, fmt::format("'{}' before an element", line));
+        std::vector<Property>& properties = header_.elements.back().properties;
+        Property property;
+        std::string type, count;
+        words >> type;
+        property.is_list = type == "list";
+        if (property.is_list) {
+            words >> count >> type;
+            property.count = type_named(line, count);
         }
-        if (type != "float" && type != "float32")
-            fail(file_, fmt::format("property '{} {}', expected float32", type, name));
-        if (std::find(header_.properties.begin(), header_.properties.end(), name) !=
-            header_.properties.end())
-            fail(file_, fmt::format("property '{}' twice", name));
-        header_.properties.push_back(name);
+        property.type = type_named(line, type);
+        words >> property.name;
+        if (std::ranges::find(properties, property.name, &Property::name) != properties.end())
+            fail(file_, fmt::format("property '{}' twice", property.name));
+        properties.push_back(std::move(property));
+    }
+    Type type_named(const std::string& line, const std::string& name) const {
+        for (std::size_t type = 0; type < kTypes.size(); ++type)
+            if (name == kTypes[type][0] || name == kTypes[type][1]) return static_cast<Type>(type);
+        fail(file_,
+             fmt::format("'{}': type '{}', expected char to double", line.substr(0, 60), name));
     }
 
     const std::filesystem::path& file_;
     std::istream& in_;
     Header header_;
-    bool has_format_ = false, has_vertices_ = false;
+    bool has_format_ = false;
 };
 
 /// Printable text behind `key` and a blank of the first such comment, in `rest`; null if there is
@@ -162,21 +193,12 @@ std::uint64_t count(const std::filesystem::path& file, const std::string& key,
     return value;
 }
 
-/// Whether a layout has the property. Appearance coefficients of 3DGS and volprim are accepted and
-/// ignored: they are not density.
-bool known_property(Layout layout, const std::string& name) {
-    static const std::vector<std::string> common = {
-        "x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"};
-    if (std::find(common.begin(), common.end(), name) != common.end()) return true;
-    if (layout == Layout::vog) return name == "density";
-    const bool appearance = name.starts_with("f_dc_") || name.starts_with("f_rest_") ||
-                            name == "nx" || name == "ny" || name == "nz";
-    if (layout == Layout::splatting) return appearance || name == "opacity";
-    return appearance || name.starts_with("sigmat") || name.starts_with("albedo") ||
-           name.starts_with("emission") || name.starts_with("sh_coeffs");
-}
-
 }  // namespace
+
+std::size_t bytes_of(Type type) {
+    constexpr std::array<std::size_t, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
+    return kBytes[static_cast<std::size_t>(type)];
+}
 
 void fail(const std::filesystem::path& file, const std::string& what) {
     throw Error(fmt::format("{}: {}", file.string(), what));
@@ -193,6 +215,13 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
     };
     std::string all;
     for (const std::string& name : header.properties) all += (all.empty() ? "" : " ") + name;
+    if (has("packed_position"))
+        fail(file, "a packed PLY of SuperSplat, expected a plain one (splat-transform unpacks it)");
+    if (has("x") && has("y") && has("z") && !has("scale_0"))
+        fail(file,
+             fmt::format("points without scales (it has: {}), expected splats; particles are read "
+                         "as text (.csv, .xyz), .hdf5 or .vdb",
+                         all));
     for (const char* name : {"x", "y", "z", "scale_0", "scale_1", "scale_2"})
         if (!has(name)) fail(file, fmt::format("no property '{}' (it has: {})", name, all));
     const int rotations = has("rot_0") + has("rot_1") + has("rot_2") + has("rot_3");
@@ -217,21 +246,41 @@ Layout layout_of(const std::filesystem::path& file, const Header& header) {
 
 void refuse_unknown(const std::filesystem::path& file, const Header& header, Layout layout,
                     const Fields& fields) {
+    if (layout != Layout::vog) return;
     const std::vector<std::string> columns = column_names(fields);
-    const std::set<std::string> of_fields(columns.begin(), columns.end());
-    for (const std::string& name : header.properties)
-        if (!known_property(layout, name) && !of_fields.contains(name))
-            fail(file, fmt::format("unknown property '{}'", name));
+    std::set<std::string> known(columns.begin(), columns.end());
+    known.insert({"x", "y", "z", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",
+                  "rot_3", "density"});
+    if (header.format != Format::little_endian)
+        fail(file, fmt::format("format '{}', expected binary_little_endian",
+                               kFormats[static_cast<std::size_t>(header.format)]));
+    for (const Property& property : header.elements[header.vertex].properties) {
+        if (!known.contains(property.name))
+            fail(file, fmt::format("unknown property '{}'", property.name));
+        if (property.type != Type::float32)
+            fail(file, fmt::format("property '{}', expected float32", property.name));
+    }
+    for (std::size_t n = 0; n < header.elements.size(); ++n)
+        if (n != header.vertex && (n != header.vertex + 1 || header.elements[n].name != "node"))
+            fail(file, fmt::format("element '{}', expected the one element 'vertex', and after "
+                                   "it none or the one element 'node'",
+                                   header.elements[n].name));
 }
 
-std::size_t check_nodes(const std::filesystem::path& file, const Header& header, Layout layout,
-                        bool axis_aligned, const Fields& fields) {
-    if (!header.has_nodes) return 0;
+std::size_t check_nodes(const std::filesystem::path& file, const Header& header, bool axis_aligned,
+                        const Fields& fields) {
+    const Element* nodes = header.nodes();
+    if (!nodes) return 0;
+    std::vector<std::string> found;
+    for (const Property& property : nodes->properties)
+        found.push_back(fmt::format("{}{} {}", property.is_list ? "list " : "",
+                                    kTypes[static_cast<std::size_t>(property.type)][0],
+                                    property.name));
     const std::vector<std::string> expected = node_properties(axis_aligned, fields);
-    if (layout != Layout::vog || header.node_properties != expected)
+    if (found != expected)
         fail(file,
              fmt::format("element 'node' with properties {}, expected {} beside vog's vertices",
-                         fmt::join(header.node_properties, ", "), fmt::join(expected, ", ")));
+                         fmt::join(found, ", "), fmt::join(expected, ", ")));
     return bytes_per_node(axis_aligned, fields);
 }
 

@@ -69,6 +69,20 @@ std::string gzipped(const std::string& bytes) {
     return out;
 }
 
+std::string gunzipped(const std::string& bytes) {
+    z_stream stream{};
+    inflateInit2(&stream, 16 + MAX_WBITS);
+    std::string out(std::size_t{1} << 20, '\0');
+    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream.avail_in = static_cast<uInt>(bytes.size());
+    stream.next_out = reinterpret_cast<Bytef*>(out.data());
+    stream.avail_out = static_cast<uInt>(out.size());
+    EXPECT_EQ(inflate(&stream, Z_FINISH), Z_STREAM_END);
+    out.resize(stream.total_out);
+    inflateEnd(&stream);
+    return out;
+}
+
 /// Difference of two rotations as matrices.
 double turn_between(Quat a, Quat b) {
     const Mat3 p = matrix_from_quat(a), q = matrix_from_quat(b);
@@ -143,7 +157,7 @@ TEST(splat_models, spz_of_version_2_with_harmonics) {
               std::string::npos);
     for (const auto& [at, value, word] : {std::tuple{4u, '\4', "version 4"},
                                           {0u, 'X', "not an SPZ file"},
-                                          {12u, '\4', "degree 4"},
+                                          {12u, '\5', "degree 5"},
                                           {11u, '\x7f', "splats in"}}) {
         std::string other = bytes + std::string(9, '\x80');
         other[at] = value;
@@ -152,8 +166,127 @@ TEST(splat_models, spz_of_version_2_with_harmonics) {
             << word;
     }
     save(dir / "plain.spz", bytes);
-    EXPECT_NE(refusal([&] { read_model(dir / "plain.spz"); }).find("not an SPZ file"),
+    EXPECT_NE(refusal([&] { read_model(dir / "plain.spz"); }).find("version 2 without gzip"),
               std::string::npos);
+}
+
+/// Version 4 has the columns of version 3, each a zstd stream behind a table. Source: github.com/nianticlabs/spz, README.
+TEST(splat_models, spz_of_version_4_holds_the_columns_of_version_3) {
+    const TempDir dir;
+    const Splats splats = some_splats();
+    write_splats(dir / "m.spz", splats);
+    const std::string three = gunzipped(whole(dir / "m.spz"));
+    const auto number = [](std::uint64_t value, std::size_t bytes) {
+        std::string text(reinterpret_cast<const char*>(&value), bytes);
+        return text;
+    };
+    // A frame of one segment with its size in 4 bytes, and one raw block, the last.
+    const auto frame = [&](const std::string& bytes) {
+        return "\x28\xb5\x2f\xfd\xa0" + number(bytes.size(), 4) + number(bytes.size() << 3 | 1, 3) +
+               bytes;
+    };
+    const std::size_t count = splats.size();
+    const auto made = [&](std::size_t harmonics, const std::string& extension) {
+        std::string table, streams;
+        std::size_t at = 16;
+        int number_of_streams = 0;
+        const auto add = [&](const std::string& column) {
+            if (column.empty()) return;
+            const std::string packed = frame(column);
+            table += number(packed.size(), 8) + number(column.size(), 8);
+            streams += packed;
+            ++number_of_streams;
+        };
+        for (const std::size_t width : {9u, 1u, 3u, 3u, 4u}) {
+            add(three.substr(at, width * count));
+            at += width * count;
+        }
+        constexpr std::size_t kHarmonics[] = {0, 9, 24, 45, 72};
+        add(std::string(kHarmonics[harmonics] * count, '\x80'));
+        std::string head = "NGSP" + number(4, 4) + three.substr(8, 4);
+        head += number(harmonics, 1) + three.substr(13, 1) + number(extension.empty() ? 0 : 2, 1) +
+                number(static_cast<std::uint64_t>(number_of_streams), 1);
+        head += number(32 + extension.size(), 4) + std::string(12, '\0');
+        return head + extension + table + streams;
+    };
+    const Gaussians expected = read_model(dir / "m.spz");
+    for (const std::size_t harmonics : {0u, 1u, 4u})
+        for (const std::string& extension : {std::string(), std::string(20, 'e')}) {
+            save(dir / "four.spz", made(harmonics, extension));
+            const Gaussians read = read_model(dir / "four.spz");
+            EXPECT_EQ(read.mean, expected.mean);
+            EXPECT_EQ(read.scale, expected.scale);
+            EXPECT_EQ(read.density, expected.density);
+            EXPECT_TRUE(std::ranges::equal(read.rotation, expected.rotation, [](Quat a, Quat b) {
+                return a.w == b.w && a.x == b.x && a.y == b.y && a.z == b.z;
+            }));
+        }
+    const std::string good = made(1, "");
+    for (std::size_t size = 0; size < good.size(); size += 61) {
+        save(dir / "cut.spz", good.substr(0, size));
+        EXPECT_NE(refusal([&] { read_model(dir / "cut.spz"); }).find("truncated"),
+                  std::string::npos)
+            << size;
+    }
+    // Version, number of streams, place of the table, sizes of the first stream, magic of its frame.
+    for (const auto& [at, value, word] : {std::tuple{4u, '\5', "version 5"},
+                                          {15u, '\3', "version 4"},
+                                          {16u, '\0', "version 4"},
+                                          {32u, '\1', "version 4"},
+                                          {40u, '\1', "version 4"},
+                                          {128u, 'x', "version 4"}}) {
+        std::string bad = good;
+        bad[at] = value;
+        save(dir / "bad.spz", bad);
+        const std::string message = refusal([&] { read_model(dir / "bad.spz"); });
+        EXPECT_NE(message.find(word), std::string::npos) << at << message;
+        EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    }
+}
+
+TEST(splat_models, a_glb_without_scenes_has_its_root_nodes) {
+    const TempDir dir;
+    write_splats(dir / "m.glb", some_splats());
+    save(dir / "moved.glb", changed_glb(whole(dir / "m.glb"), [](nlohmann::json& json) {
+             json.erase("scenes"), json.erase("scene");
+             json["nodes"] = {{{"mesh", 0}, {"translation", {1, 0, 0}}},
+                              {{"children", {0}}, {"translation", {2, 0, 0}}}};
+         }));
+    const Gaussians plain = read_model(dir / "m.glb"), read = read_model(dir / "moved.glb");
+    ASSERT_EQ(read.size(), plain.size());
+    EXPECT_NEAR(read.mean[0].x, plain.mean[0].x + 3, 1e-6);
+}
+
+TEST(splat_models, splats_without_finite_numbers_are_left_out_where_that_is_asked_for) {
+    const TempDir dir;
+    for (const char* name : {"m.ply", "m.glb", "m.usda", "m.usdc"}) {
+        Splats splats = some_splats();
+        splats.mean[3].y = std::numeric_limits<float>::quiet_NaN();
+        splats.scale[5].z = std::numeric_limits<float>::infinity();
+        splats.opacity[7] = std::numeric_limits<float>::quiet_NaN();
+        write_splats(dir / name, splats);
+        const std::string message = refusal([&] { read_model(dir / name); });
+        EXPECT_NE(message.find("3 splats with a number that is not finite, the first is number 3"),
+                  std::string::npos)
+            << name << message;
+        EXPECT_NE(message.find("--skip-nonfinite"), std::string::npos) << message;
+        ValueNotes notes;
+        const Gaussians read = read_model(dir / name, nullptr, {.skip_nonfinite = true}, &notes);
+        EXPECT_EQ(read.size(), splats.size() - 3) << name;
+        EXPECT_EQ(notes.skipped_nonfinite, 3u) << name;
+        EXPECT_EQ(read.mean[3], splats.mean[4]) << name;
+    }
+}
+
+TEST(splat_models, files_in_the_table_of_reports) {
+    const auto folder = source_dir() / ".." / "shared" / "reported";
+    if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is absent";
+    const Gaussians glb = read_model(folder / "g_noscenes.glb"),
+                    ply = read_model(folder / "mlsharp.ply");
+    EXPECT_EQ(glb.size(), 50u);
+    EXPECT_EQ(ply.mean, glb.mean);
+    // A table at byte 0, and streams of zeros.
+    EXPECT_NE(refusal([&] { read_model(folder / "v4.spz"); }).find("version 4"), std::string::npos);
 }
 
 TEST(splat_models, nodes_place_their_splats) {

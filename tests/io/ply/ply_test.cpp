@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <fstream>
@@ -313,6 +314,88 @@ TEST(ply, volprim_files_are_taken_by_name) {
     EXPECT_NEAR(mass(model), 5 * mass_within(3), 1e-5);
 }
 
+/// Trainers and tools write more elements and properties, other types, ASCII: vertices are read by name.
+TEST(ply, splats_are_read_by_name_from_every_ply) {
+    const TempDir dir;
+    const std::vector<std::pair<std::string, double>> vertex = {
+        {"rot_0", 1},     {"label", 7},  {"x", 1},        {"y", 2},           {"z", 3},
+        {"opacity", 1.5}, {"f_dc_0", 9}, {"scale_0", -1}, {"scale_1", -2},    {"scale_2", -3},
+        {"rot_1", 0},     {"rot_2", 0},  {"rot_3", 0},    {"confidence", 0.5}};
+    enum class Kind { little, big, ascii };
+    const auto file = [&](Kind kind, const std::string& type, bool more, const std::string& end) {
+        std::string head, body;
+        const auto line = [&](const std::string& text) { head += text + end; };
+        const auto put = [&]<class T>(T value) {
+            if (kind == Kind::ascii) {
+                body += fmt::format("{}{} ", value < 0 ? "" : " ", +value);
+                return;
+            }
+            std::string bytes(reinterpret_cast<const char*>(&value), sizeof value);
+            if (kind == Kind::big) std::reverse(bytes.begin(), bytes.end());
+            body += bytes;
+        };
+        const auto end_row = [&] { body += kind == Kind::ascii ? end : ""; };
+        const auto faces = [&] {
+            line("element " + std::string(body.empty() ? "face" : "edge") + " 2");
+            line("property list uchar int vertex_indices");
+            line("property short flag");
+            for (const int count : {3, 1}) {
+                put(static_cast<std::uint8_t>(count));
+                for (int k = 0; k < count; ++k) put(std::int32_t{k});
+                put(std::int16_t{5});
+                end_row();
+            }
+        };
+        line("ply");
+        line(kind == Kind::ascii ? "format ascii 1.0"
+             : kind == Kind::big ? "format binary_big_endian 1.0"
+                                 : "format binary_little_endian 1.0");
+        line("comment made by a trainer");
+        if (more) faces();
+        line("element vertex 2");
+        for (const auto& [name, value] : vertex)
+            line("property " + (name == "label" ? "uchar" : type) + " " + name);
+        for (int row = 0; row < 2; ++row) {
+            for (const auto& [name, value] : vertex)
+                if (name == "label")
+                    put(static_cast<std::uint8_t>(value));
+                else if (type == "double")
+                    put(value + (name == "x" ? row : 0));
+                else
+                    put(static_cast<float>(value + (name == "x" ? row : 0)));
+            end_row();
+        }
+        if (more) faces();
+        line("end_header");
+        return head + body;
+    };
+    for (const Kind kind : {Kind::little, Kind::big, Kind::ascii})
+        for (const char* type : {"float", "float32", "double"})
+            for (const bool more : {false, true})
+                for (const char* end : {"\n", "\r\n", "\r"}) {
+                    const std::string bytes = file(kind, type, more, end);
+                    std::filesystem::remove(dir / "p.ply");
+                    write_bytes(dir / "p.ply", bytes);
+                    EXPECT_EQ(error_of(dir / "p.ply"), "no error") << bytes.substr(0, 60);
+                    const Gaussians model = read_ply(dir / "p.ply");
+                    ASSERT_EQ(model.size(), 2u);
+                    EXPECT_EQ(model.mean[1], (Vec3f{2, 2, 3}));
+                    EXPECT_FLOAT_EQ(model.scale[1].y, std::exp(-2.0f));
+                    EXPECT_EQ(read_ply(dir / "p.ply", ModelPart{1, 2}).mean[0], model.mean[1]);
+                    // Half of the file, and half of the last row.
+                    for (const std::size_t size : {bytes.size() / 2, bytes.size() - 9}) {
+                        std::filesystem::remove(dir / "p.ply");
+                        write_bytes(dir / "p.ply", bytes.substr(0, size));
+                        if (!more) EXPECT_NE(error_of(dir / "p.ply"), "no error") << size;
+                    }
+                }
+    // Without scales it is no model.
+    write_bytes(dir / "cloud.ply", one_row({{"x", 0}, {"y", 0}, {"z", 0}, {"red", 1}}));
+    EXPECT_NE(error_of(dir / "cloud.ply").find("points without scales"), std::string::npos);
+    write_bytes(dir / "packed.ply", one_row({{"packed_position", 0}}));
+    EXPECT_NE(error_of(dir / "packed.ply").find("SuperSplat"), std::string::npos);
+}
+
 TEST(ply, what_it_does_not_understand_is_refused_by_name) {
     const TempDir dir;
     const std::vector<std::pair<std::string, float>> base = {
@@ -359,7 +442,11 @@ TEST(ply, what_it_does_not_understand_is_refused_by_name) {
     EXPECT_NE(with({{"density", 1}, {"rot_0", 1}}).find("expected none or all"), std::string::npos);
     EXPECT_NE(with({{"density", NAN}}).find("density"), std::string::npos);
     EXPECT_NE(with({{"density", -1}}).find("density"), std::string::npos);
-    write_bytes(dir / "p.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n");
+    std::string text = one_row({{"density", 1}}, "comment cutoff 2\n");
+    for (const auto& [name, value] : base)
+        text.insert(text.find("end_"), "property float " + name + "\n");
+    text.replace(text.find("binary_little_endian"), 20, "ascii");
+    write_bytes(dir / "p.ply", text);
     EXPECT_NE(error_of(dir / "p.ply").find("format 'ascii'"), std::string::npos);
     write_bytes(dir / "p.ply", "PNG");
     EXPECT_NE(error_of(dir / "p.ply").find("not a PLY file"), std::string::npos);

@@ -76,7 +76,7 @@ void add_splats(const Prim& prim, Gaussians& model) {
         model.mean.push_back({mean[3 * i], mean[3 * i + 1], mean[3 * i + 2]});
         model.rotation.push_back({turn[4 * i], turn[4 * i + 1], turn[4 * i + 2], turn[4 * i + 3]});
         model.scale.push_back({scale[3 * i], scale[3 * i + 1], scale[3 * i + 2]});
-        if (!(opacity[i] >= 0 && opacity[i] <= 1))
+        if (opacity[i] < 0 || opacity[i] > 1)
             throw Error(fmt::format("opacity {} of splat {}, expected 0 to 1", opacity[i], i));
         model.density.push_back(splat_density(double{opacity[i]}, model.scale.back()));
     }

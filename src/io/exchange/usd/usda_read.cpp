@@ -44,7 +44,7 @@ class Parser {
                      ? fmt::format("truncated, expected '{}'", one)
                      : fmt::format("'{}', expected '{}'", printable(text_.substr(at_, 1)), one));
     }
-    void skip_line() { at_ = std::min(text_.find('\n', at_), text_.size()); }
+    void skip_line() { at_ = std::min(text_.find_first_of("\n\r", at_), text_.size()); }
     void skip_blanks(bool lines) {
         for (; !at_end(); ++at_) {
             const char c = text_[at_];
