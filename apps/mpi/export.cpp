@@ -5,6 +5,7 @@
 
 #include "commands.h"
 #include "conversion/volume_conversion.h"
+#include "inputs_part.h"
 #include "models/page_options.h"
 #include "models/site_run.h"
 #include "options/conversion_options.h"
@@ -108,17 +109,20 @@ SiteInput convert_input(const SiteArguments& arguments, const CLI::App& command,
 }
 
 /// This rank's part of a model, of which every file is divided among all ranks.
-SiteInput read_input(const std::string& model, const Ranks& ranks) {
+SiteInput read_input(const std::string& model, const ValueRules& rules, const Ranks& ranks) {
     const std::vector<std::string> files = cli::model_files({model});
     const SameFiles same(files, ranks);
     SiteInput input;
+    ValueNotes notes;
     for (const std::string& file : files) {
         if (ranks.count() == 1 && files.size() == 1)
-            input.model = read_model(file, &input.hierarchy);
+            input.model = read_model(file, &input.hierarchy, rules, &notes);
         else
-            append(input.model, read_model(file, ModelPart{ranks.rank(), ranks.count()}));
+            append(input.model,
+                   read_model(file, ModelPart{ranks.rank(), ranks.count()}, rules, &notes));
     }
     same.check_unchanged();
+    note_left_out(notes, files, ranks);
     return input;
 }
 
@@ -143,7 +147,9 @@ void export_site(const SiteArguments& given, const CLI::App& command, const Rank
         SiteInput input =
             kind == FileKind::volume
                 ? convert_input(arguments, command, stages, ranks, notes)
-                : stages.run("load", [&] { return read_input(convert.inputs[n], ranks); });
+                : stages.run("load", [&] {
+                      return read_input(convert.inputs[n], convert.volume.values, ranks);
+                  });
         input.name = cli::model_name(arguments.page, convert.inputs[n], n);
         if (convert.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
         ranks.agree();

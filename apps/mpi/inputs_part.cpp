@@ -10,6 +10,7 @@
 #include "shared/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/model_io.h"
 
 namespace vog::mpi {
 
@@ -167,15 +168,27 @@ Gaussians read_particles_part(const std::vector<std::string>& files,
     return part;
 }
 
-Gaussians read_models_part(const std::vector<std::string>& inputs, const Ranks& ranks) {
+void note_left_out(const ValueNotes& notes, const std::vector<std::string>& files,
+                   const Ranks& ranks) {
+    ValueNotes all;
+    all.skipped_nonfinite = ranks.sum(notes.skipped_nonfinite);
+    if (const std::string text = values_text(all, files.front()); !text.empty() && ranks.first())
+        cli::note(text);
+}
+
+Gaussians read_models_part(const std::vector<std::string>& inputs, const Ranks& ranks,
+                           const ValueRules& rules) {
     Gaussians model;
     const std::vector<std::string> files = cli::model_files(inputs);
     const SameFiles same(files, ranks, !are_many(files.size(), ranks));
     const auto shares = shares_of(files, ranks);
+    ValueNotes notes;
     for (std::size_t n = 0; n < files.size(); ++n)
         if (shares[n])
-            append(model, read_model(files[n], ModelPart{shares[n]->index, shares[n]->count}));
+            append(model, read_model(files[n], ModelPart{shares[n]->index, shares[n]->count}, rules,
+                                     &notes));
     same.check_unchanged();
+    note_left_out(notes, files, ranks);
     require_one_cutoff(model, ranks);
     model.box = ranks.box_union(model.box);
     if (model.box.empty()) model.box = ranks.box_union(model.size() ? view_box(model) : Box{});

@@ -48,6 +48,10 @@ Gaussians read_particles_part(const std::vector<std::string>& files,
                               std::vector<std::string>& notes);
 
 /// This rank's part of all models, joined to one, with the box of the whole.
-Gaussians read_models_part(const std::vector<std::string>& files, const Ranks& ranks);
+Gaussians read_models_part(const std::vector<std::string>& files, const Ranks& ranks,
+                           const ValueRules& rules);
+/// Prints the number of splats that all ranks left out.
+void note_left_out(const ValueNotes& notes, const std::vector<std::string>& files,
+                   const Ranks& ranks);
 
 }  // namespace vog::mpi

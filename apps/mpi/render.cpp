@@ -64,7 +64,7 @@ void load_gaussians(const DrawingArguments& arguments, std::optional<double> ext
         drawing.kind == FileKind::points
             ? read_particles_part(arguments.inputs, arguments.points, arguments.volume, ranks,
                                   drawing.notes)
-            : read_models_part(arguments.inputs, ranks));
+            : read_models_part(arguments.inputs, ranks, arguments.volume.values));
     const std::uint64_t count = ranks.sum(model->size());
     const Box box = model->box;
     if (model->size() > 0)
@@ -107,8 +107,8 @@ void add_render(CLI::App& app, const Ranks& ranks) {
                           const CLI::App& command) {
         return load_part(drawing, extinction, command, ranks);
     };
-    hooks.load_models = [&ranks](const std::vector<std::string>& files) {
-        return read_models_part(files, ranks);
+    hooks.load_models = [&ranks](const std::vector<std::string>& files, const ValueRules& rules) {
+        return read_models_part(files, ranks, rules);
     };
     hooks.load_volumes = [&ranks](const DrawingArguments& drawing,
                                   const cli::VolumeInputOptions& options, bool beside) {

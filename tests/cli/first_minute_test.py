@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """A newcomer's first minute: vog FILE, help, completion in real shells, manual pages, vog doctor, remedies for mistakes."""
 
+import importlib.util
 import json
 import os
 import pty
@@ -67,17 +68,55 @@ class Files(Case):
     def steps(self, text):
         return [line.split("   # ")[0].strip() for line in text.split("Try:\n")[1].splitlines()]
 
+    def try_steps(self, *names):
+        text = self.vog(*names)
+        steps = self.steps(text)
+        self.assertGreaterEqual(len(steps), 2, text)
+        for step in steps:
+            if step.startswith("vog view"):  # opens a window
+                continue
+            done = subprocess.run(["bash", "-c", step.replace("vog ", f"'{VOG}' ", 1)], cwd=self.folder, capture_output=True, text=True)
+            self.assertEqual(done.returncode, 0, f"{step}\n{done.stderr}")
+        return text
+
     def test_every_proposed_command_works(self):
         for kind, name in [("cloud", "cloud.vdb"), ("amr", "amr.vdb"), ("fire", "my fire.vdb"), ("particles", "box.xyz")]:
             self.vog("sample", kind, name, *(["--size", "64"] if kind != "particles" else ["--size", "10"]))
-            text = self.vog(name)
-            steps = self.steps(text)
-            self.assertGreaterEqual(len(steps), 3, text)
-            for step in steps:
-                if step.startswith("vog view"):  # opens a window
-                    continue
-                done = subprocess.run(["bash", "-c", step.replace("vog ", f"'{VOG}' ", 1)], cwd=self.folder, capture_output=True, text=True)
-                self.assertEqual(done.returncode, 0, f"{step}\n{done.stderr}")
+            self.try_steps(name)
+
+    def test_splats_with_nan_are_counted_and_left_out(self):
+        names = "x y z scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3 opacity f_dc_0".split()
+        head = "ply\nformat ascii 1.0\nelement vertex 3\n" + "".join(f"property float {name}\n" for name in names) + "element frame 1\nproperty int n\nend_header\n"
+        rows = [f"{x} 0 0 -1 -1 -1 1 0 0 0 1 0" for x in ("0", "nan", "2")]
+        (self.folder / "s.ply").write_text(head + "\n".join(rows) + "\n7\n")
+        self.assertIn("1 more, which --skip-nonfinite leaves out", self.try_steps("s.ply"))
+        self.assertIn("1 splats with a number that is not finite, the first is number 1", self.refusal("render", "s.ply", "-o", "a.png"))
+        done = run("render", "s.ply", "-o", "a.png", "--skip-nonfinite", folder=self.folder)
+        self.assertEqual((done.returncode, done.stderr.count("1 values that are not finite left out")), (0, 1), done.stderr)
+        self.vog("voxelize", "s.ply", "-o", "s.vdb", "--voxel-size", "0.5", "--skip-nonfinite")
+
+    @unittest.skipUnless(importlib.util.find_spec("h5py"), "h5py is not installed")
+    def test_snapshots_of_several_types(self):
+        import h5py
+
+        for part, types in enumerate([{"PartType0": 30, "PartType1": 20, "PartType4": 0}, {"PartType1": 10, "PartType5": 3}]):
+            with h5py.File(self.folder / f"s.{part}.hdf5", "w") as file:
+                for name, count in types.items():
+                    group = file.create_group(name)
+                    place = [[n % 5, n // 5 % 5, n / 7] for n in range(count)]
+                    group.create_dataset("Coordinates", (count, 3), "f8", place)
+                    group.create_dataset("Masses", (count,), "f8", [2e43] * count)
+        text = self.try_steps("s.0.hdf5")
+        for words in ["particles 'PartType0'", "particles 'PartType1'", "2e+43"]:
+            self.assertIn(words, text)
+        self.assertNotIn("PartType4", text)
+        contents = json.loads(self.vog("info", "s.0.hdf5", "--json"))["files"][0]["points"]
+        self.assertEqual([(one["type"], one["particles"]) for one in contents], [("PartType0", 30), ("PartType1", 20)])
+        self.try_steps("s.0.hdf5", "s.1.hdf5")
+        done = run("render", "s.0.hdf5", "s.1.hdf5", "-o", "a.png", "--grid", "PartType5", "--value", "Masses", folder=self.folder)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("s.0.hdf5: no particles of PartType5", done.stderr)
+        self.assertIn("'Masses' is divided by 1e+43", done.stderr)
         write_ct(self.folder / "ct.nii")
         for step in self.steps(self.vog("ct.nii")):
             if not step.startswith("vog view"):

@@ -154,17 +154,18 @@ TEST_F(inputs, real_time_steps_quantities_and_levels) {
 TEST_F(inputs, invalid_values_are_refused_or_said) {
     write("points.csv", "x,y,z,mass\n0,0,0,1\n1,0,0,nan\n0,1,0,2\n0,0,1,-3\n1,1,1,4\n");
     must_fail(1, "convert points.csv -o a.ply --value mass",
-              "points.csv:3: got 'nan' in column 4, expected a finite number (--skip-nonfinite");
+              "points.csv: 'mass' of particle 1 is missing, expected a number (--skip-nonfinite");
+    must("render points.csv -o a.png");  // the mass is not used
     must_fail(1, "convert points.csv -o a.ply --value mass --skip-nonfinite",
               "is -3, expected 0 or more (--clip-negative");
     for (const std::string command :
          {"convert points.csv -o a.ply", "render points.csv -o a.png"}) {
         const Result result =
             must(command + " --value mass --skip-nonfinite --clip-negative --json");
-        const std::string text =
-            "points.csv: 1 negative values set to 0; 1 values that are not finite left out";
-        EXPECT_EQ(Json::parse(result.out)["notes"][0], text);
-        EXPECT_NE(result.error.find(text), std::string::npos) << result.error;
+        const Json notes = Json::parse(result.out)["notes"];
+        EXPECT_EQ(notes[0], "points.csv: 1 values that are not finite left out");
+        EXPECT_EQ(notes[1], "points.csv: 1 negative values set to 0");
+        EXPECT_NE(result.error.find(notes[1]), std::string::npos) << result.error;
     }
 }
 
@@ -178,6 +179,8 @@ TEST_F(inputs, options_without_effect_are_refused) {
     must_fail(2, "compare a.png a.png --tf jet", "--tf: is of depth images");
     must_fail(2, "compare a.png a.png --extinction 2", "--extinction: is of depth images");
     must_fail(2, "render c.ply -o b.png --grid density", "--grid does not go with models");
+    must("export c.ply -o c.vogz");
+    must_fail(2, "render c.vogz -o b.png --skip-nonfinite", "--skip-nonfinite does not go with");
     must_fail(2, "export c.ply -o b.html --sum", "--sum does not go with models");
     must_fail(2, "render p.xyz -o b.png --radius 1 --grid a", "--grid does not go with particles");
     must_fail(2, "convert c.vdb -o b.ply --again", "--again: is of time series");

@@ -113,7 +113,8 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
     std::vector<HtmlModel> entries;
     if (kind == FileKind::model) {
         for (const std::string& input : arguments.inputs) {
-            Gaussians model = stages.run("load", [&] { return read_model(input); });
+            Gaussians model = stages.run(
+                "load", [&] { return load_model(input, nullptr, arguments.volume.values); });
             if (arguments.no_fields) model.fields = {};
             stages.run("levels", [&] {
                 if (arguments.budget) model = coarsen(model, arguments.budget);
@@ -264,7 +265,8 @@ SiteInput read_site_input(const ExportArguments& arguments, FileKind kind, std::
     const std::string& file = arguments.inputs[n];
     SiteInput input{model_name(arguments.page, file, n), {}};
     if (kind == FileKind::model) {
-        input.model = stages.run("load", [&] { return read_model(file, &input.hierarchy); });
+        input.model = stages.run(
+            "load", [&] { return load_model(file, &input.hierarchy, arguments.volume.values); });
         if (arguments.no_fields) input.model.fields = input.hierarchy.nodes.fields = {};
         if (arguments.budget && input.model.size() > arguments.budget)
             input.model = coarsen(input.model, arguments.budget), input.hierarchy = {};

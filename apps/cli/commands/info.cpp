@@ -191,41 +191,58 @@ void print(const Gaussians& model, const Hierarchy& hierarchy, std::uint64_t byt
 
 struct ValueRange {
     std::string name;
-    float low, high;
+    double low = 0, high = 0;   ///< in the unit of the file
+    std::uint64_t missing = 0;  ///< particles without the value
 };
 /// Names of the particles' values, as --value has them, with their ranges.
 std::vector<ValueRange> value_ranges(const Points& points) {
     std::vector<ValueRange> ranges;
     for (const std::string& name : point_value_names(points)) {
         if (name == "count") continue;
-        const BigVector<float> values = point_values(points, name);
-        const auto [low, high] = std::minmax_element(values.begin(), values.end());
-        ranges.push_back({name, *low, *high});
+        BigVector<float> values = point_values(points, name, true);
+        const auto missing = std::erase_if(values, [](float value) { return std::isnan(value); });
+        ValueRange& range = ranges.emplace_back(ValueRange{name, 0, 0, missing});
+        if (values.empty()) continue;
+        const auto [low, high] = std::ranges::minmax(values);
+        const auto attribute = std::ranges::find(points.attributes, name, &PointAttribute::name);
+        const double unit = attribute == points.attributes.end() ? 1 : attribute->unit;
+        range.low = unit * double{low}, range.high = unit * double{high};
     }
     return ranges;
 }
 
 Json as_json(const Points& points) {
     Json values = Json::array();
-    for (const ValueRange& range : value_ranges(points))
+    for (const ValueRange& range : value_ranges(points)) {
         values.push_back({{"name", range.name}, {"min", range.low}, {"max", range.high}});
+        if (range.missing) values.back()["missing"] = range.missing;
+    }
     return {{"particles", points.size()},
             {"box", array(bounds(points))},
             {"velocities", !points.velocity.empty()},
             {"values", values}};
 }
 
-void print(const Points& points) {
+/// type  of the particles; empty: the format has none
+void print(const Points& points, const std::string& type) {
     const auto line = [](const std::string& name, const std::string& value) {
         print_line(fmt::format("  {:<14} {}", name, value));
     };
     const Box box = bounds(points);
-    print_line("particles");
+    print_line(type.empty() ? "particles" : fmt::format("particles '{}'", type));
     line("count", count_text(points.size()));
     line("box", text(box));
     line("velocities", points.velocity.empty() ? "none" : "yes");
     for (const ValueRange& range : value_ranges(points))
-        line(range.name, fmt::format("{:.6g} to {:.6g}", range.low, range.high));
+        line(range.name,
+             fmt::format("{:.6g} to {:.6g}", range.low, range.high) +
+                 (range.missing ? fmt::format(", {} missing", count_text(range.missing)) : ""));
+}
+
+void print_nonfinite(const ValueNotes& notes) {
+    if (notes.skipped_nonfinite)
+        print_line(fmt::format("  {:<14} {} more, which --skip-nonfinite leaves out", "not finite",
+                               count_text(notes.skipped_nonfinite)));
 }
 
 /// Models of a site, from its manifest alone.
@@ -278,7 +295,10 @@ std::vector<FileContents> print_contents(const std::vector<std::string>& files, 
     std::vector<FileContents> contents;
     for (const std::string& file : files) {
         const FileKind kind = kind_of(file);
-        contents.push_back({file, kind, {}, {}, false});
+        contents.push_back({file, kind, {}, {}, {}, false, false});
+        // Numbers that are not finite are counted, not refused: the other commands say what to do about them.
+        const ValueRules rules{.skip_nonfinite = true};
+        ValueNotes notes;
         if (is_site(file)) {
             const SiteInfo site = read_site_info(file);
             contents.back().fields = site.models.front().description.fields.names();
@@ -291,25 +311,35 @@ std::vector<FileContents> print_contents(const std::vector<std::string>& files, 
         }
         if (kind == FileKind::model) {
             Hierarchy hierarchy;
-            const Gaussians model = read_model(file, &hierarchy);
+            const Gaussians model = read_model(file, &hierarchy, rules, &notes);
             const std::uint64_t bytes = std::filesystem::file_size(file);
             contents.back().fields = model.fields.names();
             contents.back().measures_volume =
                 model.options.find("--measure volume") != model.options.npos;
+            contents.back().nonfinite = notes.skipped_nonfinite > 0;
             all.push_back({{"file", file}, {"model", as_json(model, hierarchy, bytes)}});
             if (!json) {
                 print_line(file);
                 print(model, hierarchy, bytes);
+                print_nonfinite(notes);
             }
             continue;
         }
         if (kind == FileKind::points && extension_of(file) != ".vdb") {
-            const Points points = read_points(file);
-            all.push_back({{"file", file}, {"points", as_json(points)}});
-            if (!json) {
-                print_line(file);
-                print(points);
+            std::vector<std::string> types = point_types(file);
+            contents.back().particle_types = types;
+            const bool several = types.size() > 1;
+            if (types.empty()) types.emplace_back();
+            Json sets = Json::array();
+            for (const std::string& type : types) {
+                const Points points = read_points(file, {.grid = type});
+                sets.push_back(as_json(points));
+                if (!type.empty()) sets.back()["type"] = type;
+                if (json) continue;
+                if (sets.size() == 1) print_line(file);
+                print(points, type);
             }
+            all.push_back({{"file", file}, {"points", several ? sets : sets.front()}});
             continue;
         }
         contents.back().grids = inspect_volume(file);

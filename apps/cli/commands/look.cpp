@@ -10,6 +10,7 @@
 #include "shared/sequence.h"
 #include "shared/terminal.h"
 #include "vog/error.h"
+#include "vog/points.h"
 #include "vog/site.h"
 
 namespace vog::cli {
@@ -39,6 +40,16 @@ std::vector<NextStep> steps_of_many(FileKind kind, const std::string& inputs) {
                 {fmt::format("vog view {} --steps", inputs), "a window with time"}};
     return {{fmt::format("vog render {} -o pictures/", inputs), "a picture of each"},
             {fmt::format("vog convert {} -o models/", inputs), "a model of each"}};
+}
+
+/// Option for the first type of particles that all of several snapshots have; empty: none is needed.
+std::string common_particles(const std::vector<std::string>& files) {
+    std::map<std::string, std::size_t> counts;
+    for (const std::string& file : files)
+        for (const std::string& type : point_types(file)) ++counts[type];
+    const auto common = std::ranges::find_if(
+        counts, [&](const auto& entry) { return entry.second == files.size(); });
+    return counts.size() < 2 || common == counts.end() ? "" : " --grid " + common->first;
 }
 
 /// Files of a folder that vog reads, by extension, and what to do with the most frequent ones.
@@ -97,7 +108,8 @@ void look_at(const std::vector<std::string>& words) {
     if (hidden) print_line(fmt::format("and {} more files", hidden));
     std::string inputs;
     for (const std::string& word : words) inputs += (inputs.empty() ? "" : " ") + quoted(word);
-    print_steps(steps_of_many(kind, words.size() > kShownFiles ? "FILES" : inputs));
+    print_steps(steps_of_many(
+        kind, (words.size() > kShownFiles ? "FILES" : inputs) + common_particles(files)));
 }
 
 }  // namespace vog::cli

@@ -79,7 +79,7 @@ viewer::Content read_content(const std::vector<std::string>& files,
     switch (common_kind(files, arguments.volume.grid)) {
         case FileKind::model:
             if (files.size() == 1 && (content.site = find_site(files.front()))) break;
-            content.model = load_models(files, &content.hierarchy);
+            content.model = load_models(files, &content.hierarchy, {}, arguments.volume.values);
             break;
         case FileKind::points:
             content.points = load_points(files, arguments.points, arguments.volume, notes);

@@ -27,6 +27,7 @@ struct VoxelizeArguments {
     std::vector<std::string> inputs;
     std::string output, like, grid, name = "density";
     double voxel_size = 0;
+    ValueRules values{};
     bool fields = false, within = false, json = false, verbose = false;
     int threads = 0;
     MemoryArguments memory;
@@ -75,7 +76,8 @@ void run_voxelize(VoxelizeArguments arguments, const CLI::App& command) {
     if (memory.bytes() && extension_of(arguments.output) == ".nvdb")
         throw CLI::ValidationError("--memory: a .nvdb is made in memory, expected -o FILE.vdb");
     Stages stages(arguments.verbose);
-    const Gaussians model = stages.run("load", [&] { return load_models(arguments.inputs); });
+    const Gaussians model = stages.run(
+        "load", [&] { return load_models(arguments.inputs, nullptr, {}, arguments.values); });
     VoxelizeOptions options;
     options.name = arguments.name;
     options.fields = arguments.fields;
@@ -146,6 +148,10 @@ void add_voxelize(CLI::App& app) {
     command->add_flag(
         "--fields", arguments->fields,
         "Write the model's fields too, a grid each: the mean over a voxel, weighted by density");
+    command->add_flag(
+        "--skip-nonfinite", arguments->values.skip_nonfinite,
+        "Leave out splats with NaN or infinite numbers, which are an error otherwise; "
+        "their number is reported");
     command->add_option("--name", arguments->name, "Name of the grid of density")
         ->capture_default_str();
     command

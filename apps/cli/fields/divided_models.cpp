@@ -85,8 +85,10 @@ void require_addable(const RenderArguments& arguments, const Drawing& drawing,
 Gaussians load_model_part(const RenderArguments& arguments, Drawing& drawing,
                           const RenderRanks& ranks, Hierarchy* hierarchy) {
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
-    Gaussians model = ranks.divided() ? ranks.load_models(inputs)
-                                      : load_models(inputs, hierarchy, arguments.drawing.site_view);
+    const DrawingArguments& drawn = arguments.drawing;
+    Gaussians model = ranks.divided()
+                          ? ranks.load_models(inputs, drawn.volume.values)
+                          : load_models(inputs, hierarchy, drawn.site_view, drawn.volume.values);
     double count = static_cast<double>(model.size());
     if (ranks.divided()) {
         ranks.collective.sum(count);

@@ -109,7 +109,9 @@ std::vector<NextStep> steps_of_volume(const FileContents& contents) {
 }
 
 std::vector<NextStep> steps_of_model(const FileContents& contents) {
-    const std::string file = quoted(contents.file), png = beside(contents.file, ".png");
+    const std::string file =
+        quoted(contents.file) + (contents.nonfinite ? " --skip-nonfinite" : "");
+    const std::string png = beside(contents.file, ".png");
     // The optical depth of a model of volume is its thickness: its values are the picture.
     const std::string by_value = contents.measures_volume ? " --show volume" : "";
     std::vector<NextStep> steps{{fmt::format("vog render {} -o {}{}", file, png, by_value),
@@ -124,6 +126,32 @@ std::vector<NextStep> steps_of_model(const FileContents& contents) {
     steps.push_back({fmt::format("vog export {} -o {}", file, beside(contents.file, "-small.vogz")),
                      "a compact model"});
     steps.push_back({fmt::format("vog view {}{}", file, by_value), "a window"});
+    return steps;
+}
+
+std::vector<NextStep> steps_of_points(const FileContents& contents) {
+    // Types of a snapshot, or grids of points of a .vdb.
+    std::vector<std::string> types = contents.particle_types;
+    for (const VolumeInfo& grid : contents.grids)
+        if (grid.grid.points) types.push_back(grid.grid.name);
+    if (types.size() == 1) types.clear();
+    const std::string png = beside(contents.file, ".png");
+    const auto of_type = [&](const std::string& type) {
+        return quoted(contents.file) + (type.empty() ? "" : " --grid " + quoted(type));
+    };
+    const std::string file = of_type(types.empty() ? "" : types.front());
+    std::vector<NextStep> steps{
+        {fmt::format("vog render {} -o {}", file, png),
+         types.empty() ? "a picture" : "a picture of " + types.front()},
+        {fmt::format("vog convert {} -o {} --budget 10000", file, beside(contents.file, ".ply")),
+         "at most 10,000 Gaussians"},
+        {fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
+         "a page for a browser"},
+        {fmt::format("vog view {}", file), "a window"}};
+    if (types.size() > 1)
+        steps.push_back({fmt::format("vog render {} -o {}", of_type(types[1]),
+                                     beside(contents.file, "-" + types[1] + ".png")),
+                         "a picture of " + types[1]});
     return steps;
 }
 
@@ -171,14 +199,7 @@ std::vector<NextStep> next_steps(const FileContents& contents) {
     const std::string file = quoted(contents.file);
     const std::string png = beside(contents.file, ".png");
     if (contents.kind == FileKind::volume) return steps_of_volume(contents);
-    if (contents.kind == FileKind::points)
-        return {{fmt::format("vog render {} -o {}", file, png), "a picture"},
-                {fmt::format("vog convert {} -o {} --budget 10000", file,
-                             beside(contents.file, ".ply")),
-                 "at most 10,000 Gaussians"},
-                {fmt::format("vog export {} -o {}", file, beside(contents.file, ".html")),
-                 "a page for a browser"},
-                {fmt::format("vog view {}", file), "a window"}};
+    if (contents.kind == FileKind::points) return steps_of_points(contents);
     if (is_site(contents.file))
         return {{fmt::format("vog serve {}", file), "the page, in a browser"},
                 {fmt::format("vog render {} -o {}", file, png), "a picture"},

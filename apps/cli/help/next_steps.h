@@ -13,9 +13,11 @@ namespace vog::cli {
 struct FileContents {
     std::string file;
     FileKind kind = FileKind::volume;
-    std::vector<VolumeInfo> grids;    ///< of volumes, and of particles in a .vdb
-    std::vector<std::string> fields;  ///< names of a model's fields
-    bool measures_volume = false;     ///< whether a model's masses are volumes (--measure volume)
+    std::vector<VolumeInfo> grids;            ///< of volumes, and of particles in a .vdb
+    std::vector<std::string> particle_types;  ///< of a snapshot
+    std::vector<std::string> fields;          ///< names of a model's fields
+    bool nonfinite = false;        ///< whether a model has splats with numbers that are not finite
+    bool measures_volume = false;  ///< whether a model's masses are volumes (--measure volume)
 };
 
 /// Prints the contents of files, as vog info does.

@@ -280,7 +280,7 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
                           drawing.renderer == Renderer::splat || arguments.pixel_error
                               ? hierarchy.get()
                               : nullptr,
-                          arguments.site_view));
+                          arguments.site_view, arguments.volume.values));
     draw_model(arguments, extinction, model, hierarchy, drawing);
     print_notes(drawing.notes);
     return drawing;

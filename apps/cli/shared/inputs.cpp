@@ -114,9 +114,10 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
         "only volumes whose voxels divide each other evenly, or that do not overlap");
     command.add_flag("--level-set-to-fog", options.level_set_to_fog,
                      "Convert a level set to a fog volume: density inside its surface");
-    command.add_flag("--skip-nonfinite", options.values.skip_nonfinite,
-                     "Leave out voxels or particles with NaN or infinite values, which are an "
-                     "error otherwise; their number is reported");
+    command.add_flag(
+        "--skip-nonfinite", options.values.skip_nonfinite,
+        "Leave out voxels, particles or splats with NaN or infinite values, which are an "
+        "error otherwise; their number is reported");
     command.add_flag("--clip-negative", options.values.clip_negative,
                      "Set negative densities or masses to 0, which are an error otherwise; their "
                      "number is reported");
@@ -214,16 +215,13 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
 
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
                    const VolumeInputOptions& volume, std::vector<std::string>& notes) {
-    Points points;
-    for (const std::string& file : files) {
-        ValueNotes changed;
-        Points one = read_points(file, {options.columns, volume.grid, volume.values}, &changed);
-        if (volume.values.clip_negative)
-            changed.clipped_negative = clip_negative(one, options.value);
-        if (const std::string text = values_text(changed, file); !text.empty())
-            notes.push_back(text);
-        append(points, one);
-    }
+    const std::vector<fs::path> paths(files.begin(), files.end());
+    Points points = read_points(paths, {options.columns, volume.grid, volume.values}, &notes);
+    ValueNotes changed;
+    if (volume.values.clip_negative)
+        changed.clipped_negative = clip_negative(points, options.value);
+    if (const std::string text = values_text(changed, points.source); !text.empty())
+        notes.push_back(text);
     return points;
 }
 
@@ -262,7 +260,14 @@ void refuse_volume_options(const CLI::App& command, FileKind kind,
     };
     const bool models = kind == FileKind::model;
     refuse({"--mask", "--sum", "--mesh", "--level-set-to-fog"}, models ? "models" : "particles");
-    if (models) refuse({"--grid", "--skip-nonfinite", "--clip-negative"}, "models");
+    if (models) refuse({"--grid", "--clip-negative"}, "models");
+    const bool splats = std::ranges::any_of(inputs, [](const std::string& input) {
+        const std::string extension = extension_of(input);
+        return extension == ".ply" || extension == ".spz" || extension == ".glb" ||
+               extension.starts_with(".usd");
+    });
+    if (models && !splats)
+        refuse({"--skip-nonfinite"}, "compact models and sites, which hold finite numbers");
     const bool text = std::ranges::none_of(inputs, [](const std::string& input) {
         const std::string extension = extension_of(input);
         return extension == ".vdb" || extension == ".hdf5" || extension == ".h5" ||
@@ -301,8 +306,15 @@ bool all_sites(const std::vector<std::string>& files) {
     });
 }
 
+Gaussians load_model(const std::string& file, Hierarchy* hierarchy, const ValueRules& rules) {
+    ValueNotes changed;
+    Gaussians model = read_model(file, hierarchy, rules, &changed);
+    if (const std::string text = values_text(changed, file); !text.empty()) note(text);
+    return model;
+}
+
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy,
-                      const std::optional<SiteView>& view) {
+                      const std::optional<SiteView>& view, const ValueRules& rules) {
     Gaussians model;
     Hierarchy one;
     for (const std::string& file : model_files(files)) {
@@ -315,7 +327,7 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
             view->report->bytes_read += cut.report().bytes_read;
             continue;
         }
-        Gaussians read = read_model(file, hierarchy ? &one : nullptr);
+        Gaussians read = load_model(file, hierarchy ? &one : nullptr, rules);
         // Files of other formats leave the hierarchy to their readers.
         if (hierarchy && one.empty() && extension_of(file) != ".ply") one = build_hierarchy(read);
         append(model, read);
@@ -330,7 +342,7 @@ Box box_of(const std::string& input, const VolumeInputOptions& volume,
     const FileKind kind = kind_of(input, volume.grid);
     if (const auto site = find_site(input))
         return view_box(read_site_info(site->folder).models[site->model].description);
-    if (kind == FileKind::model) return view_box(load_models({input}));
+    if (kind == FileKind::model) return view_box(load_models({input}, nullptr, {}, volume.values));
     if (kind == FileKind::points) {
         std::vector<std::string> notes;
         return view_box(

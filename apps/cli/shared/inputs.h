@@ -115,8 +115,11 @@ bool all_sites(const std::vector<std::string>& files);
 /// Reads all models as one.
 /// hierarchy  set to the hierarchies of the models that have one; null: not read
 /// view       of sites alone (all_sites); none: whole models
+/// rules      for splats of other programs; those left out are reported on standard error
 Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarchy = nullptr,
-                      const std::optional<SiteView>& view = {});
+                      const std::optional<SiteView>& view = {}, const ValueRules& rules = {});
+/// Reads one model as load_models does.
+Gaussians load_model(const std::string& file, Hierarchy* hierarchy, const ValueRules& rules);
 
 /// World box of an input, which views frame; read from metadata where the format has it.
 Box box_of(const std::string& input, const VolumeInputOptions& volume,

@@ -104,7 +104,7 @@ struct RenderRanks {
                           const CLI::App&)>
         load = load_drawing;
     /// Reads this rank's part of models, with the box of the whole, for pictures of fields.
-    std::function<Gaussians(const std::vector<std::string>&)> load_models{};
+    std::function<Gaussians(const std::vector<std::string>&, const ValueRules&)> load_models{};
     /// Reads this rank's part of volumes, and the voxels beside it if wanted, for pictures of fields and by value.
     std::function<DividedVolumes(const DrawingArguments&, const VolumeInputOptions&, bool beside)>
         load_volumes{};
