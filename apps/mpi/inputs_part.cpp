@@ -11,6 +11,7 @@
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/model_io.h"
+#include "vog/scan_io.h"
 
 namespace vog::mpi {
 
@@ -117,6 +118,9 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     notes.first_skipped.reset();  // the first of this rank alone
     if (const std::string text = values_text(notes, "voxels"); !text.empty())
         part.notes.push_back(text);
+    for (const std::filesystem::path& file : paths)
+        if (const std::string text = ranks.first() ? volume_note(file) : ""; !text.empty())
+            part.notes.push_back(text);
     for (const std::string& text : part.notes)
         if (ranks.first()) cli::note(text);
     return part;

@@ -11,7 +11,7 @@
 
 namespace vog {
 
-/// Whether read_volume reads a file of this extension: .vdb, .nvdb, or that of a dense image.
+/// Whether read_volume reads a file of this extension: .vdb, .nvdb, either with .gz, or that of a dense image.
 bool is_volume_file(const std::filesystem::path& file);
 
 /// Description of one grid of a file, and what dense images state beside it.
@@ -20,11 +20,25 @@ struct VolumeInfo {
     std::string coordinates;  ///< space of the world: "RAS, from the sform"; empty: as stored
     std::string length_unit;  ///< unit of world lengths: "mm"; empty: not known
     std::string value_unit;   ///< "HU"; empty: not known
+    std::string note;  ///< departures of the file from its format, and how it is read; empty: none
 };
 
-/// Describes the grids of a file that read_volume reads, in file order; of a .nvdb the one that is read without
-/// a name.
+/// Describes the grids of a file that read_volume reads, in file order.
 /// throws  vog::Error as read_volume does
 std::vector<VolumeInfo> inspect_volume(const std::filesystem::path& file);
+
+/// Places that the head of a dense image states, without its values.
+struct VolumeHead {
+    Vec3d voxel_size{1, 1, 1};  ///< edges, in world units
+    std::string length_unit;    ///< as VolumeInfo::length_unit
+};
+/// Reads the head of one grid of a dense image; edges of 1 without a unit for other files.
+/// throws  vog::Error as read_volume does
+VolumeHead volume_head(const std::filesystem::path& file, const std::string& grid = {});
+
+/// Departures of a dense image from its format, and how it is read: "a.fits: 4800 bytes, ..."; empty: none. read_volume
+/// has them among its notes; VolumeReader (vog/distributed.h) does not.
+/// throws  vog::Error as read_volume does
+std::string volume_note(const std::filesystem::path& file);
 
 }  // namespace vog

@@ -4,9 +4,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cstring>
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
+#include "io/scan/scan_values.h"
 #include "vog/error.h"
 
 namespace vog {
@@ -25,7 +27,11 @@ void ByteSource::fail_short(std::uint64_t wanted, std::uint64_t left) const {
 }
 
 FileBytes::FileBytes(const std::filesystem::path& file) : ByteSource(file.string()) {
-    require_readable(file);
+    if (scan::is_gzip(file)) {
+        unpacked_ = scan::unpacked_bytes(file);
+        size_ = unpacked_.size();
+        return;
+    }
     stream_.open(file, std::ios::binary | std::ios::ate);
     const auto end = stream_.tellg();
     if (!stream_ || end < 0) fail("cannot be read");
@@ -35,7 +41,8 @@ FileBytes::FileBytes(const std::filesystem::path& file) : ByteSource(file.string
 
 void FileBytes::seek(std::uint64_t position) {
     if (position > size_) fail_short(position - position_, size_ - position_);
-    if (!stream_.seekg(static_cast<std::streamoff>(position))) fail("cannot be read");
+    if (unpacked_.empty() && !stream_.seekg(static_cast<std::streamoff>(position)))
+        fail("cannot be read");
     position_ = position;
 }
 
@@ -45,7 +52,9 @@ const char* FileBytes::take(std::uint64_t count) {
     constexpr std::uint64_t kStep = 1 << 20;
     for (std::uint64_t at = 0; at < count; at += kStep) {
         const std::uint64_t bytes = std::min(kStep, count - at);
-        if (!stream_.read(taken_.data() + at, static_cast<std::streamsize>(bytes)))
+        if (!unpacked_.empty())
+            std::memcpy(taken_.data() + at, unpacked_.data() + position_ + at, bytes);
+        else if (!stream_.read(taken_.data() + at, static_cast<std::streamsize>(bytes)))
             fail("cannot be read");
         keep_memory();
     }

@@ -54,7 +54,7 @@ class ByteSource {
     std::string where_;  // start of every message: "smoke.vdb: grid 'density'"
 };
 
-/// A whole file with random access.
+/// A whole file with random access. A gzip'd one is unpacked into memory.
 class FileBytes : public ByteSource {
   public:
     /// throws vog::Error unless `file` is a readable file
@@ -70,7 +70,7 @@ class FileBytes : public ByteSource {
   private:
     std::ifstream stream_;
     std::uint64_t size_ = 0, position_ = 0;
-    BigVector<char> taken_;
+    BigVector<char> taken_, unpacked_;
 };
 
 /// Part of a file, read in windows of 1 MiB; skipped windows are not read.

@@ -16,4 +16,10 @@ inline std::string lower_extension(const std::filesystem::path& file) {
     return extension;
 }
 
+/// Extension of the file inside where its name ends in .gz: ".nvdb" of "smoke.nvdb.gz".
+inline std::string stored_extension(const std::filesystem::path& file) {
+    const std::string extension = lower_extension(file);
+    return extension == ".gz" ? lower_extension(file.stem()) : extension;
+}
+
 }  // namespace vog

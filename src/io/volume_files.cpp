@@ -14,6 +14,7 @@
 #include "data/volume_partition.h"
 #include "io/file_extension.h"
 #include "io/nvdb/nvdb_file.h"
+#include "io/nvdb/nvdb_grid.h"
 #include "io/scan/scan_file.h"
 #include "io/scan/scan_volume.h"
 #include "io/vdb/vdb_reader.h"
@@ -78,54 +79,16 @@ std::vector<std::string> matching_grids(const std::filesystem::path& file,
     return some;
 }
 
-/// Metadata of a NanoVDB volume, in the form of an OpenVDB grid's.
-GridInfo info_of(const Volume& volume) {
-    GridInfo info;
-    info.name = volume.name;
-    info.type = "float";
-    info.grid_class = "fog volume";
-    info.active_voxels = active_voxels(volume);
-    info.leaves = volume.leaves.size();
-    info.world_from_index = volume.world_from_index;
-    info.memory_bytes = volume.leaves.size() * sizeof(Leaf) + volume.tiles.size() * sizeof(Tile);
-    Box box;  // index space: centres of the active voxels
-    float low = std::numeric_limits<float>::infinity(), high = 0;
-    const auto include = [&](Vec3i first, Vec3i last, float value) {
-        box.include(vec_cast<double>(first));
-        box.include(vec_cast<double>(last));
-        low = std::min(low, value);
-        high = std::max(high, value);
-    };
-    for (const Leaf& leaf : volume.leaves) {
-        info.dense_leaves += leaf.dense();
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (leaf.active(n)) {
-                const Vec3i voxel = leaf.origin + Vec3i{n >> 6, (n >> 3) & 7, n & 7};
-                include(voxel, voxel, leaf.value[static_cast<std::size_t>(n)]);
-            }
-    }
-    for (const Tile& tile : volume.tiles) {
-        ++info.active_tiles[tile.edge == 8 ? 0 : tile.edge == 128 ? 1 : 2];
-        const std::int32_t last = tile.edge - 1;
-        include(tile.origin, tile.origin + Vec3i{last, last, last}, tile.value);
-    }
-    info.lower = vec_cast<std::int32_t>(box.lower);
-    info.upper = vec_cast<std::int32_t>(box.upper);
-    const Vec3d half{0.5, 0.5, 0.5};
-    info.world = transformed(volume.world_from_index, {box.lower - half, box.upper + half});
-    info.min = low;
-    info.max = high;
-    return info;
-}
-
 }  // namespace
 
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
                    std::vector<std::string>* notes) {
     ValueNotes found;
+    std::string departure;
     Volume volume = is_nvdb(file)   ? read_nvdb(file, options, &found)
-                    : is_scan(file) ? read_scan(file, options, &found)
+                    : is_scan(file) ? read_scan(file, options, &found, &departure)
                                     : read_vdb(file, options, &found);
+    if (notes && !departure.empty()) notes->push_back(departure);
     const std::string text =
         values_text(found, fmt::format("{}: grid '{}'", file.string(), volume.name));
     if (notes && !text.empty()) notes->push_back(text);
@@ -138,14 +101,14 @@ std::vector<std::string> grid_names(const std::filesystem::path& file) {
 }
 
 bool is_volume_file(const std::filesystem::path& file) {
-    return is_nvdb(file) || is_scan(file) || lower_extension(file) == ".vdb";
+    return is_nvdb(file) || is_scan(file) || stored_extension(file) == ".vdb";
 }
 
 std::vector<VolumeInfo> inspect_volume(const std::filesystem::path& file) {
     if (is_scan(file)) return inspect_scan(file);
-    if (is_nvdb(file)) return {{info_of(read_nvdb(file, {.values = {true, true}})), {}, {}, {}}};
     std::vector<VolumeInfo> all;
-    for (const GridInfo& grid : inspect_vdb(file)) all.push_back({grid, {}, {}, {}});
+    for (const GridInfo& grid : is_nvdb(file) ? inspect_nvdb(file) : inspect_vdb(file))
+        all.push_back({grid, {}, {}, {}, {}});
     return all;
 }
 

@@ -69,6 +69,7 @@ Json as_json(const VolumeInfo& volume) {
     if (!volume.coordinates.empty()) json["coordinates"] = volume.coordinates;
     if (!volume.length_unit.empty()) json["length_unit"] = volume.length_unit;
     if (!volume.value_unit.empty()) json["value_unit"] = volume.value_unit;
+    if (!volume.note.empty()) json["note"] = volume.note;
     if (grid.affine) {
         Json rows = Json::array();
         for (int r = 0; r < 3; ++r) {
@@ -102,6 +103,7 @@ void print(const VolumeInfo& volume) {
         line("value range", fmt::format("{:.6g} to {:.6g}{}{}", grid.min, grid.max,
                                         volume.value_unit.empty() ? "" : " ", volume.value_unit));
     }
+    if (!volume.note.empty()) line("note", volume.note);
     if (!volume.coordinates.empty()) line("coordinates", volume.coordinates);
     if (grid.affine) {
         if (!grid.world.empty()) line("world box", text(grid.world));

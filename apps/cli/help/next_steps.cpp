@@ -20,8 +20,7 @@ namespace fs = std::filesystem;
 /// Types of grids with one number a voxel.
 bool is_scalar_grid(const VolumeInfo& volume) {
     const std::string& type = volume.grid.type;
-    return !volume.grid.points && !type.starts_with("vec") && type != "bool" && type != "mask" &&
-           type != "string";
+    return !volume.grid.points && !type.starts_with("vec") && type != "string";
 }
 
 /// Name of an output beside nothing else: smoke.ply of data/smoke.vdb, in the working folder.

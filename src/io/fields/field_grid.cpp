@@ -58,7 +58,7 @@ FieldGrid load_nvdb(const FieldSource& source) {
     nvdb::NvdbFile file(source.file);
     const nvdb::NvdbEntry& entry = nvdb::chosen_entry(file, source.grid);
     FieldGrid field;
-    field.name = entry.name;
+    field.name = entry.plain_name;
     field.where = file.where(entry);
     with_vdb_errors(field.where, [&] {
         const NanoBuffer buffer = file.load(entry);
@@ -99,11 +99,11 @@ FieldGrid load_field_grid(const FieldSource& source) {
 std::string name_of(const FieldSource& source) {
     require_file(source);
     openvdb::initialize();
-    const std::string grid = nvdb::is_nvdb(source.file)
-                                 ? nvdb::chosen_entry(nvdb::NvdbFile(source.file), source.grid).name
-                             : scan::is_scan(source.file)
-                                 ? scan::scan_field_name(source)
-                                 : chosen_entry(VdbFile(source.file), source.grid).plain_name;
+    const std::string grid =
+        nvdb::is_nvdb(source.file)
+            ? nvdb::chosen_entry(nvdb::NvdbFile(source.file), source.grid).plain_name
+        : scan::is_scan(source.file) ? scan::scan_field_name(source)
+                                     : chosen_entry(VdbFile(source.file), source.grid).plain_name;
     return source.name.empty() ? grid : source.name;
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 #include "core/paging.h"
 #include "io/file_extension.h"
@@ -92,11 +93,16 @@ void check_header(const NanoBuffer& grid, const std::string& where) {
 
 }  // namespace
 
-bool is_nvdb(const std::filesystem::path& file) { return lower_extension(file) == ".nvdb"; }
+bool is_nvdb(const std::filesystem::path& file) { return stored_extension(file) == ".nvdb"; }
 
 NvdbFile::NvdbFile(const std::filesystem::path& file) : name_(file.string()), file_(file) {
     do read_segment();
     while (file_.position() < file_.size());
+    std::map<std::string, int> repeats, numbers;
+    for (const NvdbEntry& entry : entries_) ++repeats[entry.plain_name];
+    for (NvdbEntry& entry : entries_)
+        if (repeats[entry.plain_name] > 1)
+            entry.name += fmt::format("[{}]", numbers[entry.plain_name]++);
 }
 
 void NvdbFile::read_segment() {
@@ -127,7 +133,8 @@ void NvdbFile::read_segment() {
         const auto description = file_.number<Description>();
         NvdbEntry entry;
         const char* name = file_.take(description.name_bytes);
-        entry.name = grid_name({name, strnlen(name, description.name_bytes)});
+        entry.plain_name = grid_name({name, strnlen(name, description.name_bytes)});
+        entry.name = entry.plain_name;
         entry.type = description.type;
         entry.codec = codec;
         entry.grid_bytes = description.grid_bytes;

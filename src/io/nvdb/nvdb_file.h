@@ -13,12 +13,13 @@
 
 namespace vog::nvdb {
 
-/// Whether a file is a .nvdb, by its extension in any case.
+/// Whether a file is a .nvdb or .nvdb.gz, by its extension in any case.
 bool is_nvdb(const std::filesystem::path& file);
 
 /// Entry of one grid in a file.
 struct NvdbEntry {
-    std::string name;
+    std::string name;  ///< for display: "density", or "density[1]" if several grids share a name
+    std::string plain_name;  ///< without that number
     nanovdb::GridType type;
     std::uint16_t codec = 0;           ///< 0 none, 1 zip, 2 blosc
     std::uint64_t begin = 0, end = 0;  ///< range of bytes in the file

@@ -261,7 +261,54 @@ class NanoReader {
     std::vector<PlacedLeaf> leaves_;
 };
 
+using Reader = openvdb::GridBase::Ptr (*)(const NanoBuffer&, const std::string&, NanoLeaves*);
+
+template <class Build, class GridT>
+openvdb::GridBase::Ptr read_as(const NanoBuffer& buffer, const std::string& where,
+                               NanoLeaves* leaves) {
+    return NanoReader<Build, GridT>(buffer, where, leaves).read();
+}
+
+/// Null for a type that holds neither numbers nor vectors.
+Reader reader_of(nanovdb::GridType type) {
+    using nanovdb::GridType;
+    switch (type) {
+        case GridType::Float:
+            return read_as<float, openvdb::FloatGrid>;
+        case GridType::Double:
+            return read_as<double, openvdb::DoubleGrid>;
+        case GridType::Int16:
+            return read_as<std::int16_t, openvdb::Int32Grid>;
+        case GridType::Int32:
+            return read_as<std::int32_t, openvdb::Int32Grid>;
+        case GridType::Int64:
+            return read_as<std::int64_t, openvdb::Int64Grid>;
+        case GridType::UInt32:
+            return read_as<std::uint32_t, openvdb::Int64Grid>;
+        case GridType::Boolean:
+            return read_as<bool, openvdb::BoolGrid>;
+        case GridType::Mask:
+            return read_as<nanovdb::ValueMask, openvdb::MaskGrid>;
+        case GridType::Fp4:
+            return read_as<nanovdb::Fp4, openvdb::FloatGrid>;
+        case GridType::Fp8:
+            return read_as<nanovdb::Fp8, openvdb::FloatGrid>;
+        case GridType::Fp16:
+            return read_as<nanovdb::Fp16, openvdb::FloatGrid>;
+        case GridType::FpN:
+            return read_as<nanovdb::FpN, openvdb::FloatGrid>;
+        case GridType::Vec3f:
+            return read_as<nanovdb::Vec3f, openvdb::Vec3SGrid>;
+        case GridType::Vec3d:
+            return read_as<nanovdb::Vec3d, openvdb::Vec3DGrid>;
+        default:
+            return nullptr;
+    }
+}
+
 }  // namespace
+
+bool is_readable(nanovdb::GridType type) { return reader_of(type) != nullptr; }
 
 bool is_scalar(nanovdb::GridType type) {
     using enum nanovdb::GridType;
@@ -272,43 +319,12 @@ bool is_scalar(nanovdb::GridType type) {
 
 openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& buffer, const std::string& where,
                                       NanoLeaves* leaves) {
-    using nanovdb::GridType;
     const auto& header = *reinterpret_cast<const nanovdb::GridData*>(buffer.data());
-    const auto read = [&]<class Build, class GridT>() -> openvdb::GridBase::Ptr {
-        return NanoReader<Build, GridT>(buffer, where, leaves).read();
-    };
-    const auto read_typed = [&]() -> openvdb::GridBase::Ptr {
-        switch (header.mGridType) {
-            case GridType::Float:
-                return read.operator()<float, openvdb::FloatGrid>();
-            case GridType::Double:
-                return read.operator()<double, openvdb::DoubleGrid>();
-            case GridType::Int16:
-                return read.operator()<std::int16_t, openvdb::Int32Grid>();
-            case GridType::Int32:
-                return read.operator()<std::int32_t, openvdb::Int32Grid>();
-            case GridType::Int64:
-                return read.operator()<std::int64_t, openvdb::Int64Grid>();
-            case GridType::UInt32:
-                return read.operator()<std::uint32_t, openvdb::Int64Grid>();
-            case GridType::Fp4:
-                return read.operator()<nanovdb::Fp4, openvdb::FloatGrid>();
-            case GridType::Fp8:
-                return read.operator()<nanovdb::Fp8, openvdb::FloatGrid>();
-            case GridType::Fp16:
-                return read.operator()<nanovdb::Fp16, openvdb::FloatGrid>();
-            case GridType::FpN:
-                return read.operator()<nanovdb::FpN, openvdb::FloatGrid>();
-            case GridType::Vec3f:
-                return read.operator()<nanovdb::Vec3f, openvdb::Vec3SGrid>();
-            case GridType::Vec3d:
-                return read.operator()<nanovdb::Vec3d, openvdb::Vec3DGrid>();
-            default:
-                throw Error(fmt::format("{}: holds {}, expected numbers or vectors", where,
-                                        nano_type_name(header.mGridType)));
-        }
-    };
-    const openvdb::GridBase::Ptr grid = read_typed();
+    const Reader read = reader_of(header.mGridType);
+    if (!read)
+        throw Error(fmt::format("{}: holds {}, expected numbers or vectors", where,
+                                nano_type_name(header.mGridType)));
+    const openvdb::GridBase::Ptr grid = read(buffer, where, leaves);
     if (header.mGridClass == nanovdb::GridClass::LevelSet)
         grid->setGridClass(openvdb::GRID_LEVEL_SET);
     if (header.mGridClass == nanovdb::GridClass::FogVolume)

@@ -3,7 +3,9 @@
 
 #include <openvdb/openvdb.h>
 
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/aligned_buffer.h"
 #include "io/vdb/vdb_density.h"
@@ -16,6 +18,9 @@ using namespace vdb;
 
 /// Whether a grid of this type can be the default density grid.
 bool is_scalar(nanovdb::GridType type);
+
+/// Whether grid_from_nano reads grids of this type.
+bool is_readable(nanovdb::GridType type);
 
 /// Leaves with active voxels, as in a Volume, and the census of their values.
 struct NanoLeaves {
@@ -32,6 +37,9 @@ struct NanoLeaves {
 ///         buffer or overlapping ones, for a checksum that does not match
 openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& grid, const std::string& where,
                                       NanoLeaves* leaves = nullptr);
+
+/// Describes every grid of a .nvdb file, in file order; of types that are not read their name alone.
+std::vector<GridInfo> inspect_nvdb(const std::filesystem::path& file);
 
 /// World-from-index map of the grid's header; may be singular.
 Affine nano_transform(const NanoBuffer& grid);

@@ -1,11 +1,11 @@
 // nvdb_read.cpp: choice of a grid in a .nvdb file, and its conversion to density.
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "io/nvdb/nvdb_file.h"
 #include "io/nvdb/nvdb_grid.h"
+#include "io/vdb/vdb_choice.h"
 #include "io/vdb/vdb_density.h"
 #include "io/vdb/vdb_volume.h"
 #include "vog/volume_io.h"
@@ -16,29 +16,13 @@ using namespace nvdb;
 using namespace vdb;
 
 const NvdbEntry& nvdb::chosen_entry(const NvdbFile& file, const std::string& requested) {
-    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
-    const std::string name = grid_name(requested);
-    std::vector<std::string> names;
-    std::vector<const NvdbEntry*> named, scalar;
-    for (const NvdbEntry& entry : file.entries()) {
-        names.push_back(entry.name);
-        if (is_scalar(entry.type)) scalar.push_back(&entry);
-        if (entry.name == (name.empty() ? "density" : name)) named.push_back(&entry);
-    }
-    if (name.empty()) std::erase_if(named, [](auto* entry) { return !is_scalar(entry->type); });
-    if (name.empty() && scalar.size() == 1) return *scalar.front();
-    if (named.size() == 1) return *named.front();
-    const std::string list = fmt::format("it has: {}", fmt::join(names, ", "));
-    if (!name.empty())
-        throw Error(fmt::format("{}: {} named '{}' ({})", file.name(),
-                                named.empty() ? "no grid" : "several grids", name, list));
-    if (scalar.empty())
-        throw Error(fmt::format("{}: no scalar grid ({}); vector grids are read when named",
-                                file.name(), list));
-    throw Error(
-        fmt::format("{}: {} scalar grids, expected one, or one named 'density', or a name "
-                    "({})",
-                    file.name(), scalar.size(), list));
+    return chosen_of(file.entries(), file.name(), requested, [](const NvdbEntry& entry) {
+        const bool is_switch =
+            entry.type == nanovdb::GridType::Boolean || entry.type == nanovdb::GridType::Mask;
+        return is_scalar(entry.type) ? ValueKind::numbers
+               : is_switch           ? ValueKind::switches
+                                     : ValueKind::others;
+    });
 }
 
 namespace {
@@ -97,11 +81,35 @@ Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, V
         if (volume.empty())
             throw Error(fmt::format("{}: no active voxels{}", where,
                                     options.mask ? " above 0, expected a mask" : ""));
-        volume.name = entry.name;
+        volume.name = entry.plain_name;
         volume.source = printable(file.name());
         if (notes) *notes = found;
         return volume;
     });
+}
+
+std::vector<GridInfo> nvdb::inspect_nvdb(const std::filesystem::path& path) {
+    openvdb::initialize();
+    NvdbFile file(path);
+    std::vector<GridInfo> infos;
+    for (const NvdbEntry& entry : file.entries()) {
+        const std::string where = file.where(entry);
+        with_vdb_errors(where, [&] {
+            const NanoBuffer buffer = file.load(entry);
+            GridInfo info;
+            info.name = entry.name;
+            info.world_from_index = nano_transform(buffer);
+            info.type = nano_type_name(entry.type);
+            if (is_readable(entry.type)) {
+                const openvdb::GridBase::Ptr grid = grid_from_nano(buffer, where);
+                info.type = short_type(grid->type());
+                info.grid_class = openvdb::GridBase::gridClassToString(grid->getGridClass());
+                describe_grid(*grid, info);
+            }
+            infos.push_back(info);
+        });
+    }
+    return infos;
 }
 
 }  // namespace vog

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <memory>
 
@@ -33,10 +32,17 @@ ScanFile open_fits(const std::filesystem::path& file) {
 
 namespace {
 
-/// Open file. Names with brackets are names: fits_open_diskfile knows no extended ones.
+constexpr std::uint64_t kBlock = 2880;
+
+/// Open file. Names with brackets are names: fits_open_diskfile knows no extended ones. Files packed by gzip, in one
+/// member or several, and those that do not end with a whole block are opened in memory.
 struct Fits {
     std::string name;
     fitsfile* handle = nullptr;
+    std::uint64_t size = 0;  ///< bytes, unpacked, without those added here
+    BigVector<char> memory;
+    void* begin = nullptr;  ///< of `memory`, where the library looks it up
+    std::size_t memory_size = 0;
 
     explicit Fits(const std::filesystem::path& file) : name(file.string()) {
         require_readable(file);
@@ -44,8 +50,21 @@ struct Fits {
         if (name.size() >= FLEN_FILENAME)
             throw Error(fmt::format("{}: a path of {} bytes, expected less than {}", name,
                                     name.size(), FLEN_FILENAME));
-        check_gzip(file);
-        fits_open_diskfile(&handle, name.c_str(), READONLY, &status);
+        const bool packed = is_gzip(file);
+        if (packed) memory = unpacked_bytes(file);
+        size = packed ? memory.size() : std::filesystem::file_size(file);
+        if (!packed && size % kBlock != 0) {
+            ScanBytes bytes(file, 0, false);
+            resize_kept(memory, size);
+            bytes.read(memory.data(), size);
+        }
+        if (memory.empty()) {
+            fits_open_diskfile(&handle, name.c_str(), READONLY, &status);
+        } else {
+            memory.resize((size + kBlock - 1) / kBlock * kBlock);
+            begin = memory.data(), memory_size = memory.size();
+            fits_open_memfile(&handle, "cube", READONLY, &begin, &memory_size, 0, nullptr, &status);
+        }
         check(status);
     }
     ~Fits() {
@@ -65,21 +84,20 @@ struct Fits {
         throw Error(
             fmt::format("{}: {}, expected a FITS image of 2 to 4 axes", name, printable(text)));
     }
-    /// The library allocates the length that ends a gzip'd file before it unpacks.
-    void check_gzip(const std::filesystem::path& file) const {
-        if (!is_gzip(file)) return;
-        std::ifstream stream(file, std::ios::binary);
-        std::array<unsigned char, 4> last{};
-        stream.seekg(-4, std::ios::end);
-        stream.read(reinterpret_cast<char*>(last.data()), 4);
-        const std::uint64_t length = last[0] | std::uint64_t{last[1]} << 8 |
-                                     std::uint64_t{last[2]} << 16 | std::uint64_t{last[3]} << 24;
-        constexpr std::uint64_t kMostRatio = 1032, kHead = 4096;
-        const std::uint64_t most = (std::filesystem::file_size(file) + kHead) * kMostRatio;
-        if (!stream || length > most)
+    /// throws vog::Error where the file ends before the data of the current HDU do
+    void check_data() const {
+        LONGLONG head = 0, data = 0, end = 0;
+        int status = 0;
+        check(fits_get_hduaddrll(handle, &head, &data, &end, &status));
+        double values = 1;
+        const double rank = number("NAXIS", 0);
+        for (int n = 1; n <= rank; ++n) values *= number("NAXIS" + std::to_string(n), 0);
+        const double bytes = std::abs(number("BITPIX", 8)) / 8 * number("GCOUNT", 1) *
+                             (number("PCOUNT", 0) + values);
+        if (const double needed = static_cast<double>(data) + bytes;
+            needed > static_cast<double>(size))
             throw Error(
-                fmt::format("{}: truncated or corrupt: {} bytes unpacked, expected at most {}",
-                            name, length, most));
+                fmt::format("{}: truncated: {} bytes, expected {} or more", name, size, needed));
     }
     bool has(const std::string& key) const {
         char card[FLEN_CARD];
@@ -101,67 +119,142 @@ struct Fits {
     }
 };
 
-/// Image of an HDU: its first three axes longer than 1, or all in order, and one of several images.
+constexpr std::size_t kNoAxis = 99;
+
+/// Images of an HDU: its axes along x, y and z, and the others, along which there are several images.
 struct FitsImage {
     int hdu = 1, bits = 8;
     std::vector<long> edge;
+    std::array<std::size_t, 3> space{kNoAxis, kNoAxis, kNoAxis};
+    std::vector<std::size_t> others;
     std::uint64_t voxels = 0, images = 1;
+
+    long size(std::size_t n) const { return space[n] == kNoAxis ? 1 : edge[space[n]]; }
+    /// Pixel of each axis where image n begins, from 1.
+    std::vector<long> first_pixel(std::size_t n) const {
+        std::vector<long> pixel(edge.size(), 1);
+        for (const std::size_t axis : others) {
+            const auto count = static_cast<std::size_t>(edge[axis]);
+            pixel[axis] = static_cast<long>(n % count) + 1;
+            n /= count;
+        }
+        return pixel;
+    }
 };
 
-/// Map of pixels to the world's units where the axes have one unit; else voxels of 1.
-void set_map(const Fits& fits, ScanGrid& grid) {
-    std::array<std::string, 3> unit, type;
-    bool known = false;
-    for (std::size_t n = 0; n < 3; ++n) {
-        const std::string axis = std::to_string(n + 1);
-        unit[n] = fits.text("CUNIT" + axis);
-        type[n] = fits.text("CTYPE" + axis);
-        known |= fits.has("CDELT" + axis) || fits.has("CD" + axis + "_" + axis) ||
-                 fits.has("CRVAL" + axis);
+/// Key of an axis, or of a pair of axes in either of the two spellings: CD1_2, CD001002.
+std::string axis_key(const char* key, std::size_t axis) {
+    return fmt::format("{}{}", key, axis + 1);
+}
+std::string pair_key(const Fits& fits, const char* key, std::size_t row, std::size_t column) {
+    const std::string old = fmt::format("{}{:03}{:03}", key, row + 1, column + 1);
+    return fits.has(old) ? old : fmt::format("{}{}_{}", key, row + 1, column + 1);
+}
+
+/// Linear world coordinates of the file, as wcslib has them: CDi_j, where absent 0; else CDELTi PCi_j.
+class FitsWorld {
+  public:
+    FitsWorld(const Fits& fits, std::size_t rank) : fits_(fits), in_matrix_(rank, false) {
+        for (std::size_t row = 0; row < rank; ++row)
+            for (std::size_t column = 0; column < rank; ++column) {
+                if (fits.has(pair_key(fits, "CD", row, column)))
+                    in_matrix_[row] = in_matrix_[column] = matrix_ = stated_ = true;
+                stated_ |= fits.has(pair_key(fits, "PC", row, column));
+            }
+        for (std::size_t axis = 0; axis < rank; ++axis)
+            for (const char* key : {"CDELT", "CRVAL", "CRPIX"})
+                stated_ |= fits.has(axis_key(key, axis));
     }
-    const bool flat = grid.size.z == 1;
-    const bool same = unit[0] == unit[1] && (flat || unit[1] == unit[2]);
+    bool stated() const { return stated_; }
+    double entry(std::size_t row, std::size_t column) const {
+        const double own = row == column ? 1.0 : 0.0;
+        if (row == kNoAxis || column == kNoAxis) return own;
+        const double edge = fits_.number(axis_key("CDELT", row), 1);
+        if (!matrix_) return edge * fits_.number(pair_key(fits_, "PC", row, column), own);
+        // An axis without any CDi_j, beside others with some, has its CDELT.
+        const double otherwise = in_matrix_[row] || in_matrix_[column] ? 0 : own * edge;
+        return fits_.number(pair_key(fits_, "CD", row, column), otherwise);
+    }
+    double origin(std::size_t row) const {
+        return row == kNoAxis ? 0 : fits_.number(axis_key("CRVAL", row), 0);
+    }
+    double reference(std::size_t column) const {  ///< counts from 1
+        return column == kNoAxis ? 1 : fits_.number(axis_key("CRPIX", column), 0);
+    }
+
+  private:
+    const Fits& fits_;
+    std::vector<bool> in_matrix_;
+    bool matrix_ = false, stated_ = false;
+};
+
+/// Map of pixels to the world's units where the axes have one unit, or units of length; else voxels of 1.
+/// pixel  of the axes that are not in space
+void set_map(const Fits& fits, const FitsImage& image, const std::vector<long>& pixel,
+             ScanGrid& grid) {
+    std::vector<std::string> units, types;
     std::string axes;
-    for (std::size_t n = 0; n < 3; ++n)
-        if (!type[n].empty() || !unit[n].empty())
-            axes += fmt::format("{}{}{}{}", axes.empty() ? "" : ", ", type[n],
-                                type[n].empty() || unit[n].empty() ? "" : " ", unit[n]);
-    if (!known) {
+    for (const std::size_t axis : image.space) {
+        units.push_back(axis == kNoAxis ? "" : fits.text(axis_key("CUNIT", axis)));
+        types.push_back(axis == kNoAxis ? "" : fits.text(axis_key("CTYPE", axis)));
+        const std::string &unit = units.back(), &type = types.back();
+        if (!type.empty() || !unit.empty())
+            axes += fmt::format("{}{}{}{}", axes.empty() ? "" : ", ", type,
+                                type.empty() || unit.empty() ? "" : " ", unit);
+    }
+    const FitsWorld world(fits, image.edge.size());
+    if (!world.stated()) {
         grid.coordinates = "pixels, the file states no others";
         return;
     }
     // An angle and a frequency have no common length; nor is a sphere a plane.
-    const bool celestial = std::ranges::any_of(type, [](const std::string& t) {
+    const bool celestial = std::ranges::any_of(types, [](const std::string& t) {
         return t.size() > 5 && t.find('-') != std::string::npos && t[4] == '-';
     });
-    if (!same || celestial) {
+    if (grid.size.z == 1) units.pop_back();
+    if (!have_common_unit(units) || celestial) {
         grid.coordinates = fmt::format("pixels; its axes are {}", axes);
         return;
     }
-    std::array<Vec3d, 3> axis{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    Vec3d origin;
-    const bool matrix = fits.has("CD1_1") || fits.has("CD1_2") || fits.has("CD2_2");
+    Affine map;
     for (int r = 0; r < 3; ++r) {
-        const std::string row = std::to_string(r + 1);
-        origin[r] = fits.number("CRVAL" + row, 0);
-        const double edge = fits.number("CDELT" + row, 1);
+        const std::size_t row = image.space[static_cast<std::size_t>(r)];
+        map.translation[r] = world.origin(row);
         for (int c = 0; c < 3; ++c) {
-            const std::string place = row + "_" + std::to_string(c + 1);
-            const double own = r == c ? 1.0 : 0.0;
-            // CDi_j has no default of 1 where some of them are given, but for axes without any.
-            const double entry =
-                matrix ? fits.number("CD" + place, r == 2 && !fits.has("CD3_3") ? own * edge : 0)
-                       : edge * fits.number("PC" + place, own);
-            axis[static_cast<std::size_t>(c)][r] = entry;
+            const std::size_t column = image.space[static_cast<std::size_t>(c)];
+            map.linear(r, c) = row == kNoAxis || column == kNoAxis ? (r == c ? 1.0 : 0.0)
+                                                                   : world.entry(row, column);
+            map.translation[r] += map.linear(r, c) * (1 - world.reference(column));
         }
+        for (std::size_t axis = 0; axis < image.edge.size() && row != kNoAxis; ++axis)
+            if (std::ranges::find(image.space, axis) == image.space.end())
+                map.translation[r] += world.entry(row, axis) *
+                                      (static_cast<double>(pixel[axis]) - world.reference(axis));
     }
-    Affine map = affine_of_axes(axis, {});
-    Vec3d reference;  // CRPIX counts from 1
-    for (int n = 0; n < 3; ++n) reference[n] = fits.number("CRPIX" + std::to_string(n + 1), 0) - 1;
-    map.translation = origin - map.linear * reference;
+    // A single slice is as thick as its pixels are wide.
+    if (image.space[2] == kNoAxis) map.linear(2, 2) = length(map.linear.column(0));
     grid.world_from_index = map;
-    grid.length_unit = unit[0];
+    set_units(fits.name, units, grid);
     grid.coordinates = axes.empty() ? "those of the file" : axes;
+}
+
+/// Sets the axes in space: all of three or fewer, else the first three longer than 1. Axes of polarisation are not.
+void set_axes(const Fits& fits, FitsImage& image) {
+    std::vector<std::size_t> longer, single;
+    for (std::size_t axis = 0; axis < image.edge.size(); ++axis) {
+        const bool stokes = fits.text(axis_key("CTYPE", axis)) == "STOKES";
+        if (image.edge[axis] > 1 && stokes)
+            image.others.push_back(axis);
+        else if (image.edge[axis] > 1 || image.edge.size() <= 3)
+            longer.push_back(axis);
+        else
+            single.push_back(axis);
+    }
+    if (longer.size() > 3)
+        image.others.insert(image.others.end(), longer.begin() + 3, longer.end());
+    longer.insert(longer.end(), single.begin(), single.end());
+    std::copy_n(longer.begin(), std::min<std::size_t>(longer.size(), 3), image.space.begin());
+    std::ranges::sort(image.others);
 }
 
 /// Whether the current HDU is an image of 2 axes or more; sets its shape.
@@ -177,21 +270,25 @@ bool read_shape(const Fits& fits, FitsImage& image) {
     image.edge.resize(static_cast<std::size_t>(rank));
     fits.check(fits_get_img_size(fits.handle, rank, image.edge.data(), &status));
     fits.check(fits_get_img_equivtype(fits.handle, &image.bits, &status));
-    image.edge.resize(std::max<std::size_t>(image.edge.size(), 3), 1);
-    image.voxels = checked_voxels(fits.name, image.edge[0], image.edge[1], image.edge[2]);
-    for (std::size_t n = 3; n < image.edge.size(); ++n) {
-        if (image.edge[n] < 1 || image.edge[n] > kMostGrids ||
-            image.images * static_cast<std::uint64_t>(image.edge[n]) > kMostGrids)
+    for (std::size_t n = 0; n < image.edge.size(); ++n)
+        if (image.edge[n] < 1)
+            throw Error(fmt::format("{}: {} pixels along axis {}, expected 1 or more", fits.name,
+                                    image.edge[n], n + 1));
+    set_axes(fits, image);
+    image.voxels = checked_voxels(fits.name, image.size(0), image.size(1), image.size(2));
+    for (const std::size_t axis : image.others) {
+        if (image.edge[axis] > kMostGrids ||
+            image.images * static_cast<std::uint64_t>(image.edge[axis]) > kMostGrids)
             throw Error(fmt::format("{}: {} images along axis {}, expected 1 to {} in all",
-                                    fits.name, image.edge[n], n + 1, kMostGrids));
-        image.images *= static_cast<std::uint64_t>(image.edge[n]);
+                                    fits.name, image.edge[axis], axis + 1, kMostGrids));
+        image.images *= static_cast<std::uint64_t>(image.edge[axis]);
     }
+    fits.check_data();
     // Rice's and deflate's largest ratios are some 1000.
     constexpr double kMostRatio = 4000;
-    const bool plain = !packed && !is_gzip(fits.name);
-    const double bytes = static_cast<double>(std::filesystem::file_size(fits.name));
+    const auto bytes = static_cast<double>(fits.size);
     const double needed = static_cast<double>(image.voxels) * static_cast<double>(image.images);
-    if (needed > (plain ? bytes : kMostRatio * bytes))
+    if (needed > (packed ? kMostRatio * bytes : bytes))
         throw Error(
             fmt::format("{}: truncated: {} bytes, expected {} values", fits.name, bytes, needed));
     return true;
@@ -222,68 +319,116 @@ const char* type_of(int bits) {
     }
 }
 
-BigVector<float> read_image(const std::filesystem::path& file, const FitsImage& image,
-                            std::size_t n) {
-    Fits fits(file);
+BigVector<float> read_image(Fits& fits, const FitsImage& image, std::size_t n) {
     int status = 0;
     fits.check(fits_movabs_hdu(fits.handle, image.hdu, nullptr, &status));
     BigVector<float> values;
     resize_kept(values, image.voxels);
-    float blank = std::numeric_limits<float>::quiet_NaN();
-    constexpr std::uint64_t kStep = std::uint64_t{1} << 22;
-    for (std::uint64_t at = 0; at < image.voxels; at += kStep) {
-        const std::uint64_t count = std::min(kStep, image.voxels - at);
-        int any = 0;
-        fits_read_img(fits.handle, TFLOAT, static_cast<LONGLONG>(n * image.voxels + at + 1),
-                      static_cast<LONGLONG>(count), &blank, values.data() + at, &any, &status);
-        // A double beyond float's range is set to the largest one.
-        if (status == NUM_OVERFLOW) status = 0;
-        fits.check(status);
-        keep_memory();
-    }
+    double blank = std::numeric_limits<double>::quiet_NaN();
+    std::vector<long> first = image.first_pixel(n), last = first, step(first.size(), 1);
+    const auto range = [&](std::size_t axis, long from, long count) {
+        if (image.space[axis] == kNoAxis) return;
+        first[image.space[axis]] = from + 1;
+        last[image.space[axis]] = from + count;
+    };
+    constexpr long kStep = long{1} << 22;
+    const long row = image.size(0), rows = std::max(kStep / row, 1L);
+    std::vector<double> buffer;
+    float* to = values.data();
+    for (long z = 0; z < image.size(2); ++z)
+        for (long y = 0; y < image.size(1); y += rows) {
+            const long count = std::min(rows, image.size(1) - y);
+            range(0, 0, row), range(1, y, count), range(2, z, 1);
+            buffer.resize(static_cast<std::size_t>(row) * static_cast<std::size_t>(count));
+            int any = 0;
+            fits.check(fits_read_subset(fits.handle, TDOUBLE, first.data(), last.data(),
+                                        step.data(), &blank, buffer.data(), &any, &status));
+            to = std::ranges::transform(buffer, to, float_of).out;
+            keep_memory();
+        }
     return values;
+}
+
+/// Names of HDUs: EXTNAME, with EXTVER where several have it; else by number, "value" of a single image.
+std::vector<std::string> hdu_names(Fits& fits, const std::vector<FitsImage>& images) {
+    std::vector<std::string> names, versions;
+    for (const FitsImage& image : images) {
+        int status = 0;
+        fits.check(fits_movabs_hdu(fits.handle, image.hdu, nullptr, &status));
+        std::string name = fits.text("EXTNAME");
+        if (name == "COMPRESSED_IMAGE") name.clear();  // the default of packed images
+        versions.push_back(fmt::format("{}[{}]", name, fits.number("EXTVER", 1)));
+        if (name.empty())
+            name = images.size() == 1 ? ScanGrid{}.name : fmt::format("hdu{}", image.hdu);
+        names.push_back(name);
+    }
+    // Equal versions, too, are numbered by open_scan.
+    std::vector<std::string> result = names;
+    for (std::size_t n = 0; n < names.size(); ++n)
+        if (std::ranges::count(names, names[n]) > 1 &&
+            std::ranges::count(versions, versions[n]) == 1)
+            result[n] = versions[n];
+    return result;
 }
 
 }  // namespace
 
 ScanFile open_fits(const std::filesystem::path& file) {
-    Fits fits(file);
+    const auto fits = std::make_shared<Fits>(file);
     int status = 0, hdus = 0;
-    fits.check(fits_get_num_hdus(fits.handle, &hdus, &status));
+    fits->check(fits_get_num_hdus(fits->handle, &hdus, &status));
     constexpr int kMostHdus = 1000;
     std::vector<FitsImage> images;
-    std::vector<std::pair<std::size_t, std::size_t> > place;
-    ScanFile scan;
     for (int hdu = 1; hdu <= std::min(hdus, kMostHdus); ++hdu) {
-        fits.check(fits_movabs_hdu(fits.handle, hdu, nullptr, &status));
+        fits->check(fits_movabs_hdu(fits->handle, hdu, nullptr, &status));
         FitsImage image;
         image.hdu = hdu;
-        if (!read_shape(fits, image)) continue;
-        ScanGrid grid;
-        grid.size = {static_cast<std::int32_t>(image.edge[0]),
-                     static_cast<std::int32_t>(image.edge[1]),
-                     static_cast<std::int32_t>(image.edge[2])};
-        grid.type = type_of(image.bits);
-        grid.value_unit = fits.text("BUNIT");
-        set_map(fits, grid);
-        const std::string named = fits.text("EXTNAME");
-        const std::string base = named.empty() ? fmt::format("hdu{}", hdu) : named;
-        for (std::uint64_t n = 0; n < image.images; ++n) {
-            grid.name = image.images > 1 ? fmt::format("{}_{}", base, n) : base;
-            scan.grids.push_back(grid);
-            place.emplace_back(images.size(), n);
-        }
-        images.push_back(image);
+        if (read_shape(*fits, image)) images.push_back(image);
     }
-    if (scan.grids.empty())
+    if (images.empty())
         throw Error(fmt::format("{}: no image of 2 axes or more, expected a cube", file.string()));
-    if (scan.grids.size() == 1) scan.grids[0].name = ScanGrid{}.name;
-    if (images.size() == 1 && scan.grids.size() > 1) {
-        const std::vector<std::string> names = numbered_names("c", scan.grids.size());
-        for (std::size_t n = 0; n < names.size(); ++n) scan.grids[n].name = names[n];
+    const std::vector<std::string> names = hdu_names(*fits, images);
+    std::vector<std::pair<std::size_t, std::size_t> > place;
+    ScanFile scan;
+    for (std::size_t i = 0; i < images.size(); ++i) {
+        const FitsImage& image = images[i];
+        fits->check(fits_movabs_hdu(fits->handle, image.hdu, nullptr, &status));
+        ScanGrid first;
+        first.size = {static_cast<std::int32_t>(image.size(0)),
+                      static_cast<std::int32_t>(image.size(1)),
+                      static_cast<std::int32_t>(image.size(2))};
+        first.type = type_of(image.bits);
+        first.value_unit = fits->text("BUNIT");
+        std::vector<long> pixel = image.first_pixel(0);
+        set_map(*fits, image, pixel, first);
+        // World steps along the axes that are not in space.
+        std::vector<Vec3d> step(pixel.size());
+        for (const std::size_t axis : image.others) {
+            ScanGrid next = first;
+            pixel[axis] = 2;
+            set_map(*fits, image, pixel, next);
+            pixel[axis] = 1;
+            step[axis] = next.world_from_index.translation - first.world_from_index.translation;
+        }
+        for (std::uint64_t n = 0; n < image.images; ++n) {
+            ScanGrid grid = first;
+            const std::vector<long> at = image.first_pixel(n);
+            for (const std::size_t axis : image.others)
+                grid.world_from_index.translation = grid.world_from_index.translation +
+                                                    static_cast<double>(at[axis] - 1) * step[axis];
+            grid.name = names[i];
+            if (image.images > 1)
+                grid.name =
+                    images.size() == 1 ? fmt::format("c{}", n) : fmt::format("{}_{}", names[i], n);
+            scan.grids.push_back(grid);
+            place.emplace_back(i, n);
+        }
     }
-    scan.read = [file, images, place](std::size_t n) {
-        return read_image(file, images[place[n].first], place[n].second);
+    if (fits->size % kBlock != 0)
+        scan.note = fmt::format("{} bytes, not blocks of {} as FITS has them; all values are there",
+                                fits->size, kBlock);
+    scan.read = [fits, images, place](std::size_t n) {
+        return read_image(*fits, images[place[n].first], place[n].second);
     };
     return scan;
 }

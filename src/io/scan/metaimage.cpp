@@ -17,20 +17,28 @@ namespace {
 /// Lines "Key = value", by their keys in lower case; the last one names the place of the values.
 struct MetaHead {
     std::filesystem::path file;
-    std::map<std::string, std::string> fields;
-    std::uint64_t bytes = 0;  ///< to the end of the head
+    std::multimap<std::string, std::string> fields;
+    std::vector<std::string> list;  ///< names of files behind "ElementDataFile = LIST"
+    std::uint64_t bytes = 0;        ///< to the end of the head
 
-    /// Value of the first of these keys in the head; empty: none.
+    /// Value of these keys, which mean the same; empty: none of them is in the head.
+    /// throws vog::Error where they have several values
     std::string text(std::initializer_list<const char*> keys) const {
+        const std::string* value = nullptr;
         for (const char* key : keys)
-            if (const auto at = fields.find(key); at != fields.end()) return at->second;
-        return {};
+            for (auto [at, end] = fields.equal_range(key); at != end; ++at) {
+                if (value && *value != at->second)
+                    fail(fmt::format("{} '{}' and '{}', expected one of them", key,
+                                     printable(*value, 40), printable(at->second, 40)));
+                value = &at->second;
+            }
+        return value ? *value : std::string();
     }
     bool flag(std::initializer_list<const char*> keys, bool otherwise) const {
         const std::string value = lower_case(text(keys));
         if (value.empty()) return otherwise;
-        if (value == "true" || value == "1") return true;
-        if (value == "false" || value == "0") return false;
+        if (value == "true" || value == "t" || value == "1") return true;
+        if (value == "false" || value == "f" || value == "0") return false;
         fail(fmt::format("{} '{}', expected True or False", *keys.begin(), printable(value, 40)));
     }
     [[noreturn]] void fail(const std::string& what) const {
@@ -47,14 +55,18 @@ MetaHead read_meta_head(const std::filesystem::path& file) {
         if (!text.next(line))
             head.fail("a head without 'ElementDataFile = ...', expected a MetaImage");
         if (without_blanks(line).empty()) continue;
-        const std::size_t equals = line.find('=');
+        const std::size_t equals = line.find_first_of("=:");
         if (equals == std::string::npos)
             head.fail(fmt::format("line '{}', expected 'Key = value'", printable(line, 40)));
         const std::string key = lower_case(without_blanks(line.substr(0, equals)));
-        if (!head.fields.emplace(key, without_blanks(line.substr(equals + 1))).second)
-            head.fail(fmt::format("'{}' twice", printable(key, 40)));
+        head.fields.emplace(key, without_blanks(line.substr(equals + 1)));
     }
     head.bytes = text.position();
+    if (const auto words = words_of(head.text({"elementdatafile"}));
+        !words.empty() && words[0] == "LIST")
+        while (text.next(line))
+            if (const std::string name(without_blanks(line)); !name.empty())
+                head.list.push_back(name);
     return head;
 }
 
@@ -66,7 +78,8 @@ Number type_of(const MetaHead& head) {
         {"MET_LONG", Number::int32},      {"MET_ULONG", Number::uint32},
         {"MET_LONG_LONG", Number::int64}, {"MET_ULONG_LONG", Number::uint64},
         {"MET_FLOAT", Number::float32},   {"MET_DOUBLE", Number::float64}};
-    const std::string name = head.text({"elementtype"});
+    std::string name = head.text({"elementtype"});
+    if (name.ends_with("_ARRAY")) name.resize(name.size() - 6);  // of several channels
     const auto at = kTypes.find(name);
     if (at == kTypes.end())
         head.fail(
@@ -84,7 +97,7 @@ Affine map_of(const MetaHead& head, std::size_t rank) {
         const std::string text = head.text(keys);
         if (!text.empty()) values = numbers_of(head.file, *keys.begin(), text, values.size());
     };
-    set(spacing, {"elementspacing", "elementsize"});
+    set(spacing, {head.fields.contains("elementspacing") ? "elementspacing" : "elementsize"});
     set(origin, {"offset", "position", "origin"});
     set(matrix, {"transformmatrix", "rotation", "orientation"});
     std::array<Vec3d, 3> axis{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -95,31 +108,45 @@ Affine map_of(const MetaHead& head, std::size_t rank) {
             axis[n][static_cast<int>(c)] = spacing[n] * matrix[n * rank + c];
         first[static_cast<int>(n)] = origin[n];
     }
+    for (std::size_t n = 0; n < 3 && rank > 3; ++n)
+        if (matrix[n * rank + 3] != 0 || matrix[3 * rank + n] != 0)
+            head.fail("a TransformMatrix that mixes space and time, expected 0 there");
     if (rank == 2) axis[2] = {0, 0, spacing[0]};
     return affine_of_axes(axis, first);
 }
 
-void set_place(const MetaHead& head, StoredArray& array) {
+void set_place(const MetaHead& head, const std::vector<std::int64_t>& sizes, StoredArray& array) {
     const std::string named = head.text({"elementdatafile"});
-    const bool local = named == "LOCAL" || named == "Local" || named == "local";
-    if (named.starts_with("LIST") || named.find('%') != std::string::npos)
-        head.fail("values in several files, expected LOCAL or one file");
-    if (named.empty()) head.fail("ElementDataFile names no file");
-    array.file = local ? head.file : file_beside(head.file, named);
-    array.begin = local ? head.bytes : 0;
+    const bool local = lower_case(named) == "local";
+    if (local)
+        array.parts = {{head.file, head.bytes, 0}};
+    else
+        for (const auto& file : data_files(head.file, named, head.list, sizes))
+            array.parts.push_back({file, 0, 0});
     const std::string header = head.text({"headersize"});
     if (header.empty()) return;
     const std::int64_t skip = integers_of(head.file, "HeaderSize", header, 1)[0];
     if (skip < -1) head.fail(fmt::format("HeaderSize {}, expected -1 or more", skip));
-    if (skip >= 0) {
-        if (!local) array.begin = static_cast<std::uint64_t>(skip);
-        return;
+    if (skip == -1) {
+        // The values are the last bytes of the file; packed ones as many as CompressedDataSize states.
+        if (array.encoding == Encoding::deflate) {
+            const std::string packed = head.text({"compresseddatasize"});
+            if (packed.empty())
+                head.fail("HeaderSize -1 of packed values, expected CompressedDataSize");
+            const std::int64_t bytes = integers_of(head.file, "CompressedDataSize", packed, 1)[0];
+            for (StoredPart& part : array.parts) {
+                const auto size = static_cast<std::int64_t>(std::filesystem::file_size(part.file));
+                if (bytes < 0 || bytes > size)
+                    head.fail(
+                        fmt::format("CompressedDataSize {} of a file of {} bytes", bytes, size));
+                part.begin = static_cast<std::uint64_t>(size - bytes);
+            }
+        } else {
+            place_at_end(array);
+        }
+    } else if (!local) {
+        for (StoredPart& part : array.parts) part.begin = static_cast<std::uint64_t>(skip);
     }
-    // -1: the values are the last bytes of the file.
-    std::error_code code;
-    const std::uint64_t size = std::filesystem::file_size(array.file, code);
-    const std::uint64_t bytes = array.voxels * array.grids * bytes_of(array.type);
-    if (!code && size >= bytes && array.encoding == Encoding::raw) array.begin = size - bytes;
 }
 
 }  // namespace
@@ -155,19 +182,20 @@ ScanFile open_metaimage(const std::filesystem::path& file) {
     array.big_endian = head.flag({"binarydatabyteordermsb", "elementbyteordermsb"}, false);
     if (head.flag({"compresseddata"}, false)) array.encoding = Encoding::deflate;
     if (!head.flag({"binarydata"}, true)) array.encoding = Encoding::text;
-    set_place(head, array);
+    set_place(head, sizes, array);
 
     ScanGrid grid;
     grid.size = {static_cast<std::int32_t>(sizes[0]), static_cast<std::int32_t>(sizes[1]),
                  static_cast<std::int32_t>(rank > 2 ? sizes[2] : 1)};
     grid.type = type_name(array.type);
-    // ITK's world is LPS; it names the voxels' axes in every file it writes.
-    const std::string anatomy = head.text({"anatomicalorientation"});
-    const bool anatomical = !anatomy.empty() && anatomy.find('?') == std::string::npos;
+    // ITK's world is LPS. ITK writes AnatomicalOrientation into every file, "????" where it has no name for the axes.
+    const bool anatomical = head.fields.contains("anatomicalorientation");
     grid.world_from_index = to_ras(map_of(head, dimension), anatomical, anatomical);
-    if (anatomical) grid.coordinates = "RAS (right, anterior, superior), from ITK's LPS";
+    grid.coordinates = anatomical ? "RAS (right, anterior, superior), from ITK's LPS"
+                                  : "those of the file, which has no AnatomicalOrientation (ITK "
+                                    "reads them as LPS)";
     const std::string unit = lower_case(head.text({"distanceunits"}));
-    if (unit == "mm" || unit == "um" || unit == "cm" || unit == "m") grid.length_unit = unit;
+    if (!unit.empty() && unit != "?") set_units(file, {unit}, grid);
     ScanFile scan;
     scan.read = reader_of(array);
     scan.grids = named_copies(grid, numbered_names(channels > 1 ? "c" : "t", array.grids));

@@ -134,38 +134,67 @@ NiftiType type_of(const std::filesystem::path& file, int code) {
 }
 
 /// Map by the quaternion (b, c, d) and the voxel sizes; pixdim[0] is -1 for a mirrored z.
-Affine qform_map(const NiftiHead& head) {
-    const auto [b, c, d] = head.quatern;
+Affine qform_map(const std::filesystem::path& file, const NiftiHead& head, Vec3d edge) {
+    auto [b, c, d] = head.quatern;
+    const double square = b * b + c * c + d * d;
+    constexpr double kMostSquare = 1.01;  // above 1 by rounding
+    if (!(square <= kMostSquare))
+        throw Error(fmt::format("{}: quaternion ({}, {}, {}), expected a length up to 1",
+                                file.string(), b, c, d));
+    if (const double length = std::sqrt(square); length > 1) b /= length, c /= length, d /= length;
     const double a = std::sqrt(std::max(1 - (b * b + c * c + d * d), 0.0));
     const Mat3 rotation{
         {Vec3d{a * a + b * b - c * c - d * d, 2 * (b * c - a * d), 2 * (b * d + a * c)},
          Vec3d{2 * (b * c + a * d), a * a + c * c - b * b - d * d, 2 * (c * d - a * b)},
          Vec3d{2 * (b * d - a * c), 2 * (c * d + a * b), a * a + d * d - b * b - c * c}}};
     const double mirror = head.pixdim[0] < 0 ? -1 : 1;
-    return affine_of_axes({head.pixdim[1] * rotation.column(0), head.pixdim[2] * rotation.column(1),
-                           (mirror * head.pixdim[3]) * rotation.column(2)},
+    return affine_of_axes({edge.x * rotation.column(0), edge.y * rotation.column(1),
+                           (mirror * edge.z) * rotation.column(2)},
                           {head.shift[0], head.shift[1], head.shift[2]});
 }
 
-/// Map of the voxels, by the method that the standard prefers among those in the head.
-void set_map(const NiftiHead& head, ScanGrid& grid) {
-    if (head.sform > 0) {
-        for (std::size_t r = 0; r < 3; ++r) {
-            grid.world_from_index.linear.row[r] = {head.srow[r][0], head.srow[r][1],
-                                                   head.srow[r][2]};
-            grid.world_from_index.translation[static_cast<int>(r)] = head.srow[r][3];
-        }
+void add_note(std::string& notes, const std::string& note) {
+    notes += (notes.empty() ? "" : "; ") + note;
+}
+
+/// Edges of a voxel, as nibabel has them: 1 for 0, and without their sign.
+Vec3d voxel_edges(const NiftiHead& head, std::string& notes) {
+    Vec3d edge;
+    for (int n = 0; n < 3; ++n) {
+        const double stated = head.pixdim[static_cast<std::size_t>(n) + 1];
+        edge[n] = stated == 0 ? 1 : std::abs(stated);
+        if (stated <= 0 && n < head.dim[0])
+            add_note(notes, fmt::format("pixdim[{}] is {}, read as {}", n + 1, stated, edge[n]));
+    }
+    return edge;
+}
+
+/// Map of the voxels, by the method that the standard prefers among those in the head. An sform of zeros is none.
+void set_map(const std::filesystem::path& file, const NiftiHead& head, ScanGrid& grid,
+             std::string& notes) {
+    Affine sform;
+    for (std::size_t r = 0; r < 3; ++r) {
+        sform.linear.row[r] = {head.srow[r][0], head.srow[r][1], head.srow[r][2]};
+        sform.translation[static_cast<int>(r)] = head.srow[r][3];
+    }
+    const double det = determinant(sform.linear);
+    const bool singular = head.sform > 0 && (det == 0 || !std::isfinite(det));
+    if (singular && head.qform <= 0)
+        throw Error(
+            fmt::format("{}: an sform that is singular and no qform, expected one of them to "
+                        "place the voxels",
+                        file.string()));
+    if (singular) add_note(notes, "its sform is singular, the qform places its voxels");
+    if (head.sform > 0 && !singular) {
+        grid.world_from_index = sform;
         grid.coordinates = "RAS (right, anterior, superior), from the sform";
     } else if (head.qform > 0) {
-        grid.world_from_index = qform_map(head);
+        grid.world_from_index = qform_map(file, head, voxel_edges(head, notes));
         grid.coordinates = "RAS (right, anterior, superior), from the qform";
     } else {
-        std::array<Vec3d, 3> axis;
-        for (int n = 0; n < 3; ++n) {
-            const double edge = std::abs(head.pixdim[static_cast<std::size_t>(n) + 1]);
-            axis[static_cast<std::size_t>(n)][n] = edge > 0 ? edge : 1;
-        }
-        grid.world_from_index = affine_of_axes(axis, {});
+        const Vec3d edge = voxel_edges(head, notes);
+        grid.world_from_index =
+            affine_of_axes({Vec3d{edge.x, 0, 0}, {0, edge.y, 0}, {0, 0, edge.z}}, {});
         grid.coordinates = "voxel sizes alone, without an orientation";
     }
     constexpr const char* kUnits[] = {"", "m", "mm", "um"};
@@ -205,25 +234,35 @@ ScanFile open_nifti(const std::filesystem::path& file) {
     ScanBytes bytes(file, 0, deflated);
     bool swapped = false;
     const NiftiHead head = read_head(file, bytes, swapped);
+    ScanFile scan;
 
     const std::int64_t rank = head.dim[0];
     if (rank < 1 || rank > 7)
         throw Error(fmt::format("{}: {} axes, expected 1 to 7", file.string(), rank));
+    // Behind the first axis 0 is 1, as ITK reads it.
     const auto edge = [&](std::size_t n) {
-        return static_cast<std::int64_t>(n) <= rank ? head.dim[n] : 1;
+        const std::int64_t stated = static_cast<std::int64_t>(n) <= rank ? head.dim[n] : 1;
+        return stated == 0 && n > 1 ? 1 : stated;
     };
+    for (std::size_t n = 2; n < 8; ++n)
+        if (static_cast<std::int64_t>(n) <= rank && head.dim[n] == 0)
+            add_note(scan.note, fmt::format("dim[{}] is 0, read as 1", n));
     const NiftiType type = type_of(file, head.datatype);
     StoredArray array;
-    array.file = file;
     array.encoding = deflated ? Encoding::deflate : Encoding::raw;
     array.big_endian = swapped != (std::endian::native == std::endian::big);
     array.type = type.type;
     array.voxels = checked_voxels(file, edge(1), edge(2), edge(3));
-    const double least = head.second ? kSecondBytes : kFirstBytes;
-    if (!(head.vox_offset >= least && head.vox_offset < 9e15))
-        throw Error(fmt::format("{}: values at byte {}, expected {} or more", file.string(),
-                                head.vox_offset, least));
-    array.skip = static_cast<std::uint64_t>(head.vox_offset);
+    const auto least = static_cast<double>(head.second ? kSecondBytes : kFirstBytes);
+    double offset = head.vox_offset;
+    if (offset == 0) {
+        offset = least + 4;  // the head, and 4 bytes that announce extensions
+        add_note(scan.note, fmt::format("vox_offset is 0, read as {}", offset));
+    }
+    if (!(offset >= least && offset < 9e15))
+        throw Error(fmt::format("{}: values at byte {}, expected {} or more", file.string(), offset,
+                                least));
+    array.parts = {{file, 0, static_cast<std::uint64_t>(offset)}};
     // As the standard has it: slope 0 is none. nibabel treats one that is not finite likewise.
     if (head.slope != 0 && std::isfinite(head.slope) && type.components == 1) {
         if (!std::isfinite(head.inter))
@@ -250,12 +289,17 @@ ScanFile open_nifti(const std::filesystem::path& file) {
     grid.size = {static_cast<std::int32_t>(edge(1)), static_cast<std::int32_t>(edge(2)),
                  static_cast<std::int32_t>(edge(3))};
     grid.type = type_name(array.type);
-    set_map(head, grid);
-    ScanFile scan;
+    set_map(file, head, grid, scan.note);
     scan.read = reader_of(array);
-    std::vector<std::string> names = numbered_names("t", frames);
-    // Axis 5 has the components of vectors; axis 4 is time.
-    if (edge(4) == 1 && frames > 1) names = numbered_names("c", frames);
+    // Axis 4 is time, the fastest; axes behind it have the components of vectors.
+    const auto times = static_cast<std::uint64_t>(edge(4));
+    std::vector<std::string> names = numbered_names("c", frames);
+    if (times == frames) names = numbered_names("t", frames);
+    if (times > 1 && times < frames) {
+        names.clear();
+        for (std::uint64_t n = 0; n < frames; ++n)
+            names.push_back(fmt::format("t{}c{}", n % times, n / times));
+    }
     if (type.components > 1) names = color_names(type.components);
     scan.grids = named_copies(grid, names);
     return scan;

@@ -1,8 +1,9 @@
 // nrrd.cpp: NRRD (.nrrd, .nhdr): https://teem.sourceforge.net/nrrd/format.html
 #include <fmt/core.h>
 
-#include <bit>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -20,7 +21,8 @@ namespace {
 struct NrrdHead {
     std::filesystem::path file;
     std::map<std::string, std::string> fields;
-    std::uint64_t bytes = 0;  ///< to the end of the empty line behind the head
+    std::vector<std::string> list;  ///< names of files behind "data file: LIST"
+    std::uint64_t bytes = 0;        ///< to the end of the empty line behind the head
 
     std::string text(const std::string& key) const {
         const auto at = fields.find(key);
@@ -67,10 +69,14 @@ NrrdHead read_nrrd_head(const std::filesystem::path& file) {
         if (colon == std::string::npos)
             head.fail(fmt::format("line '{}', expected 'field: value'", printable(line, 40)));
         const std::string key = canonical(lower_case(line.substr(0, colon)));
+        if (key == "data file" && without_blanks(line.substr(colon + 2)).empty())
+            head.fail("data file names no file");
         if (!head.fields.emplace(key, without_blanks(line.substr(colon + 2))).second)
             head.fail(fmt::format("field '{}' twice", printable(key, 40)));
-        if (key == "data file" && head.text(key).starts_with("LIST"))
-            head.fail("values in a list of files, expected one data file");
+        if (key == "data file" && words_of(head.text(key)).front() == "LIST")
+            while (text.next(line))
+                if (const std::string name(without_blanks(line)); !name.empty())
+                    head.list.push_back(name);
     }
     head.bytes = text.position();
     return head;
@@ -124,9 +130,11 @@ Number type_of(const NrrdHead& head) {
     return at->second;
 }
 
-/// Vectors "(1,0,0) none (0,0,2)": one for each axis; none for an axis that is not in space.
-std::vector<std::optional<Vec3d>> vectors_of(const NrrdHead& head, const std::string& key) {
-    std::vector<std::optional<Vec3d>> vectors;
+/// Vectors "(1,0,0) none (0,0,2)" of 2 to 4 numbers: one for each axis; none, or NaN, for an axis not in space.
+using Vectors = std::vector<std::optional<std::vector<double>>>;
+
+Vectors vectors_of(const NrrdHead& head, const std::string& key) {
+    Vectors vectors;
     std::string_view text = head.fields.at(key);
     const auto fail = [&] {
         head.fail(fmt::format("{} '{}', expected vectors (x,y,z) or none", key,
@@ -144,11 +152,16 @@ std::vector<std::optional<Vec3d>> vectors_of(const NrrdHead& head, const std::st
         for (char& c : inside)
             if (c == ',') c = ' ';
         const std::vector<double> v = numbers_of(head.file, key, inside);
-        if (v.size() != 2 && v.size() != 3) fail();
-        vectors.push_back(Vec3d{v[0], v[1], v.size() == 3 ? v[2] : 0});
+        if (v.size() < 2 || v.size() > 4) fail();
+        vectors.emplace_back();
+        if (!std::ranges::all_of(v, [](double x) { return std::isnan(x); })) vectors.back() = v;
         text.remove_prefix(end + 1);
     }
     return vectors;
+}
+double component(const std::vector<double>& v, std::size_t n) { return n < v.size() ? v[n] : 0; }
+Vec3d in_space(const std::vector<double>& v) {
+    return {component(v, 0), component(v, 1), component(v, 2)};
 }
 
 /// Quoted words: "mm" "mm" "".
@@ -169,25 +182,40 @@ struct NrrdAxes {
     std::optional<std::size_t> other;
 };
 
-bool is_space_kind(const std::string& kind) {
-    return kind == "domain" || kind == "space" || kind == "???" || kind == "none";
+/// Whether an axis is in space: by its direction, else by its kind, else unless its spacing is NaN.
+/// Some writers state no spacing at all by NaN: then it says nothing of the axes.
+std::vector<bool> space_axes(const NrrdHead& head, std::size_t dimension,
+                             const Vectors& directions) {
+    std::vector<bool> space(dimension, true);
+    const std::vector<std::string> kinds = words_of(lower_case(head.text("kinds")));
+    std::vector<double> spacings;
+    if (head.fields.contains("spacings"))
+        spacings = numbers_of(head.file, "spacings", head.text("spacings"), dimension);
+    const bool stated = std::ranges::any_of(spacings, [](double s) { return !std::isnan(s); });
+    for (std::size_t n = 0; n < dimension; ++n) {
+        const std::string kind = kinds.size() == dimension ? kinds[n] : "???";
+        if (!directions.empty())
+            // A fourth component is time, along which space must not lie.
+            space[n] = directions[n] && component(*directions[n], 3) == 0;
+        else if (kind == "???" || kind == "none")
+            space[n] = !stated || !std::isnan(spacings[n]);
+        else
+            space[n] = kind == "domain" || kind == "space";
+        if (directions.empty() || space[n] || !directions[n]) continue;
+        if (in_space(*directions[n]) != Vec3d{})
+            head.fail(
+                fmt::format("axis {} runs in space and in time, expected one of them", n + 1));
+    }
+    return space;
 }
 
-NrrdAxes axes_of(const NrrdHead& head, std::size_t dimension,
-                 const std::vector<std::optional<Vec3d>>& directions) {
+NrrdAxes axes_of(const NrrdHead& head, std::size_t dimension, const Vectors& directions) {
     NrrdAxes axes;
     std::vector<std::size_t> others;
-    const std::vector<std::string> kinds = words_of(head.text("kinds"));
-    for (std::size_t n = 0; n < dimension; ++n) {
-        bool space = true;
-        if (!directions.empty())
-            space = directions[n].has_value();
-        else if (kinds.size() == dimension && dimension > 3)
-            space = is_space_kind(lower_case(kinds[n]));
-        (space ? axes.space : others).push_back(n);
-    }
+    const std::vector<bool> space = space_axes(head, dimension, directions);
+    for (std::size_t n = 0; n < dimension; ++n) (space[n] ? axes.space : others).push_back(n);
     // Without kinds the last of four axes is that of frames.
-    if (axes.space.size() == 4 && others.empty()) {
+    if (axes.space.size() == 4) {
         others.push_back(axes.space.back());
         axes.space.pop_back();
     }
@@ -226,38 +254,50 @@ Anatomy anatomy_of(const NrrdHead& head) {
 }
 
 /// Voxels by spacings, from axis mins where those are given.
-Affine map_by_spacings(const NrrdHead& head, std::size_t dimension, const NrrdAxes& axes) {
+Affine map_by_spacings(const NrrdHead& head, const std::vector<std::int64_t>& sizes,
+                       const NrrdAxes& axes) {
+    const std::size_t dimension = sizes.size();
     std::array<Vec3d, 3> axis{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     Vec3d origin;
-    std::vector<double> spacings, mins;
-    if (head.fields.contains("spacings"))
-        spacings = numbers_of(head.file, "spacings", head.text("spacings"), dimension);
-    if (head.fields.contains("axis mins"))
-        mins = numbers_of(head.file, "axis mins", head.text("axis mins"), dimension);
-    const std::vector<std::string> centers = words_of(head.text("centers"));
+    const auto numbers = [&](const char* key) {
+        return head.fields.contains(key) ? numbers_of(head.file, key, head.text(key), dimension)
+                                         : std::vector<double>(dimension, std::nan(""));
+    };
+    // Places in a named space need directions: ITK refuses spacings there, others read them without the space.
+    for (const char* key : {"space origin", "space"})
+        if (head.fields.contains(key))
+            head.fail(fmt::format("{} without space directions, expected both or neither", key));
+    const std::vector<double> spacings = numbers("spacings"), mins = numbers("axis mins"),
+                              maxs = numbers("axis maxs");
+    const std::vector<std::string> centers = words_of(lower_case(head.text("centers")));
     for (std::size_t n = 0; n < axes.space.size(); ++n) {
         const std::size_t from = axes.space[n];
-        const double edge = !spacings.empty() && std::isfinite(spacings[from]) ? spacings[from] : 1;
-        axis[n][static_cast<int>(n)] = edge;
-        if (mins.empty() || !std::isfinite(mins[from])) continue;
         // A least place is that of the first sample, or of the outer face of its cell.
         const bool node = centers.size() == dimension && centers[from] == "node";
+        const auto steps = static_cast<double>(sizes[from] - (node && sizes[from] > 1 ? 1 : 0));
+        double edge = 1;
+        if (std::isfinite(spacings[from]))
+            edge = spacings[from];
+        else if (std::isfinite(mins[from]) && std::isfinite(maxs[from]))
+            edge = (maxs[from] - mins[from]) / steps;
+        axis[n][static_cast<int>(n)] = edge;
+        if (!std::isfinite(mins[from])) continue;
         origin[static_cast<int>(n)] = mins[from] + (node ? 0 : edge / 2);
     }
     return affine_of_axes(axis, origin);
 }
 
-Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes,
-                         const std::vector<std::optional<Vec3d>>& directions) {
+Affine map_by_directions(const NrrdHead& head, const NrrdAxes& axes, const Vectors& directions) {
     std::array<Vec3d, 3> axis;
-    for (std::size_t n = 0; n < axes.space.size(); ++n) axis[n] = *directions[axes.space[n]];
+    for (std::size_t n = 0; n < axes.space.size(); ++n)
+        axis[n] = in_space(*directions[axes.space[n]]);
     // A single slice is as thick as its voxels are wide.
     if (axes.space.size() == 2) axis[2] = length(axis[0]) * normalized(cross(axis[0], axis[1]));
     Vec3d origin;
     if (head.fields.contains("space origin")) {
         const auto vectors = vectors_of(head, "space origin");
         if (vectors.size() != 1 || !vectors[0]) head.fail("space origin, expected one vector");
-        origin = *vectors[0];
+        origin = in_space(*vectors[0]);
     }
     return affine_of_axes(axis, origin);
 }
@@ -280,41 +320,33 @@ void set_encoding(const NrrdHead& head, StoredArray& array) {
     array.big_endian = endian == "big";
 }
 
-/// Place of the values: behind the head, or in a file of their own.
-void set_place(const NrrdHead& head, StoredArray& array) {
-    const std::string named = head.text("data file");
-    array.file = named.empty() ? head.file : file_beside(head.file, named);
-    array.begin = named.empty() ? head.bytes : 0;
-    if (named.find('%') != std::string::npos)
-        head.fail("values in numbered files, expected one data file");
+/// Place of the values: behind the head, or in files of their own. Lines are skipped in the files, bytes in what they
+/// hold when unpacked.
+void set_place(const NrrdHead& head, const std::vector<std::int64_t>& sizes, StoredArray& array) {
+    if (!head.fields.contains("data file"))
+        array.parts = {{head.file, head.bytes, 0}};
+    else
+        for (const auto& file : data_files(head.file, head.text("data file"), head.list, sizes))
+            array.parts.push_back({file, 0, 0});
     std::int64_t lines = 0, skip = 0;
     if (head.fields.contains("line skip"))
         lines = integers_of(head.file, "line skip", head.text("line skip"), 1)[0];
     if (head.fields.contains("byte skip"))
         skip = integers_of(head.file, "byte skip", head.text("byte skip"), 1)[0];
-    if (lines < 0 || skip < -1 || (skip == -1 && array.encoding != Encoding::raw) ||
-        (array.encoding == Encoding::deflate && lines > 0))
-        head.fail(fmt::format("line skip {} and byte skip {}, expected 0 or more", lines, skip));
-    if (lines > 0) {
-        TextHead text(array.file);
-        std::string line;
-        std::uint64_t left = array.begin;
-        while (text.position() < left && text.next(line)) {
-        }
-        for (; lines > 0; --lines)
-            if (!text.next(line)) head.fail("truncated: fewer lines than line skip");
-        array.begin = text.position();
+    if (lines < 0 || skip < -std::numeric_limits<std::int32_t>::max())
+        head.fail(
+            fmt::format("line skip {} and byte skip {}, expected lines from 0 on", lines, skip));
+    for (StoredPart& part : array.parts) {
+        // Values at the end need no lines before them, but a packed stream begins behind them.
+        if (skip >= 0 || array.encoding == Encoding::deflate)
+            part.begin = skip_lines(part.file, part.begin, lines);
+        if (skip > 0 && array.encoding == Encoding::deflate)
+            part.skip = static_cast<std::uint64_t>(skip);
+        else if (skip > 0)
+            part.begin += static_cast<std::uint64_t>(skip);
     }
-    if (skip >= 0) {
-        (array.encoding == Encoding::deflate ? array.skip : array.begin) +=
-            static_cast<std::uint64_t>(skip);
-        return;
-    }
-    // -1: the values are the last bytes of the file.
-    std::error_code code;
-    const std::uint64_t size = std::filesystem::file_size(array.file, code);
-    const std::uint64_t bytes = array.voxels * array.grids * bytes_of(array.type);
-    if (!code && size >= bytes) array.begin = size - bytes;
+    // -1: the values are the last bytes; -2: they end one byte before the end.
+    if (skip < 0) place_at_end(array, static_cast<std::uint64_t>(-skip - 1));
 }
 
 std::vector<std::string> nrrd_names(const NrrdHead& head, std::size_t dimension,
@@ -323,7 +355,9 @@ std::vector<std::string> nrrd_names(const NrrdHead& head, std::size_t dimension,
     const std::vector<std::string> kinds = words_of(lower_case(head.text("kinds")));
     const std::string kind = kinds.size() == dimension ? kinds[*axes.other] : "";
     if (kind.find("color") != std::string::npos && count <= 4) return color_names(count);
-    const bool time = kind.empty() ? *axes.other > 0 : kind == "time" || kind == "list";
+    const bool told = kind == "vector" || kind == "point" || kind.find("-") != kind.npos ||
+                      kind.find("color") != kind.npos;
+    const bool time = kind == "time" || kind == "list" || (!told && *axes.other > 0);
     return numbered_names(time ? "t" : "c", count);
 }
 
@@ -339,7 +373,7 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
     const std::vector<std::int64_t> sizes =
         integers_of(file, "sizes", head.text("sizes"), dimension);
 
-    std::vector<std::optional<Vec3d>> directions;
+    Vectors directions;
     if (head.fields.contains("space directions")) {
         directions = vectors_of(head, "space directions");
         if (directions.size() != dimension)
@@ -361,19 +395,15 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
         array.interleaved = *axes.other == 0;
     }
     set_encoding(head, array);
-    set_place(head, array);
+    set_place(head, sizes, array);
 
     ScanGrid grid;
     grid.size = {static_cast<std::int32_t>(edge(0)), static_cast<std::int32_t>(edge(1)),
                  static_cast<std::int32_t>(edge(2))};
     grid.type = type_name(array.type);
     grid.value_unit = head.text("sample units");
-    const std::vector<std::string> units =
-        quoted(head.text(directions.empty() ? "units" : "space units"));
-    const std::size_t first = directions.empty() ? axes.space.front() : 0;
-    if (first < units.size()) grid.length_unit = units[first];
     if (directions.empty()) {
-        grid.world_from_index = map_by_spacings(head, dimension, axes);
+        grid.world_from_index = map_by_spacings(head, sizes, axes);
     } else {
         const Anatomy anatomy = anatomy_of(head);
         grid.world_from_index =
@@ -382,6 +412,14 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
             grid.coordinates = fmt::format("RAS (right, anterior, superior), from {}",
                                            printable(head.text("space"), 40));
     }
+    // Units of the axes, or of the world's.
+    const std::vector<std::string> quotes =
+        quoted(head.text(directions.empty() ? "units" : "space units"));
+    std::vector<std::string> units;
+    for (std::size_t n = 0; n < axes.space.size(); ++n)
+        if (const std::size_t from = directions.empty() ? axes.space[n] : n; from < quotes.size())
+            units.push_back(quotes[from]);
+    set_units(file, units, grid);
     ScanFile scan;
     scan.read = reader_of(array);
     scan.grids = named_copies(grid, nrrd_names(head, dimension, axes, array.grids));

@@ -92,7 +92,6 @@ ScanFile open_raw(const std::filesystem::path& file) {
             throw Error(fmt::format("{}: endian '{}', expected little or big", head.string(),
                                     printable(endian, 40)));
         StoredArray array;
-        array.file = file;
         array.type = *number;
         array.big_endian = endian == "big";
         array.voxels = checked_voxels(head, size[0], size[1], size[2]);
@@ -107,17 +106,17 @@ ScanFile open_raw(const std::filesystem::path& file) {
                 fmt::format("{}: skip {}, frames {}, channels {}, expected skip from 0 on, and "
                             "several frames or several channels",
                             head.string(), skip, frames, channels));
-        array.begin = static_cast<std::uint64_t>(skip);
+        array.parts = {{file, static_cast<std::uint64_t>(skip), 0}};
         array.grids = static_cast<std::uint64_t>(std::max(frames, channels));
         array.interleaved = channels > 1;
         const std::uint64_t expected =
-            array.begin + array.voxels * array.grids * bytes_of(array.type);
+            array.parts[0].begin + array.voxels * array.grids * bytes_of(array.type);
         if (const std::uint64_t bytes = std::filesystem::file_size(file); bytes != expected)
             throw Error(
                 fmt::format("{}: {} bytes, expected {} for {} x {} x {} x {} values of {} behind "
                             "{} bytes",
                             file.string(), bytes, expected, size[0], size[1], size[2], array.grids,
-                            type, array.begin));
+                            type, skip));
         ScanGrid grid;
         grid.size = {static_cast<std::int32_t>(size[0]), static_cast<std::int32_t>(size[1]),
                      static_cast<std::int32_t>(size[2])};

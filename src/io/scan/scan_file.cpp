@@ -1,9 +1,11 @@
 // scan_file.cpp: choice of a format by extension and of a grid by name; maps and names that formats share.
 #include "io/scan/scan_file.h"
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "io/byte_source.h"
 #include "io/file_extension.h"
@@ -25,6 +27,79 @@ constexpr Format kFormats[] = {
     {".fits.gz", open_fits},  {".fits.fz", open_fits}};
 constexpr Format kFolder{"", open_tiff};
 
+/// Length in metres: number * 10^power, of which powers of ten are exact in doubles.
+struct LengthUnit {
+    double number;
+    int power;
+};
+const LengthUnit* length_unit(const std::string& name) {
+    // The units of OME's schema, of FITS, and names that programs write.
+    static const std::map<std::string, LengthUnit> kUnits{{"Ym", {1, 24}},
+                                                          {"Zm", {1, 21}},
+                                                          {"Em", {1, 18}},
+                                                          {"Pm", {1, 15}},
+                                                          {"Tm", {1, 12}},
+                                                          {"Gm", {1, 9}},
+                                                          {"Mm", {1, 6}},
+                                                          {"km", {1, 3}},
+                                                          {"hm", {1, 2}},
+                                                          {"dam", {1, 1}},
+                                                          {"m", {1, 0}},
+                                                          {"dm", {1, -1}},
+                                                          {"cm", {1, -2}},
+                                                          {"mm", {1, -3}},
+                                                          {"um", {1, -6}},
+                                                          {"nm", {1, -9}},
+                                                          {"pm", {1, -12}},
+                                                          {"fm", {1, -15}},
+                                                          {"am", {1, -18}},
+                                                          {"zm", {1, -21}},
+                                                          {"ym", {1, -24}},
+                                                          {"Angstrom", {1, -10}},
+                                                          {"thou", {2.54, -5}},
+                                                          {"li", {2.54 / 12, -2}},
+                                                          {"in", {2.54, -2}},
+                                                          {"ft", {3.048, -1}},
+                                                          {"yd", {9.144, -1}},
+                                                          {"mi", {1.609344, 3}},
+                                                          {"au", {1.495978707, 11}},
+                                                          {"ly", {9.4607304725808, 15}},
+                                                          {"pc", {3.0856775814913673, 16}},
+                                                          {"kpc", {3.0856775814913673, 19}},
+                                                          {"Mpc", {3.0856775814913673, 22}},
+                                                          {"Gpc", {3.0856775814913673, 25}},
+                                                          {"pt", {2.54 / 72, -2}},
+                                                          {"solRad", {6.957, 8}}};
+    const auto at = kUnits.find(name);
+    return at == kUnits.end() ? nullptr : &at->second;
+}
+/// One name for a unit of several.
+std::string unit_name(const std::string& unit) {
+    static const std::map<std::string, std::string> kOther{{"\xc2\xb5m", "um"},
+                                                           {"\xce\xbcm", "um"},
+                                                           {"\xb5m", "um"},
+                                                           {"\\u00B5m", "um"},
+                                                           {"micron", "um"},
+                                                           {"microns", "um"},
+                                                           {"micrometer", "um"},
+                                                           {"micrometre", "um"},
+                                                           {"\xc3\x85", "Angstrom"},
+                                                           {"\xe2\x84\xab", "Angstrom"},
+                                                           {"\xc5", "Angstrom"},
+                                                           {"\\u00C5", "Angstrom"},
+                                                           {"angstrom", "Angstrom"},
+                                                           {"nanometer", "nm"},
+                                                           {"millimeter", "mm"},
+                                                           {"centimeter", "cm"},
+                                                           {"meter", "m"},
+                                                           {"inch", "in"},
+                                                           {"ua", "au"},
+                                                           {"AU", "au"},
+                                                           {"lyr", "ly"}};
+    const auto at = kOther.find(unit);
+    return at == kOther.end() ? unit : at->second;
+}
+
 const Format* format_of(const std::filesystem::path& file) {
     std::string extension = lower_extension(file);
     if (extension == ".gz" || extension == ".fz")
@@ -42,6 +117,7 @@ ScanFile open_scan(const std::filesystem::path& file) {
     const Format* format = format_of(file);
     if (!format) throw Error(fmt::format("{}: unknown extension of a scan", file.string()));
     ScanFile scan = format->open(file);
+    std::map<std::string, int> repeats, numbers;
     for (ScanGrid& grid : scan.grids) {
         const double det = determinant(grid.world_from_index.linear);
         const Vec3d shift = grid.world_from_index.translation;
@@ -50,9 +126,12 @@ ScanFile open_scan(const std::filesystem::path& file) {
                 fmt::format("{}: transform is singular or not finite, expected an invertible one",
                             file.string()));
         grid.name = grid_name(grid.name);
+        repeats[grid.name] += 1;
         grid.length_unit = printable(grid.length_unit, 40);
         grid.value_unit = printable(grid.value_unit, 40);
     }
+    for (ScanGrid& grid : scan.grids)
+        if (repeats[grid.name] > 1) grid.name += fmt::format("[{}]", numbers[grid.name]++);
     return scan;
 }
 
@@ -88,6 +167,53 @@ std::vector<std::string> numbered_names(const std::string& prefix, std::uint64_t
     std::vector<std::string> names;
     for (std::uint64_t n = 0; n < count; ++n) names.push_back(prefix + std::to_string(n));
     return names;
+}
+
+std::vector<std::string> frame_names(std::uint64_t frames, std::uint64_t channels) {
+    if (frames == 1) return numbered_names("c", channels);
+    std::vector<std::string> names;
+    for (const std::string& frame : numbered_names("t", frames))
+        for (std::uint64_t c = 0; c < channels; ++c)
+            names.push_back(channels == 1 ? frame : fmt::format("{}c{}", frame, c));
+    return names;
+}
+
+bool have_common_unit(const std::vector<std::string>& units) {
+    for (const std::string& unit : units)
+        if (unit_name(unit) != unit_name(units[0]) &&
+            !(length_unit(unit_name(unit)) && length_unit(unit_name(units[0]))))
+            return false;
+    return true;
+}
+
+void set_units(const std::filesystem::path& file, const std::vector<std::string>& units,
+               ScanGrid& grid) {
+    std::vector<std::string> stated = units;
+    std::erase(stated, "");
+    // Beside an axis without a unit, others must need no conversion: then lengths are plain numbers.
+    const bool whole = stated.size() == units.size();
+    const bool equal = std::ranges::all_of(
+        stated, [&](const std::string& unit) { return unit_name(unit) == unit_name(stated[0]); });
+    if (whole ? !have_common_unit(units) : !equal)
+        throw Error(fmt::format("{}: axes in units '{}', expected one unit, or units of length",
+                                file.string(),
+                                printable(fmt::format("{}", fmt::join(units, ", ")), 80)));
+    if (!whole || units.empty()) return;
+    grid.length_unit = unit_name(units[0]);
+    for (std::size_t n = 1; n < std::min<std::size_t>(units.size(), 3); ++n) {
+        const std::string unit = unit_name(units[n]);
+        if (unit == grid.length_unit) continue;
+        const LengthUnit own = *length_unit(unit), common = *length_unit(grid.length_unit);
+        const int power = own.power - common.power;
+        const double ten = std::pow(10.0, std::abs(power)), ratio = own.number / common.number;
+        const auto converted = [&](double v) {
+            return power < 0 ? v * ratio / ten : v * ratio * ten;
+        };
+        Vec3d& row = grid.world_from_index.linear.row[n];
+        row = {converted(row.x), converted(row.y), converted(row.z)};
+        double& shift = grid.world_from_index.translation[static_cast<int>(n)];
+        shift = converted(shift);
+    }
 }
 
 std::vector<ScanGrid> named_copies(const ScanGrid& grid, const std::vector<std::string>& names) {

@@ -27,7 +27,9 @@ struct ScanGrid {
 
 /// Head of a file, and access to its values.
 struct ScanFile {
-    std::vector<ScanGrid> grids;  ///< at least one
+    std::vector<ScanGrid>
+        grids;  ///< at least one; names repeat where the file's do, until open_scan numbers them
+    std::string note{};  ///< what the file lacks of its format, and how it is read; empty: nothing
     /// Values of grid n, x fastest, scaled as the file states. Blank values are NaN.
     std::function<BigVector<float>(std::size_t n)> read{};
 };
@@ -61,6 +63,15 @@ inline constexpr std::int64_t kMostGrids = 1 << 16;
 std::vector<std::string> color_names(std::uint64_t count);
 /// Names "PREFIX0" ... of several grids; "value" of a single one.
 std::vector<std::string> numbered_names(const std::string& prefix, std::uint64_t count);
+/// Names "t0c0", "t0c1", ... of frames and channels, channels first; as numbered_names where one of them is 1.
+std::vector<std::string> frame_names(std::uint64_t frames, std::uint64_t channels);
+/// Sets the unit of a grid's lengths from those of its world's axes: "um", "km", OME's "\xc3\x85". Axes of other units
+/// than the first are converted to it.
+/// throws vog::Error for different units that are no lengths
+void set_units(const std::filesystem::path& file, const std::vector<std::string>& units,
+               ScanGrid& grid);
+/// Whether set_units accepts them.
+bool have_common_unit(const std::vector<std::string>& units);
 /// Copies of a grid with these names.
 std::vector<ScanGrid> named_copies(const ScanGrid& grid, const std::vector<std::string>& names);
 /// Map of a grid to right, anterior, superior from a space whose x runs to the left or y to the back.

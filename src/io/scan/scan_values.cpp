@@ -71,22 +71,13 @@ T number_at(const char* bytes, bool big_endian) {
     return std::bit_cast<T>(copy);
 }
 
-/// Conversion beyond float's range is undefined behaviour: such values become infinite.
-float float_of(double value) {
-    constexpr double kLargest = std::numeric_limits<float>::max();
-    if (std::abs(value) > kLargest)
-        return std::copysign(std::numeric_limits<float>::infinity(),
-                             static_cast<float>(value > 0 ? 1 : -1));
-    return static_cast<float>(value);
-}
-
 /// Numbers of a text, between blanks.
 class TextNumbers {
   public:
-    TextNumbers(const StoredArray& array) : name_(array.file.string()) {
-        require_readable(array.file);
-        stream_.open(array.file, std::ios::binary);
-        stream_.seekg(static_cast<std::streamoff>(array.begin));
+    explicit TextNumbers(const StoredPart& part) : name_(part.file.string()) {
+        require_readable(part.file);
+        stream_.open(part.file, std::ios::binary);
+        stream_.seekg(static_cast<std::streamoff>(part.begin));
     }
     double next(std::uint64_t n, std::uint64_t expected) {
         constexpr std::size_t kLongest = 64;
@@ -114,28 +105,67 @@ class TextNumbers {
 };
 
 BigVector<float> read_text(const StoredArray& array, std::size_t grid) {
-    const std::uint64_t all = array.voxels * array.grids;
-    TextNumbers text(array);
+    const std::uint64_t all = array.voxels * array.grids, share = array.part_values();
+    std::optional<TextNumbers> text;
     BigVector<float> values;
     for (std::uint64_t n = 0; n < all; ++n) {
-        const double value = text.next(n, all);
+        if (n % share == 0) text.emplace(array.parts[n / share]);
+        const double value = text->next(n % share, share);
         const std::uint64_t of = array.interleaved ? n % array.grids : n / array.voxels;
         if (of == grid) values.push_back(float_of(array.slope * value + array.offset));
     }
     return values;
 }
 
+/// Values of an array's parts as one row of bytes, forward only.
+class PartBytes {
+  public:
+    explicit PartBytes(const StoredArray& array)
+        : array_(array), share_(array.part_values() * bytes_of(array.type)) {}
+    std::uint64_t position() const { return position_; }
+    void read(char* to, std::uint64_t count) {
+        while (count > 0) {
+            const std::uint64_t step = std::min(count, open());
+            bytes_->read(to, step);
+            to += step, count -= step, position_ += step;
+        }
+    }
+    void skip(std::uint64_t count) {
+        for (; count >= share_ - position_ % share_; count -= share_ - position_ % share_)
+            position_ += share_ - position_ % share_;  // a part that is not opened
+        if (count > 0) open(), bytes_->skip(count), position_ += count;
+    }
+    void check_end() { bytes_->check_end(); }
+
+  private:
+    /// Opens the part at the position. Returns the bytes left in it.
+    std::uint64_t open() {
+        const std::size_t n = position_ / share_;
+        if (!bytes_ || n != part_) {
+            if (bytes_) check_end();
+            const StoredPart& part = array_.parts[part_ = n];
+            bytes_.emplace(part.file, part.begin, array_.encoding == Encoding::deflate);
+            bytes_->skip(part.skip + position_ % share_);
+        }
+        return share_ - position_ % share_;
+    }
+
+    const StoredArray& array_;
+    std::uint64_t share_, position_ = 0;
+    std::size_t part_ = 0;
+    std::optional<ScanBytes> bytes_;
+};
+
 /// Reader of raw or deflated values that goes on where it stopped, for grids in the order of the file.
 class ArrayReader {
   public:
-    explicit ArrayReader(const StoredArray& array) : array_(array) { open(); }
+    explicit ArrayReader(const StoredArray& array) : array_(array), bytes_(std::in_place, array_) {}
 
     BigVector<float> operator()(std::size_t grid) {
         const std::uint64_t bytes = bytes_of(array_.type);
         const std::uint64_t stride = array_.interleaved ? array_.grids : 1;
-        const std::uint64_t begin =
-            array_.skip + (array_.interleaved ? grid : grid * array_.voxels) * bytes;
-        if (bytes_->position() > begin) open();
+        const std::uint64_t begin = (array_.interleaved ? grid : grid * array_.voxels) * bytes;
+        if (bytes_->position() > begin) bytes_.emplace(array_);
         bytes_->skip(begin - bytes_->position());
         BigVector<float> values;
         resize_kept(values, array_.voxels);
@@ -155,10 +185,6 @@ class ArrayReader {
     }
 
   private:
-    void open() {
-        bytes_ = std::make_unique<ScanBytes>(array_.file, array_.begin,
-                                             array_.encoding == Encoding::deflate);
-    }
     void convert(const char* from, std::uint64_t stride, std::span<float> to) const {
         const bool plain = array_.slope == 1 && array_.offset == 0;
         with_type(array_.type, [&](auto zero) {
@@ -178,10 +204,18 @@ class ArrayReader {
     }
 
     StoredArray array_;
-    std::unique_ptr<ScanBytes> bytes_;
+    std::optional<PartBytes> bytes_;
 };
 
 }  // namespace
+
+float float_of(double value) {
+    constexpr double kLargest = std::numeric_limits<float>::max();
+    if (std::abs(value) > kLargest)
+        return std::copysign(std::numeric_limits<float>::infinity(),
+                             static_cast<float>(value > 0 ? 1 : -1));
+    return static_cast<float>(value);
+}
 
 const char* type_name(Number type) { return kTypes[static_cast<std::size_t>(type)].first; }
 std::uint64_t bytes_of(Number type) { return kTypes[static_cast<std::size_t>(type)].second; }
@@ -320,16 +354,52 @@ void ScanBytes::check_end() {
     if (deflated_) position_ += read_some(&byte, 1);
 }
 
+BigVector<char> unpacked_bytes(const std::filesystem::path& file) {
+    ScanBytes bytes(file, 0, true);
+    BigVector<char> all;
+    std::vector<char> step(kStep);
+    while (const std::uint64_t got = bytes.read_some(step.data(), kStep)) {
+        all.insert(all.end(), step.begin(), step.begin() + static_cast<std::ptrdiff_t>(got));
+        keep_memory();
+    }
+    return all;
+}
+
+void place_at_end(StoredArray& array, std::uint64_t behind) {
+    const std::uint64_t bytes = array.part_values() * bytes_of(array.type) + behind;
+    for (StoredPart& part : array.parts) {
+        if (array.encoding == Encoding::text)
+            throw Error(
+                fmt::format("{}: values as text at the end of the file, expected a number of "
+                            "bytes or lines before them",
+                            part.file.string()));
+        const bool deflated = array.encoding == Encoding::deflate;
+        ScanBytes stream(part.file, part.begin, deflated);
+        std::uint64_t size = stream.most_left();
+        if (deflated) {
+            std::vector<char> step(kStep);
+            size = 0;
+            while (const std::uint64_t got = stream.read_some(step.data(), kStep)) size += got;
+        }
+        if (size < bytes)
+            throw Error(fmt::format("{}: truncated: {} bytes, expected {} or more",
+                                    part.file.string(), size, bytes));
+        part.skip = size - bytes;
+    }
+}
+
 std::function<BigVector<float>(std::size_t)> reader_of(const StoredArray& array) {
     if (array.encoding == Encoding::text)
         return [array](std::size_t grid) { return read_text(array, grid); };
-    const std::uint64_t bytes = array.voxels * array.grids * bytes_of(array.type);
-    ScanBytes probe(array.file, array.begin, array.encoding == Encoding::deflate);
-    if (probe.most_left() < array.skip || probe.most_left() - array.skip < bytes)
-        throw Error(fmt::format("{}: truncated: {} bytes, expected {} for {} values of {}",
-                                array.file.string(), array.begin + probe.most_left(),
-                                array.begin + array.skip + bytes, array.voxels * array.grids,
-                                type_name(array.type)));
+    const std::uint64_t bytes = array.part_values() * bytes_of(array.type);
+    for (const StoredPart& part : array.parts) {
+        ScanBytes probe(part.file, part.begin, array.encoding == Encoding::deflate);
+        if (probe.most_left() < part.skip || probe.most_left() - part.skip < bytes)
+            throw Error(fmt::format("{}: truncated: {} bytes, expected {} for {} values of {}",
+                                    part.file.string(), part.begin + probe.most_left(),
+                                    part.begin + part.skip + bytes, array.part_values(),
+                                    type_name(array.type)));
+    }
     auto reader = std::make_shared<ArrayReader>(array);
     return [reader](std::size_t grid) { return (*reader)(grid); };
 }

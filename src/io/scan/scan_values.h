@@ -25,16 +25,23 @@ const char* type_name(Number type);
 std::optional<Number> number_named(std::string_view name);
 std::uint64_t bytes_of(Number type);
 
+/// Value as float. Conversion beyond float's range is undefined behaviour: such values become infinite.
+float float_of(double value);
 /// Value of a stored number in this machine's byte order.
 float number_from(const char* bytes, Number type);
 
 enum class Encoding { raw, deflate, text };
 
-/// Place and form of an array in a file.
-struct StoredArray {
+/// Place of values in a file.
+struct StoredPart {
     std::filesystem::path file;
     std::uint64_t begin = 0;  ///< first byte of the file that belongs to the stream
     std::uint64_t skip = 0;   ///< bytes of the stream before the values, unpacked
+};
+
+/// Place and form of an array in a file, or in several files with equal shares of its values.
+struct StoredArray {
+    std::vector<StoredPart> parts;
     Encoding encoding = Encoding::raw;
     bool big_endian = false;
     Number type = Number::uint8;
@@ -43,6 +50,8 @@ struct StoredArray {
     bool interleaved =
         false;  ///< all channels of a voxel side by side; else one grid after another
     double slope = 1, offset = 0;  ///< value = slope * stored + offset
+
+    std::uint64_t part_values() const { return voxels * grids / parts.size(); }
 };
 
 /// Bytes of a file, unpacked where they are deflated (gzip or zlib), forward only.
@@ -80,6 +89,11 @@ class ScanBytes {
 /// Whether a file begins with the bytes of gzip.
 bool is_gzip(const std::filesystem::path& file);
 
+/// Unpacks a gzip'd or zlib'd file.
+BigVector<char> unpacked_bytes(const std::filesystem::path& file);
+/// Sets the places of parts whose values are the last bytes of their files, `behind` bytes before the end.
+/// throws vog::Error for values as text
+void place_at_end(StoredArray& array, std::uint64_t behind = 0);
 /// Reader of the grids of an array, for ScanFile::read.
 /// throws vog::Error where the file is too small for the array
 std::function<BigVector<float>(std::size_t)> reader_of(const StoredArray& array);

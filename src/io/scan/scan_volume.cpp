@@ -125,6 +125,11 @@ std::string where_of(const std::filesystem::path& file, const ScanGrid& grid) {
     return fmt::format("{}: grid '{}'", file.string(), grid.name);
 }
 
+std::string note_of(const std::filesystem::path& file, const ScanFile& scan) {
+    return scan.note.empty() ? scan.note
+                             : printable(fmt::format("{}: {}", file.string(), scan.note));
+}
+
 template <class Run>
 auto with_memory_errors(const std::filesystem::path& file, const Run& run) {
     try {
@@ -170,7 +175,8 @@ GridInfo info_of(const std::filesystem::path& file, const ScanGrid& grid,
 
 }  // namespace
 
-Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, ValueNotes* notes) {
+Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, ValueNotes* notes,
+                 std::string* departure) {
     return with_memory_errors(file, [&] {
         const ScanFile scan = open_scan(file);
         const std::size_t n = chosen_grid(scan, file, options.grid);
@@ -187,6 +193,7 @@ Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, V
         volume.name = grid.name;
         volume.source = printable(file.string());
         if (notes) *notes = found;
+        if (departure) *departure = note_of(file, scan);
         return volume;
     });
 }
@@ -203,7 +210,7 @@ std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file) {
         std::vector<VolumeInfo> all;
         for (std::size_t n = 0; n < scan.grids.size(); ++n)
             all.push_back({info_of(file, scan.grids[n], scan.read(n)), scan.grids[n].coordinates,
-                           scan.grids[n].length_unit, scan.grids[n].value_unit});
+                           scan.grids[n].length_unit, scan.grids[n].value_unit, scan.note});
         return all;
     });
 }
@@ -241,3 +248,19 @@ std::string scan_field_name(const FieldSource& source) {
 }
 
 }  // namespace vog::scan
+
+namespace vog {
+
+VolumeHead volume_head(const std::filesystem::path& file, const std::string& grid) {
+    if (!scan::is_scan(file)) return {};
+    const scan::ScanFile opened = scan::open_scan(file);
+    const scan::ScanGrid& one = opened.grids[scan::chosen_grid(opened, file, grid)];
+    const Mat3& map = one.world_from_index.linear;
+    return {{length(map.column(0)), length(map.column(1)), length(map.column(2))}, one.length_unit};
+}
+
+std::string volume_note(const std::filesystem::path& file) {
+    return scan::is_scan(file) ? scan::note_of(file, scan::open_scan(file)) : std::string();
+}
+
+}  // namespace vog

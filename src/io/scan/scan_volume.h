@@ -13,7 +13,9 @@ namespace vog::scan {
 /// Reads one grid as density. Voxels of value 0 are inactive; with VdbOptions::ones all voxels with a
 /// number are active in an image with negative values, which has no background.
 /// throws  vog::Error as read_vdb does
-Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, ValueNotes* notes);
+/// departure  receives ScanFile::note behind the file's name; null: not reported
+Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, ValueNotes* notes,
+                 std::string* departure = nullptr);
 /// Names of the grids, in file order.
 std::vector<std::string> scan_grid_names(const std::filesystem::path& file);
 /// Describes the grids, in file order.

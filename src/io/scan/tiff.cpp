@@ -19,7 +19,7 @@
 #include "core/atomic_file.h"
 #include "core/paging.h"
 #include "io/scan/scan_values.h"
-#include "io/scan/text_head.h"
+#include "io/scan/tiff_stack.h"
 #include "vog/text.h"
 #endif
 
@@ -98,6 +98,8 @@ struct Tiff {
 struct PageForm {
     std::uint32_t width = 0, height = 0;
     std::uint16_t samples = 1;
+    bool planar = false;      ///< samples in planes of their own
+    std::uint32_t depth = 1;  ///< slices of a page of several
     Number type = Number::uint8;
     friend bool operator==(const PageForm&, const PageForm&) = default;
 };
@@ -121,53 +123,88 @@ PageForm form_of(const Tiff& tiff) {
         tiff.fail("colours by a palette or in YCbCr");
     if (form.samples > 4 || form.samples == 0)
         tiff.fail(fmt::format("{} samples a pixel", form.samples));
-    if (tiff.tag<std::uint16_t>(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG &&
-        form.samples > 1)
-        tiff.fail("samples in planes of their own");
+    form.planar =
+        form.samples > 1 &&
+        tiff.tag<std::uint16_t>(TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) != PLANARCONFIG_CONTIG;
+    form.depth = tiff.tag<std::uint32_t>(TIFFTAG_IMAGEDEPTH, 1);
+    constexpr std::uint32_t kMostDepth = 1 << 20;
+    if (form.depth < 1 || form.depth > kMostDepth || (form.depth > 1 && form.samples > 1))
+        tiff.fail(fmt::format("{} slices of {} samples in a page", form.depth, form.samples));
     return form;
 }
 
-/// Pages at full resolution, by file and directory.
+/// Planes at full resolution, by file, directory, and place among several in one directory.
 struct Page {
     std::size_t file = 0;
     std::uint16_t directory = 0;
+    std::uint32_t plane = 0;
+    bool alone = true;
 };
 
-/// Copies rows of `from` with pixels of all samples into `to` [width * height], by one sample.
+/// Copies rows of `from` into `to` [width * height], by one sample of `samples` side by side.
 void put(const PageForm& form, const char* from, std::uint32_t width, std::uint32_t rows,
          std::uint32_t stride_px, std::uint32_t x0, std::uint32_t y0, std::size_t sample,
          float* to) {
-    const std::size_t bytes = bytes_of(form.type);
+    const std::size_t bytes = bytes_of(form.type), samples = form.planar ? 1 : form.samples;
     for (std::uint32_t y = 0; y < rows && y0 + y < form.height; ++y)
         for (std::uint32_t x = 0; x < width && x0 + x < form.width; ++x)
             to[std::size_t{y0 + y} * form.width + x0 + x] = number_from(
-                from + ((std::size_t{y} * stride_px + x) * form.samples + sample) * bytes,
+                from + ((std::size_t{y} * stride_px + x) * samples + (form.planar ? 0 : sample)) *
+                           bytes,
                 form.type);
+}
+
+/// Reads one of several planes that follow each other without packing behind the first one's offset.
+void read_run(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
+    TIFF* handle = tiff.handle.get();
+    if (tiff.tag<std::uint16_t>(TIFFTAG_COMPRESSION, COMPRESSION_NONE) != COMPRESSION_NONE ||
+        form.planar)
+        tiff.fail("several packed planes in one page");
+    const std::uint32_t strips = TIFFNumberOfStrips(handle);
+    for (std::uint32_t n = 1; n < strips; ++n)
+        if (TIFFGetStrileOffset(handle, n) !=
+            TIFFGetStrileOffset(handle, n - 1) + TIFFGetStrileByteCount(handle, n - 1))
+            tiff.fail("several planes in one page, in strips apart");
+    const std::uint64_t number = bytes_of(form.type);
+    std::vector<char> plane(std::size_t{form.width} * form.height * form.samples * number);
+    ScanBytes bytes(tiff.name, TIFFGetStrileOffset(handle, 0), false);
+    bytes.skip(page.plane * plane.size());
+    bytes.read(plane.data(), plane.size());
+    if (TIFFIsByteSwapped(handle))
+        for (std::size_t n = 0; n < plane.size(); n += number)
+            std::reverse(plane.data() + n, plane.data() + n + number);
+    put(form, plane.data(), form.width, form.height, form.width, 0, 0, sample, to);
 }
 
 void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t sample, float* to) {
     TIFF* handle = tiff.handle.get();
     if (!TIFFSetDirectory(handle, page.directory)) tiff.fail("a page cannot be read");
     if (form_of(tiff) != form) tiff.fail("pages of several forms");
-    const std::size_t pixel = form.samples * bytes_of(form.type);
+    const std::size_t pixel = (form.planar ? 1 : form.samples) * bytes_of(form.type);
+    const auto which = static_cast<std::uint16_t>(form.planar ? sample : 0);
     std::vector<char> buffer;
+    if (TIFFIsTiled(handle) && !page.alone && form.depth == 1)
+        tiff.fail("several planes in one page of tiles");
     if (TIFFIsTiled(handle)) {
         const auto width = tiff.tag<std::uint32_t>(TIFFTAG_TILEWIDTH, 0);
         const auto height = tiff.tag<std::uint32_t>(TIFFTAG_TILELENGTH, 0);
-        if (width == 0 || height == 0 ||
+        // libtiff knows tiles of one slice only.
+        const auto depth = tiff.tag<std::uint32_t>(TIFFTAG_TILEDEPTH, 1);
+        if (width == 0 || height == 0 || depth != 1 ||
             std::uint64_t{width} * height > (std::uint64_t{1} << 29) / pixel)
-            tiff.fail(fmt::format("tiles of {} x {}", width, height));
+            tiff.fail(fmt::format("tiles of {} x {} x {}", width, height, depth));
         buffer.resize(std::size_t{width} * height * pixel);
         if (TIFFTileSize(handle) > static_cast<tmsize_t>(buffer.size()))
             tiff.fail("tiles of another size");
         for (std::uint32_t y = 0; y < form.height; y += height)
             for (std::uint32_t x = 0; x < form.width; x += width) {
-                if (TIFFReadTile(handle, buffer.data(), x, y, 0, 0) < 0)
+                if (TIFFReadTile(handle, buffer.data(), x, y, page.plane, which) < 0)
                     tiff.fail("truncated or corrupt");
                 put(form, buffer.data(), width, height, width, x, y, sample, to);
             }
         return;
     }
+    if (!page.alone) return read_run(tiff, page, form, sample, to);
     const auto rows =
         std::min(tiff.tag<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, form.height), form.height);
     if (rows == 0 || rows > (std::uint64_t{1} << 29) / (pixel * form.width))
@@ -176,8 +213,8 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
     for (std::uint32_t y = 0; y < form.height; y += rows) {
         const std::uint32_t count = std::min(rows, form.height - y);
         const auto bytes = static_cast<tmsize_t>(std::size_t{count} * form.width * pixel);
-        if (TIFFReadEncodedStrip(handle, TIFFComputeStrip(handle, y, 0), buffer.data(), bytes) !=
-            bytes)
+        if (TIFFReadEncodedStrip(handle, TIFFComputeStrip(handle, y, which), buffer.data(),
+                                 bytes) != bytes)
             tiff.fail("truncated or corrupt");
         put(form, buffer.data(), form.width, count, form.width, 0, y, sample, to);
     }
@@ -192,75 +229,27 @@ void check_bytes(const Tiff& tiff, const PageForm& form) {
         tiff.fail(fmt::format("{} x {} pixels in {} bytes", form.width, form.height, bytes));
 }
 
-/// Value of "key=text" in ImageJ's description.
-std::string imagej(const std::string& description, const std::string& key) {
-    const std::size_t at = description.find("\n" + key + "=");
-    if (at == std::string::npos) return {};
-    const std::size_t begin = at + key.size() + 2;
-    return description.substr(begin, description.find('\n', begin) - begin);
-}
-double number_or(const std::string& text, double otherwise) {
-    double value = otherwise;
-    std::from_chars(text.data(), text.data() + text.size(), value);
-    return std::isfinite(value) && value > 0 ? value : otherwise;
-}
-/// Value of an attribute in OME's description: PhysicalSizeX="0.1".
-std::string ome(const std::string& description, const std::string& key) {
-    const std::size_t at = description.find(" " + key + "=\"");
-    if (at == std::string::npos) return {};
-    const std::size_t begin = at + key.size() + 3;
-    return description.substr(begin, description.find('"', begin) - begin);
+TiffStack stack_of(const Tiff& tiff, const PageForm& form) {
+    TiffTags tags{tiff.name,
+                  tiff.text(TIFFTAG_IMAGEDESCRIPTION),
+                  form.width,
+                  form.height,
+                  form.samples,
+                  tiff.tag<float>(TIFFTAG_XRESOLUTION, 0),
+                  tiff.tag<float>(TIFFTAG_YRESOLUTION, 0),
+                  tiff.tag<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH)};
+    const double x = tags.x_resolution, y = tags.y_resolution;
+    if (!(x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y)))
+        tags.x_resolution = tags.y_resolution = 0;
+    return tiff_stack(tags);
 }
 
-/// Channels, slices and frames of a stack, channels first, and its voxels.
-struct Stack {
-    std::uint64_t channels = 1, frames = 1;
-    Vec3d edge{1, 1, 1};
-    std::string unit, source = "voxels of 1, the file states none";
-};
-
-Stack stack_of(const Tiff& tiff) {
-    Stack stack;
-    const std::string text = tiff.text(TIFFTAG_IMAGEDESCRIPTION);
-    const float x = tiff.tag<float>(TIFFTAG_XRESOLUTION, 0),
-                y = tiff.tag<float>(TIFFTAG_YRESOLUTION, 0);
-    const auto unit = tiff.tag<std::uint16_t>(TIFFTAG_RESOLUTIONUNIT, RESUNIT_INCH);
-    const bool resolved = x > 0 && y > 0 && std::isfinite(x) && std::isfinite(y);
-    constexpr double kMost = 1e6;
-    if (text.starts_with("ImageJ=")) {
-        stack.channels =
-            static_cast<std::uint64_t>(std::min(number_or(imagej(text, "channels"), 1), kMost));
-        stack.frames =
-            static_cast<std::uint64_t>(std::min(number_or(imagej(text, "frames"), 1), kMost));
-        if (resolved) stack.edge = {1.0 / x, 1.0 / y, 1};
-        stack.edge.z = number_or(imagej(text, "spacing"), 1);
-        stack.unit = imagej(text, "unit");
-        if (stack.unit == "\\u00B5m" || stack.unit == "micron") stack.unit = "um";
-        stack.source = "rows down, pages along z; voxels as ImageJ states";
-    } else if (text.find("<OME") != std::string::npos) {
-        stack.channels =
-            static_cast<std::uint64_t>(std::min(number_or(ome(text, "SizeC"), 1), kMost));
-        stack.frames =
-            static_cast<std::uint64_t>(std::min(number_or(ome(text, "SizeT"), 1), kMost));
-        if ((stack.channels > 1 || stack.frames > 1) && ome(text, "DimensionOrder") != "XYCZT")
-            tiff.fail(fmt::format("OME's order {} of channels and frames, expected XYCZT",
-                                  printable(ome(text, "DimensionOrder"), 20)));
-        stack.edge = {number_or(ome(text, "PhysicalSizeX"), 1),
-                      number_or(ome(text, "PhysicalSizeY"), 1),
-                      number_or(ome(text, "PhysicalSizeZ"), 1)};
-        stack.unit = ome(text, "PhysicalSizeXUnit");
-        if (stack.unit.empty() || stack.unit == "\xc2\xb5m") stack.unit = "um";
-        stack.source = "rows down, pages along z; voxels as OME states";
-    } else if (resolved && unit != RESUNIT_NONE) {
-        // 72 and 96 pixels an inch are the defaults of programs, which measured nothing.
-        if (unit == RESUNIT_INCH && x == y && (x == 72 || x == 96)) return stack;
-        const double millimetres = unit == RESUNIT_INCH ? 25.4 : 10;
-        stack.edge = {millimetres / x, millimetres / y, millimetres / x};
-        stack.unit = "mm";
-        stack.source =
-            "rows down, pages along z; pixels by the resolution, slices as thick as they are wide";
-    }
-    return stack;
+/// MetaMorph's files have all planes behind one page, by tags of their own.
+bool is_metamorph(const Tiff& tiff) {
+    constexpr std::uint32_t kPlanes = 33629;
+    for (int n = 0; n < TIFFGetTagListCount(tiff.handle.get()); ++n)
+        if (TIFFGetTagListEntry(tiff.handle.get(), n) == kPlanes) return true;
+    return false;
 }
 
 /// Whether a name matches a pattern with one or several *.
@@ -323,10 +312,10 @@ ScanFile open_tiff(const std::filesystem::path& file) {
     const std::vector<std::filesystem::path> files = files_of(file);
     std::vector<Page> pages;
     PageForm form;
-    Stack stack;
+    TiffStack stack;
     for (std::size_t n = 0; n < files.size(); ++n) {
         Tiff tiff(files[n]);
-        if (n == 0) form = form_of(tiff), stack = stack_of(tiff);
+        if (n == 0) form = form_of(tiff), stack = stack_of(tiff, form);
         check_bytes(tiff, form);
         for (std::uint32_t directory = 0;; ++directory) {
             if (directory > std::numeric_limits<std::uint16_t>::max())
@@ -334,51 +323,64 @@ ScanFile open_tiff(const std::filesystem::path& file) {
             // Smaller copies of a page are not slices.
             if ((tiff.tag<std::uint32_t>(TIFFTAG_SUBFILETYPE, 0) & FILETYPE_REDUCEDIMAGE) == 0) {
                 if (form_of(tiff) != form) tiff.fail("pages of several forms");
-                pages.push_back({n, static_cast<std::uint16_t>(directory)});
+                for (std::uint32_t plane = 0; plane < form.depth; ++plane)
+                    pages.push_back(
+                        {n, static_cast<std::uint16_t>(directory), plane, form.depth == 1});
             }
             if (!TIFFReadDirectory(tiff.handle.get())) break;
         }
         if (!tiff.fault.empty()) tiff.fail("truncated or corrupt");
-        if (const double images =
-                number_or(imagej(tiff.text(TIFFTAG_IMAGEDESCRIPTION), "images"), 1);
-            files.size() == 1 && images > static_cast<double>(pages.size()))
-            tiff.fail(fmt::format("ImageJ's {} images in {} pages", images, pages.size()));
+        if (pages.size() == n + 1 && is_metamorph(tiff)) tiff.fail("planes as MetaMorph has them");
+    }
+    // One page whose description states more planes: they follow it.
+    if (const std::uint64_t planes = stack.planes();
+        pages.size() == 1 && planes > 1 && form.depth == 1) {
+        const std::uint64_t bytes = std::filesystem::file_size(files[0]);
+        const std::uint64_t plane =
+            std::uint64_t{form.width} * form.height * form.samples * bytes_of(form.type);
+        if (plane == 0 || planes > bytes / plane)
+            throw Error(fmt::format("{}: {} planes of {} bytes in a file of {}", file.string(),
+                                    planes, plane, bytes));
+        pages.assign(planes, {0, pages[0].directory, 0, false});
+        for (std::uint32_t n = 0; n < planes; ++n) pages[n].plane = n;
     }
     const std::uint64_t images = stack.channels * stack.frames;
-    if (images == 0 || pages.size() % images != 0 || (images > 1 && form.samples > 1))
-        throw Error(fmt::format("{}: {} pages of {} samples for {} channels and {} frames",
-                                file.string(), pages.size(), form.samples, stack.channels,
-                                stack.frames));
-    const std::uint64_t slices = pages.size() / images;
+    // Slices of several files: the first one describes its own alone.
+    if (files.size() > 1) stack.slices = 0, stack.plane_of_page.clear();
+    if (stack.slices == 0 && images > 0) stack.slices = pages.size() / images;
+    if (pages.size() != stack.planes() || (images > 1 && (form.samples > 1 || files.size() > 1)))
+        throw Error(fmt::format(
+            "{}: {} pages of {} samples in {} files for {} slices, {} channels and {} frames",
+            file.string(), pages.size(), form.samples, files.size(), stack.slices, stack.channels,
+            stack.frames));
+    if (!stack.plane_of_page.empty()) {
+        const std::vector<Page> as_stored = pages;
+        for (std::size_t n = 0; n < pages.size(); ++n) pages[stack.plane_of_page[n]] = as_stored[n];
+    }
     const std::uint64_t slice = checked_voxels(file, form.width, form.height, 1);
-    checked_voxels(file, form.width, form.height, static_cast<std::int64_t>(slices));
+    checked_voxels(file, form.width, form.height, static_cast<std::int64_t>(stack.slices));
 
     ScanGrid grid;
     grid.size = {static_cast<std::int32_t>(form.width), static_cast<std::int32_t>(form.height),
-                 static_cast<std::int32_t>(slices)};
+                 static_cast<std::int32_t>(stack.slices)};
     grid.type = type_name(form.type);
     grid.world_from_index =
         affine_of_axes({Vec3d{stack.edge.x, 0, 0}, {0, stack.edge.y, 0}, {0, 0, stack.edge.z}}, {});
     grid.coordinates = stack.source;
-    grid.length_unit = stack.unit;
-    std::vector<std::string> names;
-    for (std::uint64_t t = 0; t < stack.frames; ++t)
-        for (std::uint64_t c = 0; c < stack.channels; ++c)
-            names.push_back((stack.frames > 1 ? fmt::format("t{}", t) : "") +
-                            (stack.channels > 1 ? fmt::format("c{}", c) : ""));
-    if (images == 1) names = numbered_names("c", 1);
-    if (form.samples > 1) names = color_names(form.samples);
+    set_units(file, stack.units, grid);
     ScanFile scan;
-    scan.grids = named_copies(grid, names);
-    scan.read = [files, pages, form, stack, slices, slice](std::size_t n) {
+    scan.note = stack.note;
+    scan.grids = named_copies(grid, form.samples > 1 ? color_names(form.samples)
+                                                     : frame_names(stack.frames, stack.channels));
+    scan.read = [files, pages, form, stack, slice](std::size_t n) {
         const std::size_t sample = form.samples > 1 ? n : 0, image = form.samples > 1 ? 0 : n;
-        const std::size_t channel = image % stack.channels, frame = image / stack.channels;
         BigVector<float> values;
-        resize_kept(values, slices * slice);
+        resize_kept(values, stack.slices * slice);
         std::optional<Tiff> tiff;
         std::size_t open = files.size();
-        for (std::size_t z = 0; z < slices; ++z) {
-            const Page& page = pages[(frame * slices + z) * stack.channels + channel];
+        for (std::size_t z = 0; z < stack.slices; ++z) {
+            const Page& page =
+                pages[stack.plane(image % stack.channels, z, image / stack.channels)];
             if (page.file != open) tiff.emplace(files[page.file]), open = page.file;
             read_page(*tiff, page, form, sample, values.data() + z * slice);
             keep_memory();

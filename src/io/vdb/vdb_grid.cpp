@@ -145,6 +145,12 @@ std::string short_type(const std::string& tree_type) {
     return tree_type.substr(kPrefix.size(), tree_type.size() - kPrefix.size() - kSuffix.size());
 }
 
+void throw_not_density(const std::string& where, const std::string& tree_type) {
+    throw Error(
+        fmt::format("{}: holds {}, expected float, double, int32, int64, bool, mask or vec3", where,
+                    short_type(tree_type)));
+}
+
 LoadedGrid load_grid(VdbFile& file, const VdbEntry& entry) {
     return with_vdb_errors(file.where(entry), [&] {
         const VdbEntry& owner = tree_owner(file, entry);

@@ -19,15 +19,16 @@
 
 namespace vog::vdb {
 
-using DensityGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
-                                       openvdb::Int64Grid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
-                                       openvdb::Vec3IGrid>;
-using KnownGrids = DensityGrids::Append<openvdb::BoolGrid, openvdb::MaskGrid>;
+using KnownGrids = openvdb::TypeList<openvdb::FloatGrid, openvdb::DoubleGrid, openvdb::Int32Grid,
+                                     openvdb::Int64Grid, openvdb::Vec3SGrid, openvdb::Vec3DGrid,
+                                     openvdb::Vec3IGrid, openvdb::BoolGrid, openvdb::MaskGrid>;
 
 /// Whether a grid of this type can be the default density grid.
 bool is_scalar(const std::string& tree_type);
 /// "float" for "Tree_float_5_4_3", "points" for a PointDataGrid; other types unchanged.
 std::string short_type(const std::string& tree_type);
+/// throws vog::Error that trees of this type hold no density
+[[noreturn]] void throw_not_density(const std::string& where, const std::string& tree_type);
 
 /// Grid of this name; without a name the only scalar grid, else the one named density.
 /// throws vog::Error if there is none or more than one, with the names of the file's grids

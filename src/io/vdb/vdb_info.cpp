@@ -65,13 +65,14 @@ void find_range(const GridT& grid, GridInfo& info) {
     info.max = range.max;
 }
 
-void describe_grid(const LoadedGrid& loaded, GridInfo& info) {
-    const openvdb::GridBase& grid = *loaded.grid;
+}  // namespace
+
+void vdb::describe_grid(const openvdb::GridBase& grid, GridInfo& info) {
     info.active_voxels = grid.activeVoxelCount();
-    info.memory_bytes = grid.memUsage() + loaded.point_bytes;
+    info.memory_bytes += grid.memUsage();
     grid.apply<KnownGrids>([&](const auto& typed) {
         count_nodes(typed, info);
-        if (!loaded.has_points) find_range(typed, info);
+        if (info.type != "points") find_range(typed, info);
     });
     if (info.active_voxels == 0) return;
 
@@ -83,8 +84,6 @@ void describe_grid(const LoadedGrid& loaded, GridInfo& info) {
         info.world = transformed(info.world_from_index, {vec_cast<double>(info.lower) - half,
                                                          vec_cast<double>(info.upper) + half});
 }
-
-}  // namespace
 
 std::vector<GridInfo> inspect_vdb(const std::filesystem::path& path) {
     openvdb::initialize();
@@ -100,7 +99,9 @@ std::vector<GridInfo> inspect_vdb(const std::filesystem::path& path) {
         info.points = loaded.points;
         info.affine = loaded.head.world_from_index.has_value();
         if (info.affine) info.world_from_index = *loaded.head.world_from_index;
-        if (loaded.grid) with_vdb_errors(file.where(entry), [&] { describe_grid(loaded, info); });
+        info.memory_bytes = loaded.point_bytes;
+        if (loaded.grid)
+            with_vdb_errors(file.where(entry), [&] { describe_grid(*loaded.grid, info); });
         infos.push_back(info);
     }
     return infos;

@@ -67,11 +67,6 @@ void read_node_tiles(std::istream& stream, const CheckedTree::TileRange& range, 
 
 }  // namespace
 
-void throw_not_density(const std::string& where, const std::string& tree_type) {
-    throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
-                            short_type(tree_type)));
-}
-
 VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, const VdbOptions& options)
     : file_(file),
       where_(file.where(entry)),
@@ -92,9 +87,7 @@ VdbLeaves::VdbLeaves(VdbFile& file, const VdbEntry& entry, const VdbOptions& opt
 
 void VdbLeaves::read_layout() {
     const std::optional<TreeLayout> layout = tree_layout(tree_type_);
-    const bool is_mask = layout && layout->leaf != LeafData::values;
-    if (!layout || (is_mask && !options_.mask && !options_.ones))
-        throw_not_density(where_, tree_type_);
+    if (!layout) throw_not_density(where_, tree_type_);
     FileRange in = file_.range(owner_);
     head_ = read_vdb_head(in);
     storage_ = {*layout, head_.compression, owner_.half_stored};

@@ -15,9 +15,6 @@
 
 namespace vog::vdb {
 
-/// throws vog::Error that trees of this type hold no density
-[[noreturn]] void throw_not_density(const std::string& where, const std::string& tree_type);
-
 /// Topology of a grid, with the positions of its leaves in the file.
 class VdbLeaves {
   public:

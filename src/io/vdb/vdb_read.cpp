@@ -1,9 +1,10 @@
 // vdb_read.cpp: choice of a grid in a .vdb file, and its reading as density, in parts or whole.
-#include <fmt/ranges.h>
+#include <fmt/core.h>
 
 #include <optional>
 
 #include "data/volume_partition.h"
+#include "io/vdb/vdb_choice.h"
 #include "io/vdb/vdb_leaves.h"
 #include "io/vdb/vdb_reader.h"
 #include "io/vdb/vdb_volume.h"
@@ -13,57 +14,14 @@ namespace vog {
 
 using namespace vdb;
 
-namespace {
-
-std::string names(const std::vector<VdbEntry>& entries) {
-    std::vector<std::string> list;
-    for (const VdbEntry& entry : entries) list.push_back(entry.name);
-    return fmt::format("{}", fmt::join(list, ", "));
-}
-
-/// Single element of `candidates`; null if there are none or several.
-const VdbEntry* the_only(const std::vector<const VdbEntry*>& candidates) {
-    return candidates.size() == 1 ? candidates.front() : nullptr;
-}
-
-const VdbEntry& entry_named(const VdbFile& file, const std::string& requested) {
-    const std::string name = grid_name(requested);
-    std::vector<const VdbEntry*> exact, plain;
-    for (const VdbEntry& entry : file.entries()) {
-        if (entry.name == name) exact.push_back(&entry);
-        if (entry.plain_name == name) plain.push_back(&entry);
-    }
-    if (const VdbEntry* entry = the_only(exact)) return *entry;
-    if (const VdbEntry* entry = the_only(plain)) return *entry;
-    throw Error(fmt::format("{}: {} named '{}' (it has: {})", file.name(),
-                            plain.empty() ? "no grid" : "several grids", name,
-                            names(file.entries())));
-}
-
-/// The only scalar grid, else the one named density.
-const VdbEntry& default_entry(const VdbFile& file) {
-    std::vector<const VdbEntry*> scalar, density;
-    for (const VdbEntry& entry : file.entries()) {
-        if (!is_scalar(entry.tree_type)) continue;
-        scalar.push_back(&entry);
-        if (entry.plain_name == "density") density.push_back(&entry);
-    }
-    if (const VdbEntry* entry = the_only(scalar)) return *entry;
-    if (const VdbEntry* entry = the_only(density)) return *entry;
-    if (scalar.empty())
-        throw Error(fmt::format("{}: no scalar grid (it has: {}); vector grids are read when named",
-                                file.name(), names(file.entries())));
-    throw Error(
-        fmt::format("{}: {} scalar grids, expected one, or one named 'density', or a name "
-                    "(it has: {})",
-                    file.name(), scalar.size(), names(file.entries())));
-}
-
-}  // namespace
-
 const VdbEntry& vdb::chosen_entry(const VdbFile& file, const std::string& name) {
-    if (file.entries().empty()) throw Error(fmt::format("{}: no grids", file.name()));
-    return name.empty() ? default_entry(file) : entry_named(file, name);
+    return chosen_of(file.entries(), file.name(), name, [](const VdbEntry& entry) {
+        return is_scalar(entry.tree_type) ? ValueKind::numbers
+               : entry.tree_type == openvdb::BoolGrid::gridType() ||
+                       entry.tree_type == openvdb::MaskGrid::gridType()
+                   ? ValueKind::switches
+                   : ValueKind::others;
+    });
 }
 
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {

@@ -177,10 +177,7 @@ Volume vdb::density_from_grid(const openvdb::GridBase& grid,
     const auto fill = [&](const auto& typed) {
         convert(typed, value_rules({.mask = mask, .values = rules}), where, volume, notes);
     };
-    const bool known = mask ? grid.apply<KnownGrids>(fill) : grid.apply<DensityGrids>(fill);
-    if (!known)
-        throw Error(fmt::format("{}: holds {}, expected float, double, int32, int64 or vec3", where,
-                                short_type(grid.type())));
+    if (!grid.apply<KnownGrids>(fill)) throw_not_density(where, grid.type());
     if (mask) {
         keep_positive(volume);
         notes = {};

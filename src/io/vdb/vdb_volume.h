@@ -13,10 +13,14 @@ namespace vog::vdb {
 /// where   start of messages
 /// throws  vog::Error for a transform that is singular or null (not affine), for negative and
 ///         non-finite values unless `rules` accept them, and for grids that hold no numbers
-/// mask    values above 0 become 1, all others inactive; bool and mask grids are accepted too
+/// mask    values above 0 become 1, all others inactive
 Volume density_from_grid(const openvdb::GridBase& grid,
                          const std::optional<Affine>& world_from_index, const std::string& where,
                          ValueNotes& notes, bool mask = false, const ValueRules& rules = {});
+
+/// Sets counts, boxes and the range of values; of points, whose grid has the topology alone, no range. `info` has the
+/// type and the map, and is increased by the memory.
+void describe_grid(const openvdb::GridBase& grid, GridInfo& info);
 
 /// Converts a level set to fog: 1 inside, a ramp from 0 to 1 over the inner narrow band.
 /// throws vog::Error unless it is a float or double grid of class level set or unknown

@@ -149,7 +149,7 @@ void write_voxels(const std::filesystem::path& file, const Volume& volume,
     const std::string where = file.string();
     check_voxels(volume, fields, where);
     const std::size_t count = 1 + fields.size();
-    if (nvdb::is_nvdb(file))
+    if (lower_extension(file) == ".nvdb")
         return nvdb::write_nvdb_grids(file, count, [&](std::size_t n) {
             const auto grid = make_grid(
                 volume, fields, n, [&](auto type, const std::string& name, const auto& values) {

@@ -11,11 +11,13 @@
 #include <fstream>
 #include <limits>
 
+#include "io/scan/scan_files.h"
 #include "support/data.h"
 #include "support/larger_than_memory.h"
 #include "support/random_volume.h"
 #include "vog/error.h"
 #include "vog/openvdb.h"
+#include "vog/scan_io.h"
 #include "vog/volume_io.h"
 #include "vog/voxel_field.h"
 
@@ -153,9 +155,15 @@ TEST(nvdb, other_numbers_and_vectors_are_read) {
     mask->tree().setValueOn({0, 0, 0});
     mask->setName("m");
     write(folder / "mask.nvdb", nano(mask));
-    VdbOptions options;
-    options.grid = "m";
-    expect_says(refusal(folder / "mask.nvdb", options), "holds Mask, expected numbers");
+    EXPECT_EQ(read_nvdb(folder / "mask.nvdb").leaves.at(0).value[0], 1);
+    const auto on_off = openvdb::BoolGrid::create();
+    on_off->tree().setValueOn({0, 0, 0}, true);
+    on_off->tree().setValueOn({0, 0, 1}, false);
+    write(folder / "bool.nvdb", nano(on_off));
+    const Volume switches = read_nvdb(folder / "bool.nvdb");
+    EXPECT_EQ(active_voxels(switches), 2u);
+    EXPECT_EQ(switches.leaves.at(0).value[0], 1);
+    EXPECT_EQ(switches.leaves.at(0).value[1], 0);
 }
 
 TEST(nvdb, grids_are_chosen_by_name) {
@@ -179,7 +187,16 @@ TEST(nvdb, grids_are_chosen_by_name) {
     const auto once = bytes_of(file);
     write_bytes(file, once + once);
     options.grid = "heat";
-    expect_says(refusal(file, options), "several grids named 'heat'");
+    expect_says(refusal(file, options),
+                "several grids named 'heat' (it has: density[0], heat[0], density[1], heat[1])");
+    options.grid = "heat[1]";
+    expect_same(read_nvdb(file, options), volume, 0);
+    write_bytes(folder / "two.nvdb.gz", test::gzipped(once + once));
+    expect_same(read_volume(folder / "two.nvdb.gz", options), volume, 0);
+    const std::vector<VolumeInfo> infos = inspect_volume(folder / "two.nvdb.gz");
+    ASSERT_EQ(infos.size(), 4u);
+    EXPECT_EQ(infos[3].grid.name, "heat[1]");
+    EXPECT_EQ(infos[3].grid.active_voxels, active_voxels(volume));
     write_bytes(file, once + "tail");
     EXPECT_NE(refusal(file), "");
 }

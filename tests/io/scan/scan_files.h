@@ -1,15 +1,21 @@
 // scan_files.h: Bytes of small dense images in each format.
 #pragma once
 
+#include <fmt/format.h>
+#include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
 #include <string>
 #include <vector>
 
-#include "vog/linear.h"
+#include "support/data.h"
+#include "support/image_bytes.h"
+#include "support/refusal.h"
+#include "vog/scan_io.h"
 
 namespace vog::test {
 
@@ -79,5 +85,103 @@ struct Nifti {
         return bytes;
     }
 };
+
+/// Value of a voxel; 0 where none is active.
+inline float value_at(const Volume& volume, Vec3i voxel) {
+    for (const Leaf& leaf : volume.leaves) {
+        const Vec3i d = voxel - leaf.origin;
+        if (std::min({d.x, d.y, d.z}) >= 0 && std::max({d.x, d.y, d.z}) < kLeafEdge)
+            return leaf.value[static_cast<std::size_t>(leaf_offset(d.x, d.y, d.z))];
+    }
+    return 0;
+}
+
+/// Expects 1 to 24 in the order of x, y, z.
+inline void expect_counted(const Volume& volume, const std::string& what) {
+    EXPECT_EQ(active_voxels(volume), 24u) << what;
+    float expected = 1;
+    for (int z = 0; z < kScanSize.z; ++z)
+        for (int y = 0; y < kScanSize.y; ++y)
+            for (int x = 0; x < kScanSize.x; ++x, ++expected)
+                EXPECT_EQ(value_at(volume, {x, y, z}), expected) << what;
+}
+
+inline void expect_map(const Affine& map, const Affine& expected, double tolerance = 1e-6) {
+    for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(map.linear(r, c), expected.linear(r, c), tolerance) << r << c;
+        EXPECT_NEAR(map.translation[r], expected.translation[r], tolerance) << r;
+    }
+}
+
+inline Volume read_bytes(const TempDir& dir, const std::string& name, const std::string& bytes,
+                         const VdbOptions& options = {}) {
+    write_bytes(dir / name, bytes);
+    return read_volume(dir / name, options);
+}
+
+inline Affine diagonal(Vec3d edge, Vec3d origin = {}) {
+    return {{{Vec3d{edge.x, 0, 0}, {0, edge.y, 0}, {0, 0, edge.z}}}, origin};
+}
+
+/// A little-endian TIFF of pages with uint16 pixels, one strip each.
+/// behind  bytes behind the first page's pixels
+inline std::string tiff_of(const std::vector<std::vector<std::uint16_t>>& pages,
+                           std::uint16_t width, std::uint16_t height,
+                           const std::string& description = "",
+                           const std::string& behind_pixels = "") {
+    std::string file = "II*";
+    const auto put = [&](auto value) {
+        file.append(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    file.push_back('\0');
+    put(std::uint32_t{8});
+    for (std::size_t n = 0; n < pages.size(); ++n) {
+        const bool described = n == 0 && !description.empty();
+        const std::uint16_t count = described ? 9 : 8;
+        const auto behind = static_cast<std::uint32_t>(file.size() + 2 + 12 * count + 4);
+        const auto bytes = static_cast<std::uint32_t>(pages[n].size() * 2);
+        const auto text = static_cast<std::uint32_t>(description.size() + 1);
+        const auto extra = static_cast<std::uint32_t>(n == 0 ? behind_pixels.size() : 0);
+        put(count);
+        const auto entry = [&](std::uint16_t tag, std::uint16_t type, std::uint32_t size,
+                               std::uint32_t value) { put(tag), put(type), put(size), put(value); };
+        entry(256, 3, 1, width), entry(257, 3, 1, height), entry(258, 3, 1, 16);
+        entry(259, 3, 1, 1), entry(262, 3, 1, 1);
+        if (described) entry(270, 2, text, behind + bytes + extra);
+        entry(273, 4, 1, behind), entry(277, 3, 1, 1);
+        entry(279, 4, 1, bytes);
+        const bool last = n + 1 == pages.size();
+        put(last ? std::uint32_t{0} : behind + bytes + extra + (described ? text + text % 2 : 0));
+        for (const std::uint16_t v : pages[n]) put(v);
+        if (n == 0) file += behind_pixels;
+        if (described) file += description + std::string(1 + text % 2, '\0');
+    }
+    return file;
+}
+
+/// A header block of cards, and values behind it.
+inline std::string fits_of(const std::vector<std::string>& cards, const std::string& values) {
+    constexpr std::size_t kBlock = 2880, kCard = 80;
+    std::string file;
+    for (const std::string& card : cards) file += card + std::string(kCard - card.size(), ' ');
+    file += "END";
+    file.resize((file.size() + kBlock - 1) / kBlock * kBlock, ' ');
+    file += values;
+    file.resize((file.size() + kBlock - 1) / kBlock * kBlock, '\0');
+    return file;
+}
+inline std::string card(const std::string& key, const std::string& value) {
+    return fmt::format("{:<8}= {:>20}", key, value);
+}
+inline std::vector<std::string> cube_cards(const std::string& bits) {
+    return {card("SIMPLE", "T"), card("BITPIX", bits), card("NAXIS", "3"),
+            card("NAXIS1", "2"), card("NAXIS2", "3"),  card("NAXIS3", "4")};
+}
+
+/// Whether this build has the library of a format.
+inline bool absent(const std::filesystem::path& file) {
+    return refusal([&] { read_volume(file); }).find("this build reads no") != std::string::npos;
+}
 
 }  // namespace vog::test

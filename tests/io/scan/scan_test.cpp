@@ -17,44 +17,6 @@ namespace vog::test {
 
 namespace {
 
-/// Value of a voxel; 0 where none is active.
-float value_at(const Volume& volume, Vec3i voxel) {
-    for (const Leaf& leaf : volume.leaves) {
-        const Vec3i d = voxel - leaf.origin;
-        if (std::min({d.x, d.y, d.z}) >= 0 && std::max({d.x, d.y, d.z}) < kLeafEdge)
-            return leaf.value[static_cast<std::size_t>(leaf_offset(d.x, d.y, d.z))];
-    }
-    return 0;
-}
-
-/// Expects 1 to 24 in the order of x, y, z.
-void expect_counted(const Volume& volume, const std::string& what) {
-    EXPECT_EQ(active_voxels(volume), 24u) << what;
-    float expected = 1;
-    for (int z = 0; z < kScanSize.z; ++z)
-        for (int y = 0; y < kScanSize.y; ++y)
-            for (int x = 0; x < kScanSize.x; ++x, ++expected)
-                EXPECT_EQ(value_at(volume, {x, y, z}), expected) << what;
-}
-
-void expect_map(const Affine& map, const Affine& expected, double tolerance = 1e-6) {
-    for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(map.linear(r, c), expected.linear(r, c), tolerance) << r << c;
-        EXPECT_NEAR(map.translation[r], expected.translation[r], tolerance) << r;
-    }
-}
-
-Volume read_bytes(const TempDir& dir, const std::string& name, const std::string& bytes,
-                  const VdbOptions& options = {}) {
-    write_bytes(dir / name, bytes);
-    return read_volume(dir / name, options);
-}
-
-Affine diagonal(Vec3d edge, Vec3d origin = {}) {
-    return {{{Vec3d{edge.x, 0, 0}, {0, edge.y, 0}, {0, 0, edge.z}}}, origin};
-}
-
 const std::string kNrrdHead =
     "NRRD0004\n# comment\ntype: short\ndimension: 3\nsizes: 2 3 4\nspacings: 0.5 1 2\nendian: "
     "little\n";
@@ -95,6 +57,8 @@ TEST(scan, nifti_maps_by_sform_then_qform) {
     const Affine sheared{{{Vec3d{1, 0.25, 0}, {0, 3, 0}, {0.5, 0, 2}}}, {5, 6, 7}};
     expect_map(read_bytes(dir, "s.nii", nifti.head() + values).world_from_index, sheared);
     nifti.srow = {};
+    expect_map(read_bytes(dir, "z.nii", nifti.head() + values).world_from_index, turned);
+    nifti.qform = 0;
     EXPECT_THROW(read_bytes(dir, "z.nii", nifti.head() + values), Error);
 }
 

@@ -85,13 +85,26 @@ TEST(vdb_choice, grids_that_share_a_tree_keep_their_own_transforms) {
     EXPECT_EQ(read_vdb(dir / "a.vdb").world_from_index.linear(1, 1), 1);
 }
 
+TEST(vdb_choice, bool_and_mask_grids_are_0_and_1) {
+    const TempDir dir;
+    const auto on_off = make_grid<openvdb::BoolGrid>("inside");
+    on_off->tree().setValueOn({1, 2, 3}, true);
+    on_off->tree().setValueOn({2, 2, 3}, false);
+    on_off->tree().addTile(1, {8, 0, 0}, true, true);
+    write_grids(dir / "bool.vdb", {on_off});
+    const Volume volume = read_vdb(dir / "bool.vdb");
+    EXPECT_EQ(volume.name, "inside");
+    EXPECT_EQ(active_voxels(volume), 2u + 512u);
+    EXPECT_EQ(volume.leaves.at(0).value[static_cast<std::size_t>(leaf_offset(1, 2, 3))], 1);
+    EXPECT_EQ(volume.leaves.at(0).value[static_cast<std::size_t>(leaf_offset(2, 2, 3))], 0);
+    EXPECT_EQ(volume.tiles.at(0).value, 1);
+    write_grids(dir / "mask.vdb",
+                {grid_with<openvdb::MaskGrid>("a"), grid_with<openvdb::MaskGrid>("density")});
+    EXPECT_EQ(first_value(read_vdb(dir / "mask.vdb")), 1);
+    EXPECT_EQ(read_vdb(dir / "mask.vdb").name, "density");
+}
+
 TEST(vdb_choice, what_is_no_density_is_refused) {
-    expect_message({grid_with<openvdb::BoolGrid>("inside")},
-                   ": grid 'inside': holds bool, expected float, double, int32, int64 or vec3",
-                   {.grid = "inside"});
-    expect_message({grid_with<openvdb::MaskGrid>("inside")},
-                   ": grid 'inside': holds mask, expected float, double, int32, int64 or vec3",
-                   {.grid = "inside"});
     expect_message({make_grid("density")}, ": grid 'density': no active voxels");
     const auto inactive = make_grid("density");
     inactive->tree().setValueOff({1, 2, 3}, 4);

@@ -140,11 +140,10 @@ TEST(vdb_info, points_are_counted_but_are_no_density) {
     EXPECT_EQ(info.leaves, grid->tree().leafCount());
     EXPECT_EQ(info.world_from_index.linear(0, 0), 0.5);
     EXPECT_GT(info.memory_bytes, 1000 * sizeof(openvdb::Vec3s));
-    EXPECT_NE(
-        test::error_of([&] {
-            read_vdb(dir / "points.vdb", {.grid = "particles"});
-        }).find("grid 'particles': holds points, expected float, double, int32, int64 or vec3"),
-        std::string::npos);
+    EXPECT_NE(test::error_of([&] { read_vdb(dir / "points.vdb", {.grid = "particles"}); })
+                  .find("grid 'particles': holds points, expected float, double, int32, int64, "
+                        "bool, mask or vec3"),
+              std::string::npos);
     EXPECT_NE(test::error_of([&] { read_vdb(dir / "points.vdb"); }).find("no scalar grid"),
               std::string::npos);
 }

@@ -1,0 +1,43 @@
+// tiff_stack.h: Descriptions of TIFF files: the order of their planes, and the voxels.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "vog/linear.h"
+
+namespace vog::scan {
+
+/// Tags of the first page that describe a file.
+struct TiffTags {
+    std::string name, description;
+    std::uint32_t width = 0, height = 0;
+    std::uint16_t samples = 1;
+    double x_resolution = 0, y_resolution = 0;  ///< pixels a unit; 0: none
+    std::uint16_t resolution_unit = 2;          ///< 1 none, 2 inch, 3 centimetre
+};
+
+/// Channels, slices and frames of a stack, and its voxels.
+struct TiffStack {
+    std::uint64_t channels = 1, frames = 1;
+    std::uint64_t slices = 0;   ///< 0: as many as planes make
+    std::string order = "CZT";  ///< of planes, the fastest first
+    std::vector<std::size_t>
+        plane_of_page;  ///< where the description gives each page its place; else empty
+    Vec3d edge{1, 1, 1};
+    std::vector<std::string> units;  ///< of x, y, z
+    std::string source = "voxels of 1, the file states none";
+    std::string note;  ///< what the description leaves out; empty: nothing
+
+    /// Number of the planes; 0: not stated.
+    std::uint64_t planes() const { return channels * frames * slices; }
+    /// Number of a plane in the order of the file.
+    std::uint64_t plane(std::uint64_t channel, std::uint64_t slice, std::uint64_t frame) const;
+};
+
+/// Stack by ImageJ's, OME's or tifffile's description, else by the resolution.
+/// throws vog::Error for descriptions of several images, and of axes that are no channels, slices or frames
+TiffStack tiff_stack(const TiffTags& tags);
+
+}  // namespace vog::scan
