@@ -8,6 +8,7 @@
 #include "data.h"
 #include "vog/dense.h"
 #include "vog/error.h"
+#include "vog/scan_io.h"
 #include "vog/volume_io.h"
 
 namespace vog::python {
@@ -450,6 +451,14 @@ void bind_volume(py::module_& m) {
         "grid_names", [](const std::filesystem::path& file) { return grid_names(file); },
         py::arg("file"),
         "Names of the grids in a .vdb or .nvdb file, or of the images in another, in file order.");
+    m.def(
+        "_volume_head",
+        [](const std::filesystem::path& file, const std::string& grid) {
+            const VolumeHead head = volume_head(file, grid);
+            return py::make_tuple(head.voxel_size, head.length_unit);
+        },
+        py::arg("file"), py::arg("grid") = "",
+        "Edges of a voxel of a dense image, and the unit of lengths, without its values.");
 }
 
 }  // namespace vog::python

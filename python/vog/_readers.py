@@ -1,7 +1,6 @@
 """Volumes of other packages' data: yt, xarray, nibabel and tifffile."""
-import gzip
 import os
-import struct
+import tempfile
 from typing import Any, Iterator, Optional, Sequence, Union
 
 import numpy as np
@@ -192,18 +191,16 @@ def from_xarray(
 
 # --- nibabel
 
-_NIFTI_LENGTHS = {1: "m", 2: "mm", 3: "um"}
 
-
-def _nifti_length(path: "Union[str, os.PathLike[str]]") -> Optional[str]:
-    """Unit of length in the header of a NIfTI file."""
-    opened: Any = gzip.open if str(path).endswith(".gz") else open
-    with opened(path, "rb") as file:
-        head = file.read(540)
-    order = "<" if head[:4] in (struct.pack("<i", 348), struct.pack("<i", 540)) else ">"
-    if struct.unpack(order + "i", head[:4])[0] == 348:
-        return _NIFTI_LENGTHS.get(head[123] & 7)
-    return _NIFTI_LENGTHS.get(struct.unpack(order + "i", head[500:504])[0] & 7)
+def _affine(image: Any) -> Any:
+    """Affine of an image of nibabel, or its qform where the sform is singular, as from_nifti of a path has it."""
+    matrix = np.asarray(image.affine, float)
+    if np.isfinite(matrix).all() and np.linalg.det(matrix[:3, :3]) != 0:
+        return matrix
+    qform = getattr(image.header, "get_qform", lambda coded: (None, 0))(coded=True)[0]
+    if qform is None:
+        raise _vog.Error("from_nifti: an affine that is singular and no qform, expected one of them to place the voxels")
+    return qform
 
 
 def from_nifti(
@@ -232,7 +229,7 @@ def from_nifti(
         names = _vog.grid_names(image)
         if isinstance(frame, bool) or not 0 <= frame < len(names):
             raise _vog.Error(f"from_nifti: {os.fspath(image)}: frame {described(frame)}, expected 0 to {len(names) - 1}")
-        return set_units(_vog.Volume.load(image, grid=names[frame], **rules), None, _nifti_length(image))
+        return set_units(_vog.Volume.load(image, grid=names[frame], **rules), None, _vog._volume_head(image, names[frame])[1] or None)
     if not (hasattr(image, "affine") and hasattr(image, "dataobj")):
         raise TypeError(f"from_nifti: got {described(image)}, expected a path or an image of nibabel.load")
     shape = image.shape
@@ -240,8 +237,10 @@ def from_nifti(
     if len(shape) < 3 or isinstance(frame, bool) or not 0 <= frame < frames:
         raise _vog.Error(f"from_nifti: image of shape {shape}, frame {described(frame)}, expected (X, Y, Z) or a frame of more")
     data = image.dataobj
+    if getattr(data, "offset", None) == 0 and bytes(image.header.get("magic", b"") if hasattr(image.header, "get") else b"")[:2] == b"n+":
+        raise _vog.Error("from_nifti: vox_offset 0, by which nibabel reads the head as values, expected the path of the file in place of the image")
     values = np.asanyarray(data[(..., *np.unravel_index(frame, shape[3:]))] if len(shape) > 3 else data)
-    volume = _vog.Volume.from_numpy(values, matrix=image.affine, name="value", **rules)
+    volume = _vog.Volume.from_numpy(values, matrix=_affine(image), name="value", **rules)
     to_units = getattr(image.header, "get_xyzt_units", None)
     length = {"meter": "m", "mm": "mm", "micron": "um"}.get(to_units()[0]) if to_units else None
     return set_units(volume, None, length)
@@ -250,22 +249,24 @@ def from_nifti(
 # --- tifffile
 
 
-def _tiff_sizes(file: Any) -> "tuple[Optional[tuple[float, float, float]], Optional[str]]":
-    """Voxel sizes (x, y, z) and their unit, of ImageJ's description or the resolution tags; (None, None): not known."""
-    tags, ij = file.pages[0].tags, file.imagej_metadata or {}
-    found = [tags[name].value for name in ("XResolution", "YResolution") if name in tags]
-    if len(found) < 2 or any(a == 0 or b == 0 for a, b in found):
-        return None, None
-    unit = {"micron": "um", "µm": "um", "\\u00B5m": "um"}.get(str(ij.get("unit")), ij.get("unit"))
-    scale = 1.0
-    if not ij:
-        scale = {2: 25.4, 3: 10.0}.get(int(tags["ResolutionUnit"].value) if "ResolutionUnit" in tags else 1, 0.0)
-        unit = "mm"
-        # 72 and 96 pixels an inch are programs' defaults.
-        if scale == 0 or (scale == 25.4 and found[0][0] / found[0][1] in (1, 72, 96)):
-            return None, None
-    x, y = (scale * b / a for a, b in found)
-    return (x, y, float(ij.get("spacing", x))), unit
+def _tiff_head(image: Any) -> "tuple[tuple[float, float, float], str]":
+    """Voxel sizes (x, y, z) of a TiffFile and their unit, read from its file, or from a copy of one in memory."""
+    handle = image.filehandle
+    try:
+        if os.path.isfile(handle.path):
+            return _head_of_first(handle.path)
+        with tempfile.NamedTemporaryFile(suffix=".tif") as copy:
+            handle.seek(0)
+            copy.write(handle.read())
+            copy.flush()
+            return _head_of_first(copy.name)
+    except _vog.Error as error:
+        raise _vog.Error(f"from_tiff: {error} (voxel_size= gives the edges of a voxel)") from None
+
+
+def _head_of_first(path: Any) -> "tuple[tuple[float, float, float], str]":
+    head: "tuple[tuple[float, float, float], str]" = _vog._volume_head(path, _vog.grid_names(path)[0])
+    return head
 
 
 def from_tiff(
@@ -281,7 +282,7 @@ def from_tiff(
 
     image       path of a file or a folder of slices, or a pattern 's*.tif', read without tifffile; or a tifffile.TiffFile
     voxel_size  edge of a voxel: a number, (x, y, z) or Quantities; None: ImageJ's or OME's, else of the resolution tags, else 1
-    frame, channel  of a stack with several times or channels (of a path: channel alone, of its images)
+    frame, channel  of a stack with several times or channels
     skip_nonfinite, clip_negative  as in Volume.from_numpy
 
     >>> import tifffile
@@ -292,11 +293,17 @@ def from_tiff(
     rules: "dict[str, Any]" = {"skip_nonfinite": skip_nonfinite, "clip_negative": clip_negative}
     if _is_path(image):
         names = _vog.grid_names(image)
-        if isinstance(channel, bool) or not 0 <= channel < len(names) or frame != 0:
-            raise _vog.Error(f"from_tiff: {os.fspath(image)}: frame {described(frame)}, channel {described(channel)}, expected frame 0, channel 0 to {len(names) - 1}")
-        volume = _vog.Volume.load(image, grid=names[channel], **rules)
+        # Images are called t1c0 with several times and channels, t1 or c0 with several of one, or have a colour's name.
+        named = [f"t{frame}c{channel}"] + [f"t{frame}"] * (channel == 0) + [f"c{channel}"] * (frame == 0)
+        if frame == 0 and not names[0].startswith("t") and isinstance(channel, int) and 0 <= channel < len(names):
+            named.append(names[channel])
+        found = [name for name in named if name in names]
+        if not found or isinstance(frame, bool) or isinstance(channel, bool):
+            raise _vog.Error(f"from_tiff: {os.fspath(image)}: frame {described(frame)}, channel {described(channel)}, expected one of {', '.join(names)}")
+        volume = _vog.Volume.load(image, grid=found[0], **rules)
+        length = _vog._volume_head(image, found[0])[1] or None
         if voxel_size is None:
-            return volume
+            return set_units(volume, None, length) if length else volume
         lower, upper = volume.index_box
         made: _vog.Volume = _vog.Volume.from_numpy(
             volume.to_numpy(), voxel_size=voxel_size, first=lower, name=volume.name, **rules
@@ -320,6 +327,6 @@ def from_tiff(
         stack = stack[None]
     if stack.ndim != 3 or not axes.endswith("YX"):
         raise _vog.Error(f"from_tiff: axes {axes} of shape {stack.shape}, expected ZYX")
-    size, unit = (voxel_size, None) if voxel_size is not None else _tiff_sizes(image)
+    size, unit = (voxel_size, None) if voxel_size is not None else _tiff_head(image)
     volume = _vog.Volume.from_numpy(stack.T, voxel_size=size, name="value", **rules)
     return set_units(volume, None, unit) if unit else volume
