@@ -29,8 +29,9 @@ struct VdbOptions {
     bool ones = false;
 };
 
-/// Reads one grid of an OpenVDB file as density: float, double, half-stored and integer grids, and
-/// vector grids, by magnitude, if options.grid names them. Tiles stay tiles.
+/// Reads one grid of an OpenVDB file (.vdb, .vdb.gz) as density: float, double, half-stored and integer
+/// grids, bool and mask grids as 0 and 1, and vector grids, by magnitude, if options.grid names them.
+/// Tiles stay tiles.
 /// notes   receives the changes made to values; null: not reported
 /// throws  vog::Error for a missing, foreign or truncated file; no, several or unknown grids (their
 ///         names are listed); a level set (unless options.level_set_to_fog); a frustum or singular
@@ -41,7 +42,8 @@ Volume read_vdb(const std::filesystem::path& file, const VdbOptions& options = {
 
 /// Reads one grid of a NanoVDB file as density, by the rules of read_vdb. Files of major version
 /// 32, uncompressed, zip or blosc; floats, doubles, integers of 16, 32 and 64 bits, quantised
-/// floats (Fp4, Fp8, Fp16, FpN), vectors by magnitude if options.grid names them. Tiles stay tiles.
+/// floats (Fp4, Fp8, Fp16, FpN), bool and mask grids as 0 and 1, vectors by magnitude if options.grid
+/// names them. Tiles stay tiles.
 /// notes   receives the changes made to values; null: not reported
 /// throws  vog::Error as read_vdb does, for a corrupt file, and for another major version
 Volume read_nvdb(const std::filesystem::path& file, const VdbOptions& options = {},
@@ -51,7 +53,7 @@ Volume read_nvdb(const std::filesystem::path& file, const VdbOptions& options = 
 /// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
 
-/// Names of the grids of a NanoVDB file, in file order.
+/// Names of the grids of a NanoVDB file, in file order; "density[1]" where two have one name.
 /// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
 

@@ -8,6 +8,7 @@
 
 #include "core/atomic_file.h"
 #include "core/paging.h"
+#include "io/file_extension.h"
 #include "io/scan/scan_values.h"
 #include "vog/error.h"
 
@@ -27,7 +28,7 @@ void ByteSource::fail_short(std::uint64_t wanted, std::uint64_t left) const {
 }
 
 FileBytes::FileBytes(const std::filesystem::path& file) : ByteSource(file.string()) {
-    if (scan::is_gzip(file)) {
+    if (lower_extension(file) == ".gz" && scan::is_gzip(file)) {
         unpacked_ = scan::unpacked_bytes(file);
         size_ = unpacked_.size();
         return;

@@ -54,7 +54,7 @@ class ByteSource {
     std::string where_;  // start of every message: "smoke.vdb: grid 'density'"
 };
 
-/// A whole file with random access. A gzip'd one is unpacked into memory.
+/// A whole file with random access. A .gz is unpacked into memory.
 class FileBytes : public ByteSource {
   public:
     /// throws vog::Error unless `file` is a readable file

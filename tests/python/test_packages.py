@@ -98,6 +98,46 @@ def test_tifffile_and_paths_agree(tmp_path):
     np.testing.assert_allclose(np.diag(by_file.matrix)[:3], [0.5, 0.5, 3])
 
 
+@pytest.mark.parametrize("name, shape, written, frame, channel, edges, unit", [
+    ("units.ome.tif", (4, 5, 6), {"metadata": {"axes": "ZYX", "PhysicalSizeX": 200, "PhysicalSizeXUnit": "nm", "PhysicalSizeY": 200,
+     "PhysicalSizeYUnit": "nm", "PhysicalSizeZ": 0.5, "PhysicalSizeZUnit": "\u00b5m"}}, 0, 0, (200, 200, 500), "nm"),
+    ("channels.ome.tif", (2, 4, 5, 6), {"metadata": {"axes": "CZYX", "PhysicalSizeX": 2, "PhysicalSizeY": 2, "PhysicalSizeZ": 3}}, 0, 1, (2, 2, 3), "um"),
+    ("frames.tif", (2, 4, 5, 6), {"imagej": True, "resolution": (2, 2), "metadata": {"axes": "TZYX", "spacing": -3, "unit": "um"}}, 1, 0, (0.5, 0.5, 3), "um"),
+    ("one_page.tif", (4, 5, 6), {"truncate": True}, 0, 0, (1, 1, 1), None),
+    ("axes.tif", (2, 4, 5, 6), {"metadata": {"axes": "CZYX"}}, 0, 1, (1, 1, 1), None),
+])
+def test_stacks_of_tifffile_lie_alike_by_path_and_by_file(tmp_path, name, shape, written, frame, channel, edges, unit):
+    tifffile = pytest.importorskip("tifffile", reason="needs tifffile (pip install tifffile)")
+    values = np.random.default_rng(1).integers(1, 200, shape).astype(np.uint16)
+    tifffile.imwrite(tmp_path / name, values, photometric="minisblack", **written)
+    wanted = values[max(frame, channel)] if len(shape) == 4 else values
+    with tifffile.TiffFile(tmp_path / name) as file:
+        by_file = vog.from_tiff(file, frame=frame, channel=channel)
+    for volume in (vog.from_tiff(tmp_path / name, frame=frame, channel=channel), by_file):
+        np.testing.assert_array_equal(volume.to_numpy(), wanted.T)
+        np.testing.assert_allclose(np.diag(volume.matrix)[:3], edges)
+        assert vog.units_of(volume).length == unit
+
+
+def test_an_sform_of_zeros_leaves_the_qform(tmp_path):
+    nibabel = pytest.importorskip("nibabel", reason="needs nibabel (pip install nibabel)")
+    values = np.random.default_rng(1).random((5, 6, 7)).astype(np.float32) + 0.1
+    affine = np.array([[0, -2, 0, 5], [1.5, 0, 0, 6], [0, 0, 3, 7], [0, 0, 0, 1.0]])
+    image = nibabel.Nifti1Image(values, affine)
+    image.set_qform(affine, 1)
+    image.header["sform_code"] = 1
+    for row in ("srow_x", "srow_y", "srow_z"):
+        image.header[row] = 0
+    (tmp_path / "a.nii").write_bytes(image.header.binaryblock + bytes(4) + values.tobytes(order="F"))
+    head = bytearray((tmp_path / "a.nii").read_bytes())
+    head[108:112] = np.float32(352).tobytes()
+    (tmp_path / "a.nii").write_bytes(bytes(head))
+    with pytest.warns(UserWarning, match="the qform places its voxels"):
+        by_path = vog.from_nifti(tmp_path / "a.nii")
+    np.testing.assert_allclose(by_path.matrix, affine, atol=1e-5)
+    np.testing.assert_allclose(vog.from_nifti(nibabel.load(tmp_path / "a.nii")).matrix, affine, atol=1e-5)
+
+
 def test_yt_levels_and_covering_grid():
     yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
     data = {"density": (np.random.default_rng(1).random((16, 16, 16)) + 0.5, "g/cm**3")}

@@ -195,7 +195,7 @@ void set_map(const std::filesystem::path& file, const NiftiHead& head, ScanGrid&
         const Vec3d edge = voxel_edges(head, notes);
         grid.world_from_index =
             affine_of_axes({Vec3d{edge.x, 0, 0}, {0, edge.y, 0}, {0, 0, edge.z}}, {});
-        grid.coordinates = "voxel sizes alone, without an orientation";
+        grid.coordinates = "voxel sizes only, without an orientation";
     }
     constexpr const char* kUnits[] = {"", "m", "mm", "um"};
     if ((head.units & 7) < 4) grid.length_unit = kUnits[head.units & 7];
@@ -263,7 +263,7 @@ ScanFile open_nifti(const std::filesystem::path& file) {
         throw Error(fmt::format("{}: values at byte {}, expected {} or more", file.string(), offset,
                                 least));
     array.parts = {{file, 0, static_cast<std::uint64_t>(offset)}};
-    // As the standard has it: slope 0 is none. nibabel treats one that is not finite likewise.
+    // As the standard has it: slope 0 is none. nibabel treats one that is not finite the same way.
     if (head.slope != 0 && std::isfinite(head.slope) && type.components == 1) {
         if (!std::isfinite(head.inter))
             throw Error(fmt::format("{}: scl_inter is {}, expected a finite number", file.string(),

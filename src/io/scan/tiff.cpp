@@ -138,7 +138,7 @@ struct Page {
     std::size_t file = 0;
     std::uint16_t directory = 0;
     std::uint32_t plane = 0;
-    bool alone = true;
+    bool single = true;  ///< the only plane of its directory
 };
 
 /// Copies rows of `from` into `to` [width * height], by one sample of `samples` side by side.
@@ -183,7 +183,7 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
     const std::size_t pixel = (form.planar ? 1 : form.samples) * bytes_of(form.type);
     const auto which = static_cast<std::uint16_t>(form.planar ? sample : 0);
     std::vector<char> buffer;
-    if (TIFFIsTiled(handle) && !page.alone && form.depth == 1)
+    if (TIFFIsTiled(handle) && !page.single && form.depth == 1)
         tiff.fail("several planes in one page of tiles");
     if (TIFFIsTiled(handle)) {
         const auto width = tiff.tag<std::uint32_t>(TIFFTAG_TILEWIDTH, 0);
@@ -204,7 +204,7 @@ void read_page(Tiff& tiff, const Page& page, const PageForm& form, std::size_t s
             }
         return;
     }
-    if (!page.alone) return read_run(tiff, page, form, sample, to);
+    if (!page.single) return read_run(tiff, page, form, sample, to);
     const auto rows =
         std::min(tiff.tag<std::uint32_t>(TIFFTAG_ROWSPERSTRIP, form.height), form.height);
     if (rows == 0 || rows > (std::uint64_t{1} << 29) / (pixel * form.width))
@@ -345,7 +345,7 @@ ScanFile open_tiff(const std::filesystem::path& file) {
         for (std::uint32_t n = 0; n < planes; ++n) pages[n].plane = n;
     }
     const std::uint64_t images = stack.channels * stack.frames;
-    // Slices of several files: the first one describes its own alone.
+    // Slices of several files: each describes only its own.
     if (files.size() > 1) stack.slices = 0, stack.plane_of_page.clear();
     if (stack.slices == 0 && images > 0) stack.slices = pages.size() / images;
     if (pages.size() != stack.planes() || (images > 1 && (form.samples > 1 || files.size() > 1)))

@@ -239,6 +239,11 @@ void set_shaped(const TiffTags& tags, TiffStack& stack) {
     }
     for (const char c : std::string("CZT"))
         if (stack.order.find(c) == std::string::npos) stack.order += c;
+    constexpr double kMostPlanes = 1 << 30;
+    if (static_cast<double>(stack.slices) * static_cast<double>(stack.frames) *
+            static_cast<double>(stack.channels) >
+        kMostPlanes)
+        fail(tags, fmt::format("planes of shape {}, expected fewer", json["shape"].dump()));
     // Pages that were written one by one have a shape of their own each.
     if (stack.planes() == 1) stack.slices = 0;
 }
