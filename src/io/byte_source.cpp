@@ -28,6 +28,7 @@ void ByteSource::fail_short(std::uint64_t wanted, std::uint64_t left) const {
 }
 
 FileBytes::FileBytes(const std::filesystem::path& file) : ByteSource(file.string()) {
+    require_readable(file);
     if (lower_extension(file) == ".gz" && scan::is_gzip(file)) {
         unpacked_ = scan::unpacked_bytes(file);
         size_ = unpacked_.size();

@@ -135,7 +135,7 @@ TEST(scan_kinds, metaimage) {
         {{{"a.mha", mha("Offset = 1 2 3\nOffset = 4 5 6\n") + local + counted()}},
          "offset '1 2 3' and '4 5 6'"},
         {{{"a.mha", mha("BinaryData = Yes\n") + local + counted()}},
-         "binarydata 'Yes', expected True or False"},
+         "binarydata 'yes', expected True or False"},
         {{{"a.mha", mha(space4, "2 3 4 2", 4)
                             .replace(mha(space4, "2 3 4 2", 4).find("1 0 0 0 0"), 9, "1 0 0 5 0") +
                         local + two_frames()}},
