@@ -21,20 +21,22 @@ struct Splats {
     std::vector<float> opacity;  ///< [N] (0, 1)
     std::vector<Vec3f> color;    ///< [N] red, green, blue as displayed, [0, 1]
     std::string source;          ///< name of the source data
+    double world_scale = 1;      ///< world units in one unit of the splats, > 0
+    Vec3d world_center;          ///< point of the world at the splats' 0, world units
     std::size_t size() const { return mean.size(); }
 };
 
 /// Options of splats_of.
 struct SplatsOptions {
     double extinction = 1;  ///< factor on density, > 0
-    /// Move and scale the box of the model to the centre 0 and a longest edge of 2.
-    bool unit_box = false;
+    /// Move and scale the box of the model to the centre 0 and a longest edge of 2, a size that viewers open in view.
+    bool unit_box = true;
 };
 
 /// Splats of a model. The optical depth -ln(1 - alpha), integrated over the screen, is that of the Gaussian, in the mean over
 /// directions: Li2(opacity) = extinction mass / (2 pi A), A the mean over directions of the product of the standard deviations on
 /// the screen. A Gaussian of more than Li2(1) = 1.64 is opaque.
-/// color   [N] red, green, blue, [0, 1]; empty: white
+/// color   [N] red, green, blue, [0, 1]; empty: white, as fog
 /// throws  vog::Error for an invalid model, an extinction out of range, or colours of another number
 [[nodiscard]] Splats splats_of(const Gaussians& model, std::span<const Vec3f> color,
                                const SplatsOptions& options = {});
@@ -54,9 +56,11 @@ struct SplatsError {
 
 /// Writes splats, beside the file, renamed when whole: by the extension .ply (3DGS: logarithms of scales, logits of opacities,
 /// f_dc), .spz (version 3, 24-bit positions, 8-bit scales and opacities), .glb (glTF with KHR_gaussian_splatting), .usda or
-/// .usdc (OpenUSD's ParticleField3DGaussianSplat, as text or as a crate).
+/// .usdc (OpenUSD's ParticleField3DGaussianSplat, as text or as a crate). Splats are turned so that they stand upright: y is up in
+/// .spz, .glb, .usda and .usdc, -y in .ply. The file states the turn, world_scale and world_center, and read_model undoes them.
+/// up      direction that is upright in the data, not 0
 /// throws  vog::Error for another extension, no splats, positions beyond what .spz holds, or if the file cannot be written
-void write_splats(const std::filesystem::path& file, const Splats& splats);
+void write_splats(const std::filesystem::path& file, const Splats& splats, Vec3d up = {0, 1, 0});
 
 /// Writes a model as volprim's PLY: volumetric Gaussians of unit mass times sigmat, cut at 3 standard deviations there. Mass is
 /// kept: where the model cuts elsewhere, kernels change.

@@ -1,9 +1,13 @@
-// glb.cpp: binary glTF 2.0 with KHR_gaussian_splatting: points with rotations x y z w, linear scales and opacities.
+// glb.cpp: binary glTF 2.0 with KHR_gaussian_splatting: points with rotations x y z w, linear scales and opacities. COLOR_0 is
+// for viewers without the extension, which draw points: linear red, green, blue, and the opacity.
+// Source: github.com/KhronosGroup/glTF, extensions/2.0/Khronos/KHR_gaussian_splatting/README.md.
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "io/exchange/splat_files.h"
+#include "io/exchange/splat_frame.h"
 
 namespace vog::exchange {
 
@@ -12,22 +16,40 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t kMagic = 0x46546c67, kJsonChunk = 0x4e4f534a, kBinaryChunk = 0x004e4942;
+constexpr int kUnsignedByte = 5121, kFloat = 5126, kVertices = 34962;
+
+/// Bytes of COLOR_0, which is linear where splats are sRGB as displayed (IEC 61966-2-1).
+std::array<std::uint8_t, 4> fallback_color(Vec3f color, float opacity) {
+    std::array<std::uint8_t, 4> bytes{};
+    for (int k = 0; k < 4; ++k) {
+        const float c = k < 3 ? std::clamp(color[k], 0.0f, 1.0f) : opacity;
+        const float linear = k == 3          ? c
+                             : c <= 0.04045f ? c / 12.92f
+                                             : std::pow((c + 0.055f) / 1.055f, 2.4f);
+        bytes[static_cast<std::size_t>(k)] = static_cast<std::uint8_t>(std::lround(255 * linear));
+    }
+    return bytes;
+}
 
 }  // namespace
 
-void write_glb(std::ofstream& out, const Splats& splats) {
+void write_glb(std::ofstream& out, const Splats& splats, const std::string& frame) {
     const std::size_t count = splats.size();
     std::string body;
     Json accessors = Json::array(), views = Json::array(), attributes;
-    const auto add = [&](const std::string& name, const char* type, const auto& values) {
+    const auto add = [&](const std::string& name, const char* type, const auto& values,
+                         int component = kFloat) {
         const std::size_t bytes = values.size() * sizeof(values.front());
         attributes[name] = accessors.size();
         accessors.push_back({{"bufferView", views.size()},
-                             {"componentType", 5126},
+                             {"componentType", component},
                              {"count", count},
                              {"type", type}});
-        views.push_back(
-            {{"buffer", 0}, {"byteOffset", body.size()}, {"byteLength", bytes}, {"target", 34962}});
+        if (component != kFloat) accessors.back()["normalized"] = true;
+        views.push_back({{"buffer", 0},
+                         {"byteOffset", body.size()},
+                         {"byteLength", bytes},
+                         {"target", kVertices}});
         body.append(reinterpret_cast<const char*>(values.data()), bytes);
     };
     add("POSITION", "VEC3", splats.mean);
@@ -47,6 +69,10 @@ void write_glb(std::ofstream& out, const Splats& splats) {
     std::vector<Vec3f> dc;
     for (const Vec3f color : splats.color) dc.push_back(harmonics(color));
     add("KHR_gaussian_splatting:SH_DEGREE_0_COEF_0", "VEC3", dc);
+    std::vector<std::array<std::uint8_t, 4>> points;
+    for (std::size_t i = 0; i < count; ++i)
+        points.push_back(fallback_color(splats.color[i], splats.opacity[i]));
+    add("COLOR_0", "VEC4", points, kUnsignedByte);
 
     const Json primitive = {{"mode", 0},
                             {"attributes", attributes},
@@ -56,7 +82,7 @@ void write_glb(std::ofstream& out, const Splats& splats) {
     const Json json = {{"asset", {{"version", "2.0"}, {"generator", "vog"}}},
                        {"extensionsUsed", {"KHR_gaussian_splatting"}},
                        {"scene", 0},
-                       {"scenes", {{{"nodes", {0}}}}},
+                       {"scenes", {{{"nodes", {0}}, {"extras", {{kFrameKey, frame}}}}}},
                        {"nodes", {{{"mesh", 0}}}},
                        {"meshes", {{{"primitives", {primitive}}}}},
                        {"accessors", accessors},

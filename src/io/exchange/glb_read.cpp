@@ -11,6 +11,7 @@
 
 #include "io/byte_source.h"
 #include "io/exchange/splat_density.h"
+#include "io/exchange/splat_frame.h"
 #include "io/exchange/splat_models.h"
 #include "vog/error.h"
 
@@ -30,12 +31,6 @@ struct Placement {
 };
 
 Vec3d turned(Quat q, Vec3d v) { return matrix_from_quat(q) * v; }
-Quat product_of(Quat a, Quat b) {
-    return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-            a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-            a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
 
 Placement placement_of(const Json& node, const Placement& parent) {
     if (node.contains("matrix"))
@@ -252,6 +247,9 @@ Gaussians read_glb(const std::filesystem::path& file) {
         std::vector<bool> seen(gltf.at("nodes").size());
         for (const std::size_t node : roots_of(gltf))
             add_node(gltf, node, {}, 0, seen, accessors, model);
+        const Json::json_pointer frame(
+            fmt::format("/scenes/{}/extras/{}", gltf.value("scene", std::size_t{0}), kFrameKey));
+        if (gltf.contains(frame)) restore_frame(model, gltf[frame].get<std::string>(), Upright::y);
     } catch (const std::out_of_range& error) {
         throw Error(fmt::format("{}: corrupt: a node that is not there", file.string()));
     } catch (const Json::exception& error) {

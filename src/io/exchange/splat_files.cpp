@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/atomic_file.h"
+#include "io/exchange/splat_frame.h"
 #include "io/file_extension.h"
 #include "vog/error.h"
 
@@ -34,13 +35,14 @@ void write_rows(std::ofstream& out, std::size_t count, const Row& row) {
     }
 }
 
-void write_ply_splats(std::ofstream& out, const Splats& splats) {
+void write_ply_splats(std::ofstream& out, const Splats& splats, const std::string& frame) {
     constexpr const char* kProperties[] = {
         "x",       "y",       "z",       "nx",      "ny",    "nz",    "f_dc_0", "f_dc_1", "f_dc_2",
         "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2",  "rot_3"};
     out << ply_header(
         "3D Gaussian splatting: scales are logarithms, opacity is a logit, f_dc spherical "
-        "harmonics",
+        "harmonics; x right, y down, z front\ncomment " +
+            std::string(kFrameKey) + " " + frame,
         splats.size(), kProperties);
     write_rows(out, splats.size(), [&](std::size_t i) {
         const Vec3f m = splats.mean[i], s = splats.scale[i], dc = harmonics(splats.color[i]);
@@ -74,26 +76,29 @@ Vec3f exchange::harmonics(Vec3f color) {
     return {factor * (color.x - 0.5f), factor * (color.y - 0.5f), factor * (color.z - 0.5f)};
 }
 
-void write_splats(const std::filesystem::path& file, const Splats& splats) {
+void write_splats(const std::filesystem::path& file, const Splats& splats, Vec3d up) {
     if (splats.size() == 0)
         throw Error(fmt::format("{}: no splats, expected at least one", file.string()));
     const std::string extension = lower_extension(file);
-    void (*write)(std::ofstream&, const Splats&) = extension == ".ply"    ? write_ply_splats
-                                                   : extension == ".spz"  ? write_spz
-                                                   : extension == ".glb"  ? write_glb
-                                                   : extension == ".usda" ? write_usda
-                                                   : extension == ".usdc" ? write_usdc
-                                                                          : nullptr;
+    void (*write)(std::ofstream&, const Splats&, const std::string&) =
+        extension == ".ply"    ? write_ply_splats
+        : extension == ".spz"  ? write_spz
+        : extension == ".glb"  ? write_glb
+        : extension == ".usda" ? write_usda
+        : extension == ".usdc" ? write_usdc
+                               : nullptr;
     if (!write)
         throw Error(
             fmt::format("{}: extension '{}', expected .ply, .spz, .glb, .usda or .usdc (splats)",
                         file.string(), extension));
-    constexpr std::size_t kMostGlb = (std::uint64_t{1} << 32) / 60;  // lengths of 32 bits
+    constexpr std::size_t kMostGlb = (std::uint64_t{1} << 32) / 64;  // lengths of 32 bits
     if (extension == ".glb" && splats.size() > kMostGlb)
         throw Error(fmt::format("{}: {} splats, expected at most {}", file.string(), splats.size(),
                                 kMostGlb));
     if (extension == ".spz") check_spz(splats, file.string());
-    write_file(file, [&](std::ofstream& out) { write(out, splats); });
+    const Splats upright =
+        turned(splats, turn_of(up, extension == ".ply" ? Upright::minus_y : Upright::y));
+    write_file(file, [&](std::ofstream& out) { write(out, upright, frame_text(splats, up)); });
 }
 
 void write_volprim(const std::filesystem::path& file, const Gaussians& model, double extinction) {

@@ -16,10 +16,11 @@ Vec3f harmonics(Vec3f color);
 /// throws  vog::Error naming `where` for positions beyond 24 bits of which 12 are fractions, which start at 1 for splats smaller
 ///         than theirs
 void check_spz(const Splats& splats, const std::string& where);
-void write_spz(std::ofstream& out, const Splats& splats);
-void write_glb(std::ofstream& out, const Splats& splats);
-void write_usda(std::ofstream& out, const Splats& splats);
-void write_usdc(std::ofstream& out, const Splats& splats);
+/// frame  frame_text of the file
+void write_spz(std::ofstream& out, const Splats& splats, const std::string& frame);
+void write_glb(std::ofstream& out, const Splats& splats, const std::string& frame);
+void write_usda(std::ofstream& out, const Splats& splats, const std::string& frame);
+void write_usdc(std::ofstream& out, const Splats& splats, const std::string& frame);
 
 /// Box of balls of 3 of the largest standard deviation around splats.
 Box splat_extent(const Splats& splats);

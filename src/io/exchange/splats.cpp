@@ -73,6 +73,7 @@ Splats splats_of(const Gaussians& model, std::span<const Vec3f> color,
     Splats splats;
     const std::size_t count = model.size();
     splats.source = model.source;
+    splats.world_scale = 1 / unit, splats.world_center = center;
     splats.mean.resize(count), splats.scale.resize(count), splats.rotation.resize(count);
     splats.opacity.resize(count);
     splats.color.assign(color.begin(), color.end());

@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "io/exchange/splat_files.h"
+#include "io/exchange/splat_frame.h"
 #include "vog/error.h"
 
 namespace vog::exchange {
@@ -68,7 +69,7 @@ void check_spz(const Splats& splats, const std::string& where) {
         std::log(double{largest}) > 255 / 16.0 - 10 + 1.0 / 32)
         throw Error(
             fmt::format("{}: standard deviations from {:.3g} to {:.3g}, expected from 4.5e-5 to "
-                        "379 (--units box, or other units)",
+                        "379 (--units box, or larger Gaussians: --budget)",
                         where, least, largest));
     constexpr std::size_t kMost = 200'000'000;
     if (splats.size() > kMost)
@@ -78,11 +79,11 @@ void check_spz(const Splats& splats, const std::string& where) {
         throw Error(
             fmt::format("{}: positions of 24 bits have steps of {:.3g}, the smallest standard "
                         "deviation is {:.3g}: expected a smaller box "
-                        "(--units box) or larger Gaussians",
+                        "(--units box) or larger Gaussians (--budget)",
                         where, std::ldexp(1.0, -bits), least));
 }
 
-void write_spz(std::ofstream& out, const Splats& splats) {
+void write_spz(std::ofstream& out, const Splats& splats, const std::string& frame) {
     const int bits = fraction_bits(splats);
     std::string bytes;
     const auto put = [&](auto value) {
@@ -111,6 +112,11 @@ void write_spz(std::ofstream& out, const Splats& splats) {
     if (deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, kGzip, kMemory, Z_DEFAULT_STRATEGY) !=
         Z_OK)
         throw Error("zlib cannot compress");
+    // SPZ has no place for it: the comment of gzip (RFC 1952), which readers skip.
+    std::string comment = std::string(kFrameKey) + " " + frame;
+    gz_header head{};
+    head.comment = reinterpret_cast<Bytef*>(comment.data());
+    deflateSetHeader(&stream, &head);
     std::string packed_bytes(deflateBound(&stream, bytes.size()), '\0');
     stream.next_in = reinterpret_cast<Bytef*>(bytes.data());
     stream.avail_in = static_cast<uInt>(bytes.size());

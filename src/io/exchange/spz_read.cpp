@@ -13,6 +13,7 @@
 
 #include "io/byte_source.h"
 #include "io/exchange/splat_density.h"
+#include "io/exchange/splat_frame.h"
 #include "io/exchange/splat_models.h"
 #include "vog/error.h"
 
@@ -38,6 +39,8 @@ class Columns {
     virtual void take(void* to, std::size_t bytes) = 0;
     /// Reads the harmonics, which are not kept, to the end of the file.
     virtual void finish(const SpzHeader& header) = 0;
+    /// Comment of a gzip stream, once something was taken; empty: none.
+    virtual std::string comment() const { return {}; }
 };
 
 /// A gzip stream.
@@ -48,6 +51,8 @@ class GzipReader : public Columns {
         stream_.avail_in = static_cast<uInt>(bytes.size());
         constexpr int kGzip = 16 + MAX_WBITS;
         if (inflateInit2(&stream_, kGzip) != Z_OK) throw Error("zlib cannot decompress");
+        head_.comment = comment_.data(), head_.comm_max = static_cast<uInt>(comment_.size() - 1);
+        inflateGetHeader(&stream_, &head_);
     }
     ~GzipReader() override { inflateEnd(&stream_); }
     GzipReader(const GzipReader&) = delete;
@@ -76,6 +81,7 @@ class GzipReader : public Columns {
         if (!(header.flags & kExtended) && !at_end())
             throw Error(fmt::format("{}: longer than its {} splats", name_, header.count));
     }
+    std::string comment() const override { return reinterpret_cast<const char*>(comment_.data()); }
 
   private:
     /// Whether nothing is left.
@@ -87,6 +93,8 @@ class GzipReader : public Columns {
     }
 
     z_stream stream_{};
+    gz_header head_{};
+    std::array<Bytef, 1024> comment_{};  // ends in 0
     std::string name_;
 };
 
@@ -235,6 +243,12 @@ Gaussians read_spz(const std::filesystem::path& file) {
         model.rotation[i] =
             turn == 4 ? smallest_three(&column[4 * i]) : first_three(&column[3 * i]);
     columns->finish(header);
+    const std::string comment = columns->comment(), key = std::string(kFrameKey) + " ";
+    if (comment.starts_with(key)) try {
+            restore_frame(model, std::string_view(comment).substr(key.size()), Upright::y);
+        } catch (const Error& error) {
+            throw Error(fmt::format("{}: {}", name, error.what()));
+        }
     return model;
 }
 

@@ -15,6 +15,7 @@
 #include "data/field_arrays.h"
 #include "data/hierarchy_links.h"
 #include "io/exchange/splat_density.h"
+#include "io/exchange/splat_frame.h"
 #include "io/exchange/splat_models.h"
 #include "io/model_part.h"
 #include "io/ply/ply_fields.h"
@@ -160,6 +161,7 @@ Gaussians ply::read_part(const std::filesystem::path& file, const ModelPart& par
     if (layout == Layout::vog) read_comments(file, header, model);
     adopt_conventions(layout, model);
     if (layout != Layout::vog) exchange::keep_finite(model, file.string(), rules);
+    if (layout == Layout::splatting) read_frame(file, header, model);
 
     // Messages of validate() name the model's source: here the file that was read.
     const std::string source = model.source;

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "data/field_arrays.h"
+#include "io/exchange/splat_frame.h"
 #include "io/ply/ply_fields.h"
 #include "io/ply/ply_nodes.h"
 #include "vog/error.h"
@@ -310,6 +311,14 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
     if (comment(header, "method", value)) model.method = value;
     if (comment(header, "options", value)) model.options = value;
     if (comment(header, "reached", value)) model.summary = value;
+}
+
+void read_frame(const std::filesystem::path& file, const Header& header, Gaussians& model) try {
+    std::string value;
+    if (comment(header, exchange::kFrameKey, value))
+        exchange::restore_frame(model, value, exchange::Upright::minus_y);
+} catch (const Error& error) {
+    fail(file, error.what());
 }
 
 std::string header_text(const Gaussians& model, std::uint64_t count, bool rotated,

@@ -76,6 +76,10 @@ std::size_t check_nodes(const std::filesystem::path& file, const Header& header,
 /// throws vog::Error if the cutoff is missing or a number is malformed
 void read_comments(const std::filesystem::path& file, const Header& header, Gaussians& model);
 
+/// Takes splats of 3DGS to the frame of their data, where a comment of vog's states it.
+/// throws vog::Error if the comment is malformed
+void read_frame(const std::filesystem::path& file, const Header& header, Gaussians& model);
+
 /// Complete header of a file with `count` Gaussians and the nodes of `hierarchy`.
 /// model  supplies the metadata only
 std::string header_text(const Gaussians& model, std::uint64_t count, bool rotated,

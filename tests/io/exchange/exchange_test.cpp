@@ -193,15 +193,18 @@ TEST(exchange, spz_refuses_what_its_positions_cannot_hold) {
     EXPECT_FALSE(std::filesystem::exists(dir / "m.spz"));
     EXPECT_EQ(refusal([&] { write(true); }), "no error");
     const auto refused = [&](double scale) {
-        return refusal([&] { write_splats(dir / "n.spz", splats_of(cloud(scale), {})); });
+        return refusal([&] {
+            write_splats(dir / "n.spz", splats_of(cloud(scale), {}, {1, false}));
+        });
     };
     EXPECT_NE(refused(1e4).find("standard deviations from"), std::string::npos);
     EXPECT_NE(refused(1e-5).find("standard deviations from"), std::string::npos);
     Gaussians fine = cloud(1000);
     fine.scale[3] = {6e-5f, 6e-5f, 6e-5f};
-    EXPECT_NE(
-        refusal([&] { write_splats(dir / "n.spz", splats_of(fine, {})); }).find("have steps of"),
-        std::string::npos);
+    EXPECT_NE(refusal([&] {
+                  write_splats(dir / "n.spz", splats_of(fine, {}, {1, false}));
+              }).find("have steps of"),
+              std::string::npos);
     EXPECT_FALSE(std::filesystem::exists(dir / "n.spz"));
 }
 

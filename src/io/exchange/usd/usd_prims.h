@@ -13,6 +13,8 @@
 
 namespace vog::exchange::usd {
 
+/// Attribute of vog's own, a token: the frame of splat_frame.h.
+inline constexpr const char* kFrameAttribute = "vog:frame";
 inline constexpr const char* kSplatType = "ParticleField3DGaussianSplat";
 
 /// Attributes of splats that make up a Gaussian, and the numbers of each splat; orientations are w x y z.
@@ -34,6 +36,7 @@ struct Prim {
     bool splats = false;         ///< defined here, of the type kSplatType
     bool absent = false;         ///< a class, an override or inactive: nothing in it is drawn
     bool moved = false;          ///< has xformOpOrder
+    std::string frame;           ///< value of kFrameAttribute; empty: none
     std::string sampled;         ///< attribute of splats with values at several times
     std::array<std::vector<float>, kAttributes.size()> numbers;  ///< rows of kComponents
     std::array<bool, kAttributes.size()> half{};                 ///< numbers are of the half floats

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "io/exchange/splat_density.h"
+#include "io/exchange/splat_frame.h"
 #include "io/exchange/splat_models.h"
 #include "io/exchange/usd/usd_prims.h"
 #include "vog/error.h"
@@ -99,7 +100,11 @@ Gaussians read_usd(const std::filesystem::path& file) {
         head == kCrate ? usd::read_crate(in, file.string()) : usd::read_text(in, file.string());
     Gaussians model;
     for (std::size_t n = 0; n < prims.size(); ++n) try {
-            if (prims[n].splats && usd::drawn(prims, n)) usd::add_splats(prims[n], model);
+            if (!prims[n].splats || !usd::drawn(prims, n)) continue;
+            Gaussians own;
+            usd::add_splats(prims[n], own);
+            restore_frame(own, prims[n].frame, Upright::y);
+            append(model, own);
         } catch (const Error& error) {
             throw Error(
                 fmt::format("{}: {}: {}", file.string(), usd::path_of(prims, n), error.what()));

@@ -231,6 +231,10 @@ class Parser {
             prim->moved |= text_.substr(begin, at_ - begin).find('"') != std::string_view::npos;
         } else if (prim && prim->splats && attribute && !sampled) {
             set_numbers(*prim, *attribute, numbers(kComponents[attribute->index]));
+        } else if (prim && name == kFrameAttribute) {
+            skip_blanks(true);
+            if (peek() != '"') fail(fmt::format("expected {} in quotation marks", kFrameAttribute));
+            prim->frame = quoted();
         } else {
             if (prim && attribute && sampled) prim->sampled = kAttributes[attribute->index];
             skip_value();

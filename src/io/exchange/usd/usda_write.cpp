@@ -7,6 +7,7 @@
 
 #include "io/exchange/splat_density.h"
 #include "io/exchange/splat_files.h"
+#include "io/exchange/usd/usd_prims.h"
 
 namespace vog::exchange {
 
@@ -37,7 +38,7 @@ Box splat_extent(const Splats& splats) {
     return box;
 }
 
-void write_usda(std::ofstream& out, const Splats& splats) {
+void write_usda(std::ofstream& out, const Splats& splats, const std::string& frame) {
     const std::size_t count = splats.size();
     const Box box = splat_extent(splats);
     out << "#usda 1.0\n(\n    defaultPrim = \"Splats\"\n    metersPerUnit = 1\n    upAxis = "
@@ -62,7 +63,7 @@ void write_usda(std::ofstream& out, const Splats& splats) {
     for (const Vec3f color : splats.color) dc.push_back(harmonics(color));
     out << "    uniform int radiance:sphericalHarmonicsDegree = 0\n";
     put_array(out, "float3[] radiance:sphericalHarmonicsCoefficients", count, vectors(dc));
-    out << "}\n";
+    out << fmt::format("    custom uniform token {} = \"{}\"\n}}\n", usd::kFrameAttribute, frame);
 }
 
 }  // namespace vog::exchange

@@ -251,9 +251,13 @@ class Crate {
     void read_attribute(const Spec& spec, Prim& prim) {
         const std::string_view name = paths_[spec.path].name;
         const auto attribute = attribute_named(name);
-        if (name != "xformOpOrder" && !(prim.splats && attribute)) return;
+        if (name != "xformOpOrder" && name != kFrameAttribute && !(prim.splats && attribute))
+            return;
         each_field(spec, [&](const Field& field) {
-            if (!attribute)
+            if (name == kFrameAttribute) {
+                if (field.name == "default" && field.value.type() == CrateType::token)
+                    prim.frame = token(static_cast<std::int64_t>(field.value.payload()));
+            } else if (!attribute)
                 prim.moved |= field.name == "default" && field.value.payload() != 0;
             else if (field.name == "timeSamples")
                 prim.sampled = kAttributes[attribute->index];

@@ -148,7 +148,7 @@ std::span<const T> all(const std::vector<T>& values) {
 
 }  // namespace
 
-void write_usdc(std::ofstream& out, const Splats& splats) {
+void write_usdc(std::ofstream& out, const Splats& splats, const std::string& frame) {
     using enum CrateType;
     struct Attribute {
         std::string name, type;
@@ -170,7 +170,8 @@ void write_usdc(std::ofstream& out, const Splats& splats) {
         {"opacities", "float[]", crate.array_value(float32, all(splats.opacity))},
         {degree, "int", crate_value(int32, CrateValue::kInlined, 0)},
         {"radiance:sphericalHarmonicsCoefficients", "float3[]",
-         crate.array_value(vec3_32, all(dc))}};
+         crate.array_value(vec3_32, all(dc))},
+        {kFrameAttribute, "token", crate.token_value(frame)}};
     std::vector<std::string> names;
     for (const Attribute& attribute : attributes) names.push_back(attribute.name);
 
@@ -190,7 +191,10 @@ void write_usdc(std::ofstream& out, const Splats& splats) {
     for (const Attribute& attribute : attributes) {
         std::vector<std::pair<std::string, CrateValue>> fields{
             {"typeName", crate.token_value(attribute.type)}, {"default", attribute.value}};
-        if (attribute.name == degree) fields.emplace_back("variability", inlined(variability, 1));
+        const bool own = attribute.name == kFrameAttribute;
+        if (own) fields.emplace_back("custom", inlined(boolean, 1));
+        if (own || attribute.name == degree)
+            fields.emplace_back("variability", inlined(variability, 1));
         crate.add(attribute.name, attribute_spec, fields);
     }
     crate.finish();
