@@ -23,23 +23,22 @@ py::tuple state_of(const Camera& camera) {
                           camera.orthographic_width);
 }
 
-/// A direction (x, y, z), or the name of an axis: "z", "-y".
-Vec3d direction_of(const py::object& up) {
-    if (!py::isinstance<py::str>(up)) return up.cast<Vec3d>();
-    const auto name = up.cast<std::string>();
-    const std::string axis = name.size() == 1 ? "+" + name : name;
-    if (axis.size() != 2 || (axis[0] != '+' && axis[0] != '-') || axis[1] < 'x' || axis[1] > 'z')
-        throw Error("camera: up '" + name + "', expected x, y, z, -x, -y, -z or (x, y, z)");
-    Vec3d direction;
-    direction[axis[1] - 'x'] = axis[0] == '+' ? 1 : -1;
-    return direction;
-}
-
 std::string repr(const Camera& camera) {
     return "vog.Camera" + py::repr(state_of(camera)).cast<std::string>();
 }
 
 }  // namespace
+
+Vec3d direction_of(const py::object& up) {
+    if (!py::isinstance<py::str>(up)) return up.cast<Vec3d>();
+    const auto name = up.cast<std::string>();
+    const std::string axis = name.size() == 1 ? "+" + name : name;
+    if (axis.size() != 2 || (axis[0] != '+' && axis[0] != '-') || axis[1] < 'x' || axis[1] > 'z')
+        throw Error("up '" + name + "', expected x, y, z, -x, -y, -z or (x, y, z)");
+    Vec3d direction;
+    direction[axis[1] - 'x'] = axis[0] == '+' ? 1 : -1;
+    return direction;
+}
 
 Box box_to_view(const py::object& data, const std::string& call) {
     if (py::isinstance<Gaussians>(data)) return view_box(data.cast<const Gaussians&>());

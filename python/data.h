@@ -15,6 +15,10 @@ namespace vog::python {
 /// Levels from a Levels object or a sequence of Volumes; null for other objects.
 std::shared_ptr<const Levels> levels_of(const py::object& data);
 
+/// Direction of an argument `up`: (x, y, z), or the name of an axis: "z", "-y".
+/// throws  vog::Error for another name
+Vec3d direction_of(const py::object& up);
+
 /// World box of data, which views frame. call  name of the Python function, for errors
 Box box_to_view(const py::object& data, const std::string& call);
 

@@ -666,9 +666,10 @@ def export_splats(
     *,
     extinction: _Extinction = ...,
     colors: Union[ArrayLike, None] = ...,
-    units: Literal["world", "box"] = ...,
+    units: Union[Literal["world", "box"], None] = ...,
+    up: Union[str, _Vector, None] = ...,
     layout: Literal["3dgs", "volprim"] = ...,
-) -> dict[str, float]: ...
+) -> dict[str, Any]: ...
 def voxelize(
     model: Gaussians,
     *,

@@ -17,24 +17,51 @@ def test_files_of_splats(tmp_path, model):
         assert (tmp_path / name).stat().st_size > 10 * len(model)
         assert report["worst_db"] <= report["mean_db"] and 0.1 < report["depth"] < 1.1
     colors = np.zeros((len(model), 3), np.float32)
-    vog.export_splats(model, tmp_path / "c.ply", colors=colors, units="box")
-    back = vog.Gaussians.load(tmp_path / "c.ply")
-    assert len(back) == len(model) and np.abs(back.mean).max() <= 1
+    for up in ("y", "z", "-x", (1, 2, 3)):
+        vog.export_splats(model, tmp_path / "c.ply", colors=colors, up=up)
+        rows = splat_rows(tmp_path / "c.ply")
+        assert len(rows) == len(model) and np.abs(rows[:, :3]).max() <= np.sqrt(3)
+        # Floats of 24 bits, in a box of a half edge of 1 and again in the world.
+        back = vog.Gaussians.load(tmp_path / "c.ply")
+        assert np.allclose(back.mean, model.mean, atol=2.4e-7 * 2 * np.abs(model.mean).max())
+        assert np.allclose(np.sort(back.scale), np.sort(model.scale), rtol=1e-5)
     vog.export_splats(model, tmp_path / "v.ply", extinction=1, layout="volprim")
     assert vog.Gaussians.load(tmp_path / "v.ply").mass == pytest.approx(model.mass, rel=1e-5)
     for options, text in (({"units": "miles"}, "expected 'world' or 'box'"), ({"layout": "x"}, "expected '3dgs' or 'volprim'"),
-                          ({"colors": colors[:2]}, "2 colours, expected")):
+                          ({"colors": colors[:2]}, "2 colours, expected"), ({"up": "w"}, "up 'w', expected x, y, z"),
+                          ({"up": (0, 0, 0)}, "expected a direction"), ({"layout": "volprim", "up": "z"}, "leave out"),
+                          ({"layout": "volprim", "units": "box"}, "leave out"), ({"layout": "volprim", "colors": colors}, "leave out")):
         with pytest.raises(vog.Error, match=text):
             vog.export_splats(model, tmp_path / "m.ply", **options)
+
+
+def splat_rows(file):
+    """Numbers of a PLY of 3DGS: x y z, normals, f_dc, opacity, scales, rotation."""
+    data = file.read_bytes()
+    return np.frombuffer(data[data.index(b"end_header\n") + 11:], np.float32).reshape(-1, 17)
+
+
+def test_python_writes_the_bytes_of_the_command(tmp_path, model, command):
+    model.save(tmp_path / "model.ply")
+    for name, layout in (("m.ply", ["--as", "3dgs"]), ("m.spz", []), ("m.glb", []), ("m.usda", []), ("m.usdc", [])):
+        command("export", "model.ply", "-o", name, *layout, "--up", "z")
+        vog.export_splats(model, tmp_path / ("p" + name), up="z")
+        assert (tmp_path / name).read_bytes() == (tmp_path / ("p" + name)).read_bytes(), name
 
 
 @pytest.mark.parametrize("name", ["m.usda", "m.usdc"])
 def test_openusd_reads_layers(tmp_path, model, name):
     usd = pytest.importorskip("pxr.Usd", reason="usd-core is not installed")
-    vog.export_splats(model, tmp_path / name, extinction=0.5)
+    vog.export_splats(model, tmp_path / name, extinction=0.5, up="z")
     stage = usd.Stage.Open(str(tmp_path / name))
     prim = stage.GetDefaultPrim()
-    assert prim.GetTypeName() == "ParticleField3DGaussianSplat"
+    assert prim.GetTypeName() == "ParticleField3DGaussianSplat" and stage.GetMetadata("upAxis") == "Y"
+    assert np.abs(np.array(prim.GetAttribute("positions").Get())).max() <= 1
+    assert np.allclose(vog.Gaussians.load(tmp_path / name).mean, model.mean, atol=2.4e-7 * 2 * np.abs(model.mean).max())
+    name = "world-" + name  # OpenUSD keeps layers by their names
+    vog.export_splats(model, tmp_path / name, extinction=0.5, units="world")
+    stage = usd.Stage.Open(str(tmp_path / name))
+    prim = stage.GetDefaultPrim()
     read = vog.Gaussians.load(tmp_path / name)
     assert np.array_equal(np.array(prim.GetAttribute("positions").Get()), read.mean)
     assert np.array_equal(np.array(prim.GetAttribute("scales").Get()), read.scale)
@@ -72,7 +99,7 @@ def spz_package():
 
 def test_spz_package_reads_spz(tmp_path, model):
     spz = spz_package()
-    vog.export_splats(model, tmp_path / "m.spz", extinction=0.5)
+    vog.export_splats(model, tmp_path / "m.spz", extinction=0.5, units="world")
     splats = spz.load(str(tmp_path / "m.spz"))
     read = vog.Gaussians.load(tmp_path / "m.spz")
     assert np.array_equal(splats.positions, read.mean)
@@ -84,7 +111,7 @@ def test_spz_package_reads_spz(tmp_path, model):
 
 def test_gaussforge_reads_spz(tmp_path, model):
     gaussforge = pytest.importorskip("gaussforge", reason="gaussforge is not installed")
-    vog.export_splats(model, tmp_path / "m.spz", extinction=0.5)
+    vog.export_splats(model, tmp_path / "m.spz", extinction=0.5, units="world")
     done = gaussforge.GaussForge().convert((tmp_path / "m.spz").read_bytes(), "spz", "ply")
     assert "error" not in done, done["error"]
     (tmp_path / "m.ply").write_bytes(bytes(done["data"]))
@@ -100,13 +127,14 @@ def test_splat_transform_reads_spz_and_ply(tmp_path, model):
     if not modules or not os.path.exists(command):
         pytest.skip("splat-transform is not installed (VOG_NODE_MODULES: the folder node_modules with it)")
     for name in ("m.ply", "m.spz"):
-        vog.export_splats(model, tmp_path / name, extinction=0.5)
+        report = vog.export_splats(model, tmp_path / name, extinction=0.5)
         subprocess.run(["node", command, "-w", tmp_path / name, tmp_path / "m.csv"], check=True, capture_output=True)
         rows = np.genfromtxt(tmp_path / "m.csv", delimiter=",", names=True)
         assert len(rows) == len(model)
-        # Its tables are y down; .spz is y up.
-        flip = 1 if name == "m.ply" else -1
-        assert np.allclose(np.stack([rows["x"], flip * rows["y"], flip * rows["z"]], 1), model.mean, atol=1e-3)
+        # Its tables are y down, as 3DGS's PLY is; it turns .spz, which is y up.
+        upright = np.stack([rows["x"], -rows["y"], -rows["z"]], 1)
+        assert np.allclose(report["world_center"] + report["world_scale"] * upright, model.mean, atol=1e-3)
+        assert np.allclose([rows[f"f_dc_{k}"] for k in range(3)], np.sqrt(np.pi), atol=0.02)  # white, in 8 bits
 
 
 def test_gltf_validator_finds_nothing_but_the_extension(tmp_path, model):
@@ -116,8 +144,11 @@ def test_gltf_validator_finds_nothing_but_the_extension(tmp_path, model):
     vog.export_splats(model, tmp_path / "m.glb", extinction=0.5)
     script = ("const v = require(process.argv[1] + '/gltf-validator');"
               "v.validateBytes(new Uint8Array(require('fs').readFileSync(process.argv[2])))"
-              ".then(r => console.log(JSON.stringify(r.issues.messages)))")
+              ".then(r => console.log(JSON.stringify([r.issues.messages, r.info])))")
     done = subprocess.run(["node", "-e", script, os.path.abspath(modules), tmp_path / "m.glb"], check=True, capture_output=True)
-    for message in json.loads(done.stdout):
-        # Its 2.0 knows no KHR_gaussian_splatting, and so none of its attributes.
+    messages, info = json.loads(done.stdout)
+    assert info["drawCallCount"] == 1 and info["totalVertexCount"] == len(model)
+    for message in messages:
+        # Its 2.0.0-dev.3.10 knows no KHR_gaussian_splatting, and takes the names of its attributes for wrong ones
+        # (KhronosGroup/glTF-Validator, issue 252).
         assert "KHR_gaussian_splatting" in message["message"] + message["pointer"], message

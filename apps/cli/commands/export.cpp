@@ -138,17 +138,19 @@ std::vector<HtmlModel> load_entries(const ExportArguments& arguments, FileKind k
 }
 
 /// Writes all models as one, exactly or compact.
-Json write_joined(const ExportArguments& arguments, const std::vector<HtmlModel>& entries,
-                  Stages& stages) {
+Json write_joined(const ExportArguments& arguments, const CLI::App& command,
+                  const std::vector<HtmlModel>& entries, Stages& stages) {
     Gaussians model;
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
     if (entries.size() > 1)
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     if (is_splat_output(arguments.output, arguments.splats))
-        return write_exchange(arguments.output, model, arguments.splats,
-                              {fixed_extinction(arguments.page.color), arguments.page.color.tf,
-                               arguments.page.quantity.quantity.field},
-                              stages, arguments.json);
+        return write_exchange(
+            arguments.output, std::move(model), arguments.splats,
+            {fixed_extinction(arguments.page.color), arguments.page.color.tf,
+             arguments.page.quantity.quantity.field,
+             command.count("--tf") + command.count("--field") > 0, up_of(arguments.page.view)},
+            stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz")
         return write_compact(arguments.output, std::move(model), arguments.compact, stages,
                              arguments.json);
@@ -220,17 +222,18 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     const bool splats = is_splat_output(arguments.output, arguments.splats);
     if (!splats) refuse_group(command, kSplatGroup, "-o " + arguments.output);
     if (!page) {
-        refuse_group(command, kPageGroup, "-o " + arguments.output,
-                     splats ? std::set<std::string>{"--extinction", "--tf", "--field"}
-                            : std::set<std::string>{});
-        refuse_group(command, "View", "-o " + arguments.output);
+        const auto kept = splats ? options_of_splats(arguments.splats) : std::set<std::string>{};
+        const std::string as =
+            arguments.splats.layout == "vog" ? "" : "--as " + arguments.splats.layout + " ";
+        for (const char* group : {kPageGroup, "View"})
+            refuse_group(command, group, as + "-o " + arguments.output, kept);
     }
     Stages stages(arguments.verbose);
     std::vector<std::string> notes;
     std::vector<HtmlModel> entries =
         load_entries(arguments, kind, page ? arguments.levels : 1, stages, notes);
     Exported made = page ? write_page(arguments, command, std::move(entries), stages, notes)
-                         : Exported{write_joined(arguments, entries, stages)};
+                         : Exported{write_joined(arguments, command, entries, stages)};
     if (!notes.empty()) made.json["notes"] = notes;
     return made;
 }

@@ -22,36 +22,49 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Scalar field that colours splats; null: none.
-const ScalarField* field_of(const Gaussians& model, const std::string& name) {
-    if (name.empty()) {
-        const auto own = std::ranges::find_if(model.fields.scalar, &ScalarField::is_measure);
-        return own == model.fields.scalar.end() ? nullptr : &*own;
-    }
-    const ScalarField* field = model.fields.find_scalar(name);
-    if (!field)
+/// Scalar field that colours splats.
+const ScalarField& field_of(const Gaussians& model, const std::string& name) {
+    const auto own = std::ranges::find_if(model.fields.scalar, &ScalarField::is_measure);
+    const ScalarField* field = !name.empty()                      ? model.fields.find_scalar(name)
+                               : own != model.fields.scalar.end() ? &*own
+                                                                  : nullptr;
+    if (field) return *field;
+    const std::string names = fmt::format("{}", fmt::join(model.fields.names(), ", "));
+    if (!name.empty())
         throw Error(fmt::format("--field {}: no scalar field of that name (the model has: {})",
-                                name, fmt::join(model.fields.names(), ", ")));
-    return field;
+                                name, names.empty() ? "none" : names));
+    throw Error(names.empty()
+                    ? "--tf colours splats by a field, and the model has none: leave --tf out for "
+                      "white, or convert with --field"
+                    : fmt::format("--tf colours splats by a field: expected --field with one of {}",
+                                  names));
 }
 
-std::vector<Vec3f> colors_of(const Gaussians& model, const SplatColors& colors) {
-    const ScalarField* field = field_of(model, colors.field);
-    if (!field) return {};
-    const TransferFunction tf = load_transfer_function(colors.tf);
-    const double range = field->upper - field->lower;
-    std::vector<Vec3f> result;
-    result.reserve(model.size());
-    for (const float value : field->value) {
-        const double share = range > 0 ? (value - field->lower) / range : 0;
+/// Colours of the field by the transfer function, none where all are white. Densities are multiplied by the function's
+/// opacity, and Gaussians without any are left out.
+std::vector<Vec3f> paint(Gaussians& model, const SplatLook& look) {
+    if (!look.colored) return {};
+    const ScalarField& field = field_of(model, look.field);
+    const TransferFunction tf = load_transfer_function(look.tf);
+    const double range = field.upper - field.lower;
+    std::vector<Vec3f> colors;
+    std::vector<std::size_t> visible;
+    for (std::size_t i = 0; i < model.size(); ++i) {
+        const double share = range > 0 ? (field.value[i] - field.lower) / range : 0;
         const Rgba color = color_at(tf, static_cast<float>(std::clamp(share, 0.0, 1.0)));
-        result.push_back({color.r, color.g, color.b});
+        if (!(color.a > 0)) continue;
+        model.density[i] *= color.a;
+        visible.push_back(i);
+        colors.push_back({color.r, color.g, color.b});
     }
-    return result;
+    if (visible.empty())
+        throw Error(fmt::format("--tf {}: opacity 0 at all values of {}", look.tf, field.name));
+    if (visible.size() < model.size()) model = select(model, visible);
+    return colors;
 }
 
-double extinction_of(const Gaussians& model, const SplatColors& colors) {
-    if (colors.extinction) return *colors.extinction;
+double extinction_of(const Gaussians& model, const SplatLook& look) {
+    if (look.extinction) return *look.extinction;
     constexpr int kSize = 256;
     return auto_extinction(
         render_splat(model, fitted(paper_view(view_box(model)), view_box(model)), kSize, kSize));
@@ -70,11 +83,16 @@ void add_splat_options(CLI::App& command, SplatArguments& arguments) {
         ->group(kSplatGroup);
     command
         .add_option("--units", arguments.units,
-                    "Coordinates of splats: world, those of the data, or box, the model's box "
-                    "centred at 0 with a longest edge of 2")
+                    "Coordinates of splats: box, the model's box centred at 0 with a longest edge "
+                    "of 2, which viewers open in view; or world, those of the data. The file "
+                    "states the scale. Default: box; world with --as volprim")
         ->check(CLI::IsMember({"world", "box"}))
-        ->capture_default_str()
         ->group(kSplatGroup);
+}
+
+std::set<std::string> options_of_splats(const SplatArguments& arguments) {
+    if (arguments.layout == "volprim") return {"--extinction"};
+    return {"--extinction", "--tf", "--field", "--up"};
 }
 
 bool is_splat_output(const std::string& output, const SplatArguments& arguments) {
@@ -83,32 +101,38 @@ bool is_splat_output(const std::string& output, const SplatArguments& arguments)
            extension == ".usdc" || (extension == ".ply" && arguments.layout != "vog");
 }
 
-Json write_exchange(const std::string& output, const Gaussians& model,
-                    const SplatArguments& arguments, const SplatColors& colors, Stages& stages,
-                    bool json) {
+Json write_exchange(const std::string& output, Gaussians model, const SplatArguments& arguments,
+                    const SplatLook& look, Stages& stages, bool json) {
     const bool ply = extension_of(output) == ".ply";
     if (ply == (arguments.layout == "vog"))
         throw CLI::ValidationError(
             fmt::format("--as {} does not go with -o {}", arguments.layout, output));
-    if (arguments.layout == "volprim" && !colors.field.empty())
-        throw CLI::ValidationError("--field does not go with --as volprim");
-    const double extinction = extinction_of(model, colors);
+    if (arguments.layout == "volprim" && arguments.units == "box")
+        throw CLI::ValidationError("--units box works only with splats, not with --as volprim");
+    const double extinction = extinction_of(model, look);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};
-    std::string loss;
+    std::string loss, frame = "coordinates of the data";
     if (arguments.layout == "volprim") {
-        if (arguments.units != "world")
-            throw CLI::ValidationError("--units box does not go with --as volprim");
         stages.run("save", [&] { write_volprim(output, model, extinction); });
         loss = fmt::format("mass kept; kernels cut at 3 standard deviations there, at {:.3g} here",
                            model.cutoff);
     } else {
-        const std::vector<Vec3f> color = colors_of(model, colors);
+        const std::vector<Vec3f> color = paint(model, look);
+        report["gaussians"] = model.size();
         const SplatsError error = stages.run("measure", [&] {
             return splats_error(model, splats_of(model, color, {extinction, false}), extinction);
         });
-        stages.run("save", [&] {
-            write_splats(output, splats_of(model, color, {extinction, arguments.units == "box"}));
-        });
+        const Splats splats = splats_of(model, color, {extinction, arguments.units != "world"});
+        stages.run("save", [&] { write_splats(output, splats, look.up); });
+        const Vec3d center = splats.world_center;
+        report["world_scale"] = splats.world_scale;
+        report["world_center"] = {center.x, center.y, center.z};
+        report["up"] = {look.up.x, look.up.y, look.up.z};
+        if (splats.world_scale != 1 || center != Vec3d{})
+            frame = fmt::format("1 unit is {:.6g} of the data, 0 is its {:.6g}, {:.6g}, {:.6g}",
+                                splats.world_scale, center.x, center.y, center.z);
+        frame += fmt::format("; up in the data is {} in the file; {}", ply ? "-y" : "y",
+                             look.colored ? "colours of the transfer function" : "white");
         report["psnr_v_db"] = {{"mean", error.mean_db}, {"worst", error.worst_db}};
         report["depth_ratio"] = error.depth;
         report["opaque"] = error.opaque;
@@ -125,6 +149,7 @@ Json write_exchange(const std::string& output, const Gaussians& model,
     if (json) return report;
     print_line(fmt::format("{}: {} splats, {}, extinction {:.6g}", output, count_text(model.size()),
                            bytes_text(bytes), extinction));
+    print_line(frame);
     print_line(loss);
     return report;
 }

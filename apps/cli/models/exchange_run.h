@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "shared/terminal.h"
@@ -14,24 +15,29 @@ namespace vog::cli {
 inline constexpr const char* kSplatGroup = "Splats (.ply, .spz, .glb, .usda, .usdc)";
 
 struct SplatArguments {
-    std::string layout = "vog";   ///< of a .ply: vog, 3dgs or volprim
-    std::string units = "world";  ///< world or box
+    std::string layout = "vog";  ///< of a .ply: vog, 3dgs or volprim
+    std::string units;           ///< world or box; empty: world with volprim, else box
 };
 /// Adds --as and --units.
 void add_splat_options(CLI::App& command, SplatArguments& arguments);
 /// Whether an output is a file of splats or of volumetric primitives.
 bool is_splat_output(const std::string& output, const SplatArguments& arguments);
 
-/// How splats look: options of the page that they share.
-struct SplatColors {
+/// How splats look and stand: options of the page that they share.
+struct SplatLook {
     std::optional<double> extinction;  ///< none: auto_extinction of the fitted view `paper`
-    std::string tf, field;             ///< empty field: the measure itself, or white without one
+    std::string tf;                    ///< transfer function of the field
+    std::string field;                 ///< empty: the measure itself
+    bool colored = false;              ///< --tf or --field was given; otherwise all are white
+    Vec3d up{0, 1, 0};                 ///< upright direction in the data
 };
+/// Options of other groups that have an effect on an output of splats.
+std::set<std::string> options_of_splats(const SplatArguments& arguments);
 /// Writes a model as splats and reports what they lose in words, unless `json`.
 /// returns  the report of --json
 /// throws   vog::Error for a field that the model lacks, and as the writers do; then nothing is written
-nlohmann::ordered_json write_exchange(const std::string& output, const Gaussians& model,
-                                      const SplatArguments& arguments, const SplatColors& colors,
+nlohmann::ordered_json write_exchange(const std::string& output, Gaussians model,
+                                      const SplatArguments& arguments, const SplatLook& look,
                                       Stages& stages, bool json);
 
 }  // namespace vog::cli

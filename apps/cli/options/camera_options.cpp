@@ -152,7 +152,8 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         .add_option(
             "--up", arguments.up,
             "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
-            "up in the picture; azimuth and elevation are measured about it")
+            "up in the picture, and in viewers of exported splats; azimuth and elevation are "
+            "measured about it")
         ->capture_default_str()
         ->check(up_error)
         ->group(group);
