@@ -40,9 +40,11 @@ class splats_command : public CommandLine {
 TEST_F(splats_command, default_is_white_upright_and_in_a_unit_box) {
     write_model(true);
     const std::string out = must("export m.ply -o s.ply --as 3dgs --extinction 1 --up z").out;
-    EXPECT_NE(out.find("1 unit is 20 of the data, 0 is its 0, 0, 20; up in the data is -y in the "
-                       "file; white\n"),
-              std::string::npos)
+    EXPECT_NE(
+        out.find(
+            "\n1 unit is 20 units of the data, 0 lies at 0, 0, 20 there. z of the data is up, -y "
+            "in this format. Splats are white.\n"),
+        std::string::npos)
         << out;
     for (const auto& row : rows("s.ply"))
         for (const int k : {6, 7, 8})
@@ -86,7 +88,8 @@ TEST_F(splats_command, transfer_functions_colour_fields_and_nothing_else) {
 TEST_F(splats_command, units_and_up_of_each_format) {
     write_model(false);
     const std::string out = must("export m.ply -o s.usda --units world").out;
-    EXPECT_NE(out.find("coordinates of the data; up in the data is y in the file; white\n"),
+    EXPECT_NE(out.find("\nUnits are the data's. y of the data is up, y in this format. "
+                       "Splats are white.\n"),
               std::string::npos)
         << out;
     EXPECT_NE(read_text(dir_ / "s.usda").find("positions = [(0, 0, 10), (0, 0, 30)]"),

@@ -145,12 +145,12 @@ Json write_joined(const ExportArguments& arguments, const CLI::App& command,
     if (entries.size() > 1)
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
     if (is_splat_output(arguments.output, arguments.splats))
-        return write_exchange(
-            arguments.output, std::move(model), arguments.splats,
-            {fixed_extinction(arguments.page.color), arguments.page.color.tf,
-             arguments.page.quantity.quantity.field,
-             command.count("--tf") + command.count("--field") > 0, up_of(arguments.page.view)},
-            stages, arguments.json);
+        return write_exchange(arguments.output, std::move(model), arguments.splats,
+                              {fixed_extinction(arguments.page.color), arguments.page.color.tf,
+                               arguments.page.quantity.quantity.field,
+                               command.count("--tf") + command.count("--field") > 0,
+                               up_of(arguments.page.view), arguments.page.view.up},
+                              stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz")
         return write_compact(arguments.output, std::move(model), arguments.compact, stages,
                              arguments.json);

@@ -77,7 +77,8 @@ void add_splat_options(CLI::App& command, SplatArguments& arguments) {
         .add_option(
             "--as", arguments.layout,
             "Layout of a .ply: vog (exact), 3dgs (splats with opacities, for renderers of 3D "
-            "Gaussian splatting) or volprim (volumetric primitives, for Mitsuba)")
+            "Gaussian splatting) or volprim (volumetric primitives, for Mitsuba). Splats are white "
+            "without --tf or --field, in every format")
         ->check(CLI::IsMember({"vog", "3dgs", "volprim"}))
         ->capture_default_str()
         ->group(kSplatGroup);
@@ -111,11 +112,13 @@ Json write_exchange(const std::string& output, Gaussians model, const SplatArgum
         throw CLI::ValidationError("--units box works only with splats, not with --as volprim");
     const double extinction = extinction_of(model, look);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};
-    std::string loss, frame = "coordinates of the data";
+    std::string loss, frame = "Units are the data's";
     if (arguments.layout == "volprim") {
         stages.run("save", [&] { write_volprim(output, model, extinction); });
-        loss = fmt::format("mass kept; kernels cut at 3 standard deviations there, at {:.3g} here",
-                           model.cutoff);
+        frame = "Coordinates are the data's.";
+        loss =
+            fmt::format("Mass is kept; kernels end at 3 standard deviations there, at {:.3g} here.",
+                        model.cutoff);
     } else {
         const std::vector<Vec3f> color = paint(model, look);
         report["gaussians"] = model.size();
@@ -129,18 +132,19 @@ Json write_exchange(const std::string& output, Gaussians model, const SplatArgum
         report["world_center"] = {center.x, center.y, center.z};
         report["up"] = {look.up.x, look.up.y, look.up.z};
         if (splats.world_scale != 1 || center != Vec3d{})
-            frame = fmt::format("1 unit is {:.6g} of the data, 0 is its {:.6g}, {:.6g}, {:.6g}",
-                                splats.world_scale, center.x, center.y, center.z);
-        frame += fmt::format("; up in the data is {} in the file; {}", ply ? "-y" : "y",
-                             look.colored ? "colours of the transfer function" : "white");
+            frame = fmt::format(
+                "1 unit is {:.6g} units of the data, 0 lies at {:.6g}, {:.6g}, {:.6g} there",
+                splats.world_scale, center.x, center.y, center.z);
+        frame += fmt::format(". {} of the data is up, {} in this format. Splats {}.", look.up_text,
+                             ply ? "-y" : "y",
+                             look.colored ? "have colours of " + look.tf : "are white");
         report["psnr_v_db"] = {{"mean", error.mean_db}, {"worst", error.worst_db}};
         report["depth_ratio"] = error.depth;
         report["opaque"] = error.opaque;
         loss = fmt::format(
-            "V as splats, seven parallel views: PSNR {:.1f} dB, worst {:.1f}; optical depth {:.3f} "
-            "times the model's, {:.3g} % of "
-            "splats opaque; blending makes one colour of a ray's, and values, deviations and T "
-            "itself are lost",
+            "Error of V as splats, seven parallel views: PSNR {:.1f} dB, worst {:.1f}; optical "
+            "depth {:.3f} of the "
+            "model's; {:.3g} % of splats are opaque. Values, deviations and T are lost.",
             error.mean_db, error.worst_db, error.depth, 100 * error.opaque);
     }
     const std::uint64_t bytes = std::filesystem::file_size(output);

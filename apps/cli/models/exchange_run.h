@@ -30,6 +30,7 @@ struct SplatLook {
     std::string field;                 ///< empty: the measure itself
     bool colored = false;              ///< --tf or --field was given; otherwise all are white
     Vec3d up{0, 1, 0};                 ///< upright direction in the data
+    std::string up_text;               ///< the same as the user wrote it
 };
 /// Options of other groups that have an effect on an output of splats.
 std::set<std::string> options_of_splats(const SplatArguments& arguments);
