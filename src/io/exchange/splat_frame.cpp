@@ -4,9 +4,9 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 
 #include "vog/error.h"
 #include "vog/text.h"
@@ -20,31 +20,32 @@ struct Frame {
     Vec3d center, up;
 };
 
-/// Numbers behind `word`, which both are cut off the text.
-template <std::size_t count>
-std::array<double, count> numbers_behind(std::string_view word, std::string_view& text) {
-    std::array<double, count> values{};
-    if (!text.starts_with(word)) throw Error("");
+/// Cuts `word` and the numbers behind it off a text; whether they are there.
+bool take(std::string_view& text, std::string_view word, std::initializer_list<double*> values) {
+    if (!text.starts_with(word)) return false;
     text.remove_prefix(word.size());
-    for (double& value : values) {
-        while (text.starts_with(' ')) text.remove_prefix(1);
-        const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), value);
-        if (code != std::errc{} || !std::isfinite(value)) throw Error("");
+    const auto skip_blanks = [&] {
+        text.remove_prefix(std::min(text.find_first_not_of(' '), text.size()));
+    };
+    for (double* value : values) {
+        skip_blanks();
+        const auto [end, code] = std::from_chars(text.data(), text.data() + text.size(), *value);
+        if (code != std::errc{} || !std::isfinite(*value)) return false;
         text.remove_prefix(static_cast<std::size_t>(end - text.data()));
     }
-    while (text.starts_with(' ')) text.remove_prefix(1);
-    return values;
+    skip_blanks();
+    return true;
 }
 
-Frame frame_of_text(std::string_view text) try {
+Frame frame_of_text(std::string_view text) {
+    Frame frame;
+    auto& [scale, c, u] = frame;
     std::string_view left = text;
-    const auto [scale] = numbers_behind<1>("scale", left);
-    const auto center = numbers_behind<3>("center", left), up = numbers_behind<3>("up", left);
-    if (!left.empty() || !(scale > 0)) throw Error("");
-    return {scale, {center[0], center[1], center[2]}, {up[0], up[1], up[2]}};
-} catch (const Error&) {
-    throw Error(fmt::format("{} '{}', expected 'scale S center X Y Z up X Y Z' with S > 0",
-                            kFrameKey, printable(text)));
+    if (!take(left, "scale", {&scale}) || !take(left, "center", {&c.x, &c.y, &c.z}) ||
+        !take(left, "up", {&u.x, &u.y, &u.z}) || !left.empty() || !(scale > 0))
+        throw Error(fmt::format("{} '{}', expected 'scale S center X Y Z up X Y Z' with S > 0",
+                                kFrameKey, printable(text)));
+    return frame;
 }
 
 }  // namespace
