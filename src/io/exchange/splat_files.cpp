@@ -95,9 +95,9 @@ void write_splats(const std::filesystem::path& file, const Splats& splats, Vec3d
     if (extension == ".glb" && splats.size() > kMostGlb)
         throw Error(fmt::format("{}: {} splats, expected at most {}", file.string(), splats.size(),
                                 kMostGlb));
-    if (extension == ".spz") check_spz(splats, file.string());
     const Splats upright =
         turned(splats, turn_of(up, extension == ".ply" ? Upright::minus_y : Upright::y));
+    if (extension == ".spz") check_spz(upright, file.string());
     write_file(file, [&](std::ofstream& out) { write(out, upright, frame_text(splats, up)); });
 }
 
