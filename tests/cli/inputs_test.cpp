@@ -140,7 +140,7 @@ TEST_F(inputs, grids_of_different_names_are_different_quantities) {
     must("render both.vdb --grid '*' --sum -o a.png --size 16");
 }
 
-TEST_F(inputs, real_time_steps_quantities_and_levels) {
+TEST_F(inputs, steps_quantities_and_levels_of_real_data) {
     VOG_NEEDS_DATA("plume/plume_0028.vdb");
     VOG_NEEDS_DATA("fire.vdb");
     VOG_NEEDS_DATA("enzo/level0.vdb");

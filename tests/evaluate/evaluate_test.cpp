@@ -335,7 +335,7 @@ TEST(evaluate, the_papers_figures_stand_beside_its_own_data_only) {
     EXPECT_EQ(paper_figures(smoke, "lod3"), nullptr);
 }
 
-TEST(evaluate, smoke_gives_the_figures_of_the_design) {
+TEST(evaluate, real_data_give_the_figures_of_the_design) {
     // Prototype figures at 512²: mean amplitude LOD 1 30.1 dB, bias 0.68; mass 44.2 dB, bias 1.00.
     VOG_NEEDS_DATA("smoke.vdb");
     const TempDir dir;

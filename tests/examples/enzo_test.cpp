@@ -23,7 +23,7 @@ Levels enzo_levels() {
     return levels;
 }
 
-TEST(enzo, the_example_makes_the_same_levels_of_the_raw_dump) {
+TEST(enzo, the_example_makes_the_levels_of_real_data) {
     VOG_NEEDS_DATA("enzo-raw/DD0010/DD0010");
     VOG_NEEDS_DATA("enzo/level2.vdb");
     const std::string python = "/usr/bin/python3 ";
@@ -50,7 +50,7 @@ TEST(enzo, the_example_makes_the_same_levels_of_the_raw_dump) {
     }
 }
 
-TEST(enzo, mass_of_the_composite_is_that_of_the_uncovered_cells) {
+TEST(enzo, mass_of_real_data_is_that_of_the_uncovered_cells) {
     VOG_NEEDS_DATA("enzo/level2.vdb");
     const Levels levels = enzo_levels();
     const Composite data = composite(levels);
@@ -83,7 +83,7 @@ TEST(enzo, mass_of_the_composite_is_that_of_the_uncovered_cells) {
     EXPECT_EQ(data.voxels + data.hidden, 32768u + 57696 + 3032);
 }
 
-TEST(enzo, moments_of_all_levels_are_close_to_the_masked_reference) {
+TEST(enzo, moments_of_real_data_are_close_to_the_masked_reference) {
     VOG_NEEDS_DATA("enzo/level2.vdb");
     const Levels levels = enzo_levels();
     const Composite data = composite(levels);

@@ -11,6 +11,16 @@ SOURCE = pathlib.Path(__file__).resolve().parents[2]
 COMMAND = os.environ.get("VOG_COMMAND", "vog")
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "data: reads real inputs (`ctest -L data`)")
+
+
+def pytest_collection_modifyitems(items):
+    for item in items:
+        if "data" in item.fixturenames:
+            item.add_marker("data")
+
+
 @pytest.fixture(scope="session")
 def cloud():
     return vog.sample_cloud(64)

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace vog::test {
 
@@ -38,8 +39,13 @@ class TempDir {
 
 }  // namespace vog::test
 
-/// Skips the test with a message if a real input is absent.
-#define VOG_NEEDS_DATA(name)                                      \
-    if (!std::filesystem::exists(vog::test::data_dir() / (name))) \
-    GTEST_SKIP() << (vog::test::data_dir() / (name)).string()     \
+/// Skips the test with a message if a real input is absent. `ctest -L data` runs the tests whose names have "real_data",
+/// which every test that needs real inputs therefore has.
+#define VOG_NEEDS_DATA(file)                                                                  \
+    ASSERT_NE(std::string_view(testing::UnitTest::GetInstance()->current_test_info()->name()) \
+                  .find("real_data"),                                                         \
+              std::string_view::npos)                                                         \
+        << "a test that reads " << (file) << " has real_data in its name";                    \
+    if (!std::filesystem::exists(vog::test::data_dir() / (file)))                             \
+    GTEST_SKIP() << (vog::test::data_dir() / (file)).string()                                 \
                  << " is absent (set VOG_DATA to the folder of real inputs)"

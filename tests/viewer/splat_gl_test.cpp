@@ -63,7 +63,7 @@ TEST_F(splat_gl, cloud_is_the_cpus_picture) {
     expect_like_the_cpu_from_everywhere(convert_moments(volume, {.block_voxels = 4}), 192);
 }
 
-TEST_F(splat_gl, smoke_is_the_cpus_picture) {
+TEST_F(splat_gl, real_data_have_the_cpus_picture) {
     VOG_NEEDS_DATA("smoke.vdb");
     const Volume volume = read_vdb(data_dir() / "smoke.vdb");
     expect_like_the_cpu_from_everywhere(convert_moments(volume, {.block_voxels = 8}), 192);

@@ -30,7 +30,7 @@ TEST(adaptive_model, a_larger_budget_is_used_and_never_exceeded) {
     }
 }
 
-TEST(adaptive_model, the_requested_error_holds_in_other_views) {
+TEST(adaptive_model, the_requested_error_holds_in_other_views_of_real_data) {
     VOG_NEEDS_DATA("fire.vdb");
     VdbOptions grid;
     grid.grid = "flames";

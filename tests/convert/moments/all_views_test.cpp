@@ -151,7 +151,7 @@ TEST(all_views, no_view_is_much_worse_than_the_papers) {
 }
 
 /// Along an axis the faces of voxels line up in rays, for any smooth field; a pixel's mean sees the model alone.
-TEST(all_views, smoke_of_4_voxel_cells_is_within_6_percent) {
+TEST(all_views, real_data_in_4_voxel_cells_are_within_6_percent) {
     VOG_NEEDS_DATA("smoke.vdb");
     const Volume volume = read_volume(test::data_dir() / "smoke.vdb");
     const Gaussians model = convert_moments(volume, uniform(4));

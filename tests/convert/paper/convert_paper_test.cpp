@@ -381,7 +381,7 @@ TEST(convert_paper, options_out_of_range_and_unusable_volumes_throw) {
     EXPECT_THROW((void)convert_paper(volume), Error);
 }
 
-TEST(convert_paper, smoke_counts_follow_from_the_text) {
+TEST(convert_paper, counts_of_real_data_follow_from_the_text) {
     VOG_NEEDS_DATA("smoke.vdb");
     const Volume volume = read_vdb(test::data_dir() / "smoke.vdb");
     const auto count = [&](int lod, float threshold) {

@@ -399,7 +399,7 @@ TEST(points_convert, options_and_values_out_of_range_are_refused) {
               "made.xyz: the position of particle 9 is not finite");
 }
 
-TEST(points_convert, reductions_of_a_cosmological_box_stay_near_the_full_set) {
+TEST(points_convert, reductions_of_real_data_stay_near_the_full_set) {
     VOG_NEEDS_DATA("lcdm.xyz");
     const Points points = read_points(data_dir() / "lcdm.xyz");
     const Gaussians full = convert_points(points);

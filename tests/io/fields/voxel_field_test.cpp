@@ -276,7 +276,7 @@ TEST_F(voxel_field, threads_change_nothing) {
 }
 
 /// Temperature and velocity of a Mantaflow fire, against OpenVDB's own reading.
-TEST_F(voxel_field, of_a_plume_are_as_openvdb_reads_them) {
+TEST_F(voxel_field, of_real_data_are_as_openvdb_reads_them) {
     VOG_NEEDS_DATA("plume/plume_0030.vdb");
     const std::filesystem::path path = data_dir() / "plume" / "plume_0030.vdb";
     Volume volume = read_volume(path, {.grid = "density"});

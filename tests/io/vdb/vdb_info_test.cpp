@@ -166,7 +166,7 @@ TEST(vdb_info, a_grid_of_an_unknown_type_does_not_hide_the_others) {
     EXPECT_THROW(read_vdb(dir / "a.vdb", {.grid = "odd"}), Error);
 }
 
-TEST(vdb_info, real_files) {
+TEST(vdb_info, real_data) {
     VOG_NEEDS_DATA("smoke.vdb");
     const auto smoke = inspect_vdb(test::data_dir() / "smoke.vdb").at(0);
     EXPECT_EQ(smoke.active_voxels, 1049275u);

@@ -234,7 +234,7 @@ TEST(vdb, level_set_to_fog_refuses_what_is_no_level_set) {
               std::string::npos);
 }
 
-TEST(vdb, the_same_bytes_for_any_number_of_threads) {
+TEST(vdb, real_data_have_the_same_bytes_for_any_number_of_threads) {
     VOG_NEEDS_DATA("cloud.vdb");
     const Volume parallel = read_vdb(test::data_dir() / "cloud.vdb");
     for (const int threads : {1, 2, 3}) {
@@ -243,7 +243,7 @@ TEST(vdb, the_same_bytes_for_any_number_of_threads) {
     }
 }
 
-TEST(vdb, real_files_have_the_active_voxels_they_are_known_for) {
+TEST(vdb, real_data_have_the_active_voxels_they_are_known_for) {
     VOG_NEEDS_DATA("smoke.vdb");
     const auto count = [](const char* name, const char* grid = "") {
         const Volume volume = read_vdb(test::data_dir() / name, {.grid = grid});

@@ -175,7 +175,7 @@ TEST(reference_linear, border_blocks_do_not_change_the_constant_field) {
                     optical_depth(plain, origin, direction), kRounding);
 }
 
-TEST(reference_linear, real_volume_is_close_to_its_constant_field) {
+TEST(reference_linear, real_data_are_close_to_their_constant_field) {
     VOG_NEEDS_DATA("smoke.vdb");
     const Volume volume = read_vdb(test::data_dir() / "smoke.vdb");
     const VoxelGrid constant = voxel_grid(volume), exact = voxel_grid(volume, kExact);

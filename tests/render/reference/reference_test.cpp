@@ -392,7 +392,7 @@ struct DataGrid {
 };
 class reference_data : public testing::TestWithParam<DataGrid> {};
 
-TEST_P(reference_data, matches_the_brute_force_within_1e_5) {
+TEST_P(reference_data, real_data_match_the_brute_force_within_1e_5) {
     const auto [file, name] = GetParam();
     VOG_NEEDS_DATA(file);
     VdbOptions options;
