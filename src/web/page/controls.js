@@ -51,7 +51,11 @@ export class Controls {
       change({ field: Number(field), part });
     });
     for (const id of ['low', 'high']) on(id, 'change', () => this.setScale());
-    on('log', 'change', () => this.setScale());
+    // Ends of the first view follow the kind of scale; typed ones stay.
+    on('log', 'change', () => {
+      if (this.state.scale?.low !== undefined) this.setScale();
+      else change({ scale: find('log').checked ? { log: true } : null });
+    });
     on('fit-scale', 'click', () => change({ scale: null }));
     this.attachTransfer(on, commands);
     this.clip = new ClipControls(change);

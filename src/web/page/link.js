@@ -1,12 +1,64 @@
-// link.js: settings in the address behind #, as in #embed&map=viridis&eye=1,2,3&at=0,0,0. The page
+// link.js: the page's state, its changes, and settings in the address behind #, as in #embed&map=viridis&eye=1,2,3&at=0,0,0. The page
 // never changes its own address.
-import { isUsable } from './camera.js';
+import { carriedOver, isUsable } from './camera.js';
 import { mostOwnPlanes } from './picture/clip.js';
+import { fieldKey, shownOf } from './quantity.js';
 import { length, sub } from './vectors.js';
 
 /** Errors in pixels that coarse parts of a streamed model may have, the range of the reader's choice. */
 export const leastError = 0.5;
 export const mostError = 32;
+
+/** State of a page that opens; panel: whether its controls are shown. */
+export function firstState(page, panel) {
+  const { quantity } = page;
+  const state = {
+    model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: page.fade,
+    camera: page.camera, embed: false, still: false, subframes: 8, panel, bar: true,
+    ...shownOf(page.models[0], { show: quantity.show, field: -1, part: quantity.part ?? '' }, quantity.field),
+    scale: quantity.scale,  // null: the first view's; {log: true}: its logarithm
+    transfers: {},          // edited ones, by field
+    light: quantity.light, clip: quantity.clip,
+    planes: quantity.planes.map((plane) => ({ ...plane, on: true })),
+    logAxis: false,         // of the values in the editor
+    pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
+  };
+  if (quantity.transfer) state.transfers[state.field] = quantity.transfer;
+  return state;
+}
+
+/** State after a change of a part of it. */
+export function changedState(page, before, part) {
+  const state = { ...before, ...part }, { models } = page;
+  state.model = Math.max(0, Math.min(state.model, models.length - 1));
+  if (state.model !== before.model) {
+    if (!part.camera) state.camera = carriedOver(state.camera, models[before.model].box, models[state.model].box);
+    if (part.level === undefined) state.level = 0;
+  }
+  state.level = Math.max(0, Math.min(state.level, models[state.model].levels.length - 1));
+  state.pixelError = Math.max(leastError, Math.min(state.pixelError, mostError));
+  if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
+  Object.assign(state, shownOf(models[state.model], state, models[before.model].fields[state.field]?.name));
+  if ((fieldKey(state) !== fieldKey(before) || state.show !== before.show) && part.scale === undefined) state.scale = null;
+  return state;
+}
+
+/** Change of the state by settings of readLink; others stay. */
+export function partOfLink(page, state, link) {
+  const part = {};
+  for (const key of ['embed', 'still', 'subframes', 'pixelError', 'memory', 'most', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip',
+    'planes', 'logAxis'])
+    if (link[key] !== null) part[key] = link[key];
+  if (link.light !== null) part.light = { ...state.light, on: link.light };
+  if (link.model !== null) part.model = Math.min(link.model, page.models.length) - 1;
+  if (link.level !== null) part.level = link.level - 1;
+  const model = page.models[part.model ?? state.model] ?? page.models.at(-1);
+  const named = model.fields.findIndex(({ name }) => name === link.field);
+  if (named >= 0) part.field = named;
+  if (link.transfer) part.transfers = { ...state.transfers, [shownOf(model, { ...state, ...part }).field]: link.transfer };
+  if (link.embed) part.panel = false;
+  return part;
+}
 
 const vectors = (text, count) => {
   const v = (text ?? '').split(',').map((part) => (part.trim() === '' ? NaN : Number(part)));
@@ -50,9 +102,9 @@ export function readLink(hash, camera) {
   const logarithmic = words.has('log') && words.get('log') !== '0';
   const flag = (name) => (words.has(name) ? words.get(name) !== '0' : null);
   return {
-    embed: flag('embed') === true,
-    still: flag('still') === true,
-    half: flag('half') === true,
+    embed: flag('embed'),
+    still: flag('still'),
+    half: flag('half'),
     subframes: number(words.get('subframes'), 1, 64),
     model: number(words.get('model'), 1, 1e6),
     level: number(words.get('level'), 1, 1e6),
@@ -63,7 +115,7 @@ export function readLink(hash, camera) {
     field: words.get('field'),
     part: words.get('part'),
     scale: range && range[0] < range[1] && (!logarithmic || range[0] > 0)
-      ? { low: range[0], high: range[1], log: logarithmic } : null,
+      ? { low: range[0], high: range[1], log: logarithmic } : !range && logarithmic ? { log: true } : null,
     transfer: colors && opacity && unit ? { name: 'own', colors, opacity, unit } : null,
     light: flag('light'),
     logAxis: flag('logaxis'),
@@ -101,7 +153,7 @@ export function writeLink(state, shown) {
   if (state.show !== 'T') words.push(`show=${state.show}`);
   if (shown.field) words.push(`field=${encodeURIComponent(shown.field)}`);
   if (shown.field && state.part) words.push(`part=${state.part}`);
-  if (shown.scale) words.push(`range=${digits([shown.scale.low, shown.scale.high])}`);
+  if (shown.scale?.low !== undefined) words.push(`range=${digits([shown.scale.low, shown.scale.high])}`);
   if (shown.scale?.log) words.push('log');
   if (shown.transfer)
     words.push(`colors=${brief(shown.transfer.colors)}`, `opacity=${brief(shown.transfer.opacity)}`,

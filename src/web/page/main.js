@@ -11,8 +11,8 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fieldPlace, fittedUnit, inSlabs, quantityNumber, shownOf } from './quantity.js';
-import { leastError, mostError, readLink, writeLink } from './link.js';
+import { automaticScale, automaticTransfer, fieldKey, fieldPlace, fittedUnit, inSlabs, quantityNumber } from './quantity.js';
+import { changedState, firstState, partOfLink, readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
 import { Overlay } from './overlay.js';
@@ -30,18 +30,7 @@ const canvas = find('picture');
 find('loading').remove();
 const narrow = () => window.matchMedia('(max-width: 640px), (max-height: 420px)').matches;
 
-const state = {
-  model: 0, level: 0, map: page.map, exposure: 1, reverse: false, fade: page.fade,
-  camera: page.camera, embed: false, still: false, subframes: 8, panel: !narrow(), bar: true,
-  ...shownOf(page.models[0], { show: page.quantity.show, field: -1, part: page.quantity.part ?? '' }, page.quantity.field),
-  scale: page.quantity.scale,  // null: the first view's
-  transfers: {},               // edited ones, by field
-  light: page.quantity.light, clip: page.quantity.clip,
-  planes: page.quantity.planes.map((plane) => ({ ...plane, on: true })),
-  logAxis: false,              // of the values in the editor
-  pixelError: 1, memory: null, most: null,  // of streamed models: error of coarse parts, pixels; limits, MB and Gaussians, or null
-};
-if (page.quantity.transfer) state.transfers[state.field] = page.quantity.transfer;
+const state = firstState(page, !narrow());
 
 // --- What is shown. ---
 
@@ -51,7 +40,7 @@ const mapNow = () => {
   return state.reverse ? reversed(map) : map;
 };
 const clipNow = () => ({ box: state.clip, planes: state.planes });
-const scaleNow = () => state.scale ?? automaticScale(comparable(), state);
+const scaleNow = () => (state.scale?.low === undefined ? automaticScale(comparable(), state, state.scale?.log) : state.scale);
 let automatic = null;  // [key, transfer function] without edits
 /** The transfer function of the shown field; its unit is 0 until it has been found. */
 function transferNow() {
@@ -241,19 +230,7 @@ async function load() {
 /** Changes part of the state; the only place that does. */
 function change(part) {
   const before = { ...state };
-  Object.assign(state, part);
-  state.model = Math.max(0, Math.min(state.model, page.models.length - 1));
-  if (state.model !== before.model) {
-    if (!part.camera)
-      state.camera = carriedOver(state.camera, box(before.model), box(state.model));
-    if (part.level === undefined) state.level = 0;
-  }
-  state.level = Math.max(0, Math.min(state.level, page.models[state.model].levels.length - 1));
-  state.pixelError = Math.max(leastError, Math.min(state.pixelError, mostError));
-  if (!page.maps.some(({ name }) => name === state.map)) state.map = before.map;
-  Object.assign(state, shownOf(page.models[state.model], state, page.models[before.model].fields[state.field]?.name));
-  if (fieldKey(state) !== fieldKey(before) || state.show !== before.show)
-    if (part.scale === undefined) state.scale = null;
+  Object.assign(state, changedState(page, before, part));
   if (state.map !== before.map || state.reverse !== before.reverse) {
     setMap();
     if (!part.transfers) recolor();
@@ -362,20 +339,8 @@ const firstView = () => (page.chosenView
 /** Applies settings, as in the address behind #; others stay. */
 function follow(settings) {
   const link = readLink(settings, firstView());
-  const part = { embed: link.embed, still: link.still };
-  for (const key of ['subframes', 'pixelError', 'memory', 'most', 'map', 'exposure', 'reverse', 'fade', 'camera', 'show', 'part', 'scale', 'clip', 'planes'])
-    if (link[key] !== null) part[key] = link[key];
-  if (link.logAxis !== null) part.logAxis = link.logAxis;
-  if (link.light !== null) part.light = { ...state.light, on: link.light };
-  if (link.model !== null) part.model = Math.min(link.model, page.models.length) - 1;
-  if (link.level !== null) part.level = link.level - 1;
-  const model = page.models[part.model ?? state.model] ?? page.models.at(-1);
-  const named = model.fields.findIndex(({ name }) => name === link.field);
-  if (named >= 0) part.field = named;
-  if (link.transfer) part.transfers = { ...state.transfers, [shownOf(model, { ...state, ...part }).field]: link.transfer };
-  if (link.embed) part.panel = false;
-  half = link.half;
-  change(part);
+  half = link.half ?? half;
+  change(partOfLink(page, state, link));
 }
 
 // --- Commands. ---

@@ -51,15 +51,21 @@ export const fieldKey = ({ show, field, part }) => (ofField(show) ? `${field}.${
 /** Place of the shown field among the model's; null: none. */
 export const fieldPlace = ({ show, field }) => (ofField(show) ? field : null);
 
-/** The scale that a quantity starts with, {low, high, log}; over all models where they are steps. */
-export function automaticScale(models, { show, field, part }) {
+const logDecades = 4;  // as `vog render --log`
+
+/**
+ * The scale {low, high, log} of the first view; over all models where they are steps.
+ * isLog  logarithmic where values are above 0: the largest four decades at most
+ */
+export function automaticScale(models, { show, field, part }, isLog = false) {
   let [low, high] = [Infinity, -Infinity];
   for (const model of models) {
     const ends = show === 'column' ? [0, model.mostColumn]
       : ofField(show) && show !== 'volume' ? model.fields[field]?.ranges[part]?.[show] : null;
     if (ends) [low, high] = [Math.min(low, ends[0]), Math.max(high, ends[1])];
   }
-  return low < high ? { low, high, log: false } : { low: 0, high: 1, log: false };
+  if (!(low < high)) return { low: 0, high: 1, log: false };
+  return isLog && high > 0 ? { low: Math.max(low, high / 10 ** logDecades), high, log: true } : { low, high, log: false };
 }
 
 /** The transfer function that a field starts with: a map over its range; unit 0: to be found. */
