@@ -25,8 +25,8 @@ packages=(
 all_packages=(
     # window: OpenGL, also without a display or a graphics card
     libglfw3-dev libimgui-dev libepoxy-dev libegl-dev libgl1-mesa-dri libegl-mesa0 fonts-dejavu-core xvfb xauth
-    # tests of the page for browsers
-    chromium python3
+    # tests of the page for browsers, and of its modules without one
+    chromium nodejs python3
     # Python package and its tests; the stubs are checked by mypy, a notebook is run by Jupyter
     python3-nbclient python3-ipykernel python3-dev python3-numpy python3-pytest python3-pip python3-venv mypy python3-mypy
     # the codec that vog evaluate --rate-distortion compares with

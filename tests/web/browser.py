@@ -31,12 +31,6 @@ def find_chromium():
     return None
 
 
-def modules(*names):
-    """Modules of the page as a plain script."""
-    lines = [line for name in names for line in (HOUSE / "src/web/page" / name).read_text().splitlines()]
-    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
-
-
 class Browser:
     """Browser with one page, closed at the end of a `with` block."""
 

@@ -1,16 +1,16 @@
 #!/usr/bin/env python3
-"""The page's reader of compact models (src/web/page/model), in Chromium: every number beside those that the library reads.
+"""The page's reader of compact models (src/web/page/model), in Node.js: every number beside those that the library reads.
 
-VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as skipped,
-where there is no Chromium.
+VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Node.js.
 """
 import array
 import base64
 import json
 import random
 
-from page_test_case import HOUSE, PageTest, run, smoke, vog, write_model
+from page_test_case import run, sampled_cloud, vog, write_model
 from quantity_test_case import write_flow
+from streaming_test_case import NodeTest
 
 # Numbers of a file in the order of the library's PLY: 11 a Gaussian (7 without rotations), then those of its fields.
 READER = """
@@ -39,12 +39,6 @@ async function numbers(base64) {
 """
 
 
-def module(name):
-    """A module of the page as a plain script."""
-    lines = (HOUSE / "src/web/page/model" / name).read_text().splitlines()
-    return "\n".join(line.removeprefix("export ") for line in lines if not line.startswith("import "))
-
-
 def rows_of(path):
     """Rows of a binary PLY of floats."""
     header, _, body = path.read_bytes().partition(b"end_header\n")
@@ -63,15 +57,13 @@ def covariance(row):
     return [sum(r[a][k] * r[b][k] * s[k] ** 2 for k in range(3)) for a in range(3) for b in range(a, 3)]
 
 
-class CompactModels(PageTest):
-    @classmethod
-    def make(cls):
-        script = module("columns.js") + module("vogz.js") + READER
-        (cls.folder / "reader.html").write_text(f"<!doctype html><title>reader</title><script>{script}</script>")
+class CompactModels(NodeTest):
+    modules = ("model/vogz.js",)
 
-    def setUp(self):
-        super().setUp()
-        self.browser.open(self.folder / "reader.html")
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.node.evaluate(f"{READER}; globalThis.numbers = numbers; 0")
 
     def numbers(self, model, *options):
         """Numbers of a model that is written with some options, as the page reads them."""
@@ -104,10 +96,10 @@ class CompactModels(PageTest):
                 self.assertLessEqual(abs(row[k] - want[k]), 1e-6 * largest[k], names[k])
 
     def test_shapes_and_fields_are_the_librarys(self):
-        vog("convert", smoke(), "-o", "smoke.ply", "--block", 8)
-        self.expect_the_librarys("smoke.ply")
-        self.expect_the_librarys("smoke.ply", "--step", 1e-5, "--field-step", 1e-6)
-        self.expect_the_librarys("smoke.ply", "--hierarchy")
+        vog("convert", sampled_cloud(), "-o", "cloud.ply", "--block", 4)
+        self.expect_the_librarys("cloud.ply")
+        self.expect_the_librarys("cloud.ply", "--step", 1e-5, "--field-step", 1e-6)
+        self.expect_the_librarys("cloud.ply", "--hierarchy")
         write_flow(self.folder / "flow.ply")
         self.expect_the_librarys("flow.ply")
 

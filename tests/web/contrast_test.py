@@ -43,7 +43,7 @@ CONTRASTS = """(() => {
 class Contrast(PageTest):
     @classmethod
     def make(cls):
-        write_flow(cls.folder / "flow.ply", 40)
+        write_flow(cls.folder / "flow.ply", 4)
         write_model(cls.folder / "round.ply", [0, 0, 0, 1, 1, 1, 1])
         vog("export", "flow.ply", "round.ply", "-o", "page.html", "--levels", 1, "--show", "volume", "--slabs", 8, "--background", "system",
             "--title", "A title", "--description", "Words below the title.", "--clip-plane", "1,0,0,-9")
@@ -59,29 +59,29 @@ class Contrast(PageTest):
 
     def test_all_texts_of_dark_and_light_pages(self):
         texts = set()
-        for scheme, picture in (("dark", [0, 0, 0]), ("light", [255, 255, 255])):
-            self.browser.prefer(prefers_color_scheme=scheme)
-            for width, height in ((1000, 1400), (360, 740)):
-                self.browser.leave()
-                self.browser.viewport(width, height, COARSE / 2)
-                for page in ("page.html", "steps.html"):
-                    ground = picture if page == "page.html" else [0, 0, 0]
-                    self.open(page, "#subframes=1&show=T")
-                    self.value("document.getElementById('clip-row').open = true")
-                    # As a streamed page has it (stream/status.js).
-                    self.value("stream.hidden = false; stream.textContent = '1.2 MB loaded'")
+        for page in ("page.html", "steps.html"):
+            self.browser.viewport(1000, 1400, COARSE / 4)
+            self.open(page, "#subframes=1&show=T")
+            self.value("document.getElementById('clip-row').open = true")
+            # As a streamed page has it (stream/status.js).
+            self.value("stream.hidden = false; stream.textContent = '1.2 MB loaded'")
+            for scheme, picture in (("dark", [0, 0, 0]), ("light", [255, 255, 255])):
+                self.browser.prefer(prefers_color_scheme=scheme)
+                ground = picture if page == "page.html" else [0, 0, 0]
+                for width, height in ((1000, 1400), (360, 740)):
+                    self.browser.viewport(width, height, COARSE / 4)
                     for show in ("T", "mean", "volume") if width > 640 else ("volume",):
-                        self.value(f"vog.change({{show: '{show}', panel: true}})")
-                        self.browser.settle()
                         for panel in ("true", "false"):
-                            self.value(f"vog.change({{panel: {panel}}})")
+                            self.value(f"vog.change({{show: '{show}', panel: {panel}, embed: false}})")
+                            self.browser.settle()
                             texts |= self.expect_contrast(ground, f"{scheme} {width} {page} {show}")
                     self.value("vog.change({panel: true}); document.getElementById('help').click()")
                     texts |= self.expect_contrast(ground, f"{scheme} {width} {page}, keys")
-                    self.open(page, "#subframes=1&show=nothing&embed")
+                    self.value("document.getElementById('close-help').click(); vog.change({show: 'T', panel: false, embed: true})")
                     self.value("document.getElementById('notice').textContent = 'Words'; document.getElementById('notice').hidden = false")
                     texts |= {text for text, ratio, wanted in self.value(CONTRASTS.replace("ON_PICTURE", json.dumps(ground)))
                               if self.assertGreaterEqual(ratio, wanted, f"{text!r} {scheme} embedded") is None}
+                    self.value("document.getElementById('notice').hidden = true")
         for text in ("A title", "description", "Clip", "Plane 1", "low", "unit", "step-name", "open", "notice", "close-help", "stream"):
             self.assertIn(text, texts)
 

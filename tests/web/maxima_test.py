@@ -21,27 +21,27 @@ class Maxima(QuantityTest):
         lower = [c - 0.4 * h for c, h in zip(box["center"], box["half"])]
         upper = [c + s * h for c, h, s in zip(box["center"], box["half"], (0.5, 0.2, 1))]
         self.change(show="maximum", scale=SCALE, clip={"lower": lower, "upper": upper})
-        self.expect_page_is("smoke.ply", "--show", "maximum", *RANGE, "--clip", ",".join(map(repr, lower + upper)), off=off)
+        self.expect_page_is("model.ply", "--show", "maximum", *RANGE, "--clip", ",".join(map(repr, lower + upper)), off=off)
         self.change(clip=None, camera={**lens, "span": 80})
-        self.expect_page_is("smoke.ply", "--show", "maximum", *RANGE, off=off)
+        self.expect_page_is("model.ply", "--show", "maximum", *RANGE, off=off)
 
     def test_maxima_are_vog_renders(self):
         # Rims that rounded numbers move change the ends of slabs: measured 10 at 6 of 108,000 pixels, 5 with --precise.
-        self.pictures("smoke.html", 12)
+        self.pictures("model.html", 12)
 
     def test_maxima_of_precise_pages_are_nearer(self):
-        vog("export", "smoke.ply", "-o", "precise.html", "--levels", 1, "--precise")
+        vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise")
         self.pictures("precise.html", 6)
 
     def test_maxima_have_a_number_and_a_link(self):
         self.browser.viewport(1000, 800, COARSE)
-        self.open("smoke.html", "#subframes=1&show=maximum&range=0,2.5")
+        self.open("model.html", "#subframes=1&show=maximum&range=0,2.5")
         width, height = self.write_camera()
         self.assertEqual(self.value("document.getElementById('of-quantity').textContent"), "maximum of density")
         self.assertEqual(self.value("[show.value, document.getElementById('scale-row').hidden]"), ["maximum", False])
         x, y = width // 2, height // 2
         self.browser.mouse("mouseMoved", (x + 0.5) / COARSE, (y + 0.5) / COARSE)
-        vog("render", "smoke.ply", "--show", "maximum", "--values-out", "maximum.npy", "--camera", "camera.json", "--size", f"{width}x{height}")
+        vog("render", "model.ply", "--show", "maximum", "--values-out", "maximum.npy", "--camera", "camera.json", "--size", f"{width}x{height}")
         largest = array.array("f", (self.folder / "maximum.npy").read_bytes()[-4 * width * height:])
         shown = self.value("document.getElementById('probe').textContent")
         self.assertTrue(shown.startswith("maximum of density "), shown)

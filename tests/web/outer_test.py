@@ -1,10 +1,9 @@
 """A page inside of another, as in notebooks: settings as messages, and the widget's script under a model of Jupyter's."""
 import html
 import json
-import sys
-import unittest
 
-from page_test_case import HOUSE, PageTest, find_chromium, vog, write_model
+from page_test_case import HOUSE, PageTest, run, vog, write_model
+from site_server import SiteServer
 
 WIDGET = HOUSE / "python" / "vog" / "_widget.js"
 
@@ -38,7 +37,7 @@ const page = (name) => document.getElementById(name).content.textContent;
 const model = new Model({{ html: page('one'), height: 220, sent: '', link: '' }});
 const remove = render({{ model, el: document.getElementById('cell') }});
 const inner = () => document.querySelector('iframe').contentWindow;
-const until = async (test) => {{ for (let n = 0; n < 400 && !test(); ++n) await new Promise((done) => setTimeout(done, 25)); return test(); }};
+const until = async (test) => {{ for (let n = 0; n < 2400 && !test(); ++n) await new Promise((done) => setTimeout(done, 25)); return test(); }};
 const shown = () => until(() => inner().vog?.state && model.values.link);
 </script></body>""")
 
@@ -85,15 +84,66 @@ const shown = () => until(() => inner().vog?.state && model.values.link);
         self.value("remove()")
         count = self.value("model.saved.length")
         self.value("inner().vog.change({ map: 'gray' })")
-        self.assertEqual(self.value("new Promise((done) => setTimeout(() => done(model.saved.length), 300))"), count)
+        # A message of its own comes back after all that the page has sent.
+        self.assertEqual(self.value("inner().vog.settled().then(() => new Promise((done) => inner().requestAnimationFrame(() => {"
+                                    " addEventListener('message', ({data}) => data === 'last' && done(model.saved.length));"
+                                    " inner().parent.postMessage('last', '*'); })))"), count)
 
     def test_a_page_of_its_own_sends_nothing(self):
         self.open("one.html")
         self.assertEqual(self.value("vog.state.map"), "inferno")
 
 
+class Embedded(PageTest):
+    """A page in an iframe of an outer page that scrolls, under #embed."""
+
+    @classmethod
+    def make(cls):
+        write_model(cls.folder / "one.ply", [0, 0, 0, 1, 1, 1, 0.5, 2, 0, 0, 0.5, 0.5, 0.5, 1])
+        vog("export", "one.ply", "-o", "one.html")
+        (cls.folder / "outer.html").write_text("""<!doctype html><meta charset="utf-8"><link rel="icon" href="data:,"><body style="margin: 0; height: 4000px">
+<iframe src="one.html#embed" style="width: 300px; height: 200px; border: 0"></iframe><script>
+const inner = () => document.querySelector('iframe').contentWindow;
+let told = '';
+addEventListener('message', ({ data }) => { if (data.vog === 'settings') told = data.settings; });
+const send = (settings) => inner().postMessage({ vog: 'settings', settings }, '*');
+</script></body>""")
+
+    def setUp(self):
+        super().setUp()
+        server = SiteServer(self.folder).__enter__()
+        self.addCleanup(server.__exit__)
+        self.browser.open(server.url + "outer.html")
+        self.until("told && inner().vog.state.embed")
+
+    def eye(self):
+        return self.value("inner().vog.settled().then(() => inner().vog.state.camera.eye)")
+
+    def test_settings_leave_the_page_embedded_and_the_wheel_to_the_outer_page(self):
+        for settings, answer in (("'#map=magma'", "map=magma"), ("'#eye=5,6,7&at=0,0,0'", "eye=5,6,7"),
+                                 ("told.replace('magma', 'viridis')", "map=viridis")):  # the page's own settings, without `embed`
+            self.value(f"send({settings})")
+            self.until(f"told.includes('{answer}')")
+            self.assertTrue(self.value("inner().vog.state.embed && inner().document.body.classList.contains('embed')"), settings)
+            self.assertFalse(self.value("inner().vog.state.still"))
+        eye = self.eye()
+        self.browser.wheel(100, 100, 120)
+        self.until("scrollY > 0")
+        self.assertEqual(eye, self.eye())
+
+    def test_settings_end_the_embedding_where_they_say_so(self):
+        self.value("send('#embed=0')")
+        self.until("!inner().vog.state.embed")
+        eye = self.eye()
+        self.browser.wheel(100, 100, 120)
+        self.until(f"String(inner().vog.state.camera.eye) !== '{','.join(map(repr, eye))}'")
+        self.assertEqual(self.value("scrollY"), 0)
+        self.value("send('#embed&still')")
+        self.until("inner().vog.state.still")
+        self.value("send('#map=gray')")
+        self.until("inner().vog.state.map === 'gray'")
+        self.assertTrue(self.value("inner().vog.state.embed && inner().vog.state.still"))
+
+
 if __name__ == "__main__":
-    if not find_chromium():
-        print("skipped: no Chromium")
-        sys.exit(77)
-    unittest.main()
+    run()

@@ -9,7 +9,7 @@ import array
 import json
 import math
 
-from page_test_case import COARSE, run, smoke, vog
+from page_test_case import COARSE, run, vog
 from quantity_test_case import LEAST_PSNR_DB, QuantityTest
 
 RAMP = {"name": "ramp", "unit": 1, "opacity": [[0, 0], [1, 0.5]],
@@ -24,7 +24,7 @@ class Quantities(QuantityTest):
         return "tf.json"
 
     def volume(self, transfer, *options):
-        self.expect_page_is("smoke.ply", "--show", "volume", "--tf", self.write_transfer(transfer), *options)
+        self.expect_page_is("model.ply", "--show", "volume", "--tf", self.write_transfer(transfer), *options)
 
     # --- Pictures. ---
 
@@ -47,7 +47,7 @@ class Quantities(QuantityTest):
             self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.magnitude", "--range", "0,60")
 
     def test_volume_pictures_are_vog_renders(self):
-        self.start("smoke.html")
+        self.start("model.html")
         for transfer in (RAMP, STEP):
             self.change(show="volume", transfers={"0": transfer})
             self.volume(transfer)
@@ -57,19 +57,19 @@ class Quantities(QuantityTest):
         self.volume(STEP, "--light", "head")
 
     def test_clips_of_every_quantity_are_vog_renders(self):
-        self.start("smoke.html")
+        self.start("model.html")
         box = self.value("vog.page.models[0].box")
         lower = [c - 0.4 * h for c, h in zip(box["center"], box["half"])]
         upper = [c + s * h for c, h, s in zip(box["center"], box["half"], (0.5, 0.2, 1))]
         clip = ("--clip", ",".join(map(repr, lower + upper)))
         self.change(clip={"lower": lower, "upper": upper})
-        self.expect_page_is("smoke.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")), *clip)
+        self.expect_page_is("model.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")), *clip)
         self.change(show="volume", transfers={"0": RAMP})
         self.volume(RAMP, *clip)
 
     def test_precise_pages_are_within_2_of_255(self):
-        vog("export", "smoke.ply", "-o", "precise.html", "--levels", 1, "--precise")
-        usual, precise = ((self.folder / name).stat().st_size for name in ("smoke.html", "precise.html"))
+        vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise")
+        usual, precise = ((self.folder / name).stat().st_size for name in ("model.html", "precise.html"))
         self.start("precise.html")
         box, lens, light = self.value("vog.page.models[0].box"), self.value("vog.state.camera"), self.value("vog.state.light")
         count = self.value("vog.page.models[0].levels[0].count")
@@ -81,13 +81,13 @@ class Quantities(QuantityTest):
                   "at": [c + f * h for c, f, h in zip(box["center"], (0.3, -1, 0.2), box["half"])]}
         for part in ({}, beside, within, {"span": 80}):
             self.change(show="T", map="gray", camera={**lens, **part}, light=light)
-            self.expect_page_is("smoke.ply", "--tf", "gray", "--extinction", extinction, off=2)
+            self.expect_page_is("model.ply", "--tf", "gray", "--extinction", extinction, off=2)
             self.change(show="column", scale={"low": 0, "high": 100, "log": False})
-            self.expect_page_is("smoke.ply", "--show", "column", "--range", "0,100", "--tf", "gray", off=2)
+            self.expect_page_is("model.ply", "--show", "column", "--range", "0,100", "--tf", "gray", off=2)
             self.change(show="volume", transfers={"0": STEP})
-            self.expect_page_is("smoke.ply", *step, off=2)
+            self.expect_page_is("model.ply", *step, off=2)
             self.change(light={**light, "on": True})
-            self.expect_page_is("smoke.ply", *step, "--light", "head", off=2)
+            self.expect_page_is("model.ply", *step, "--light", "head", off=2)
 
     def plane_through(self, normal, share):
         """Offset of a plane at a share of the half extent of the model's box from its centre."""
@@ -95,22 +95,22 @@ class Quantities(QuantityTest):
         return sum(n * c for n, c in zip(normal, box["center"])) + share * sum(abs(n) * h for n, h in zip(normal, box["half"]))
 
     def test_clip_planes_of_every_quantity_are_vog_renders(self):
-        self.start("smoke.html")
+        self.start("model.html")
         slanted, flat = (2, 0.5, -1), (0, -1, 0)
         places = [self.plane_through(slanted, -0.1), self.plane_through(flat, -0.3)]
         planes = ["--clip-plane=" + ",".join(map(repr, (*normal, place))) for normal, place in zip((slanted, flat), places)]
         # The export's planes are the page's first ones.
-        vog("export", "smoke.ply", "-o", "planes.html", "--levels", 1, *planes)
+        vog("export", "model.ply", "-o", "planes.html", "--levels", 1, *planes)
         whole = self.bytes()
         self.start("planes.html")
         extinction = repr(self.value("vog.page.models[0].extinction"))
-        self.expect_page_is("smoke.ply", "--extinction", extinction, *planes)
+        self.expect_page_is("model.ply", "--extinction", extinction, *planes)
         cut = self.bytes()
         self.change(show="column", scale={"low": 0, "high": 30, "log": False})
-        self.expect_page_is("smoke.ply", "--show", "column", "--range", "0,30", *planes)
+        self.expect_page_is("model.ply", "--show", "column", "--range", "0,30", *planes)
         for show, ends in (("mean", (0, 2)), ("deviation", (0, 0.5))):
             self.change(show=show, field=0, part="", scale={"low": ends[0], "high": ends[1], "log": False})
-            self.expect_map_is("smoke.ply", "--show", show, "--field", "density", "--range", f"{ends[0]},{ends[1]}", *planes)
+            self.expect_map_is("model.ply", "--show", show, "--field", "density", "--range", f"{ends[0]},{ends[1]}", *planes)
         self.change(show="volume", transfers={"0": RAMP})
         self.volume(RAMP, *planes)
         # Beside a box, under parallel rays, from inside.
@@ -126,17 +126,17 @@ class Quantities(QuantityTest):
         self.assertEqual(self.bytes(), whole)
         self.value("document.querySelector('#planes input').click()")
         self.browser.settle()
-        self.expect_page_is("smoke.ply", "--extinction", extinction, planes[0])
+        self.expect_page_is("model.ply", "--extinction", extinction, planes[0])
         self.assertNotEqual(self.bytes(), cut)
         # Ten at most.
-        self.assertIn("11 planes, expected at most 10", self.refused("export", "smoke.ply", "-o", "x.html", *planes[:1] * 11))
-        self.assertIn("expected nx,ny,nz,d", self.refused("export", "smoke.ply", "-o", "x.html", "--clip-plane", "1,2,3"))
-        vog("export", "smoke.ply", "-o", "ten.html", "--levels", 1, *(f"--clip-plane={x},1,0,{-200 - x}" for x in range(10)),
+        self.assertIn("11 planes, expected at most 10", self.refused("export", "model.ply", "-o", "x.html", *planes[:1] * 11))
+        self.assertIn("expected nx,ny,nz,d", self.refused("export", "model.ply", "-o", "x.html", "--clip-plane", "1,2,3"))
+        vog("export", "model.ply", "-o", "ten.html", "--levels", 1, *(f"--clip-plane={x},1,0,{-200 - x}" for x in range(10)),
             "--clip=-100,-100,-100,100,100,100")
 
     def test_planes_are_added_moved_turned_and_removed_by_keys(self):
         self.browser.viewport(1000, 800, COARSE)
-        self.open("smoke.html", "#subframes=1")
+        self.open("model.html", "#subframes=1")
         whole = self.bytes()
         self.value("document.getElementById('clip-row').open = true; document.getElementById('add-plane').focus()")
         self.browser.key("Enter")
@@ -154,7 +154,7 @@ class Quantities(QuantityTest):
         self.assertAlmostEqual(plane["offset"] - before, 0.01 * box["half"][axis], delta=1e-6)
         shown = self.value("document.querySelector('#planes output').textContent")
         self.assertAlmostEqual(float(shown), plane["offset"], delta=1e-3 * abs(plane["offset"]) + 1e-6)
-        self.expect_page_is("smoke.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")),
+        self.expect_page_is("model.ply", "--extinction", repr(self.value("vog.page.models[0].extinction")),
                             "--clip-plane=" + ",".join(map(repr, [*plane["normal"], plane["offset"]])))
         # The other side of the same plane, then the one behind what is seen.
         choose = ("(() => { const side = document.querySelector('#planes select'); side.value = '%s';"
@@ -177,7 +177,7 @@ class Quantities(QuantityTest):
         self.value("picture.focus()")
         self.browser.key("c")
         link = self.value("window.copied")
-        self.open("smoke.html", "#" + link.split("#")[1] + "&subframes=1")
+        self.open("model.html", "#" + link.split("#")[1] + "&subframes=1")
         self.assertEqual([plane["on"] for plane in self.value("vog.state.planes")], [True, False])
         for got, wanted in zip(self.value("vog.state.planes"), planes):
             for a, b in zip([*got["normal"], got["offset"]], [*wanted["normal"], wanted["offset"]]):
@@ -191,26 +191,45 @@ class Quantities(QuantityTest):
         self.browser.settle()
         (self.folder / "whole.png").write_bytes(whole)
         self.assertGreater(self.psnr("whole.png", self.picture()), 70)
-        for wrong in ("planes=1,2", "planes=0,0,0,1", "planes=a,b,c,d", "planes=" + ";".join(["1,0,0,0"] * 11)):
-            self.open("smoke.html", f"#subframes=1&{wrong}")
-            self.assertEqual(self.value("vog.state.planes"), [])
 
     def test_tall_pictures_are_drawn_in_strips(self):
-        self.start("smoke.html")
+        self.start("model.html")
+        self.value("vog.page.quantity.slabs = 8")
         self.change(show="volume", transfers={"0": RAMP})
         self.browser.viewport(1100, 1000)
         self.value("vog.settled()")
         self.assertGreater(self.value("picture.width * picture.height"), 1 << 20)
-        self.volume(RAMP)
+        self.volume(RAMP, "--slabs", 8)
 
     def test_a_page_begins_as_its_command_says(self):
-        vog("export", "smoke.ply", "-o", "first.html", "--levels", 1, "--show", "volume", "--tf", self.write_transfer(RAMP))
+        vog("export", "model.ply", "-o", "first.html", "--levels", 1, "--show", "volume", "--tf", self.write_transfer(RAMP))
         self.start("first.html")
         self.volume(RAMP)
         vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "mean", "--field", "velocity.x",
             "--range=-40,40", "--tf", "viridis")
         self.start("first.html")
         self.expect_map_is("flow.ply", "--show", "mean", "--field", "velocity.x", "--range=-40,40", "--tf", "viridis")
+
+    def test_a_logarithm_comes_first_with_the_ends_of_the_first_view(self):
+        vog("export", "model.ply", "-o", "log.html", "--levels", 1, "--show", "column", "--log", "--tf", "viridis")
+        self.start("log.html")
+        most = self.value("vog.page.models[0].mostColumn")
+        self.assertTrue(self.value("document.getElementById('log').checked"))
+        self.expect_page_is("model.ply", "--show", "column", "--log", "--tf", "viridis", "--range", f"{most / 1e4!r},{most!r}")
+        shown = self.bytes()
+        self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
+        self.browser.key("c")
+        link = self.value("window.copied")
+        self.value("document.getElementById('log').click()")
+        self.assertIsNone(self.value("vog.state.scale"))
+        self.assertNotEqual(self.bytes(), shown)
+        self.value("document.getElementById('log').click()")
+        self.assertEqual(self.bytes(), shown)
+        self.start("model.html", "#" + link.split("#")[1] + "&subframes=1&embed")
+        self.assertTrue(self.value("document.getElementById('log').checked"))
+        # Deviations of the field have a linear scale again.
+        self.change(show="deviation")
+        self.assertFalse(self.value("document.getElementById('log').checked"))
 
     def test_root_mean_squares_come_first_have_a_number_and_are_of_means_alone(self):
         vog("export", "flow.ply", "-o", "first.html", "--levels", 1, "--show", "mean", "--field", "velocity.magnitude", "--tf", "viridis")
@@ -241,17 +260,17 @@ class Quantities(QuantityTest):
     # --- Edits. ---
 
     def test_a_map_by_its_name_covers_as_in_the_command(self):
-        self.start("smoke.html", "#subframes=1&show=volume")
+        self.start("model.html", "#subframes=1&show=volume")
         self.browser.settle()
         unit = float(self.value("document.getElementById('unit').textContent.split(' ')[1]"))
         self.write_camera()
-        chosen = json.loads(vog("render", "smoke.ply", "-o", "cpu.png", "--show", "volume", "--json", "--camera", "camera.json",
+        chosen = json.loads(vog("render", "model.ply", "-o", "cpu.png", "--show", "volume", "--json", "--camera", "camera.json",
                                 "--size", "{0}x{1}".format(*self.value("[picture.width, picture.height]"))))
         self.assertAlmostEqual(unit / chosen["unit_distance"], 1, delta=0.02)
 
     def test_the_curve_is_edited_undone_and_saved(self):
         self.browser.viewport(1000, 800, COARSE)
-        self.open("smoke.html", "#subframes=1&show=volume")
+        self.open("model.html", "#subframes=1&show=volume")
         before = self.bytes()
         box = self.value("(() => { const b = editor.getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
         x, y = box[0] + 0.2 * box[2], box[1] + 0.3 * box[3]
@@ -275,7 +294,7 @@ class Quantities(QuantityTest):
         })""")
         (self.folder / "saved.json").write_text(text)
         self.browser.settle()
-        found = self.compared("smoke.ply", "--show", "volume", "--tf", "saved.json")
+        found = self.compared("model.ply", "--show", "volume", "--tf", "saved.json")
         self.assertGreater(found["psnr_rgb_db"] or math.inf, LEAST_PSNR_DB)
 
     def test_a_right_drag_is_window_and_level(self):
@@ -295,7 +314,7 @@ class Quantities(QuantityTest):
         self.assertEqual(self.value("low.getAttribute('aria-invalid')"), "true")
 
     def test_a_link_brings_quantity_range_transfer_and_clip_back(self):
-        self.start("smoke.html")
+        self.start("model.html")
         # A link has eight digits of the camera.
         camera = {name: [float(f"{v:.8g}") for v in part] if isinstance(part, list) else float(f"{part:.8g}")
                   for name, part in self.value("vog.state.camera").items()}
@@ -304,14 +323,14 @@ class Quantities(QuantityTest):
         self.value("navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }")
         self.browser.key("c")
         link = self.value("window.copied")
-        self.start("smoke.html", "#" + link.split("#")[1] + "&subframes=1&embed")
+        self.start("model.html", "#" + link.split("#")[1] + "&subframes=1&embed")
         self.assertEqual(self.bytes(), before)
 
     # --- Time. ---
 
     def test_steps_play_scrub_and_keep_one_range(self):
-        for step, block in ((1, 8), (2, 16), (10, 32)):
-            vog("convert", smoke(), "-o", f"t_{step}.ply", "--block", block, "--soft-steps", 0)
+        for step, block in ((1, 4), (2, 8), (10, 16)):
+            vog("convert", "plume.vdb", "-o", f"t_{step}.ply", "--block", block, "--soft-steps", 0)
         vog("export", "t_*.ply", "-o", "steps.html", "--levels", 1)
         self.start("steps.html", "#subframes=1")
         self.browser.viewport(1000, 800, COARSE)
@@ -346,7 +365,7 @@ class Quantities(QuantityTest):
 
     def test_the_scale_bar_has_its_length(self):
         self.browser.viewport(1000, 800, COARSE)
-        self.open("smoke.html", "#subframes=1")
+        self.open("model.html", "#subframes=1")
         lens = self.value("vog.state.camera")
         self.value("vog.change({camera: {...vog.state.camera, span: 100}})")
         pixels = self.value("getComputedStyle(document.getElementById('length')).width")
@@ -360,22 +379,22 @@ class Quantities(QuantityTest):
     # --- What is missing. ---
 
     def test_a_page_cut_in_half_says_so(self):
-        whole = (self.folder / "smoke.html").read_bytes()
+        whole = (self.folder / "model.html").read_bytes()
         (self.folder / "half.html").write_bytes(whole[:len(whole) // 2])
         self.browser.open(self.folder / "half.html")
         # 1.5 s by the page's clock of frames, which is late on a busy machine.
         self.value("""new Promise((done) => {
             const line = document.getElementById('loading'), end = Date.now() + 20000;
             const poll = () => (getComputedStyle(line).visibility === 'visible' || Date.now() > end ? done() : setTimeout(poll, 50));
-            setTimeout(poll, 1000);
+            poll();
         })""")
         self.assertIn("not whole", self.value("document.getElementById('loading').textContent"))
         self.assertEqual(self.value("getComputedStyle(document.getElementById('loading')).visibility"), "visible")
-        self.open("smoke.html")
+        self.open("model.html")
         self.assertIsNone(self.value("document.getElementById('loading')"))
 
     def test_a_lost_context_brings_the_volume_back(self):
-        self.start("smoke.html")
+        self.start("model.html")
         self.change(show="volume", transfers={"0": RAMP})
         before = self.bytes()
         self.value("""new Promise((done) => {
@@ -386,17 +405,17 @@ class Quantities(QuantityTest):
         self.assertEqual(self.bytes(), before)
 
     def test_a_model_without_fields_offers_none(self):
-        vog("export", "smoke.ply", "-o", "bare.html", "--levels", 1, "--no-fields")
+        vog("export", "model.ply", "-o", "bare.html", "--levels", 1, "--no-fields")
         self.start("bare.html", "#subframes=1&show=volume")
         self.assertEqual(self.value("[...show.options].map(({value}) => value)"), ["T", "column"])
         self.assertEqual(self.value("vog.state.show"), "T")
         self.assertIn("needs a scalar field", self.refused("export", "flow.ply", "-o", "x.html", "--no-fields", "--show", "volume"))
 
     def test_half_floats_show_volumes_too(self):
-        self.start("smoke.html", "#subframes=1&embed&half")
+        self.start("model.html", "#subframes=1&embed&half")
         self.assertEqual(self.value("vog.bits()"), 16)
         self.change(show="volume", transfers={"0": RAMP})
-        found = self.compared("smoke.ply", "--show", "volume", "--tf", self.write_transfer(RAMP))
+        found = self.compared("model.ply", "--show", "volume", "--tf", self.write_transfer(RAMP))
         self.assertGreater(found["psnr_rgb_db"] or math.inf, 40)
 
 

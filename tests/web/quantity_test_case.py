@@ -1,14 +1,26 @@
-"""What tests of quantities in pages share: a page of smoke, one of rotated Gaussians with a scalar and a vector field, and
+"""What tests of quantities in pages share: a page of a converted volume, one of rotated Gaussians with a scalar and a vector field, and
 their pictures against the command's."""
 import array
 import json
 import math
 import random
 
-from page_test_case import PageTest, smoke, vog
+from page_test_case import FolderTest, PageTest, vog, write_model
 
 # Measured: 66 dB and more, no pixel off by more than 4 of 255; those are rims, which quantised scales move.
 LEAST_PSNR_DB, MOST_OFF = 55, 6
+
+
+def make_plume(path):
+    """Makes a volume of a turbulent column that widens upwards, 70 x 120 x 70 world units, densities 0 to 3."""
+    rng, rows = random.Random(2), []
+    for _ in range(120):
+        height = rng.random()
+        width, s = 8 + 14 * height, rng.uniform(3, 6) * (1 + height)
+        x, z = rng.gauss(4 * math.sin(6 * height), 0.5 * width), rng.gauss(4 * math.cos(5 * height), 0.5 * width)
+        rows += [x, 120 * height, z, s, s, s, rng.uniform(0.1, 0.7) * (1 - 0.6 * height)]
+    write_model(FolderTest.folder / "column.ply", rows)
+    vog("voxelize", "column.ply", "-o", path, "--voxel-size", 3)
 
 
 def write_flow(path, count=400):
@@ -36,16 +48,25 @@ def write_flow(path, count=400):
 
 
 class QuantityTest(PageTest):
+    # Large enough that no Gaussian is narrower than a pixel: those lose their planes at a sharp limit.
+    size = (180, 150)
+    block = 4
+
+    @classmethod
+    def make_volume(cls):
+        """Path of the volume that model.ply is made of."""
+        make_plume("plume.vdb")
+        return "plume.vdb"
+
     @classmethod
     def make(cls):
-        vog("convert", smoke(), "-o", "smoke.ply", "--block", 8)
+        vog("convert", cls.make_volume(), "-o", "model.ply", "--block", cls.block)
         write_flow(cls.folder / "flow.ply")
-        vog("export", "smoke.ply", "-o", "smoke.html", "--levels", 1)
+        vog("export", "model.ply", "-o", "model.html", "--levels", 1)
         vog("export", "flow.ply", "-o", "flow.html", "--levels", 1)
 
     def start(self, page, fragment="#subframes=1&embed"):
-        # Large enough that no Gaussian is narrower than a pixel: those lose their planes at a sharp limit.
-        self.browser.viewport(360, 300)
+        self.browser.viewport(*self.size)
         self.open(page, fragment)
 
     def change(self, **state):

@@ -1,57 +1,25 @@
 #!/usr/bin/env python3
-"""Pages that stream a compact file by ranges, and pages whose models lie elsewhere: pictures at rest against `vog render`, what is
-requested, servers without ranges, other origins, files that change, are cut, are of another kind or hostile.
+"""Pages that stream a compact file by ranges: what is requested, servers without ranges, files that change, are cut, are of another
+kind or hostile; checksums of sites. In Node.js, without a browser: streaming_test.py has that, and other origins.
 
-VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Chromium.
+VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Node.js.
 """
 import base64
 import json
-import shutil
-import subprocess
 
-from browser import modules
-from page_test_case import VOG, run, vog
+from page_test_case import FolderTest, run, vog
 from quantity_test_case import write_flow
-from site_server import DROP, SiteServer
-from streaming_test_case import SMALL, SiteTest, write_dust
+from site_server import DROP
+from streaming_test_case import DUST, SMALL, NodeSiteTest, NodeTest, write_dust
 
-DUST = 60000
-LEAST_PSNR_DB = 50  # as of sites
 FINE = "#subframes=1&error=0.5"  # at few pixels the coarsest chunk errs by one
 FIRST_BYTES = 65536  # of the first request
 
 
-class Elsewhere(SiteTest):
-    """Pages without models, in folders of their own."""
-
-    def page_of(self, model, url, *options):
-        """Writes page/index.html, whose model lies at an address."""
-        folder = self.folder / "page"
-        folder.mkdir(exist_ok=True)
-        vog("export", model, "-o", "page/index.html", "--from", url, "--tf", "gray", *options)
-        return (folder / "index.html").read_text()
-
-    def begin_page(self, folder="page", fragment=FINE, **settings):
-        """Opens a page; does not wait for the picture."""
-        self.browser.viewport(*SMALL)
-        server = self.serve(folder, **settings)
-        self.browser.open(server.url, fragment)
-        return server
-
-    def expect_model(self, model):
-        """Expects the picture at rest to be that of the whole model, without nodes."""
-        self.expect_same(model, "--pixel-error", "0", least=LEAST_PSNR_DB)
-
-    def other_server(self, folder, **settings):
-        server = SiteServer(self.folder / folder, **settings).__enter__()
-        self.addCleanup(server.__exit__)
-        return server
-
-
-class Ranges(Elsewhere):
+class Ranges(NodeSiteTest):
     @classmethod
     def make(cls):
-        write_dust(cls.folder / "dust.ply", DUST)
+        write_dust(cls.folder / "dust.ply")
         (cls.folder / "files").mkdir()
         vog("export", "dust.ply", "-o", "files/dust.vogz", "--hierarchy", "--deflate")
         vog("export", "files/dust.vogz", "-o", "files/index.html", "--from", "dust.vogz", "--tf", "gray")
@@ -60,168 +28,81 @@ class Ranges(Elsewhere):
     def size(self):
         return (self.folder / "files/dust.vogz").stat().st_size
 
-    def begin(self, fragment=FINE, ranges=True, **hooks):
-        """Opens the page with hooks of the server; does not wait for the picture."""
-        self.browser.viewport(*SMALL)
-        server = self.serve("files", ranges=ranges)
-        for name, value in hooks.items():
-            setattr(server, name, value)
-        self.browser.open(server.url, fragment)
-        return server
+    def begin(self, fragment=FINE, ranges=True, size=SMALL, **hooks):
+        return super().begin("files", fragment, size, {"ranges": ranges}, **hooks)
 
     def expect_pictures(self):
         for view in ("{}", self.near(0.4), self.near(0.2)):
             self.change(view)
-            self.expect_model("files/dust.vogz")
+            self.expect_whole()
 
     # --- Servers. ---
 
-    def test_vog_serve_shows_a_compact_file_by_ranges(self):
-        server = subprocess.Popen([VOG, "serve", self.folder / "files/dust.vogz", "--port", "0"], stdout=subprocess.PIPE, text=True)
-        try:
-            address = server.stdout.readline().strip()
-            self.browser.viewport(320, 240)
-            self.open(address)
-            self.value("vog.change({map: 'gray'})")
-            self.expect_pictures()
-            self.assertEqual(self.value("vog.decodes().page"), 0)
-            self.assertGreater(self.value("vog.source.root.parts.length"), 1)
-        finally:
-            server.terminate()
-            server.wait()
-            server.stdout.close()
-
     def test_the_header_comes_first_and_the_picture_is_that_of_the_model(self):
         server = self.begin()
-        self.browser.settle()
+        self.settle()
         self.assertEqual(server.asked[0], (0, FIRST_BYTES - 1))
         self.assertEqual(len(server.asked), len(set(server.asked)))
         self.assertEqual(self.loaded, server.sent - (self.folder / "files/index.html").stat().st_size)
         # The header and the coarsest chunk: what is before the first picture.
+        self.assertGreater(self.value("vog.source.root.parts.length"), 1)
         header = self.value("vog.source.source.here.length")
         self.assertEqual(header, FIRST_BYTES)
-        self.browser.viewport(320, 240)
-        self.browser.settle()
+        self.resize(320, 240)
         self.expect_pictures()
-        self.browser.key("5", "Digit5")  # parallel rays
-        self.browser.settle()
-        self.expect_model("files/dust.vogz")
+        self.change("{camera: withOtherProjection(vog.state.camera)}")
+        self.expect_whole()
 
     def test_a_small_picture_takes_a_part_of_the_file_and_a_near_view_more(self):
         server = self.begin("#subframes=1&error=16")
-        self.browser.settle()
+        self.settle()
         few = self.loaded
         self.assertLess(few, 0.5 * self.size)
         self.assertLess(self.drawn, DUST)
         self.value(f"vog.change({self.near(0.2)}); vog.change({{pixelError: 0.5}})")
-        self.browser.settle()
+        self.settle()
         self.assertGreater(self.loaded, few)
         asked = len(server.asked)
         self.change(self.near(5))
         self.assertEqual(len(server.asked), asked)
 
     def test_a_long_header_takes_a_second_request(self):
-        page = (self.folder / "files/index.html").read_text()
-        self.assertIn("firstBytes = 1 << 16", page)
-        server = self.begin(answers={"/": page.replace("firstBytes = 1 << 16", "firstBytes = 100").encode()})
-        self.browser.settle()
+        self.changed = {"stream/range_file.js": ("firstBytes = 1 << 16", "firstBytes = 100")}
+        server = self.begin()
+        self.settle()
         self.assertEqual(server.asked[0], (0, 99))
         self.assertEqual(server.asked[1][0], 100)
-        self.expect_model("files/dust.vogz")
+        self.expect_whole()
 
     def test_a_server_without_ranges_sends_a_small_file_whole(self):
         server = self.begin(ranges=False)
-        self.browser.settle()
+        self.settle()
         self.assertEqual(server.paths.count("/dust.vogz"), 1)
         self.assertEqual(self.loaded, self.size)
         self.expect_pictures()
         self.assertEqual(server.paths.count("/dust.vogz"), 1)
 
     def test_a_large_file_of_a_server_without_ranges_is_refused(self):
-        page = (self.folder / "files/index.html").read_text()
-        self.assertIn("mostWhole = 64e6", page)
-        server = self.begin(ranges=False, answers={"/": page.replace("mostWhole = 64e6", "mostWhole = 1e5").encode()})
+        self.changed = {"stream/range_file.js": ("mostWhole = 64e6", "mostWhole = 1e5")}
+        server = self.begin(ranges=False)
         self.until("!failure.hidden")
         self.assertIn("answers no ranges", self.failure())
         self.assertIn("-o FOLDER/", self.failure())
         self.assertNotIn("\n", self.failure())
         self.assertEqual(server.paths.count("/dust.vogz"), 1)
 
-    def test_from_pythons_own_server(self):
-        with self.pythons_server("files") as address:
-            self.browser.viewport(*SMALL)
-            self.open(address, FINE)
-            self.expect_model("files/dust.vogz")
-
-    def test_behind_nginx(self):
-        with self.nginx("files") as (address, log):
-            self.browser.viewport(*SMALL)
-            self.open(address, FINE)
-            self.expect_model("files/dust.vogz")
-        self.assertEqual({line.split()[0] for line in log() if "dust.vogz" in line}, {"206"})
-
-    # --- Other origins. ---
-
-    def test_from_another_origin(self):
-        for fields in ({}, {"Access-Control-Expose-Headers": "Content-Range, ETag"}):
-            files = self.other_server("files", origin="*", ranges=True)
-            files.tag = '"1"'
-            files.part = lambda first, body, now, fields=fields: (now.update(fields), body)[1]
-            page = self.page_of("files/dust.vogz", files.url + "dust.vogz")
-            self.assertIn(f"connect-src {files.url[:-1]};", page)
-            server = self.begin_page()
-            self.browser.settle()
-            self.assertEqual(server.paths, ["/"])
-            self.assertGreater(len(files.asked), 1)
-            self.assertEqual(self.value("vog.source.source.marks.size ?? 0"), self.size if fields else 0)
-            self.expect_model("files/dust.vogz")
-
-    def test_another_origin_that_does_not_allow_the_page_is_named(self):
-        files = self.other_server("files", ranges=True)
-        self.page_of("files/dust.vogz", files.url + "dust.vogz")
-        page = self.begin_page()
-        self.until("!failure.hidden")
-        for words in ("dust.vogz: ", "Access-Control-Allow-Origin", page.url[:-1], files.url[7:-1]):
-            self.assertIn(words, self.failure())
-        self.assertNotIn("\n", self.failure())
-        self.browser.complaints = [line for line in self.browser.complaints if "CORS policy" not in line]
-
-    def test_vog_serve_allows_an_origin(self):
-        for allowed in (True, False):
-            page = self.serve("page") if (self.folder / "page").exists() else None
-            (self.folder / "page").mkdir(exist_ok=True)
-            page = page or self.serve("page")
-            words = ["--allow-origin", page.url[:-1]] if allowed else []
-            server = subprocess.Popen([VOG, "serve", self.folder / "files/dust.vogz", "--port", "0", *words], stdout=subprocess.PIPE, text=True)
-            try:
-                address = server.stdout.readline().strip()
-                self.page_of("files/dust.vogz", address + "dust.vogz")
-                self.browser.viewport(*SMALL)
-                self.browser.open(page.url, FINE)
-                if allowed:
-                    self.browser.settle()
-                    self.expect_model("files/dust.vogz")
-                else:
-                    self.until("!notice.hidden || !failure.hidden")
-                    self.assertIn("Access-Control-Allow-Origin", self.notice() + self.failure())
-                    self.browser.complaints.clear()
-            finally:
-                server.terminate()
-                server.wait()
-                server.stdout.close()
-
     # --- Files that are not what they were. ---
 
     def test_a_file_that_changes_is_said_and_the_picture_stays(self):
         server = self.begin("#subframes=1&error=32", tag='"1"')
-        self.browser.settle()
+        self.settle()
         coarse = self.drawn
         server.tag = '"2"'
         asked = len(server.asked)
         self.value("vog.change({pixelError: 0.5})")
         self.until("!notice.hidden")
         self.assertIn("has changed on the server, reload this page", self.notice())
-        self.browser.settle()
+        self.settle()
         self.assertGreaterEqual(self.drawn, coarse)
         self.assertLessEqual(len(server.asked), asked + 6)  # those under way
 
@@ -230,16 +111,15 @@ class Ranges(Elsewhere):
         def bad(begin, body, fields):
             return answer(body, fields) if begin >= first else body
         self.begin(part=bad)
-        self.value("vog.lines = []; new MutationObserver(() => notice.textContent && vog.lines.push(notice.textContent))"
-                   ".observe(notice, {childList: true})")
-        self.browser.settle()
+        self.watch_notices()
+        self.settle()
         self.assertGreater(self.drawn, 0)
         self.assertLess(self.drawn, DUST)
         self.assertIn(words, self.notice())
         self.assertIn("dust.vogz, bytes from", self.notice())
         self.assertIn("stays coarse there", self.notice())
         self.assertEqual(self.value("vog.lines.length"), 1)
-        self.assertGreater(self.psnr(self.picture(), self.render("files/dust.vogz", "--pixel-error", "0")), 15)
+        self.expect_whole(least=15)
 
     def test_cut_ranges(self):
         self.expect_coarse("expected", lambda body, fields: body[:len(body) // 2])
@@ -276,9 +156,9 @@ class Ranges(Elsewhere):
             dropped.add(first)
             return DROP
         self.begin(part=once)
-        self.browser.settle()
+        self.settle()
         self.assertEqual(self.notice(), "")
-        self.expect_model("files/dust.vogz")
+        self.expect_whole()
 
     def test_other_files_are_refused_in_a_line(self):
         vog("export", "dust.ply", "-o", "zstd.vogz", "--hierarchy")
@@ -307,94 +187,17 @@ class Ranges(Elsewhere):
         self.assertFalse((self.folder / "bad.html").exists())
 
 
-class Fields(Elsewhere):
-    """Two fields, and steps."""
-
-    @classmethod
-    def make(cls):
-        write_flow(cls.folder / "flow.ply", 9000)
-        (cls.folder / "files").mkdir()
-        vog("export", "flow.ply", "-o", "files/flow.vogz", "--hierarchy", "--deflate", "--step", "0.001", "--field-step", "0.0005")
-        vog("export", "files/flow.vogz", "-o", "files/index.html", "--from", "flow.vogz")
-        vog("export", "flow.ply", "-o", "flow/")
-
-    def test_fields_come_when_they_are_shown(self):
-        self.browser.viewport(100, 80)
-        server = self.serve("files", ranges=True)
-        self.open(server.url)
-        before = len(server.asked)
-        self.change({"show": "mean", "field": 0, "part": "", "scale": {"low": 280, "high": 320, "log": False}, "map": "viridis"})
-        self.assertGreater(len(server.asked), before)
-        self.value("vog.page.models[0].mostColumn = 0")  # a colour for every pixel, as --least-column 0
-        self.change({})
-        for field, part, name, scale in ((0, "", "temperature", "280,320"), (1, "x", "velocity.x", "-20,20")):
-            low, high = map(int, scale.split(","))
-            self.change({"field": field, "part": part, "scale": {"low": low, "high": high, "log": False}})
-            self.picture()
-            width, height = self.write_camera()
-            vog("render", "files/flow.vogz", "-o", "cpu.png", "--camera", "camera.json", "--size", f"{width}x{height}", "--show", "mean",
-                "--field", name, "--tf", "viridis", f"--range={scale}", "--least-column", "0")
-            self.assertGreater(self.psnr("cpu.png", "web.png"), LEAST_PSNR_DB, name)
-
-    def test_a_site_elsewhere(self):
-        files = self.other_server("flow", origin="*")
-        page = self.page_of("flow", files.url[:-1])
-        self.assertIn(f"connect-src {files.url[:-1]};", page)
-        server = self.begin_page()
-        self.browser.settle()
-        self.assertEqual(server.paths, ["/"])
-        self.assertIn("/manifest.json", files.paths)
-        self.expect_model("flow")
-        self.change({"show": "mean"})
-        self.assertGreater(len(files.chunks(".0")), 0)
-
-    def test_a_site_elsewhere_that_does_not_allow_the_page(self):
-        files = self.other_server("flow")
-        self.page_of("flow", files.url)
-        self.begin_page()
-        self.until("!failure.hidden")
-        self.assertIn("manifest.json: ", self.failure())
-        self.assertIn("Access-Control-Allow-Origin", self.failure())
-        self.browser.complaints = [line for line in self.browser.complaints if "CORS policy" not in line]
-
-    def test_a_site_in_a_folder_beside_the_page(self):
-        (self.folder / "both").mkdir()
-        shutil.copytree(self.folder / "flow", self.folder / "both/data")
-        vog("export", "flow", "-o", "both/index.html", "--from", "data", "--tf", "gray")
-        self.assertIn("connect-src 'self';", (self.folder / "both/index.html").read_text())
-        self.begin_page("both")
-        self.browser.settle()
-        self.expect_model("flow")
-
-    def test_a_page_opened_as_a_file_reads_another_origin(self):
-        files = self.other_server("flow", origin="*")
-        self.page_of("flow", files.url)
-        self.open("page/index.html")
-        self.assertGreater(self.drawn, 0)
-
-    def test_a_page_opened_as_a_file_beside_its_file_says_what_to_do(self):
-        self.browser.open(self.folder / "files/index.html")
-        self.until("!failure.hidden")
-        self.assertIn("python3 -m http.server", self.failure())
-
-
-CHECKSUM = """const checksum = (bytes) => {
-    let crc = ~0;
-    for (const byte of bytes) {
-        crc ^= byte;
-        for (let bit = 0; bit < 8; ++bit) crc = crc & 1 ? (crc >>> 1) ^ 0xedb88320 : crc >>> 1;
-    }
-    return ~crc >>> 0;
-};"""
-
-
-class Checksums(Elsewhere):
+class Checksums(NodeTest):
     """A changed byte of any file."""
+
+    modules = ("model/gaussians.js", "model/fields.js", "stream/rows.js")
 
     @classmethod
     def make(cls):
         write_flow(cls.folder / "flow.ply", 300)
         vog("export", "flow.ply", "-o", "flow/")
+        write_dust(cls.folder / "dust.ply", 150_000)
+        vog("export", "dust.ply", "-o", "dust/")
 
     def missed(self, call, *files):
         """Places of bytes of the last file whose change a decoder does not notice."""
@@ -412,20 +215,14 @@ class Checksums(Elsewhere):
         }})()""")
 
     def test_a_changed_byte_of_a_chunk_is_noticed(self):
-        self.browser.viewport(*SMALL)
-        self.open(self.serve("flow").url)
-        chunk = self.folder / "flow/chunks" / self.root("flow")["name"]
+        root = json.loads((self.folder / "flow/manifest.json").read_text())["models"][0]["root"]
+        chunk = self.folder / "flow/chunks" / root["name"]
         # The minor version and a word that is reserved stand for nothing.
         self.assertEqual(self.missed("decodeLevel", chunk.with_suffix(".vogz")), [10, 11, 44, 45, 46, 47])
         self.assertEqual(self.missed("decodeFieldFile", chunk.with_suffix(".vogz"), chunk.with_suffix(".0")), [])
 
     def test_a_changed_byte_of_a_manifest_or_table_is_noticed(self):
-        write_dust(self.folder / "dust.ply", 150_000)
-        vog("export", "dust.ply", "-o", "dust/")
         table = next((self.folder / "dust/chunks").glob("*.json"))
-        (self.folder / "rows.html").write_text(
-            f"<!doctype html><title>rows</title><script>{CHECKSUM}{modules('stream/rows.js')}</script>")
-        self.browser.open(self.folder / "rows.html")
         for file in (self.folder / "dust/manifest.json", table):
             found = self.value(f"""(() => {{
                 const bytes = new TextEncoder().encode({json.dumps(file.read_text())}), missed = [];
@@ -441,22 +238,24 @@ class Checksums(Elsewhere):
             digits = len(file.read_text().rsplit('"crc":', 1)[1]) - 2
             self.assertTrue(all(digits + 2 < place <= digits + 9 for place in found), (found, digits))
 
-    def test_a_damaged_table_is_asked_for_again(self):
-        write_dust(self.folder / "dust.ply", 150_000)
+
+class Tables(NodeSiteTest):
+    @classmethod
+    def make(cls):
+        write_dust(cls.folder / "dust.ply", 150_000)
         vog("export", "dust.ply", "-o", "dust/", "--tf", "gray")
+
+    def test_a_damaged_table_is_asked_for_again(self):
         tables = sorted(path.name for path in (self.folder / "dust/chunks").glob("*.json"))
-        self.browser.viewport(*SMALL)
         for answers, notices in ((1, ""), (9, "damaged")):
             left = {name: answers for name in tables}
 
             def changed(body, name):
                 left[name] -= 1
                 return body if left[name] < 0 else body.replace(b'"error":0', b'"error":1', 1)
-            server = self.serve("dust")
-            server.answers = {name: lambda body, name=name: changed(body, name) for name in tables}
-            self.browser.open(server.url, "#subframes=1&error=0.5")
+            server = self.begin("dust", "#subframes=1&error=0.5", answers={name: lambda body, name=name: changed(body, name) for name in tables})
             self.value(f"vog.change({self.near(0.2)})")
-            self.browser.settle()
+            self.settle()
             asked = [path for path in server.paths if path.endswith(".json") and "manifest" not in path]
             self.assertTrue(asked)
             self.assertLessEqual(max(asked.count(path) for path in asked), 2)
@@ -466,22 +265,10 @@ class Checksums(Elsewhere):
                 self.assertEqual(self.notice(), "")
 
 
-class Headers(SiteTest):
+class Headers(NodeTest):
     """Trees of headers, without a picture."""
 
-    @classmethod
-    def make(cls):
-        def wrapped(name, names):  # modules have names of their own
-            return f"const {{ {names} }} = (() => {{ {modules(name)} return {{ {names} }}; }})();"
-        script = "\n".join([
-            "const kinds = { gaussians: 0, nodes: 1, links: 2, field: 3 };",
-            wrapped("stream/rows.js", "areNumbers, checkFields, isCount, isObject, refuse"), wrapped("stream/file_tree.js", "treeOf")])
-        (cls.folder / "rows.html").write_text(f"<!doctype html><title>rows</title><script>{script}</script>")
-
-    def setUp(self):
-        super().setUp()
-        self.browser.open(self.folder / "rows.html")
-
+    modules = ("stream/file_tree.js",)
     BOX = [-1, -1, -1, 1, 1, 1]
 
     def rows(self):

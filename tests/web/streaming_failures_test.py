@@ -1,36 +1,25 @@
 #!/usr/bin/env python3
-"""Streamed pages where something fails: slow and dropped connections, missing, damaged and cut files, hostile descriptions; and the
-cut through the tree, in itself.
+"""Streamed pages where something fails: dropped connections, missing, damaged and cut files, hostile descriptions; and the cut through
+the tree, in itself. In Node.js, without a browser: streaming_test.py has that.
 
-VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Chromium.
+VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Node.js.
 """
 import json
 import math
 import random
 
-from browser import modules
-from page_test_case import run, vog
+from node import Node
+from page_test_case import FolderTest, run, vog
 from quantity_test_case import write_flow
 from site_server import DROP
-from streaming_test_case import SMALL, SiteTest, write_dust
-
-DUST = 60000
+from streaming_test_case import NodeSiteTest, NodeTest, write_dust
 
 
-class Failures(SiteTest):
+class Failures(NodeSiteTest):
     @classmethod
     def make(cls):
-        write_dust(cls.folder / "dust.ply", DUST)
+        write_dust(cls.folder / "dust.ply")
         vog("export", "dust.ply", "-o", "site/", "--tf", "gray")
-
-    def begin(self, fragment="#subframes=1", **hooks):
-        """Opens the site with hooks of the server; does not wait for the picture."""
-        self.browser.viewport(*SMALL)
-        server = self.serve()
-        for name, value in hooks.items():
-            setattr(server, name, value)
-        self.browser.open(server.url, fragment)
-        return server
 
     def a_part(self):
         """A chunk below the root."""
@@ -38,36 +27,9 @@ class Failures(SiteTest):
 
     # --- The network. ---
 
-    def test_a_slow_network_shows_the_coarse_model_and_goes_on(self):
-        self.begin()
-        self.browser.settle()
-        whole, size = self.drawn, self.loaded
-        # The chunks in about two seconds.
-        self.begin(bytes_per_s=size // 12)
-        self.until("vog.source.drawn && vog.source.drawn.count > 0")
-        first = self.value("[vog.source.drawn.count, vog.source.requests.toCome.length, stream.textContent, document.documentElement.dataset.drawn ?? '']")
-        self.assertLess(first[0], whole)
-        self.assertGreater(first[1], 0)
-        self.assertIn("to come", first[2])
-        self.assertEqual(first[3], "")
-        # Frames go on while files are under way.
-        self.assertEqual(self.value("""new Promise((done) => {
-            let frames = 0;
-            const next = () => {
-                if (frames === 3 || vog.source.requests.toCome.length === 0) return done(frames);
-                ++frames;
-                requestAnimationFrame(next);
-            };
-            next();
-        })"""), 3)
-        self.until("!document.getElementById('progress').hidden || vog.source.requests.toCome.length === 0")
-        self.browser.settle()
-        self.assertEqual(self.drawn, whole)
-        self.assertTrue(self.value("document.getElementById('progress').hidden"))
-
     def test_requests_of_a_view_that_is_left_are_cancelled(self):
         server = self.begin(fragment="#subframes=1&error=32")
-        self.browser.settle()
+        self.settle()
         server.bytes_per_s = 4000
         self.value("vog.change({pixelError: 0.5})")
         self.until("vog.source.requests.flying.size > 0")
@@ -75,25 +37,25 @@ class Failures(SiteTest):
         self.value("vog.change({camera: {...vog.state.camera, at: vog.state.camera.eye, "
                    "eye: vog.state.camera.eye.map((e, k) => e + 0.01 * (vog.state.camera.at[k] - e))}})")
         self.until("vog.source.requests.flying.size === 0", 5)
-        self.browser.settle()
+        self.settle()
         self.assertEqual(self.drawn, 0)
         server.bytes_per_s = None
         self.value("vog.change({camera: vog.page.camera})")
-        self.browser.settle()
+        self.settle()
         self.assertGreater(self.drawn, 0)
         self.assertGreater(server.cut_off, 0)
 
     def test_a_flight_over_a_slow_network_ends_in_the_whole_picture(self):
         server = self.begin(bytes_per_s=60_000)
         self.until("vog.source.drawn && vog.source.drawn.count > 0")
-        for key in ("w", "ArrowLeft", "w", "d", "ArrowUp", "s", "w", "q") * 2:
-            self.browser.key(key)
-            self.value("new Promise((done) => setTimeout(done, 30))")
+        fly = ["flown(c, 0, 0, 0.1)", "orbited(c, -0.1, 0)", "flown(c, 0.1, 0, 0)", "orbited(c, 0, 0.1)", "flown(c, 0, 0, -0.1)", "rolled(c, -0.1)"]
+        for turn in fly * 3:
+            self.value(f"{{ const c = vog.state.camera; vog.change({{camera: {turn}}}); }} new Promise((done) => setTimeout(done, 30))")
         server.bytes_per_s = None
-        self.browser.settle()
+        self.settle()
         self.assertEqual(self.notice(), "")
         self.assertLessEqual(self.value("vog.source.drawn.error"), 1)
-        self.expect_same("dust.ply", least=50)
+        self.expect_whole()
 
     def test_dropped_connections_are_tried_again(self):
         dropped = set()
@@ -107,45 +69,27 @@ class Failures(SiteTest):
             return answer
         names = [row["name"] for row in self.parts_of_root()] + [self.root()["name"]]
         self.begin(answers={name + ".vogz": once(name) for name in names})
-        self.browser.settle()
+        self.settle()
         self.assertIn(self.root()["name"], dropped)
         self.assertEqual(self.notice(), "")
-        self.expect_same("dust.ply", least=50)
+        self.expect_whole()
 
     def test_busy_servers_are_asked_later(self):
         answers = iter([503, 429, 503])
         self.begin(answers={"manifest.json": lambda body: next(answers, body)})
-        self.browser.settle()
+        self.settle()
         self.assertEqual(self.server.paths.count("/manifest.json"), 4)
         self.assertGreater(self.drawn, 0)
 
-    def test_without_a_connection_the_page_says_so_and_waits(self):
-        self.begin(fragment="#subframes=1&error=32")
-        self.browser.settle()
-        coarse = self.drawn
-
-        def offline(is_off):
-            self.browser.call("Network.emulateNetworkConditions", offline=is_off, latency=0, downloadThroughput=-1, uploadThroughput=-1)
-        offline(True)
-        try:
-            self.value("vog.change({pixelError: 0.5})")
-            self.until("!notice.hidden")
-            self.assertIn("No answer from 127.0.0.1", self.notice())
-            self.assertEqual(self.value("vog.source.drawn.count"), coarse)
-        finally:
-            offline(False)
-        self.until("vog.source.requests.toCome.length === 0 && vog.source.drawn.count > " + str(coarse))
-        self.assertEqual(self.notice(), "")
-
     def test_a_server_that_goes_away_is_said_once_and_the_picture_stays(self):
         server = self.begin(fragment="#subframes=1&error=32")
-        self.browser.settle()
+        self.settle()
         coarse = self.drawn
         server.answers[".vogz"] = DROP
-        self.value("vog.lines = []; new MutationObserver(() => notice.textContent && vog.lines.push(notice.textContent))"
-                   ".observe(notice, {childList: true}); vog.change({pixelError: 0.5})")
+        self.watch_notices()
+        self.value("vog.change({pixelError: 0.5})")
         self.until("!notice.hidden")  # after five tries
-        self.browser.settle()
+        self.settle()
         self.assertEqual(self.drawn, coarse)
         self.assertEqual(self.value("vog.lines.length"), 1)
         self.assertIn("No answer from 127.0.0.1", self.notice())
@@ -159,13 +103,12 @@ class Failures(SiteTest):
     def expect_coarse_there(self, words, asked, **hooks):
         """Expects the page to go on with the parent of a part that fails, and one line that names it."""
         self.begin()
-        self.browser.settle()
+        self.settle()
         whole = self.drawn
         part = self.a_part()
         server = self.begin(answers={f"{part['name']}.vogz": hooks["answer"]})
-        self.value("vog.lines = []; new MutationObserver(() => notice.textContent && vog.lines.push(notice.textContent))"
-                   ".observe(notice, {childList: true})")
-        self.browser.settle()
+        self.watch_notices()
+        self.settle()
         self.assertNotEqual(self.drawn, whole)
         self.assertGreater(self.drawn, 0)
         self.assertIn(words, self.notice())
@@ -173,11 +116,11 @@ class Failures(SiteTest):
         self.assertIn("stays coarse there", self.notice())
         self.assertEqual(server.paths.count(f"/chunks/{part['name']}.vogz"), asked)
         self.value("vog.change({pixelError: 0.5})")
-        self.browser.settle()
+        self.settle()
         self.assertLessEqual(self.value("vog.lines.length"), 1)
         self.assertEqual(server.paths.count(f"/chunks/{part['name']}.vogz"), asked)
         # The coarse nodes have the mass of what is missing: the picture is a blurred one, not one with a hole.
-        self.assertGreater(self.psnr(self.picture(), self.render("dust.ply")), 20)
+        self.expect_whole(least=20)
 
     def test_a_missing_chunk(self):
         self.expect_coarse_there("HTTP 404", 1, answer=404)
@@ -209,37 +152,21 @@ class Failures(SiteTest):
             self.until("!failure.hidden")
             self.assertIn(words, self.failure())
 
-    def test_a_page_opened_as_a_file_says_what_to_do(self):
-        self.browser.open(self.folder / "site/index.html")
-        self.until("!failure.hidden")
-        self.assertIn("vog serve", self.failure())
-
     def test_a_field_that_is_missing(self):
         write_flow(self.folder / "flow.ply", 500)
         vog("export", "flow.ply", "-o", "flow/")
-        self.browser.viewport(*SMALL)
-        server = self.serve("flow")
-        server.answers[".0"] = 404
-        self.open(server.url, "#subframes=1")
+        self.start("flow", answers={".0": 404})
         self.value("vog.change({show: 'mean'})")
         self.until("vog.state.show === 'T'")
-        self.browser.settle()
+        self.settle()
         self.assertIn("HTTP 404", self.notice())
         self.assertIn("cannot be shown", self.notice())
 
 
-class Rows(SiteTest):
+class Rows(NodeTest):
     """Descriptions and cuts, without a picture."""
 
-    @classmethod
-    def make(cls):
-        script = "const instanceFloats = 11, scalarFloats = 6;\n" + modules(
-            "vectors.js", "camera.js", "picture/clip.js", "stream/rows.js", "stream/cut.js", "stream/visibility.js")
-        (cls.folder / "rows.html").write_text(f"<!doctype html><title>rows</title><script>{script}</script>")
-
-    def setUp(self):
-        super().setUp()
-        self.browser.open(self.folder / "rows.html")
+    modules = ("picture/clip.js", "stream/rows.js", "stream/cut.js", "stream/visibility.js")
 
     def row(self, **more):
         part = {"name": "1" * 32, "nodes": 0, "gaussians": 5, "error": 0, "box": [-1, -1, -1, 0, 1, 1], "bytes": [100, 50]}

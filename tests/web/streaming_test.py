@@ -1,55 +1,33 @@
 #!/usr/bin/env python3
-"""Streamed pages, folders that `vog export -o FOLDER/` writes, from a server on loopback: pictures at rest against `vog render` of the
-whole model, what is requested in which order, quantities, steps in time, limits of memory.
+"""Streamed pages end to end, in Chromium: folders that `vog export -o FOLDER/` writes and single files by ranges, from several servers and
+origins; pictures at rest against `vog render` of the whole model, quantities, steps in time. Plans and failures need no browser:
+streaming_plans_test.py, streaming_failures_test.py, ranges_test.py.
 
-VOG_COMMAND names the command, VOG_DATA the folder of real inputs. Exits with 77, which ctest takes as skipped,
-where there is no Chromium.
+VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, where there is no Chromium.
 """
 import json
-import random
+import shutil
+import subprocess
 
-from page_test_case import run, vog, write_model
+from page_test_case import COARSE, VOG, run, vog
 from quantity_test_case import write_flow
-from streaming_test_case import SMALL, SiteTest, write_dust
+from site_server import SiteServer
+from streaming_test_case import LEAST_PSNR_DB, SMALL, SiteTest, write_dust
 
-DUST = 60000  # Gaussians: seven chunks in three depths, since a chunk has 16,384 at most, the coarsest 8,192
-# A picture whose coarse parts err by a pixel at most, against that of the whole model (issue 24).
-LEAST_PSNR_DB = 50
+FINE = "#subframes=1&error=0.5"  # at few pixels the coarsest chunk errs by one
+FEW = 20000  # Gaussians of three chunks
 
 
 class Streaming(SiteTest):
     @classmethod
     def make(cls):
-        write_dust(cls.folder / "dust.ply", DUST)
+        write_dust(cls.folder / "dust.ply", FEW)
         vog("export", "dust.ply", "-o", "site/", "--tf", "gray")
 
-    def test_the_coarsest_chunk_comes_first_and_is_small(self):
-        server = self.start()
-        self.assertEqual(server.paths[:2], ["/", "/manifest.json"])
-        root = self.root()
-        self.assertEqual(server.chunks("")[0], f"/chunks/{root['name']}.vogz")
-        self.assertLessEqual((self.folder / "site/manifest.json").stat().st_size + root["bytes"][0], 200_000)
-        self.assertEqual(self.value("vog.decodes().page"), 0)
-        self.assertEqual(self.loaded, sum((self.folder / "site" / path[1:]).stat().st_size for path in server.paths[1:]))
-        self.assertEqual(len(server.paths), len(set(server.paths)))
-
-    def test_nothing_else_is_asked_for_before_the_first_picture(self):
-        self.browser.viewport(*SMALL)
-        server = self.serve()
-        seen = []
-
-        def slow(body):
-            seen.append(list(server.paths))
-            return body
-        server.delay_s = 0.2
-        server.answers[f"{self.root()['name']}.vogz"] = slow
-        self.open(server.url)
-        self.assertEqual(len(seen), 1)
-        self.assertEqual(len([path for path in seen[0] if path.startswith("/chunks/")]), 1)
-
     def test_the_picture_at_rest_is_that_of_the_whole_model(self):
-        self.start(size=(320, 240))
-        for view in ("{}", self.near(0.4), self.near(0.2), "{pixelError: 0.5}"):
+        self.start(size=(160, 120))
+        self.assertEqual(self.value("vog.decodes().page"), 0)
+        for view in ("{}", self.near(0.2), "{pixelError: 0.5}"):
             self.change(view)
             self.expect_same("dust.ply", least=LEAST_PSNR_DB)
         self.browser.key("5", "Digit5")  # parallel rays
@@ -63,43 +41,10 @@ class Streaming(SiteTest):
         self.change("{clip: {lower: [-0.5, -2, -2], upper: [0.5, 2, 2]}}")
         self.expect_same("dust.ply", "--clip=-0.5,-2,-2,0.5,2,2", least=LEAST_PSNR_DB)
 
-    def test_a_small_picture_takes_few_chunks_and_a_near_view_more(self):
-        server = self.start(size=(40, 30), fragment="#subframes=1&embed&error=8")
-        first, few = self.drawn, len(server.chunks())
-        self.assertLess(first, DUST)
-        self.assertIn("px", self.value("stream.textContent"))
-        self.browser.viewport(320, 240)
-        self.browser.settle()
-        self.change(self.near(0.3))
-        self.assertGreater(len(server.chunks()), few)
-
-    def test_what_the_rest_hides_comes_last(self):
-        rng, rows = random.Random(6), []
-        for _ in range(DUST):
-            rows += [*(rng.uniform(-1, 1) for _ in range(3)), 0.03, 0.03, 0.03, 1]
-        write_model(self.folder / "block.ply", rows)
-        vog("export", "block.ply", "-o", "block/", "--tf", "gray")
-        bound = "[vog.source.cut.shown, vog.source.cut.error, stream.textContent.includes('full')]"
-        self.start("block", size=(320, 240), fragment="#subframes=1&embed&exposure=0.1&most=40000")
-        self.change(self.near(0.1))  # from inside: what is far lies behind the rest
-        faint = self.value(bound)
-        self.change({"exposure": 8})
-        opaque = self.value(bound)
-        # What memory leaves out is hidden by more than it was.
-        self.assertEqual([faint[2], opaque[2]], [True, True])
-        self.assertLess(opaque[0], 0.1 * faint[0])
-        self.expect_same("block.ply", least=LEAST_PSNR_DB)
-        self.change({"show": "column"})  # a sum hides nothing
-        self.assertEqual(*self.value(bound)[:2])
-        # With room for it, all that is in view has its detail.
-        self.change({"show": "T", "most": None})
-        self.assertEqual(self.value(bound), [1, 1, False])
-        self.assertEqual(self.drawn, DUST)
-
-    def test_detail_is_an_error_in_pixels(self):
-        self.start(size=(160, 120), fragment="#subframes=1&error=32")
+    def test_detail_is_chosen_by_keys_and_shown(self):
+        self.start(fragment="#subframes=1&error=32")
         coarse = self.drawn
-        self.assertLess(coarse, DUST)
+        self.assertLess(coarse, FEW)
         self.assertEqual(self.value("level.valueAsNumber"), 0)
         self.assertIn("error=32", self.value("vog.link()"))
         for _ in range(12):
@@ -110,54 +55,14 @@ class Streaming(SiteTest):
         self.assertGreater(self.drawn, coarse)
         self.assertEqual(self.value("count.textContent"), f"{self.drawn:,} Gaussians")
 
-    def test_slow_frames_make_motion_coarser_and_rest_is_whole(self):
-        self.start(size=(320, 240))
-        whole = self.drawn
-        self.value("for (let n = 0; n < 12; ++n) vog.source.frameTook(1000, true)")
-        self.assertLess(self.value("vog.source.now(true).count"), whole)
-        self.assertEqual(self.value("vog.source.now(false).count"), whole)
-        self.value("for (let n = 0; n < 60; ++n) vog.source.frameTook(5, true)")
-        self.assertEqual(self.value("vog.source.now(true).count"), whole)
-
-    def test_memory_stays_within_its_limits_in_a_flight(self):
-        server = self.start(fragment="#subframes=1&error=0.5&memory=3.2&most=52000&show=column", size=(160, 120))
-        self.value("""vog.peak = {bytes: 0, gaussians: 0};
-            const { show } = vog.source.view;
-            vog.source.view.show = (status) => {
-                const used = vog.source.store.used();
-                for (const key of ['bytes', 'gaussians']) vog.peak[key] = Math.max(vog.peak[key], used[key]);
-                show(status);
-            };""")
-        first = self.value("vog.state.camera")
-        for n in range(8):
-            target = self.parts_of_root()[n % len(self.parts_of_root())]["box"]
-            at = [0.5 * (target[k] + target[3 + k]) + self.manifest()["models"][0]["origin"][k] for k in range(3)]
-            self.change({"camera": {**first, "at": at, "eye": [at[0], at[1], at[2] + 0.3]}})
-        self.change({"camera": first})
-        peak = self.value("vog.peak")
-        self.assertLessEqual(peak["bytes"], 3.2e6)
-        self.assertLessEqual(peak["gaussians"], 52000)
-        self.assertGreater(peak["gaussians"], 40000)
-        self.assertIn("memory full", self.value("stream.textContent"))
-        self.assertGreater(len(server.paths), len(set(server.paths)))  # what had to go was asked for again
-
-    def test_what_has_been_seen_is_not_asked_for_again(self):
-        server = self.start(size=(160, 120))
-        first = self.value("vog.state.camera")
-        self.change(self.near(0.2))
-        asked = len(server.paths)
-        self.change({"camera": first})
-        self.change(self.near(0.2))
-        self.assertEqual(len(server.paths), asked)
-
     def test_a_lost_context_is_filled_again_without_requests(self):
         server = self.start()
         drawn, asked = self.drawn, len(server.paths)
         self.value("""new Promise((done) => {
             const loss = picture.getContext('webgl2').getExtension('WEBGL_lose_context');
-            picture.addEventListener('webglcontextrestored', () => setTimeout(done, 50), {once: true});
+            picture.addEventListener('webglcontextrestored', () => setTimeout(done), {once: true});
+            picture.addEventListener('webglcontextlost', () => setTimeout(() => loss.restoreContext()), {once: true});
             loss.loseContext();
-            setTimeout(() => loss.restoreContext(), 50);
         })""")
         self.browser.settle()
         self.assertEqual(self.drawn, drawn)
@@ -191,27 +96,64 @@ class Streaming(SiteTest):
             self.open(address)
             self.expect_same("dust.ply", least=LEAST_PSNR_DB)
 
+    def test_a_slow_network_shows_the_coarse_model_and_goes_on(self):
+        self.begin()
+        self.browser.settle()
+        whole, size = self.drawn, self.loaded
+        # The coarsest chunk and the others in about two seconds.
+        self.begin(bytes_per_s=size // 3)
+        self.until("vog.source.drawn && vog.source.drawn.count > 0")
+        first = self.value("[vog.source.drawn.count, vog.source.requests.toCome.length, stream.textContent, document.documentElement.dataset.drawn ?? '']")
+        self.assertLess(first[0], whole)
+        self.assertGreater(first[1], 0)
+        self.assertIn("to come", first[2])
+        self.assertEqual(first[3], "")
+        # Frames go on while files are under way.
+        self.assertEqual(self.value("""new Promise((done) => {
+            let frames = 0;
+            const next = () => {
+                if (frames === 3 || vog.source.requests.toCome.length === 0) return done(frames);
+                ++frames;
+                requestAnimationFrame(next);
+            };
+            next();
+        })"""), 3)
+        self.until("!document.getElementById('progress').hidden || vog.source.requests.toCome.length === 0")
+        self.browser.settle()
+        self.assertEqual(self.drawn, whole)
+        self.assertTrue(self.value("document.getElementById('progress').hidden"))
+
+    def test_without_a_connection_the_page_says_so_and_waits(self):
+        self.begin(fragment="#subframes=1&error=32")
+        self.browser.settle()
+        coarse = self.drawn
+
+        def offline(is_off):
+            self.browser.call("Network.emulateNetworkConditions", offline=is_off, latency=0, downloadThroughput=-1, uploadThroughput=-1)
+        offline(True)
+        try:
+            self.value("vog.change({pixelError: 0.5})")
+            self.until("!notice.hidden")
+            self.assertIn("No answer from 127.0.0.1", self.notice())
+            self.assertEqual(self.value("vog.source.drawn.count"), coarse)
+        finally:
+            offline(False)
+        self.until("vog.source.requests.toCome.length === 0 && vog.source.drawn.count > " + str(coarse))
+        self.assertEqual(self.notice(), "")
+
+    def test_a_page_opened_as_a_file_says_what_to_do(self):
+        self.browser.open(self.folder / "site/index.html")
+        self.until("!failure.hidden")
+        self.assertIn("vog serve", self.failure())
+
 
 class Quantities(SiteTest):
-    """Two fields, and smoke by value."""
+    """Two fields."""
 
     @classmethod
     def make(cls):
         write_flow(cls.folder / "flow.ply", 9000)
         vog("export", "flow.ply", "-o", "flow/", "--precise")
-
-    def test_files_of_fields_come_when_they_are_shown(self):
-        server = self.start("flow")
-        self.assertEqual(server.chunks(".0") + server.chunks(".1"), [])
-        self.change({"show": "mean"})
-        self.assertEqual(len(server.chunks(".0")), len(server.chunks(".vogz")))
-        self.assertEqual(server.chunks(".1"), [])
-        self.change({"field": 1, "part": "view"})
-        vectors = len(server.chunks(".1"))
-        self.assertEqual(vectors, len(server.chunks(".vogz")))
-        for part in ("x", "y", "z", "magnitude"):
-            self.change({"part": part})
-        self.assertEqual(len(server.chunks(".1")), vectors)
 
     def expect_page_is(self, *options, least=LEAST_PSNR_DB):
         self.picture()
@@ -241,7 +183,7 @@ class Quantities(SiteTest):
         self.expect_page_is("--show", "maximum", "--field", "temperature", "--slabs", 16, "--tf", "viridis", "--range", "270,330", least=40)
 
     def test_the_probe_reads_chunks_that_are_drawn(self):
-        self.start("flow", fragment="#subframes=1", size=(500, 300))
+        self.start("flow", fragment="#subframes=1", size=(500, 300, COARSE))
         transfer = {"name": "own", "colors": [[280, 0, 0, 1], [320, 1, 0.5, 0]], "opacity": [[270, 0.9], [330, 0.9]], "unit": 0.1}
         self.value("vog.page.quantity.slabs = 4")
         self.change({"show": "volume", "field": 0, "part": "", "transfers": {"0": transfer}})
@@ -258,23 +200,6 @@ class Steps(SiteTest):
             write_dust(cls.folder / f"step{n}.ply", 3000, seed=3, shift=0.02 * n)
         vog("export", "step?.ply", "-o", "steps/", "--site", "--tf", "gray")
 
-    def names(self, n):
-        return f"/chunks/{self.manifest('steps')['models'][n]['root']['name']}.vogz"
-
-    def test_the_next_steps_are_fetched_ahead(self):
-        server = self.start("steps", fragment="#subframes=1")
-        self.until("vog.source.requests.toCome.length === 0")
-        self.assertIn(self.names(1), server.paths)
-        self.assertIn(self.names(2), server.paths)
-        self.assertNotIn(self.names(3), server.paths)
-        self.until("vog.source.isReady(1)")
-        asked = [path for path in server.paths if path != self.names(3)]
-        self.change({"model": 1})
-        self.until("vog.source.requests.toCome.length === 0")
-        self.assertIn(self.names(3), server.paths)
-        self.assertEqual([path for path in server.paths if path != self.names(3)], asked)
-        self.expect_same("step1.ply", least=LEAST_PSNR_DB)
-
     def test_playing_goes_through_all_steps(self):
         self.start("steps", fragment="#subframes=1")
         self.value("vog.met = new Set(); vog.watch = setInterval(() => vog.met.add(vog.state.model), 5)")
@@ -284,17 +209,194 @@ class Steps(SiteTest):
         self.browser.settle()
         self.assertGreater(self.drawn, 0)
 
-    def test_a_step_that_is_missing_is_passed_over(self):
-        self.browser.viewport(*SMALL)
-        server = self.serve("steps")
-        server.answers[self.names(1)] = 404
-        self.open(server.url, "#subframes=1")
-        self.until("notice.textContent.includes('404')")
-        self.assertIn("cannot be shown", self.notice())
-        self.assertEqual(self.failure(), "")
-        self.assertTrue(self.value("vog.source.isReady(1)"))
-        self.change({"model": 2})
-        self.expect_same("step2.ply", least=LEAST_PSNR_DB)
+
+class Elsewhere(SiteTest):
+    """Pages without models, in folders of their own."""
+
+    def page_of(self, model, url, *options):
+        """Writes page/index.html, whose model lies at an address."""
+        folder = self.folder / "page"
+        folder.mkdir(exist_ok=True)
+        vog("export", model, "-o", "page/index.html", "--from", url, "--tf", "gray", *options)
+        return (folder / "index.html").read_text()
+
+    def begin_page(self, folder="page", **served):
+        """Opens a page; does not wait for the picture."""
+        return self.begin(folder, FINE, served=served)
+
+    def expect_model(self, model):
+        """Expects the picture at rest to be that of the whole model, without nodes."""
+        self.expect_same(model, "--pixel-error", "0", least=LEAST_PSNR_DB)
+
+    def other_server(self, folder, **settings):
+        server = SiteServer(self.folder / folder, **settings).__enter__()
+        self.addCleanup(server.__exit__)
+        return server
+
+
+class Ranges(Elsewhere):
+    @classmethod
+    def make(cls):
+        write_dust(cls.folder / "dust.ply", FEW)
+        (cls.folder / "files").mkdir()
+        vog("export", "dust.ply", "-o", "files/dust.vogz", "--hierarchy", "--deflate")
+        vog("export", "files/dust.vogz", "-o", "files/index.html", "--from", "dust.vogz", "--tf", "gray")
+
+    @property
+    def size(self):
+        return (self.folder / "files/dust.vogz").stat().st_size
+
+    def expect_pictures(self):
+        for view in ("{}", self.near(0.4), self.near(0.2)):
+            self.change(view)
+            self.expect_model("files/dust.vogz")
+
+    def test_vog_serve_shows_a_compact_file_by_ranges(self):
+        server = subprocess.Popen([VOG, "serve", self.folder / "files/dust.vogz", "--port", "0"], stdout=subprocess.PIPE, text=True)
+        try:
+            address = server.stdout.readline().strip()
+            self.browser.viewport(160, 120)
+            self.open(address)
+            self.value("vog.change({map: 'gray'})")
+            self.expect_pictures()
+            self.assertEqual(self.value("vog.decodes().page"), 0)
+            self.assertGreater(self.value("vog.source.root.parts.length"), 0)
+        finally:
+            server.terminate()
+            server.wait()
+            server.stdout.close()
+
+    def test_from_pythons_own_server(self):
+        with self.pythons_server("files") as address:
+            self.browser.viewport(*SMALL)
+            self.open(address, FINE)
+            self.expect_model("files/dust.vogz")
+
+    def test_behind_nginx(self):
+        with self.nginx("files") as (address, log):
+            self.browser.viewport(*SMALL)
+            self.open(address, FINE)
+            self.expect_model("files/dust.vogz")
+        self.assertEqual({line.split()[0] for line in log() if "dust.vogz" in line}, {"206"})
+
+    def test_from_another_origin(self):
+        for fields in ({}, {"Access-Control-Expose-Headers": "Content-Range, ETag"}):
+            files = self.other_server("files", origin="*", ranges=True)
+            files.tag = '"1"'
+            files.part = lambda first, body, now, fields=fields: (now.update(fields), body)[1]
+            page = self.page_of("files/dust.vogz", files.url + "dust.vogz")
+            self.assertIn(f"connect-src {files.url[:-1]};", page)
+            server = self.begin_page()
+            self.browser.settle()
+            self.assertEqual(server.paths, ["/"])
+            self.assertGreater(len(files.asked), 1)
+            self.assertEqual(self.value("vog.source.source.marks.size ?? 0"), self.size if fields else 0)
+            self.expect_model("files/dust.vogz")
+
+    def test_another_origin_that_does_not_allow_the_page_is_named(self):
+        files = self.other_server("files", ranges=True)
+        self.page_of("files/dust.vogz", files.url + "dust.vogz")
+        page = self.begin_page()
+        self.until("!failure.hidden")
+        for words in ("dust.vogz: ", "Access-Control-Allow-Origin", page.url[:-1], files.url[7:-1]):
+            self.assertIn(words, self.failure())
+        self.assertNotIn("\n", self.failure())
+        self.browser.complaints = [line for line in self.browser.complaints if "CORS policy" not in line]
+
+    def test_vog_serve_allows_an_origin(self):
+        for allowed in (True, False):
+            page = self.serve("page") if (self.folder / "page").exists() else None
+            (self.folder / "page").mkdir(exist_ok=True)
+            page = page or self.serve("page")
+            words = ["--allow-origin", page.url[:-1]] if allowed else []
+            server = subprocess.Popen([VOG, "serve", self.folder / "files/dust.vogz", "--port", "0", *words], stdout=subprocess.PIPE, text=True)
+            try:
+                address = server.stdout.readline().strip()
+                self.page_of("files/dust.vogz", address + "dust.vogz")
+                self.browser.viewport(*SMALL)
+                self.browser.open(page.url, FINE)
+                if allowed:
+                    self.browser.settle()
+                    self.expect_model("files/dust.vogz")
+                else:
+                    self.until("!notice.hidden || !failure.hidden")
+                    self.assertIn("Access-Control-Allow-Origin", self.notice() + self.failure())
+                    self.browser.complaints.clear()
+            finally:
+                server.terminate()
+                server.wait()
+                server.stdout.close()
+
+
+class Fields(Elsewhere):
+    """Two fields, and steps."""
+
+    @classmethod
+    def make(cls):
+        write_flow(cls.folder / "flow.ply", 9000)
+        (cls.folder / "files").mkdir()
+        vog("export", "flow.ply", "-o", "files/flow.vogz", "--hierarchy", "--deflate", "--step", "0.001", "--field-step", "0.0005")
+        vog("export", "files/flow.vogz", "-o", "files/index.html", "--from", "flow.vogz")
+        vog("export", "flow.ply", "-o", "flow/")
+
+    def test_fields_come_when_they_are_shown(self):
+        self.browser.viewport(100, 80)
+        server = self.serve("files", ranges=True)
+        self.open(server.url)
+        before = len(server.asked)
+        self.change({"show": "mean", "field": 0, "part": "", "scale": {"low": 280, "high": 320, "log": False}, "map": "viridis"})
+        self.assertGreater(len(server.asked), before)
+        self.value("vog.page.models[0].mostColumn = 0")  # a colour for every pixel, as --least-column 0
+        self.change({})
+        for field, part, name, scale in ((0, "", "temperature", "280,320"), (1, "x", "velocity.x", "-20,20")):
+            low, high = map(int, scale.split(","))
+            self.change({"field": field, "part": part, "scale": {"low": low, "high": high, "log": False}})
+            self.picture()
+            width, height = self.write_camera()
+            vog("render", "files/flow.vogz", "-o", "cpu.png", "--camera", "camera.json", "--size", f"{width}x{height}", "--show", "mean",
+                "--field", name, "--tf", "viridis", f"--range={scale}", "--least-column", "0")
+            self.assertGreater(self.psnr("cpu.png", "web.png"), LEAST_PSNR_DB, name)
+
+    def test_a_site_elsewhere(self):
+        files = self.other_server("flow", origin="*")
+        page = self.page_of("flow", files.url[:-1])
+        self.assertIn(f"connect-src {files.url[:-1]};", page)
+        server = self.begin_page()
+        self.browser.settle()
+        self.assertEqual(server.paths, ["/"])
+        self.assertIn("/manifest.json", files.paths)
+        self.expect_model("flow")
+        self.change({"show": "mean"})
+        self.assertGreater(len(files.chunks(".0")), 0)
+
+    def test_a_site_elsewhere_that_does_not_allow_the_page(self):
+        files = self.other_server("flow")
+        self.page_of("flow", files.url)
+        self.begin_page()
+        self.until("!failure.hidden")
+        self.assertIn("manifest.json: ", self.failure())
+        self.assertIn("Access-Control-Allow-Origin", self.failure())
+        self.browser.complaints = [line for line in self.browser.complaints if "CORS policy" not in line]
+
+    def test_a_site_in_a_folder_beside_the_page(self):
+        (self.folder / "both").mkdir()
+        shutil.copytree(self.folder / "flow", self.folder / "both/data")
+        vog("export", "flow", "-o", "both/index.html", "--from", "data", "--tf", "gray")
+        self.assertIn("connect-src 'self';", (self.folder / "both/index.html").read_text())
+        self.begin_page("both")
+        self.browser.settle()
+        self.expect_model("flow")
+
+    def test_a_page_opened_as_a_file_reads_another_origin(self):
+        files = self.other_server("flow", origin="*")
+        self.page_of("flow", files.url)
+        self.open("page/index.html")
+        self.assertGreater(self.drawn, 0)
+
+    def test_a_page_opened_as_a_file_beside_its_file_says_what_to_do(self):
+        self.browser.open(self.folder / "files/index.html")
+        self.until("!failure.hidden")
+        self.assertIn("python3 -m http.server", self.failure())
 
 
 if __name__ == "__main__":
