@@ -123,5 +123,5 @@ class SiteServer:
         for at in range(0, len(body), step):
             request.wfile.write(body[at:at + step])
             self.sent += len(body[at:at + step])
-            if self.bytes_per_s:
-                time.sleep(step / self.bytes_per_s)
+            if rate := self.bytes_per_s:
+                time.sleep(step / rate)

@@ -100,9 +100,10 @@ class Streaming(SiteTest):
         self.begin()
         self.browser.settle()
         whole, size = self.drawn, self.loaded
-        # The coarsest chunk and the others in about two seconds.
-        self.begin(bytes_per_s=size // 3)
+        # The coarsest chunk comes in a second; the others wait until what is seen meanwhile has been looked at.
+        server = self.begin(bytes_per_s=size // 2)
         self.until("vog.source.drawn && vog.source.drawn.count > 0")
+        server.bytes_per_s = size // 60
         first = self.value("[vog.source.drawn.count, vog.source.requests.toCome.length, stream.textContent, document.documentElement.dataset.drawn ?? '']")
         self.assertLess(first[0], whole)
         self.assertGreater(first[1], 0)
@@ -119,6 +120,7 @@ class Streaming(SiteTest):
             next();
         })"""), 3)
         self.until("!document.getElementById('progress').hidden || vog.source.requests.toCome.length === 0")
+        server.bytes_per_s = None
         self.browser.settle()
         self.assertEqual(self.drawn, whole)
         self.assertTrue(self.value("document.getElementById('progress').hidden"))
