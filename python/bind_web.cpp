@@ -71,7 +71,6 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
                                     range[0], range[1]};
         (void)scale_position(*quantity.scale, range[0]);  // checks the range
     }
-    quantity.log = given.log;
     quantity.transfer = transfer_of(given, tf, model);
     quantity.look = look_of("export_html", given.light, given.clip, given.clip_planes);
     return quantity;

@@ -42,7 +42,6 @@ struct HtmlQuantity {
     std::string field{};
     /// Scale of column, mean, deviation or maximum, linear or logarithmic; none: linear, of the first view.
     std::optional<ColorScale> scale{};
-    bool log = false;  ///< without a scale: logarithmic, the largest four decades of the first view
     /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
     std::optional<ValueTransfer> transfer{};
     VolumeLook look{};  ///< light of volume, and the clip of all quantities

@@ -316,8 +316,6 @@ Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
         out["scale"] = {{"low", quantity.scale->low},
                         {"high", quantity.scale->high},
                         {"log", quantity.scale->kind == ColorScale::Kind::log}};
-    else if (quantity.log)
-        out["scale"] = {{"log", true}};
     if (quantity.transfer) out["transfer"] = json_of(*quantity.transfer);
     const VolumeLook& look = quantity.look;
     out["light"] = {{"on", look.light},

@@ -105,7 +105,6 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::
         throw CLI::ValidationError(fmt::format("--clip-plane: {} planes, expected at most {}",
                                                quantity.look.clip.planes.size(), kMostHtmlPlanes));
     if (!given.volume()) quantity.scale = fixed_scale(given);
-    quantity.log = given.logarithmic();
     return quantity;
 }
 
