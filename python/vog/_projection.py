@@ -1,4 +1,6 @@
 """Projections along an axis: column density, and means of fields weighted by density, as arrays for imshow."""
+import functools
+import weakref
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
@@ -143,38 +145,47 @@ def _corners(lower: Any, upper: Any) -> _Array:
     return np.array([[(lower, upper)[n >> k & 1][k] for k in range(3)] for n in range(8)], dtype=float)
 
 
+# World corners of the voxels that a model was made of, [n, 3]: the two have the same extent.
+_extents: "weakref.WeakKeyDictionary[Any, _Array]" = weakref.WeakKeyDictionary()
+
+
+def _voxel_corners(data: Any) -> _Array:
+    """World corners of the active voxels of a Volume or Levels, [n, 3]; none where there is no voxel."""
+    points = [np.zeros((0, 3))]
+    for volume in [data] if isinstance(data, _vog.Volume) else [data[n] for n in range(len(data))]:
+        if volume.active_voxels:
+            lower, upper = (np.array(corner, dtype=float) for corner in volume.index_box)
+            points.append(_corners(lower - 0.5, upper + 0.5) @ volume.matrix[:3, :3].T + volume.matrix[:3, 3])
+    return np.concatenate(points)
+
+
+def remember_extents() -> None:
+    """Makes convert hand the extent of voxels on to their model, in which vog.projection shows both."""
+    module: Any = _vog
+    convert = module.convert
+
+    @functools.wraps(convert)
+    def converted(*args: Any, **named: Any) -> Any:
+        model = convert(*args, **named)
+        data = args[0] if args else named.get("data")
+        if not isinstance(data, _vog.Points):
+            _extents[model] = _voxel_corners(data)
+        return model
+
+    module.convert = converted
+
+
 def _bounds(data: Any, axes: _Array) -> "tuple[_Array, _Array]":
     """Least and largest coordinates of the data along unit vectors [n, 3], in double precision."""
-    if isinstance(data, _vog.Gaussians):
-        means = data.world_mean
-        used = data.density > 0
-        if not used.any():
-            raise _vog.Error("projection: the model is empty, expected Gaussians, or width=")
-        low, high = [], []
-        w, x, y, z = np.moveaxis(np.asarray(data.rotation, dtype=float), -1, 0)
-        rows = np.array([
-            [1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)],
-            [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
-            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)],
-        ])  # axis of the ellipsoid, world axis, Gaussian  # fmt: skip
-        for axis in axes:
-            along = np.einsum("ijn,j->ni", rows, axis) * data.scale
-            reach = data.cutoff * np.sqrt((along**2).sum(axis=1))
-            center = means @ axis
-            low.append((center - reach)[used].min())
-            high.append((center + reach)[used].max())
-        return np.array(low), np.array(high)
-    volumes = [data] if isinstance(data, _vog.Volume) else [data[n] for n in range(len(data))]
-    points = []
-    for volume in volumes:
-        if volume.active_voxels == 0:
-            continue
-        lower, upper = (np.array(corner, dtype=float) for corner in volume.index_box)
-        at = _corners(lower - 0.5, upper + 0.5)
-        points.append(at @ volume.matrix[:3, :3].T + volume.matrix[:3, 3])
-    if not points:
-        raise _vog.Error("projection: the volume has no active voxel, expected one, or width=")
-    along = np.concatenate(points) @ axes.T
+    if not isinstance(data, _vog.Gaussians):
+        points = _voxel_corners(data)
+    elif data in _extents:
+        points = _extents[data]
+    else:
+        points = _corners(*data.box) if data.box is not None else np.zeros((0, 3))
+    if not len(points):
+        raise _vog.Error("projection: the data are empty, expected Gaussians or active voxels, or width=")
+    along = points @ axes.T
     return along.min(axis=0), along.max(axis=0)
 
 
@@ -238,7 +249,8 @@ def projection(
                 component away from the observer, 'velocity.x' that along x, 'velocity.magnitude' the root mean square
     axis        direction towards the observer: 'x', 'y', 'z', '-x', ..., 0, 1, 2 or a vector (x, y, z). Along x the picture has y
                 to the right and z up, along y z and x, along z x and y, as in yt; along -x, -y, -z the right is turned round
-    width       width of the picture, world units: a number (a square) or (width, height), or Quantities; None: all of the data
+    width       width of the picture, world units: a number (a square) or (width, height), or Quantities; None: the active voxels, also
+                for a model that vog.convert made of them; for other models their box
     resolution  pixels of the longer side, or (columns, rows). Pixels are square: where the two differ in shape the extent is
                 enlarged about its centre
     center      world point (x, y, z) in the middle; None: the middle of the data

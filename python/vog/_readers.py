@@ -7,7 +7,7 @@ import numpy as np
 
 from . import _vog
 from ._packages import described, need, root_package
-from ._units import set_units
+from ._units import in_double, set_units
 
 # Share of a voxel by which coordinates may be off an even spacing: longitudes in float32 and rounded texts are.
 _EVEN = 1e-3
@@ -67,6 +67,7 @@ def from_yt(
     units: "list[Any]" = []
 
     def numbers(values: Any) -> Any:
+        values = in_double(values)  # factors between units exceed the range of float32
         values = values.in_base("code") if unit is None else values.in_units(unit)
         units.append(values.units)
         return np.asarray(values.d, dtype=np.float32)

@@ -71,11 +71,18 @@ def unit_of(quantity: Any) -> Any:
     return quantity.unit if root_package(quantity) == "astropy" else quantity.units
 
 
+def in_double(quantity: Any) -> Any:
+    """A Quantity in double precision: factors between units exceed the range of float32."""
+    numbers = np.asarray(getattr(quantity, "magnitude", getattr(quantity, "value", quantity)), dtype=float)
+    return type(quantity)(numbers if numbers.ndim else float(numbers), unit_of(quantity))
+
+
 def value_in(quantity: Any, unit: Any, name: str) -> Any:
     """Number or array of a Quantity in a unit.
 
     Raises vog.Error where the two do not measure the same.
     """
+    quantity = in_double(quantity)
     try:
         if root_package(quantity) == "pint":
             return quantity.to(unit).magnitude

@@ -107,6 +107,18 @@ def test_pint_and_unyt_give_astropys_numbers():
         pytest.skip("needs pint or unyt (pip install pint)")
 
 
+@pytest.mark.parametrize("package, dense", [("astropy.units", "Pg / pc**3"), ("pint", "petagram / parsec**3")])
+def test_units_convert_in_double(package, dense):
+    """A factor of 2.9e40 between the units of two blocks, beyond float32, whose values are not."""
+    module = pytest.importorskip(package, reason="needs astropy and pint (pip install astropy pint)")
+    unit = module.Unit if package != "pint" else module.get_application_registry().Unit
+    ones = np.ones((8, 8, 8), dtype=np.float32)
+    blocks = [((0, 0, 0), ones * np.float32(1e10) * unit(dense)), ((8, 0, 0), ones * np.float32(1e-30) * unit("g / cm**3"))]
+    found = vog.Volume.from_blocks(blocks).to_numpy()
+    assert found[0, 0, 0] == np.float32(1e10)
+    assert found[8, 0, 0] == pytest.approx(1e-30 * 3.0856775814913674e18**3 / 1e15, rel=1e-4)
+
+
 @pytest.mark.parametrize(
     "arguments",
     [{"axis": "w"}, {"axis": (0, 0, 0)}, {"resolution": 0}, {"resolution": 10**6}, {"width": -1}, {"width": float("nan")}, {"quantity": "mean"},
