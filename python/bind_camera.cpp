@@ -30,7 +30,8 @@ std::string repr(const Camera& camera) {
 }  // namespace
 
 Vec3d direction_of(const py::object& up) {
-    if (!py::isinstance<py::str>(up)) return up.cast<Vec3d>();
+    if (!py::isinstance<py::str>(up))
+        return cast_to<Vec3d>(up, "up", "x, y, z, -x, -y, -z or (x, y, z)");
     const auto name = up.cast<std::string>();
     const std::string axis = name.size() == 1 ? "+" + name : name;
     if (axis.size() != 2 || (axis[0] != '+' && axis[0] != '-') || axis[1] < 'x' || axis[1] > 'z')

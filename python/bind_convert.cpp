@@ -169,11 +169,13 @@ Model for_field(const py::object& data, const MomentOptions& moments, FieldOptio
     JointReport joint;
     if (!report_dict.is_none() || by_value) options.joint_report = &joint;
     MomentReport report;
+    const std::shared_ptr<const Levels> levels =
+        py::isinstance<Volume>(data) ? nullptr : levels_of(data);
     Model model = unlocked([&] {
-        if (py::isinstance<Volume>(data))
+        if (!levels)
             return std::make_shared<Gaussians>(convert_for_field(
                 sampled.volumes.front(), sampled.values, moments, options, &report));
-        Composite mesh = composite(*levels_of(data));
+        Composite mesh = composite(*levels);
         mesh.parts = sampled.volumes;
         return std::make_shared<Gaussians>(
             convert_for_field(mesh, sampled.values, moments, options, &report));
@@ -360,7 +362,8 @@ Number of Gaussians, for method 'moments' (at most one of these):
 block     one Gaussian per occupied cube of this edge, voxels: a power of two, 1 to 128
 budget    the best model with at most this many Gaussians, > 0
 error     the smallest model whose measured error, relative L2 of optical depth T in the worst of 12 views,
-          is at most this, in (0, 1). Default for volumes: 0.03, but at most one Gaussian to 16 voxels.
+          is at most this, in (0, 1). Default for volumes: 0.03, but at most one Gaussian to 16 voxels
+          (256 of small volumes).
           Default for particles: one Gaussian each
 lod       level of detail, 1 (finest) to 5 (coarsest)
 

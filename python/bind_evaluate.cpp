@@ -44,7 +44,8 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     options.by_value = show == "volume";
     const auto texts = py::isinstance<py::str>(tf) ? std::vector{tf.cast<std::string>()}
                        : tf.is_none()              ? std::vector<std::string>{}
-                                                   : tf.cast<std::vector<std::string>>();
+                                                   : cast_to<std::vector<std::string>>(
+                                            tf, "evaluate: tf", "a name or a list of names");
     if (options.by_value)
         options.value_functions = texts;
     else if (texts.size() > 1)

@@ -138,7 +138,8 @@ class Given {
 template <class Kind, class Magnitude>
 void describe(Kind& field, const Given& given, const Magnitude& magnitude) {
     field.name = given.name();
-    if (given.has("unit")) field.unit = given.at("unit").cast<std::string>();
+    if (given.has("unit"))
+        field.unit = cast_to<std::string>(given.at("unit"), given.label("unit"), "a text");
     if (given.has("range")) {
         const auto range = row_of<double>(given.at("range"), given.label("range"));
         if (range.size() != 2)
@@ -205,8 +206,11 @@ py::object fields_of(const py::object& model) {
 Fields fields_from(const py::object& fields, std::size_t size) {
     Fields all;
     if (fields.is_none()) return all;
+    if (!py::hasattr(fields, "keys"))
+        throw py::type_error("fields: got " + described(fields) + ", expected {name: field}");
     for (const auto& [name, field] : py::dict(fields)) {
-        const Given given(py::cast<std::string>(name), py::reinterpret_borrow<py::object>(field));
+        const Given given(cast_to<std::string>(name, "fields", "names"),
+                          py::reinterpret_borrow<py::object>(field));
         if (!given.has("value")) throw Error(given.label("value") + ": missing");
         if (numbers_of(given.at("value"), given.label("value")).ndim() == 1)
             all.scalar.push_back(scalar_from(given, size));

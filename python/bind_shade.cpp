@@ -94,7 +94,7 @@ py::array_t<float> call(const TransferFunction& tf, const py::object& v) {
 TransferFunction transfer_function_of(const py::object& tf) {
     if (py::isinstance<TransferFunction>(tf)) return tf.cast<TransferFunction>();
     if (py::isinstance<py::str>(tf) || py::hasattr(tf, "__fspath__"))
-        return load_transfer_function(tf.cast<std::filesystem::path>().string());
+        return load_transfer_function(cast_to<std::filesystem::path>(tf, "tf", "a path").string());
     if (is_colormap(tf)) return from_matplotlib(tf);
     if (py::isinstance<py::array>(tf)) return from_colors(tf, "colors");
     throw py::type_error("tf: got " + py::type::of(tf).attr("__name__").cast<std::string>() +

@@ -358,7 +358,7 @@ divide those of coarser levels evenly, inside their box) nor parts that do not o
                bool level_set_to_fog, bool force, bool skip_nonfinite, bool clip_negative) {
                 std::vector<std::filesystem::path> paths;
                 if (py::isinstance<py::str>(files) || py::hasattr(files, "__fspath__"))
-                    paths.push_back(files.cast<std::filesystem::path>());
+                    paths.push_back(cast_to<std::filesystem::path>(files, "files", "a path"));
                 else
                     paths = cast_to<std::vector<std::filesystem::path>>(files, "files", "paths");
                 std::vector<std::string> notes;

@@ -83,14 +83,16 @@ Progress progress_of(const py::object& callable);
 /// Issues a Python UserWarning for each text.
 void warn(const std::vector<std::string>& texts);
 
+/// Short text of any object, for messages: its type, of arrays and containers the shape, never the content.
+std::string described(const py::handle& object);
+
 /// Converts a Python object. throws TypeError: "NAME: got ..., expected ..."
 template <class T>
 T cast_to(const py::handle& object, const std::string& name, const std::string& expected) {
     try {
         return object.cast<T>();
     } catch (const py::cast_error&) {
-        throw py::type_error(name + ": got " + py::repr(object).cast<std::string>() +
-                             ", expected " + expected);
+        throw py::type_error(name + ": got " + described(object) + ", expected " + expected);
     }
 }
 

@@ -67,6 +67,11 @@ Progress progress_of(const py::object& callable) {
     };
 }
 
+std::string described(const py::handle& object) {
+    const py::object text = py::module_::import("vog._packages").attr("described")(object);
+    return text.cast<std::string>();
+}
+
 void warn(const std::vector<std::string>& texts) {
     for (const std::string& text : texts)
         if (PyErr_WarnEx(PyExc_UserWarning, text.c_str(), 1) != 0) throw py::error_already_set();
@@ -85,7 +90,7 @@ std::pair<int, int> size_of(const py::object& size) {
         } catch (const py::error_already_set&) {
         } catch (const py::cast_error&) {
         }
-        throw Error("size: " + py::repr(size).cast<std::string>() +
+        throw Error("size: " + described(size) +
                     ", expected pixels: 512 or (640, 480), width first");
     };
     if (!PySequence_Check(size.ptr())) return {edge(size), edge(size)};
@@ -98,8 +103,7 @@ std::optional<double> extinction_of(const py::object& extinction) {
     const double value = PyFloat_AsDouble(extinction.ptr());
     if (!PyErr_Occurred()) return value;
     PyErr_Clear();
-    throw Error("extinction: " + py::repr(extinction).cast<std::string>() +
-                ", expected a number > 0 or 'auto'");
+    throw Error("extinction: " + described(extinction) + ", expected a number > 0 or 'auto'");
 }
 
 }  // namespace vog::python

@@ -15,6 +15,12 @@ std::vector<double> numbers_in(const py::object& list, std::size_t count, const 
     return {given.data(), given.data() + given.size()};
 }
 
+py::iterable rows_in(const py::object& list, const std::string& what) {
+    if (!py::isinstance<py::iterable>(list))
+        throw py::type_error(what + ": got " + described(list) + ", expected a list of rows");
+    return list;
+}
+
 VolumeLook look_of(const std::string& function, const py::object& light, const py::object& clip,
                    const py::object& clip_planes) {
     VolumeLook look;
@@ -22,6 +28,8 @@ VolumeLook look_of(const std::string& function, const py::object& light, const p
     if (look.light && !py::isinstance<py::str>(light)) {
         const std::vector<double> towards = numbers_in(light, 3, function + ": light");
         look.towards_light = {towards[0], towards[1], towards[2]};
+        if (look.towards_light == Vec3d{})
+            throw Error(function + ": light (0, 0, 0), expected 'head' or a direction");
     } else if (look.light && light.cast<std::string>() != "head") {
         throw Error(function + ": light '" + light.cast<std::string>() +
                     "', expected 'head' or a direction");
@@ -31,7 +39,7 @@ VolumeLook look_of(const std::string& function, const py::object& light, const p
         look.clip.box = Box{{c[0], c[1], c[2]}, {c[3], c[4], c[5]}};
     }
     if (!clip_planes.is_none())
-        for (const py::handle row : clip_planes) {
+        for (const py::handle row : rows_in(clip_planes, function + ": clip_planes")) {
             const std::vector<double> p =
                 numbers_in(py::reinterpret_borrow<py::object>(row), 4, function + ": clip_planes");
             look.clip.planes.push_back({{p[0], p[1], p[2]}, p[3]});

@@ -14,6 +14,10 @@ namespace vog::python {
 /// throws  vog::Error for another count
 std::vector<double> numbers_in(const py::object& list, std::size_t count, const std::string& what);
 
+/// The rows of a list or an array.
+/// throws  TypeError for what has none
+py::iterable rows_in(const py::object& list, const std::string& what);
+
 /// light        None, "head" or a direction
 /// clip         None or a box, [2, 3]
 /// clip_planes  None or rows (nx, ny, nz, d)

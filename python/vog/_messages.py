@@ -8,10 +8,10 @@ from ._packages import described
 _MARK = "incompatible "
 
 
-def _short(text: str, args: "tuple[Any, ...]", named: "dict[str, Any]") -> str:
+def _short(text: str, name: str, args: "tuple[Any, ...]", named: "dict[str, Any]") -> str:
     """The first line, the signatures, and the arguments by type and shape."""
     head = text.split("\n\nInvoked with:")[0]
-    call = head.split("(", 1)[0]
+    call = head.split("(", 1)[0] or name
     if call == "__init__" and args:
         call, args = type(args[0]).__name__, args[1:]
     signatures = re.findall(r"^ +\d+\. (.*)$", head, re.M)
@@ -19,7 +19,7 @@ def _short(text: str, args: "tuple[Any, ...]", named: "dict[str, Any]") -> str:
     return f"{call}: got ({', '.join(given)}), expected {' or '.join(signatures)}"
 
 
-def _shortened(call: Callable[..., Any]) -> Callable[..., Any]:
+def _shortened(call: Callable[..., Any], name: str = "") -> Callable[..., Any]:
     @functools.wraps(call)
     def called(*args: Any, **named: Any) -> Any:
         try:
@@ -28,7 +28,7 @@ def _shortened(call: Callable[..., Any]) -> Callable[..., Any]:
             text = str(error)
             if _MARK not in text or "Invoked with:" not in text:
                 raise
-            raise TypeError(_short(text, args, named)) from None
+            raise TypeError(_short(text, name, args, named)) from None
 
     return called
 
@@ -42,7 +42,9 @@ def shorten(module: Any) -> None:
             if issubclass(value, BaseException) or not value.__module__.startswith("vog"):
                 continue
             for method, function in list(vars(value).items()):
-                if method == "__init__" or not method.startswith("_"):
+                if isinstance(function, property) and function.fset:
+                    setattr(value, method, function.setter(_shortened(function.fset, method)))
+                elif method in ("__init__", "__getitem__", "__call__") or not method.startswith("_"):
                     if isinstance(function, staticmethod):
                         setattr(value, method, staticmethod(_shortened(function.__func__)))
                     elif type(function).__name__ == "instancemethod":

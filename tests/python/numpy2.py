@@ -26,7 +26,7 @@ def main():
     subprocess.run([python, "-c", "import numpy, vog; assert numpy.__version__ >= '2', numpy.__version__; print('NumPy', numpy.__version__)"],
                    check=True)
     files = [str(HERE / f"test_{name}.py") for name in FILES]
-    sys.exit(subprocess.run([python, "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", *files]).returncode)
+    sys.exit(subprocess.run([python, "-m", "pytest", "-q", "-rs", "-p", "no:cacheprovider", "-m", "not data", *files]).returncode)
 
 
 main()
