@@ -35,7 +35,7 @@ struct MomentOptions {
     int block_voxels = 0;  ///< uniform cut: edge of a cell, voxels, a power of two, 1 to 128; 0: no
     std::size_t budget = 0;  ///< adaptive cut: largest number of Gaussians; 0: no
     /// Adaptive cut of the fewest Gaussians, to 5 %, with a MomentReport::measured_error of at most
-    /// this, (0, 1). 0: kDefaultError, but at most one Gaussian to kVoxelsPerGaussian voxels. Used
+    /// this, (0, 1). 0: kDefaultError, but at most default_count of the voxels. Used
     /// without block_voxels and budget.
     double error = 0;
     /// Expectation-maximisation steps from hard to soft cells, 0 to 1000; 0 leaves them hard: fast,
@@ -69,6 +69,12 @@ struct MomentOptions {
 /// than 128 tiles each counts as few voxels, down to one.
 inline constexpr double kDefaultError = 0.03;
 inline constexpr std::size_t kVoxelsPerGaussian = 16;
+/// Most Gaussians of the default conversion. Small volumes have a Gaussian for each voxel: 256 cost nothing, and a
+/// sixteenth of two distant voxels is one Gaussian, whose T is a twentieth of theirs.
+constexpr std::size_t default_count(std::size_t voxels) {
+    const std::size_t count = voxels / kVoxelsPerGaussian, fewest = voxels < 256 ? voxels : 256;
+    return count > fewest ? count : fewest > 0 ? fewest : 1;
+}
 /// Default soft_steps for a budget and for each model in the search for an error.
 inline constexpr int kSoftSteps = 24, kSearchSoftSteps = 12;
 

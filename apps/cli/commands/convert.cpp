@@ -80,7 +80,8 @@ void note_missed_by_value(const std::string& input, double measured, double targ
 void note_stopped(const std::string& input, double measured) {
     note(fmt::format(
         "{}: measured error {:.4g} in the worst view: the default stops at one Gaussian "
-        "to {} voxels or at an error of {}, whichever is fewer; --error and --budget go "
+        "to {} voxels (256 at least) or at an error of {}, whichever is fewer; --error and "
+        "--budget go "
         "on",
         input, measured, kVoxelsPerGaussian, kDefaultError));
 }

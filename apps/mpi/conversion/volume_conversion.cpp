@@ -143,8 +143,7 @@ class PartConversion {
         const double requested = conversion_.moments.error;
         const double target = requested > 0 ? requested : kDefaultError;
         const std::size_t finest =
-            requested > 0 ? from_.active_voxels
-                          : std::max<std::size_t>(1, from_.active_voxels / kVoxelsPerGaussian);
+            requested > 0 ? from_.active_voxels : default_count(from_.active_voxels);
         std::vector<Gaussians> best;
         MomentTotals totals;  // of the best: each conversion overwrites totals_
         smallest_budget(target, finest, [&](std::size_t budget) {

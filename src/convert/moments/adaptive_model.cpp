@@ -33,15 +33,14 @@ FieldTrees field_trees(const MomentJob& job) {
 }
 
 /// Cells of the smallest budget at which the soft, thresholded model has at most the error; of the
-/// default at most one to kVoxelsPerGaussian voxels.
+/// default at most default_count.
 FieldCells search(MomentJob& job, const FieldTrees& all, const ErrorViews& views,
                   FieldEmSolver& em) {
     const double target = job.error();
     std::size_t finest = 0;
     for (const CutTree& tree : all.trees) finest += finest_count(tree);
     std::size_t most = finest;
-    if (job.options.error == 0)
-        most = std::clamp<std::size_t>(job.values() / kVoxelsPerGaussian, 1, finest);
+    if (job.options.error == 0) most = std::min(default_count(job.values()), finest);
     // Hard cells are made and measured in a tenth of the time of soft ones, and have a multiple of
     // their error: 1.6 to 2.3 times on smoke, cloud and fire, up to 3 on aquarius.
     constexpr double kHardOverSoft = 2;

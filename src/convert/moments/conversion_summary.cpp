@@ -73,7 +73,7 @@ std::string detail_text(const MomentReport& report) {
                         report.measured_error, report.mean_error, error_views(Box{}).size(),
                         kErrorViewSize_px, kErrorViewSize_px));
     if (report.stopped_by_count)
-        add(fmt::format("stopped at one Gaussian to {} voxels", kVoxelsPerGaussian));
+        add(fmt::format("stopped at one Gaussian to {} voxels, or 256", kVoxelsPerGaussian));
     return text;
 }
 
