@@ -4,14 +4,11 @@
 #include "arrays.h"
 #include "shown_maps.h"
 #include "vog/error.h"
-#include "vog/quantity.h"
+#include "vog/picture.h"
 
 namespace vog::python {
 
 namespace {
-
-/// Share of the largest column below which pictures show nothing, as of the command.
-constexpr double kLeastColumn = 1e-4;
 
 /// View [height, width] of one of the maps.
 py::array view(const py::object& self, const std::vector<float>& map) {
@@ -46,18 +43,13 @@ Picture plotted(const ShownMaps& self, const py::object& tf, const py::object& r
                  high};
     }
     return unlocked([&] {
-        const ColorScale colors =
-            fixed ? *fixed : fitted_scale(values_for_scale(self.maps, self.shown()), fit);
-        const Image image =
-            shade_map(visible_values(self.maps, self.shown(), least_column), map, colors, options);
-        std::string label = self.show == "deviation" ? "deviation of " + self.name
-                            : self.show == "column"  ? "column density"
-                                                     : self.name;
+        const ColoredMap colored = colored_map(self.maps, self.show, fit, fixed, least_column);
+        const Image image = shade_map(colored.shown, map, colored.scale, options);
         const std::string unit = !units.empty() ? units : self.show == "column" ? "" : self.unit;
-        if (!unit.empty()) label += " [" + unit + "]";
+        const std::string label = quantity_label(self.show, self.name, unit);
         if (!color_bar && title.empty()) return Picture(image);
         return Picture(
-            annotated(image, map, colors, {title, label, color_bar}, options.background));
+            annotated(image, map, colored.scale, {title, label, color_bar}, options.background));
     });
 }
 
@@ -75,8 +67,8 @@ void save(const ShownMaps& self, const std::filesystem::path& file) {
 }
 
 std::vector<float> row(const py::handle& array) {
-    const auto values =
-        py::array_t<float, py::array::c_style | py::array::forcecast>::ensure(array);
+    const py::array_t<float, py::array::c_style | py::array::forcecast> values(
+        numbers_of(array, "pickle of FieldMaps"));
     return {values.data(), values.data() + values.size()};
 }
 
@@ -127,8 +119,9 @@ column, mean and deviation are all three. Notebooks display it with a colour bar
             R"(Picture of the shown map with a colour bar. Returns an Image, wider by the bar and higher by the title.
 
 tf            transfer function: a TransferFunction, a name, a JSON file, a Matplotlib map or colours
-range         (low, high) values at its ends; None: the 1st and the 99th percentile of the pixels whose
-              column is at least a thousandth of the largest
+range         (low, high) values at its ends; None: of column 0 and the largest, or with scale='log' the four decades
+              below it; of fields the 1st and the 99th percentile of the pixels whose column is at least a thousandth
+              of the largest
 scale         'linear', 'log', or 'symmetric': the range is centred at 0, for velocities
 least_column  share of the largest column below which nothing is shown
 units         unit on the colour bar; '': the field's

@@ -5,7 +5,7 @@
 #include "arrays.h"
 #include "vog/error.h"
 #include "vog/image.h"
-#include "vog/quantity.h"
+#include "vog/picture.h"
 
 namespace vog::python {
 
@@ -67,8 +67,7 @@ Picture plotted(const DepthImage& depth, const std::string& quantity, const py::
             scale = automatic_scale({&values, 1}, log);
         const Image image =
             column ? shade_values(values, map, scale, options) : shade(depth, map, options);
-        std::string label = column ? "column density" : "optical depth T";
-        if (!units.empty()) label += " [" + units + "]";
+        const std::string label = quantity_label(quantity, "", units);
         return Picture(annotated(image, map, scale, {title, label, color_bar}, options.background));
     });
 }

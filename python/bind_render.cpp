@@ -5,12 +5,14 @@
 
 #include "arrays.h"
 #include "data.h"
+#include "sampled_fields.h"
 #include "shown_maps.h"
 #include "vog/camera.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
 #include "vog/gpu_pictures.h"
 #include "vog/gpu_volumes.h"
+#include "vog/picture.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
 #include "volume_look.h"
@@ -85,10 +87,8 @@ DepthImage draw(Scene& scene, const std::optional<Camera>& camera, const py::obj
     return unlocked([&, width = width, height = height] {
         const std::lock_guard lock(scene.drawing);
         DepthImage depth;
-        // Other sizes are refused by the renderer.
-        const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
-        scene.prepared->render(camera ? *camera : orbit_view(scene.box, {}, aspect), width, height,
-                               depth, report);
+        scene.prepared->render(camera ? *camera : default_view(scene.box, width, height), width,
+                               height, depth, report);
         set_extinction(depth, scene.extinction ? *scene.extinction : auto_extinction(depth));
         return depth;
     });
@@ -104,9 +104,7 @@ struct MapArguments {
 };
 
 Camera camera_for(const MapArguments& map, const Box& box, int width, int height) {
-    // Other sizes are refused by the renderer.
-    const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
-    return map.camera ? *map.camera : orbit_view(box, {}, aspect);
+    return map.camera ? *map.camera : default_view(box, width, height);
 }
 
 /// Options of T that pictures of fields on a GPU have not.
@@ -155,22 +153,6 @@ ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const R
     return shown;
 }
 
-/// The mapping with the one field that is shown, and the names for field_choice.
-py::dict shown_field_of(const MapArguments& map) {
-    if (!py::isinstance<py::dict>(map.fields))
-        throw Error("render: fields: expected {'" + map.field +
-                    "': array}, the field at the voxels");
-    py::dict one;
-    for (const auto& [name, value] : map.fields.cast<py::dict>()) {
-        const auto text = py::str(name).cast<std::string>();
-        if (text == map.field || map.field.starts_with(text + ".")) one[name] = value;
-    }
-    if (one.empty())
-        throw Error("render: no field '" + map.field + "' in fields, expected one of " +
-                    py::str(py::str(", ").attr("join")(map.fields)).cast<std::string>());
-    return one;
-}
-
 ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
                          const RenderArguments& a) {
     const bool one = py::isinstance<Volume>(data);
@@ -183,8 +165,8 @@ ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
         refuse_data(data, "render", "Gaussians, a Volume, Levels or a list of Volumes for a field");
     const Renderer renderer = checked_renderer(a, one ? RenderInput::volumes : RenderInput::levels);
     const auto values =
-        voxel_fields_of(shown_field_of(map), levels.volumes, lattices_of(levels.volumes),
-                        levels.volumes.size(), "render");
+        voxel_fields_of(one_field(map.fields, map.field, "render"), levels.volumes,
+                        lattices_of(levels.volumes), levels.volumes.size(), "render");
     const VoxelField& field = values.front().front();
     Fields names;
     if (field.is_vector())

@@ -1,17 +1,18 @@
 // bind_volume_picture.cpp: Python's render_volume(), pictures by value.
 #include <algorithm>
+#include <string_view>
+#include <tuple>
 
 #include "arrays.h"
 #include "data.h"
+#include "sampled_fields.h"
 #include "vog/error.h"
 #include "vog/gpu_pictures.h"
 #include "vog/gpu_volumes.h"
-#include "vog/levels.h"
 #include "vog/maximum_picture.h"
+#include "vog/picture.h"
 #include "vog/renderer.h"
-#include "vog/volume_picture.h"
 #include "volume_look.h"
-#include "voxel_fields.h"
 
 namespace vog::python {
 
@@ -24,51 +25,48 @@ struct ValueArguments {
 
 std::vector<ValueBand> bands_in(const py::object& list) {
     std::vector<ValueBand> bands;
-    for (const py::handle band : list) {
-        const auto row = py::reinterpret_borrow<py::object>(band);
-        if (py::len(row) != 4)
-            throw Error("render_volume: bands: expected rows (lower, upper, (r, g, b), opacity)");
-        const std::vector<double> color =
-            numbers_in(py::reinterpret_borrow<py::object>(row[py::int_(2)]), 3,
-                       "render_volume: bands: colour");
-        bands.push_back({row[py::int_(0)].cast<double>(), row[py::int_(1)].cast<double>(),
-                         static_cast<float>(color[0]), static_cast<float>(color[1]),
-                         static_cast<float>(color[2]), row[py::int_(3)].cast<double>()});
+    for (const py::handle band : rows_in(list, "render_volume: bands")) {
+        const auto [lower, upper, colour, opacity] =
+            cast_to<std::tuple<double, double, py::object, double>>(
+                band, "render_volume: bands", "rows (lower, upper, (r, g, b), opacity)");
+        const std::vector<double> color = numbers_in(colour, 3, "render_volume: bands: colour");
+        bands.push_back({lower, upper, static_cast<float>(color[0]), static_cast<float>(color[1]),
+                         static_cast<float>(color[2]), opacity});
     }
     return bands;
 }
 
-/// lower, upper  of the data
-ValueTransfer transfer_of(const ValueArguments& a, double lower, double upper, const Box& box) {
-    if (!a.window.is_none() && !a.bands.is_none())
-        throw Error("render_volume: window and bands, expected one of them");
-    const double unit =
-        a.unit_distance.is_none() ? 0.02 * box.radius() : a.unit_distance.cast<double>();
-    if (!a.value_range.is_none()) {
-        const std::vector<double> range =
-            numbers_in(a.value_range, 2, "render_volume: value_range");
-        lower = range[0], upper = range[1];
-    }
-    if (!a.window.is_none()) {
-        const std::vector<double> window = numbers_in(a.window, 2, "render_volume: window");
-        return window_transfer(window[0], window[1], unit);
-    }
-    if (!a.bands.is_none()) return band_transfer(bands_in(a.bands), unit);
-    if (py::isinstance<TransferFunction>(a.tf))
-        return over_range(a.tf.cast<const TransferFunction&>(), lower, upper, unit);
-    ValueTransfer transfer =
-        read_value_transfer(py::str(a.tf).cast<std::string>(), lower, upper, unit);
-    if (!a.unit_distance.is_none()) transfer.unit_distance = unit;
-    return transfer;
+TransferRequest request_of(const ValueArguments& a) {
+    const auto pair = [](const py::object& given, const std::string& what) {
+        const std::vector<double> two = numbers_in(given, 2, "render_volume: " + what);
+        return std::pair{two[0], two[1]};
+    };
+    TransferRequest request;
+    if (!a.unit_distance.is_none())
+        request.unit_distance = cast_to<double>(a.unit_distance, "render_volume: unit_distance",
+                                                "a length > 0, world units");
+    if (!a.value_range.is_none()) request.range = pair(a.value_range, "value_range");
+    if (!a.window.is_none()) request.window = pair(a.window, "window");
+    if (!a.bands.is_none()) request.bands = bands_in(a.bands);
+    if (request.window || !a.bands.is_none()) return request;
+    // A file may state values and a unit distance.
+    if (py::isinstance<py::str>(a.tf) || py::hasattr(a.tf, "__fspath__"))
+        request.points = transfer_points(
+            cast_to<std::filesystem::path>(a.tf, "render_volume: tf", "a path").string());
+    else
+        request.map = transfer_function_of(a.tf);
+    return request;
 }
 
-/// Where a picture is drawn.
+/// How a picture is drawn.
 struct PictureArguments {
+    const char* call;  ///< name of the Python function, for errors
     const std::optional<Camera>& camera;
     int width, height;
     int slabs;
     const std::string& renderer;
     const VolumeLook& look;
+    Progress progress;
     VoxelGridOptions voxels{};
 };
 VoxelGridOptions voxels_by(const std::string& interpolation, double step) {
@@ -77,132 +75,133 @@ VoxelGridOptions voxels_by(const std::string& interpolation, double step) {
                     "', expected 'constant' or 'linear'");
     return {interpolation == "linear" ? Interpolation::linear : Interpolation::constant, step};
 }
-Camera camera_for(const PictureArguments& picture, const Box& box) {
-    const double aspect = double(picture.width) / std::max(picture.height, 1);
-    return picture.camera ? *picture.camera : orbit_view(box, {}, aspect);
+
+/// A model, or voxels, with the scalar field that is shown.
+struct Shown {
+    const Gaussians* model = nullptr;
+    SampledFields voxels;  ///< of no model: one field
+    std::string field;
+    ValueData data;
+    Renderer renderer = Renderer::splat;
+
+    const std::vector<VoxelField>& values() const { return voxels.values.front(); }
+};
+
+Shown shown_of_model(const Gaussians& model, const std::string& name,
+                     const PictureArguments& picture) {
+    const ScalarField* field = scalar_to_show(model.fields, name);
+    if (!field)
+        throw Error(std::string(picture.call) + ": " +
+                    (name.empty() ? "no field named" : "no scalar field '" + name + "'") +
+                    ", the model has " + std::to_string(model.fields.scalar.size()) +
+                    " scalar fields (convert(volume, fields=...) makes them)");
+    return {&model, {}, field->name, value_data(model, *field)};
 }
 
-/// The field of this name, else the model's own values, else its only field.
-const ScalarField& field_of(const Gaussians& model, std::string name, const std::string& call) {
-    const auto& fields = model.fields.scalar;
-    const auto measure = std::ranges::find(fields, true, &ScalarField::is_measure);
-    if (name.empty() && measure != fields.end()) name = measure->name;
-    if (name.empty() && fields.size() == 1) name = fields.front().name;
-    if (const ScalarField* found = model.fields.find_scalar(name)) return *found;
-    throw Error(call + ": " +
-                (name.empty() ? std::string("no field named") : "no scalar field '" + name + "'") +
-                ", the model has " + std::to_string(fields.size()) +
-                " scalar fields (convert(volume, fields=...) makes them)");
-}
-
-VolumeImage of_model(const Gaussians& model, const std::string& name, const ValueArguments& values,
-                     const PictureArguments& picture, const Progress& progress) {
-    const ScalarField& found = field_of(model, name, "render_volume");
-    const std::string& field = found.name;
-    const Box box = view_box(model);
-    const ValueTransfer transfer = transfer_of(values, found.lower, found.upper, box);
-    const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
-    return unlocked([&] {
-        const Camera camera = camera_for(picture, box);
-        if (renderer == Renderer::trace) {
-            TraceOptions options;
-            options.progress = progress;
-            return render_volume_trace(model, field, transfer, camera, picture.width,
-                                       picture.height, options, {}, picture.look);
-        }
-        if (renderer != Renderer::splat)
-            return GpuPictures(renderer, model)
-                .volume(field, transfer, camera, picture.width, picture.height, picture.slabs,
-                        picture.look);
-        SlabOptions options;
-        options.slabs = picture.slabs;
-        options.look = picture.look;
-        return render_volume_splat(model, field, transfer, camera, picture.width, picture.height,
-                                   options);
-    });
-}
-
-/// A scalar field at the voxels of a volume, whose tiles it may divide; '': its own values.
-std::vector<VoxelField> voxels_of(std::vector<Volume>& volumes, const std::string& field,
-                                  const py::object& fields, const std::string& renderer,
-                                  const char* call) {
-    std::vector<VoxelField> shown;
-    if (field.empty()) {
-        if (!fields.is_none())
-            throw Error(std::string(call) + ": fields: expected field, the shown one");
-        shown.push_back(measure_field(volumes.front(), volumes.front().name));
-    } else {
-        for (auto& sampled : voxel_fields_of(fields, volumes, lattices_of(volumes), 1, call))
-            if (sampled.front().name == field) shown.push_back(std::move(sampled.front()));
-        if (shown.empty() || shown.front().is_vector())
-            throw Error(std::string(call) + ": no scalar field '" + field + "' in fields");
+Shown shown_of_voxels(const py::object& data, const std::string& name, const py::object& fields,
+                      const PictureArguments& picture) {
+    const std::string call = picture.call;
+    if (name.empty() && !fields.is_none())
+        throw Error(call + ": fields: expected field, the shown one");
+    Shown shown;
+    shown.voxels =
+        sampled_fields(data, name.empty() ? fields : one_field(fields, name, call), picture.call);
+    auto& all = shown.voxels.values;
+    all.resize(1);  // behind it the data's own values
+    if (all.front().front().is_vector()) {
+        const std::size_t axis = std::string_view("xyz").find(name.back());
+        if (axis > 2 || all.front().front().name.size() + 2 != name.size())
+            throw Error(call + ": no scalar field '" + name + "' in fields, expected '" +
+                        all.front().front().name + ".x', .y or .z");
+        for (std::size_t n = 0; n < all.front().size(); ++n)
+            all.front()[n] = component_of(std::move(all.front()[n]), static_cast<int>(axis),
+                                          shown.voxels.volumes[n]);
+    } else if (!name.empty() && all.front().front().name != name) {
+        throw Error(call + ": no scalar field '" + name + "' in fields");
     }
-    (void)renderer_for(renderer, RenderInput::volumes);
+    shown.field = all.front().front().name;
+    shown.data = value_data(shown.voxels.volumes, shown.values(), box_to_view(data, call));
     return shown;
 }
 
-VolumeImage of_volume(const Volume& given, const std::string& field, const py::object& fields,
-                      const ValueArguments& values, const PictureArguments& picture,
-                      const Progress& progress) {
-    std::vector<Volume> volumes{given};
-    const std::vector<VoxelField> shown =
-        voxels_of(volumes, field, fields, picture.renderer, "render_volume");
-    const Box box = world_box(given);
-    const ValueTransfer transfer =
-        transfer_of(values, shown.front().lower, shown.front().upper, box);
-    const bool on_gpu = renderer_for(picture.renderer, RenderInput::volumes) == Renderer::optix;
-    if (on_gpu && picture.voxels.interpolation != Interpolation::constant)
-        throw Error(
-            "render_volume: interpolation is not for renderer 'optix', expected 'reference'");
-    return unlocked([&] {
-        if (on_gpu)
-            return GpuVolumes(volumes, shown)
-                .volume(transfer, camera_for(picture, box), picture.width, picture.height, {},
-                        picture.look);
-        return render_volume_reference(volumes, shown, transfer, camera_for(picture, box),
-                                       picture.width, picture.height, {progress, 1, {}},
-                                       picture.look, picture.voxels);
-    });
+/// Data of a picture. throws TypeError for other objects
+Shown shown_of(const py::object& data, const std::string& name, const py::object& fields,
+               const PictureArguments& picture) {
+    const std::string call = picture.call;
+    const bool is_model = py::isinstance<Gaussians>(data);
+    if (!is_model && !py::isinstance<Volume>(data) && !levels_of(data))
+        refuse_data(data, call, "Gaussians, a Volume, Levels or a list of Volumes");
+    if (is_model && !fields.is_none())
+        throw Error(call + ": fields: of voxels, a model has its own");
+    if (is_model && picture.voxels.interpolation != Interpolation::constant)
+        throw Error(call + ": interpolation: of voxels, a model has none");
+    const Renderer renderer =
+        renderer_for(picture.renderer, is_model ? RenderInput::gaussians : RenderInput::volumes);
+    if (renderer == Renderer::optix && picture.voxels.interpolation != Interpolation::constant)
+        throw Error(call + ": interpolation is not for renderer 'optix', expected 'reference'");
+    Shown shown = is_model ? shown_of_model(data.cast<const Gaussians&>(), name, picture)
+                           : shown_of_voxels(data, name, fields, picture);
+    shown.renderer = renderer;
+    return shown;
 }
 
-ValueMap maximum_of_model(const Gaussians& model, const std::string& name,
-                          const PictureArguments& picture, const Progress& progress) {
-    const std::string& field = field_of(model, name, "render_maximum").name;
-    const Renderer renderer = renderer_for(picture.renderer, RenderInput::gaussians);
-    return unlocked([&] {
-        const Camera camera = camera_for(picture, view_box(model));
-        if (renderer == Renderer::trace) {
-            TraceOptions options;
-            options.progress = progress;
-            return render_maximum_trace(model, field, camera, picture.width, picture.height,
-                                        options, {}, picture.look.clip);
-        }
-        if (renderer != Renderer::splat)
-            return GpuPictures(renderer, model)
-                .maximum(field, camera, picture.width, picture.height, picture.slabs,
-                         picture.look.clip);
-        SlabOptions options;
-        options.slabs = picture.slabs;
-        options.look = picture.look;
-        return render_maximum_splat(model, field, camera, picture.width, picture.height, options);
-    });
+Camera camera_for(const Shown& shown, const PictureArguments& picture) {
+    return picture.camera ? *picture.camera
+                          : default_view(shown.data.box, picture.width, picture.height);
 }
 
-ValueMap maximum_of_volume(const Volume& given, const std::string& field, const py::object& fields,
-                           const PictureArguments& picture, const Progress& progress) {
-    std::vector<Volume> volumes{given};
-    const std::vector<VoxelField> shown =
-        voxels_of(volumes, field, fields, picture.renderer, "render_maximum");
-    const Renderer renderer = renderer_for(picture.renderer, RenderInput::volumes);
-    return unlocked([&] {
-        const Camera camera = camera_for(picture, world_box(given));
-        const ReferenceOptions options{progress, 1, picture.look.clip};
-        if (renderer == Renderer::optix)
-            return GpuVolumes(volumes, shown)
-                .maximum(camera, picture.width, picture.height, options);
-        return render_maximum_reference(volumes, shown, camera, picture.width, picture.height,
+VolumeImage volume_of(const Shown& shown, const TransferRequest& request,
+                      const PictureArguments& picture) {
+    const ValueTransfer transfer = choose_transfer(request, shown.data).transfer;
+    const Camera camera = camera_for(shown, picture);
+    const int width = picture.width, height = picture.height;
+    if (!shown.model) {
+        if (shown.renderer == Renderer::optix)
+            return GpuVolumes(shown.voxels.volumes, shown.values())
+                .volume(transfer, camera, width, height, {}, picture.look);
+        return render_volume_reference(shown.voxels.volumes, shown.values(), transfer, camera,
+                                       width, height, {picture.progress, 1, {}}, picture.look,
+                                       picture.voxels);
+    }
+    if (shown.renderer == Renderer::trace) {
+        TraceOptions options;
+        options.progress = picture.progress;
+        return render_volume_trace(*shown.model, shown.field, transfer, camera, width, height,
+                                   options, {}, picture.look);
+    }
+    if (shown.renderer != Renderer::splat)
+        return GpuPictures(shown.renderer, *shown.model)
+            .volume(shown.field, transfer, camera, width, height, picture.slabs, picture.look);
+    SlabOptions options;
+    options.slabs = picture.slabs;
+    options.look = picture.look;
+    return render_volume_splat(*shown.model, shown.field, transfer, camera, width, height, options);
+}
+
+ValueMap maximum_of(const Shown& shown, const PictureArguments& picture) {
+    const int width = picture.width, height = picture.height;
+    const Camera camera = camera_for(shown, picture);
+    if (!shown.model) {
+        const ReferenceOptions options{picture.progress, 1, picture.look.clip};
+        if (shown.renderer == Renderer::optix)
+            return GpuVolumes(shown.voxels.volumes, shown.values())
+                .maximum(camera, width, height, options);
+        return render_maximum_reference(shown.voxels.volumes, shown.values(), camera, width, height,
                                         options);
-    });
+    }
+    if (shown.renderer == Renderer::trace) {
+        TraceOptions options;
+        options.progress = picture.progress;
+        return render_maximum_trace(*shown.model, shown.field, camera, width, height, options, {},
+                                    picture.look.clip);
+    }
+    if (shown.renderer != Renderer::splat)
+        return GpuPictures(shown.renderer, *shown.model)
+            .maximum(shown.field, camera, width, height, picture.slabs, picture.look.clip);
+    SlabOptions options;
+    options.slabs = picture.slabs;
+    options.look = picture.look;
+    return render_maximum_splat(*shown.model, shown.field, camera, width, height, options);
 }
 
 void bind_maximum_picture(py::module_& m) {
@@ -213,19 +212,12 @@ void bind_maximum_picture(py::module_& m) {
            const std::string& renderer, int slabs, const py::object& fields,
            const py::object& progress) {
             const auto [width, height] = size_of(size);
-            const VolumeLook look = look_of("render_volume", py::none(), clip, clip_planes);
-            const PictureArguments picture{camera, width, height, slabs, renderer, look};
-            const Progress report = progress_of(progress);
-            ValueMap map;
-            if (py::isinstance<Gaussians>(data)) {
-                if (!fields.is_none())
-                    throw Error("render_maximum: fields: of voxels, a model has its own");
-                map = maximum_of_model(data.cast<const Gaussians&>(), field, picture, report);
-            } else if (py::isinstance<Volume>(data)) {
-                map = maximum_of_volume(data.cast<const Volume&>(), field, fields, picture, report);
-            } else {
-                refuse_data(data, "render_maximum", "Gaussians or a Volume");
-            }
+            const VolumeLook look = look_of("render_maximum", py::none(), clip, clip_planes);
+            const PictureArguments picture{
+                "render_maximum",     camera, width, height, slabs, renderer, look,
+                progress_of(progress)};
+            const Shown shown = shown_of(data, field, fields, picture);
+            const ValueMap map = unlocked([&] { return maximum_of(shown, picture); });
             return py::array_t<float>({map.height, map.width}, map.value.data());
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
@@ -259,24 +251,21 @@ void bind_volume_picture(py::module_& m) {
            const py::object& progress) {
             const auto [width, height] = size_of(size);
             const VolumeLook look = look_of("render_volume", light, clip, clip_planes);
-            const PictureArguments picture{
-                camera, width, height, slabs, renderer, look, voxels_by(interpolation, step)};
-            if (py::isinstance<Gaussians>(data) && interpolation != "constant")
-                throw Error("render_volume: interpolation: of voxels, a model has none");
-            const ValueArguments values{tf, value_range, window, bands, unit_distance};
-            const Progress report = progress_of(progress);
-            VolumeImage image;
-            if (py::isinstance<Gaussians>(data)) {
-                if (!fields.is_none())
-                    throw Error("render_volume: fields: of voxels, a model has its own");
-                image = of_model(data.cast<const Gaussians&>(), field, values, picture, report);
-            } else if (py::isinstance<Volume>(data)) {
-                image =
-                    of_volume(data.cast<const Volume&>(), field, fields, values, picture, report);
-            } else {
-                refuse_data(data, "render_volume", "Gaussians or a Volume");
-            }
-            return Picture{over(image, background_of(background))};
+            const PictureArguments picture{"render_volume",
+                                           camera,
+                                           width,
+                                           height,
+                                           slabs,
+                                           renderer,
+                                           look,
+                                           progress_of(progress),
+                                           voxels_by(interpolation, step)};
+            const Rgba behind = background_of(background);
+            const TransferRequest request =
+                request_of({tf, value_range, window, bands, unit_distance});
+            const Shown shown = shown_of(data, field, fields, picture);
+            return unlocked(
+                [&] { return Picture{over(volume_of(shown, request, picture), behind)}; });
         },
         py::arg("data"), py::arg("camera") = py::none(), py::arg("size") = 512, py::kw_only(),
         py::arg("field") = "", py::arg("tf") = "inferno", py::arg("value_range") = py::none(),
@@ -289,15 +278,17 @@ void bind_volume_picture(py::module_& m) {
         py::arg("progress") = py::none(),
         R"(One picture by value, a vog.Image: emission and absorption under a transfer function of a field's values.
 
-data           Gaussians with a scalar field, or a Volume
+data           Gaussians with a scalar field, a Volume, Levels or a list of Volumes
 camera         None: Camera.orbit(data), fitted to the picture
 size           pixels, 512 or (width, height)
 field          the scalar field; '': the data's own values
-tf             name of a colour map, or a TransferFunction, over value_range; or a JSON file, whose points may be at values
+tf             transfer function over value_range, as in DepthImage.shade(); a JSON file may have its points at values
 value_range    (lower, upper); None: of the data
 window         (centre, width) of medical pictures, in place of tf
 bands          rows (lower, upper, (r, g, b), opacity), in place of tf
-unit_distance  world length that opacities refer to; None: the file's, else a hundredth of the box's diagonal
+unit_distance  world length that opacities refer to; None: the file's; of window, bands and a tf with opacities a hundredth of
+               the box's diagonal; of a colour map the one at which the data, spread evenly over the silhouette of their
+               box, have an optical depth of 1
 light          'head', or a direction towards the light; None: emission and absorption alone
 clip           box of the world that is shown, [2, 3]; None: all
 clip_planes    rows (nx, ny, nz, d): the side where n.x >= d stays

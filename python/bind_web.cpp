@@ -5,6 +5,7 @@
 #include "vog/error.h"
 #include "vog/export_html.h"
 #include "vog/lod.h"
+#include "vog/picture.h"
 #include "vog/site.h"
 #include "volume_look.h"
 
@@ -39,21 +40,22 @@ struct QuantityArguments {
 std::optional<ValueTransfer> transfer_of(const QuantityArguments& given, const py::object& tf,
                                          const Gaussians& model) {
     if (given.show != "volume" || model.fields.scalar.empty()) return std::nullopt;
-    const ScalarField* field =
-        given.field.empty() ? &model.fields.scalar.front() : model.fields.find_scalar(given.field);
+    const ScalarField* field = given.field.empty() ? scalar_to_begin_with(model.fields)
+                                                   : model.fields.find_scalar(given.field);
     if (!field) return std::nullopt;  // write_html says so
     const bool file = py::isinstance<py::str>(tf) || py::hasattr(tf, "__fspath__");
     const bool unit = !given.unit_distance.is_none();
     TransferPoints points;
     if (file) points = transfer_points(py::str(tf).cast<std::string>());
     if (!unit && !points.at_values && !points.has_unit_distance) return std::nullopt;
-    double lower = field->lower, upper = field->upper;
+    auto [lower, upper] = value_range(field->lower, field->upper);
     if (!given.range.is_none()) {
         const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
         lower = range[0], upper = range[1];
     }
-    const double length =
-        unit ? given.unit_distance.cast<double>() : 0.02 * view_box(model).radius();
+    const double length = unit ? cast_to<double>(given.unit_distance, "export_html: unit_distance",
+                                                 "a length > 0, world units")
+                               : rough_unit_distance(view_box(model));
     ValueTransfer transfer = file ? over_range(points, lower, upper, length)
                                   : over_range(transfer_function_of(tf), lower, upper, length);
     if (unit) transfer.unit_distance = length;
@@ -117,7 +119,7 @@ std::filesystem::path path_elsewhere(const py::object& models) {
             "export_html: url goes with a path of a site or of a compact model "
             "(.vogz) as models, got " +
             py::type::of(models).attr("__name__").cast<std::string>());
-    return models.cast<std::filesystem::path>();
+    return cast_to<std::filesystem::path>(models, "export_html: models", "a path");
 }
 
 py::dict export_html(const std::filesystem::path& file, const py::object& models,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "vog/error.h"
 #include "voxel_fields.h"
 
 namespace vog::python {
@@ -43,6 +44,21 @@ SampledFields sampled_fields(const py::object& data, const py::object& fields, c
         for (const Volume& volume : sampled.volumes) values.push_back(measure_field(volume, own));
     }
     return sampled;
+}
+
+py::dict one_field(const py::object& fields, const std::string& name, const std::string& call) {
+    if (!py::isinstance<py::dict>(fields))
+        throw Error(call + ": fields: expected {'" + name + "': array}, the field at the voxels");
+    py::dict one;
+    std::string names;
+    for (const auto& [key, value] : fields.cast<py::dict>()) {
+        const auto text = py::str(key).cast<std::string>();
+        if (text == name || name.starts_with(text + ".")) one[key] = value;
+        names += (names.empty() ? "" : ", ") + text;
+    }
+    if (one.empty())
+        throw Error(call + ": no field '" + name + "' in fields, expected one of " + names);
+    return one;
 }
 
 }  // namespace vog::python

@@ -1,6 +1,7 @@
 // sampled_fields.h: fields of Python calls at the voxels of their data.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "data.h"
@@ -20,5 +21,9 @@ struct SampledFields {
 /// come early.
 /// fields  None: the own values alone; False: nothing
 SampledFields sampled_fields(const py::object& data, const py::object& fields, const char* call);
+
+/// The mapping with the one of `fields` that has a name or whose part it is: "velocity.x".
+/// throws  vog::Error where there is none
+py::dict one_field(const py::object& fields, const std::string& name, const std::string& call);
 
 }  // namespace vog::python

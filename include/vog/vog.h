@@ -28,6 +28,7 @@
 //            reference.h        T of the voxels themselves, the ground truth
 //            renderer.h         all of these renderers by name
 //            maximum_picture.h  maximum intensity projections
+//            picture.h          defaults of pictures: view, field, transfer function, scale, label
 //            volume_picture.h   emission and absorption by value
 //            clip.h             boxes and planes that cut pictures
 //   shade    shade.h            T to colours by a transfer function
@@ -73,6 +74,7 @@
 #include "vog/maximum_picture.h"
 #include "vog/memory.h"
 #include "vog/model_io.h"
+#include "vog/picture.h"
 #include "vog/ply.h"
 #include "vog/points.h"
 #include "vog/progress.h"

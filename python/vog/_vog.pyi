@@ -533,12 +533,12 @@ def render(
 ) -> DepthImage: ...
 def splat_targets() -> list[str]: ...
 def render_volume(
-    data: Union[Gaussians, Volume],
+    data: Union[Gaussians, _Mesh],
     camera: Union[Camera, None] = ...,
     size: _Size = ...,
     *,
     field: str = ...,
-    tf: Union[str, os.PathLike[str], TransferFunction] = ...,
+    tf: _Map = ...,
     value_range: Union[ArrayLike, None] = ...,
     window: Union[ArrayLike, None] = ...,
     bands: Union[Sequence[tuple[float, float, ArrayLike, float]], None] = ...,
@@ -555,7 +555,7 @@ def render_volume(
     progress: Union[_Progress, None] = ...,
 ) -> Image: ...
 def render_maximum(
-    data: Union[Gaussians, Volume],
+    data: Union[Gaussians, _Mesh],
     camera: Union[Camera, None] = ...,
     size: _Size = ...,
     *,

@@ -19,6 +19,7 @@
 #include "shade/transfer_function.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
+#include "vog/picture.h"
 #include "vog/splat.h"
 #include "web/page_fields.h"
 #include "web/page_source.h"
@@ -383,7 +384,8 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
                  {"chosenView", options.camera.has_value()},
                  {"systemBackground", options.system_background},
                  {"background", {ground.r, ground.g, ground.b, ground.a}},
-                 {"fade", options.shading.blend}};
+                 {"fade", options.shading.blend},
+                 {"leastColumn", kLeastColumn}};
     page["maps"] = maps_json(options.tf, map_name);
     page["map"] = map_name;
     page["quantity"] = quantity_json(first, options.quantity);

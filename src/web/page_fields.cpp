@@ -9,6 +9,7 @@
 #include "render/by_value/value_histogram.h"
 #include "vog/field_maps.h"
 #include "vog/maximum_picture.h"
+#include "vog/picture.h"
 #include "vog/quantity.h"
 
 namespace vog::web {
@@ -21,16 +22,16 @@ constexpr std::size_t kBins = 96;
 constexpr int kViewSize = 256;
 
 /// Range of a map in the first view, as `vog render` chooses it; a number that is no range: null.
-Json range_of(const FieldMaps& maps, const std::vector<float>& shown) {
-    const std::vector<float> values = values_for_scale(maps, shown);
-    if (values.empty()) return nullptr;
-    const ColorScale scale = fitted_scale(values, ScaleFit::linear);
+Json range_of(const FieldMaps& maps, const char* show, const std::vector<float>& shown) {
+    if (std::ranges::all_of(shown, [](float value) { return std::isnan(value); })) return nullptr;
+    const ColorScale scale = colored_map(maps, show, ScaleFit::linear).scale;
     return {scale.low, scale.high};
 }
 
 Json maps_json(const Gaussians& model, const FieldChoice& choice, const Camera& view) {
     const FieldMaps maps = render_field_splat(model, choice, view, kViewSize, kViewSize);
-    return {{"mean", range_of(maps, maps.mean)}, {"deviation", range_of(maps, maps.deviation)}};
+    return {{"mean", range_of(maps, "mean", maps.mean)},
+            {"deviation", range_of(maps, "deviation", maps.deviation)}};
 }
 
 /// Range of the maximum in the first view, likewise.
@@ -74,6 +75,9 @@ Json fields_json(const Gaussians& model, const Camera& view) {
     for (const ScalarField& field : model.fields.scalar) {
         Json entry = named(field, false);
         entry["isMeasure"] = field.is_measure;
+        const auto [lower, upper] = value_range(field.lower, field.upper);
+        entry["values"] = {lower, upper};  // under a colour map
+        entry["unitDistance"] = map_unit_distance(value_data(model, field), lower, upper);
         entry["histogram"] = histogram(model, field, false);
         if (field.lower > 0) entry["logHistogram"] = histogram(model, field, true);
         entry["ranges"] = {{"", maps_json(model, {field.name, FieldPart::value}, view)}};

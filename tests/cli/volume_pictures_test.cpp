@@ -79,7 +79,9 @@ TEST_F(volume_pictures_command, find_a_unit_distance_that_their_flags_repeat) {
     write_ramp("ramp.vdb");
     const std::string render = "render ramp.vdb -o ramp.exr --show volume --size 48 ";
     const nlohmann::json found = report(render);
-    EXPECT_NEAR(found["mean_opacity"].get<double>(), 0.6, 0.03);
+    // Mass 64 (1 + ... + 8), over the largest value and the mean silhouette of the cube, 3/2 of a face.
+    EXPECT_EQ(found["unit_distance"], 2304.0 / 8 / 96);
+    EXPECT_NEAR(found["mean_opacity"].get<double>(), 0.6, 0.2);
     EXPECT_EQ(found["range"], (std::vector<double>{1, 8}));
     const std::string note = found["notes"][0];
     EXPECT_NE(note.find("--range 1,8 --unit-distance "), std::string::npos) << note;

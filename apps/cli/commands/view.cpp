@@ -61,14 +61,13 @@ void set_quantity(viewer::ViewerOptions& options, const WindowArguments& argumen
     options.color_scale = stated.scale;
     const std::string input = arguments.inputs.empty() ? "" : arguments.inputs.front();
     options.choose_transfer = [&arguments, &command, stated, input](
-                                  const Gaussians& model, const std::string& name,
-                                  const Camera& camera, bool first) {
+                                  const Gaussians& model, const std::string& name, bool first) {
         // Ranges and bands are of the first field; others begin with the map over their own range.
         PageQuantityArguments given = arguments.quantity;
         if (!first) given.quantity.range.clear(), given.value = {};
         std::vector<std::string> notes;
         return stated_transfer(given, arguments.color, command, model,
-                               *model.fields.find_scalar(name), camera, input, stated, notes);
+                               *model.fields.find_scalar(name), input, notes);
     };
 }
 

@@ -101,21 +101,6 @@ Gaussians load_model_part(const RenderArguments& arguments, Drawing& drawing,
     return model;
 }
 
-void broadcast(VolumeImage& picture, const RenderRanks& ranks) {
-    if (!ranks.divided()) return;
-    Packets to(static_cast<std::size_t>(ranks.collective.count));
-    if (ranks.is_root)
-        for (std::vector<float>& packet : to)
-            for (const Rgba& pixel : picture.pixel)
-                packet.insert(packet.end(), {pixel.r, pixel.g, pixel.b, pixel.a});
-    const Packets from = ranks.collective.exchange(to);
-    const float* next = from.front().data();
-    for (Rgba& pixel : picture.pixel) {
-        pixel = {next[0], next[1], next[2], next[3]};
-        next += 4;
-    }
-}
-
 void join_maps(FieldMaps& maps, const RenderRanks& ranks) {
     if (!ranks.divided()) return;
     // A run at a time: the root holds it of every rank.

@@ -17,9 +17,6 @@ void require_addable(const RenderArguments& arguments, const Drawing& drawing,
 Gaussians load_model_part(const RenderArguments& arguments, Drawing& drawing,
                           const RenderRanks& ranks, Hierarchy* hierarchy = nullptr);
 
-/// The root's picture on every rank.
-void broadcast(VolumeImage& picture, const RenderRanks& ranks);
-
 /// Maps of all parts from maps of each, on the root: columns add, means and deviations by the columns.
 void join_maps(FieldMaps& maps, const RenderRanks& ranks);
 

@@ -11,6 +11,7 @@
 #include "values/value_maps.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -374,15 +375,14 @@ std::vector<RenderedPicture> render_field(const RenderArguments& arguments, cons
         made.picture = [=, &arguments, label = field.label, unit = field.unit,
                         cut = field.cut](const QuantityArguments& quantity) {
             require_finite(*maps, arguments.drawing.inputs.front());
-            const std::vector<float>& shown = is_mean ? maps->mean : maps->deviation;
-            const auto fixed = fixed_scale(quantity);
-            MapPicture picture{
-                is_mean ? label : "deviation of " + label,
-                unit,
-                visible_values(*maps, shown, quantity.least_column),
-                shown,
-                DepthImage(maps->width, maps->height),
-                fixed ? *fixed : fitted_scale(values_for_scale(*maps, shown), quantity.fit())};
+            ColoredMap colored = colored_map(*maps, quantity.show, quantity.fit(),
+                                             fixed_scale(quantity), quantity.least_column);
+            MapPicture picture{quantity_label(quantity.show, label),
+                               unit,
+                               std::move(colored.shown),
+                               is_mean ? maps->mean : maps->deviation,
+                               DepthImage(maps->width, maps->height),
+                               colored.scale};
             picture.covered.depth = maps->column;
             if (cut) picture.cut = *cut;
             return picture;

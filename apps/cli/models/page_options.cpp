@@ -70,7 +70,7 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     }
     std::vector<std::string> found;
     options.quantity = page_quantity(arguments.quantity, arguments.color, command,
-                                     first.levels.front(), options.camera, input, found);
+                                     first.levels.front(), input, found);
     print_notes(found);
     notes.insert(notes.end(), found.begin(), found.end());
     return options;

@@ -13,6 +13,7 @@
 #include "shared/terminal.h"
 #include "shared/validators.h"
 #include "vog/error.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -42,7 +43,7 @@ void check_arguments(const RenderArguments& arguments, const CLI::App& command, 
 /// Name of the shown quantity: "T", "column density", of particles "mass per area".
 std::string quantity_text(const RenderArguments& arguments, FileKind kind) {
     if (!arguments.quantity.column()) return "T";
-    if (kind != FileKind::points) return "column density";
+    if (kind != FileKind::points) return quantity_label("column", "");
     const std::string& value = arguments.drawing.points.value;
     return (value.empty() || value == "count" ? "number" : value) + " per area";
 }
@@ -63,8 +64,8 @@ Image pictured(const RenderArguments& arguments, const DepthImage& depth,
                       : shade_values(depth, tf, scale, shading);
     const QuantityArguments& given = arguments.quantity;
     if (!given.color_bar && given.title.empty()) return image;
-    std::string label = given.column() ? quantity : "optical depth T";
-    if (!given.units.empty()) label += fmt::format(" [{}]", given.units);
+    const std::string label =
+        with_unit(given.column() ? quantity : quantity_label("T", ""), given.units);
     return annotated(image, tf, scale, {given.title, label, given.color_bar}, shading.background);
 }
 

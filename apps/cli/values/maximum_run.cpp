@@ -9,6 +9,7 @@
 #include "values/value_maps.h"
 #include "vog/error.h"
 #include "vog/maximum_picture.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -109,7 +110,7 @@ std::vector<RenderedPicture> render_maximum(const RenderArguments& arguments,
                         unit = inputs.unit](const QuantityArguments& quantity) {
             const auto fixed = fixed_scale(quantity);
             return MapPicture{
-                "maximum of " + label,
+                quantity_label("maximum", label),
                 unit,
                 *map,
                 map->value,

@@ -12,23 +12,13 @@ namespace vog::cli {
 
 ValueTransfer stated_transfer(const PageQuantityArguments& arguments, const ColorArguments& color,
                               const CLI::App& command, const Gaussians& model,
-                              const ScalarField& field, const Camera& camera,
-                              const std::string& input, const HtmlQuantity& quantity,
+                              const ScalarField& field, const std::string& input,
                               std::vector<std::string>& notes) {
     RenderArguments run;
     run.color = color;
     run.quantity = arguments.quantity;
     run.value = arguments.value;
-    SlabOptions options{.slabs = quantity.slabs};
-    options.look = quantity.look;
-    const auto draw = [&](const ValueTransfer& transfer, const Camera& from, int width,
-                          int height) {
-        return render_volume_splat(model, field.name, transfer, from, width, height, options);
-    };
-    const ValueData data{input, field.lower, field.upper, 2 * view_box(model).radius()};
-    const ChosenTransfer chosen = choose_transfer(run, command, data, draw, camera, {512, 512});
-    notes.insert(notes.end(), chosen.notes.begin(), chosen.notes.end());
-    return chosen.transfer;
+    return transfer_of(run, command, input, value_data(model, field), notes).transfer;
 }
 
 void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
@@ -110,15 +100,12 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::
 
 HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
                            const CLI::App& command, const Gaussians& model,
-                           const std::optional<Camera>& camera, const std::string& input,
-                           std::vector<std::string>& notes) {
+                           const std::string& input, std::vector<std::string>& notes) {
     HtmlQuantity quantity = stated_quantity(arguments, command);
     if (!arguments.quantity.volume()) return quantity;
     const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
     quantity.field = field.name;
-    quantity.transfer =
-        stated_transfer(arguments, color, command, model, field,
-                        camera ? *camera : orbit_view(view_box(model)), input, quantity, notes);
+    quantity.transfer = stated_transfer(arguments, color, command, model, field, input, notes);
     return quantity;
 }
 

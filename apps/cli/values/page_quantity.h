@@ -27,20 +27,17 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
 /// throws  CLI::ValidationError as `vog render` does for such options
 HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::App& command);
 /// Transfer function of a model's scalar field, found as `vog render --show volume` finds it.
-/// quantity  for its look and slabs
 /// input     file of the model, for messages
 /// notes     receives what was chosen
 /// throws    CLI::ValidationError and vog::Error as `vog render` does for such options
 ValueTransfer stated_transfer(const PageQuantityArguments& arguments, const ColorArguments& color,
                               const CLI::App& command, const Gaussians& model,
-                              const ScalarField& field, const Camera& camera,
-                              const std::string& input, const HtmlQuantity& quantity,
+                              const ScalarField& field, const std::string& input,
                               std::vector<std::string>& notes);
 
 /// Quantity of a page's first model: both.
 HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
                            const CLI::App& command, const Gaussians& model,
-                           const std::optional<Camera>& camera, const std::string& input,
-                           std::vector<std::string>& notes);
+                           const std::string& input, std::vector<std::string>& notes);
 
 }  // namespace vog::cli

@@ -4,13 +4,13 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "fields/divided_models.h"
 #include "fields/gpu_drawing.h"
 #include "fields/volume_fields.h"
 #include "vog/error.h"
 #include "vog/field_maps.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -37,27 +37,24 @@ void check_by_value(const RenderArguments& arguments, const CLI::App& command,
                                 drawing.kind == FileKind::volume ? "reference" : "splat"));
 }
 
+/// Sums of the data over all ranks.
+void add_ranks(ValueData& data, const Box& box, const RenderRanks& ranks) {
+    double sums[2] = {data.mass, data.moment}, most[1] = {data.is_measure ? 1.0 : 0.0};
+    ranks.collective.sum(sums);
+    ranks.collective.max(most);
+    data.mass = sums[0], data.moment = sums[1], data.is_measure = most[0] > 0;
+    data.box = box;
+}
+
 ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,
                               const RenderRanks& ranks) {
     const std::string& input = arguments.drawing.inputs.front();
     const auto model = std::make_shared<Gaussians>(load_model_part(arguments, drawing, ranks));
     const ScalarField& field =
         scalar_field_of(model->fields, arguments.quantity.field, input, arguments.quantity.show);
-    return {std::move(drawing), field.name, field.unit, field.lower, field.upper, model, {}};
-}
-
-/// Sets a scalar field's range: its values at active voxels.
-void set_range(const Volume& volume, VoxelField& field) {
-    float lower = HUGE_VALF, upper = -HUGE_VALF;
-    const auto include = [&](float value) {
-        lower = std::min(lower, value), upper = std::max(upper, value);
-    };
-    const VoxelValues& values = field.component[0];
-    for (std::size_t l = 0; l < values.leaf.size(); ++l)
-        for (int n = 0; n < kLeafVoxels; ++n)
-            if (volume.leaves[l].active(n)) include(values.leaf[l][static_cast<std::size_t>(n)]);
-    std::ranges::for_each(values.tile, include);
-    field.lower = double{lower}, field.upper = double{upper};
+    ValueData data = value_data(*model, field);
+    add_ranks(data, drawing.box, ranks);
+    return {std::move(drawing), field.name, field.unit, std::move(data), model, {}};
 }
 
 /// Reads the field of --field: "temperature", or "velocity.x" of a vector field.
@@ -81,11 +78,8 @@ std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
                 part ? "scalar and has no .x" : "a vector", arguments.quantity.show,
                 part ? "" : fmt::format(": {0}.x, {0}.y or {0}.z", printable(field.name))));
         if (!part) continue;
-        VoxelValues component =
-            std::move(field.component[static_cast<std::size_t>(text.back() - 'x')]);
-        field.component.assign(1, std::move(component));
-        field.name = text;
-        set_range(volumes[static_cast<std::size_t>(&field - fields.data())], field);
+        const auto place = static_cast<std::size_t>(&field - fields.data());
+        field = component_of(std::move(field), text.back() - 'x', volumes[place]);
     }
     return fields;
 }
@@ -148,8 +142,7 @@ ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing
     ValueInputs made;
     made.unit = data->field.front().unit;
     made.label = data->field.front().name;
-    made.lower = std::ranges::min(data->field, {}, &VoxelField::lower).lower;
-    made.upper = std::ranges::max(data->field, {}, &VoxelField::upper).upper;
+    made.data = value_data(data->volumes, data->field, drawing.box);
     for (const Volume& volume : data->volumes) drawing.active_voxels += active_voxels(volume);
     set_primitives_text(drawing, set.is_mesh() ? data->volumes.size() : 0);
     made.volumes = data;
@@ -245,17 +238,17 @@ ValueInputs load_divided_values(const RenderArguments& arguments, Drawing drawin
     drawing.box = part.box;
     drawing.notes = part.notes;
     set_primitives_text(drawing, part.is_mesh ? part.volumes : 0);
-    return {std::move(drawing), field->name, field->unit, field->lower, field->upper, {}, data};
+    ValueData sums = value_data(data->volumes, data->field, part.box);
+    add_ranks(sums, part.box, ranks);
+    sums.lower = field->lower, sums.upper = field->upper;
+    return {std::move(drawing), field->name, field->unit, std::move(sums), {}, data};
 }
 
 }  // namespace
 
 const ScalarField& scalar_field_of(const Fields& fields, const std::string& name,
                                    const std::string& input, const std::string& show) {
-    if (const ScalarField* found = fields.find_scalar(name)) return *found;
-    const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
-    if (name.empty() && measure != fields.scalar.end()) return *measure;
-    if (name.empty() && fields.scalar.size() == 1) return fields.scalar.front();
+    if (const ScalarField* found = scalar_to_show(fields, name)) return *found;
     std::string names;
     for (const ScalarField& field : fields.scalar)
         names += (names.empty() ? "" : ", ") + printable(field.name);

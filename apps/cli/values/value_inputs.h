@@ -7,7 +7,7 @@
 
 #include "fields/divided_volumes.h"
 #include "shared/render_run.h"
-#include "vog/voxel_field.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -16,7 +16,7 @@ struct ValueInputs {
     Drawing drawing;                           ///< for views and reports, not for drawing T
     std::string label;                         ///< of the field
     std::string unit;                          ///< of the field
-    double lower = 0, upper = 0;               ///< least and largest value of the data
+    ValueData data;                            ///< of all ranks
     std::shared_ptr<const Gaussians> model{};  ///< or
     std::shared_ptr<const PartsWithField> volumes{};
 };

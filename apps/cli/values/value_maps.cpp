@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "films/views.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -18,9 +19,8 @@ Image colored(const RenderArguments& arguments, const MapPicture& map, const Tra
     const Image image = shade_map(map.shown, tf, map.scale, shading);
     const QuantityArguments& given = arguments.quantity;
     if (!given.color_bar && given.title.empty()) return image;
-    const std::string label =
-        map.unit.empty() ? map.name : fmt::format("{} [{}]", map.name, map.unit);
-    return annotated(image, tf, map.scale, {given.title, label, given.color_bar},
+    return annotated(image, tf, map.scale,
+                     {given.title, with_unit(map.name, map.unit), given.color_bar},
                      shading.background);
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fields/divided_models.h"
 #include "fields/gpu_drawing.h"
 #include "films/views.h"
 #include "values/value_inputs.h"
@@ -107,6 +106,14 @@ DrawVolume volume_renderer(const RenderArguments& arguments, ValueInputs& inputs
     };
 }
 
+/// Mean of alpha over the pixels that have some; 0 where none has.
+double mean_opacity(const VolumeImage& picture) {
+    double sum = 0;
+    std::size_t covered = 0;
+    for (const Rgba& pixel : picture.pixel) sum += double{pixel.a}, covered += pixel.a > 0;
+    return covered ? sum / static_cast<double>(covered) : 0;
+}
+
 /// Alpha of a picture, as the figures of reports take T.
 DepthImage alpha_of(const VolumeImage& picture) {
     DepthImage alpha(picture.width, picture.height);
@@ -135,10 +142,10 @@ Image shown(const RenderArguments& arguments, const VolumeImage& picture,
     Image image = over(picture, shading.background);
     const QuantityArguments& given = arguments.quantity;
     if (!given.color_bar && given.title.empty()) return image;
-    const std::string label =
-        inputs.unit.empty() ? inputs.label : fmt::format("{} [{}]", inputs.label, inputs.unit);
-    return annotated(image, bar_of(chosen), scale, {given.title, label, given.color_bar},
-                     shading.background);
+    return annotated(
+        image, bar_of(chosen), scale,
+        {given.title, quantity_label("volume", inputs.label, inputs.unit), given.color_bar},
+        shading.background);
 }
 
 }  // namespace
@@ -154,22 +161,11 @@ std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
                                           : volume_renderer(arguments, volume, ranks);
     Drawing& drawing = volume.drawing;
     const Box box = arguments.box.value_or(drawing.box);
-    const Camera first =
-        camera_from(arguments.view, command, box, double(size.width) / size.height);
-    const ValueData data{arguments.drawing.inputs.front(), volume.lower, volume.upper,
-                         2 * box.radius()};
-    const ChosenTransfer chosen = stages.run("transfer function", [&] {
-        const auto draw = [&](const ValueTransfer& transfer, const Camera& from, int width,
-                              int height) {
-            VolumeImage small;
-            drawn(transfer, from, width, height, {}, small);
-            broadcast(small, ranks);  // all choose alike
-            return small;
-        };
-        return choose_transfer(arguments, command, data, draw, first, size);
-    });
-    if (ranks.is_root) print_notes(chosen.notes);
-    drawing.notes.insert(drawing.notes.end(), chosen.notes.begin(), chosen.notes.end());
+    std::vector<std::string> notes;
+    const ChosenTransfer chosen =
+        transfer_of(arguments, command, arguments.drawing.inputs.front(), volume.data, notes);
+    if (ranks.is_root) print_notes(notes);
+    drawing.notes.insert(drawing.notes.end(), notes.begin(), notes.end());
 
     VolumeImage image;
     const ColorScale scale{ColorScale::Kind::linear, chosen.lower, chosen.upper};

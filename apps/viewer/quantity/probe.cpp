@@ -8,6 +8,8 @@
 #include <limits>
 #include <vector>
 
+#include "vog/picture.h"
+
 namespace vog::viewer {
 
 namespace {

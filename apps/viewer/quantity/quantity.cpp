@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "vog/error.h"
+#include "vog/picture.h"
 #include "web/page_fields.h"
 
 namespace vog::viewer {
@@ -81,9 +82,7 @@ FieldChoice field_for(const Fields& fields, Show show, const std::string& text) 
         throw Error(fmt::format("{} needs a {}field, which this model has not", name_of(show),
                                 of_scalars(show) ? "scalar " : ""));
     if (text.empty()) {
-        const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
-        if (of_scalars(show) && measure != fields.scalar.end())
-            return {measure->name, FieldPart::value};
+        if (of_scalars(show)) return {scalar_to_begin_with(fields)->name, FieldPart::value};
         return all.front();
     }
     const FieldChoice choice = field_choice(text, fields);
@@ -104,16 +103,11 @@ std::string text_of(const FieldChoice& choice) {
 
 std::string label_of(const Quantity& quantity, const Fields& fields) {
     if (quantity.show == Show::visibility) return "V = 1 - exp(-T)";
-    if (quantity.show == Show::column) return "column density";
-    std::string label = field_label(quantity.field);
-    const bool rms = quantity.field.part == FieldPart::magnitude;
-    if (quantity.show == Show::mean && !rms) label = "mean of " + label;
-    if (quantity.show == Show::maximum) label = "maximum of " + label;
-    if (quantity.show == Show::deviation) label = "deviation of " + label;
     const ScalarField* scalar = fields.find_scalar(quantity.field.field);
     const VectorField* vector = fields.find_vector(quantity.field.field);
     const std::string unit = scalar ? scalar->unit : vector ? vector->unit : "";
-    return unit.empty() ? label : fmt::format("{} [{}]", label, unit);
+    return quantity_label(word_of(quantity.show), field_label(quantity.field),
+                          quantity.show == Show::column ? "" : unit);
 }
 
 DepthImage depth_of(const SumImage& sums) {

@@ -50,7 +50,7 @@ std::vector<FieldChoice> field_choices(const Fields& fields, Show show);
 FieldChoice field_for(const Fields& fields, Show show, const std::string& text);
 /// The text that field_choice reads: "temperature", "velocity", "velocity.x".
 std::string text_of(const FieldChoice& choice);
-/// Name and unit of what is shown: "mean of temperature [K]".
+/// Name and unit of what is shown: "deviation of temperature [K]".
 std::string label_of(const Quantity& quantity, const Fields& fields);
 
 /// Sums per pixel; rows from the top.
@@ -90,8 +90,6 @@ struct FieldUnit {
 /// By the range of the data: the middle and half the width of a scalar field, 0 and the largest magnitude of a vector.
 FieldUnit unit_of(const Fields& fields, const std::string& field);
 
-/// Share of the largest column below which maps of a field show nothing.
-inline constexpr double kLeastColumn = 1e-4;
 /// The map of a quantity from sums, NaN where nothing is shown.
 /// show  shaded_as
 /// unit  of the field

@@ -56,8 +56,8 @@ struct Probed {
 
 /// Transfer function of a field of a model, as the command's options choose it: for a first picture by value.
 /// first  whether options of the field's values count, or the map alone
-using ChooseTransfer = std::function<ValueTransfer(const Gaussians& model, const std::string& field,
-                                                   const Camera& camera, bool first)>;
+using ChooseTransfer =
+    std::function<ValueTransfer(const Gaussians& model, const std::string& field, bool first)>;
 
 /// Times of the latest frame, ms.
 struct Measured {

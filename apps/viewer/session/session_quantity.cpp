@@ -8,6 +8,7 @@
 #include "render/by_value/value_histogram.h"
 #include "session/session.h"
 #include "vog/error.h"
+#include "vog/picture.h"
 
 namespace vog::viewer {
 
@@ -79,12 +80,11 @@ void Session::begin_values() {
     const ScalarField& field = *fields().find_scalar(name);
     ValueTransfer transfer;
     if (choose_transfer) {
-        transfer = choose_transfer(model, name, camera, std::exchange(values_first_, false));
+        transfer = choose_transfer(model, name, std::exchange(values_first_, false));
     } else {
-        const bool flat = !(field.upper > field.lower);
-        const double lower = flat ? std::min(0.0, field.lower) : field.lower;
-        const double upper = flat ? std::max(lower + 1, field.upper) : field.upper;
-        transfer = over_range(map_function(look), lower, upper, radius() / 50);
+        const auto [lower, upper] = value_range(field.lower, field.upper);
+        transfer = over_range(map_function(look), lower, upper,
+                              map_unit_distance(value_data(model, field), lower, upper));
     }
     values.begin(std::move(transfer));
     values_of_ = name;
@@ -126,8 +126,8 @@ void Session::set_map(const std::string& name_or_file) {
     if (!points.at_values && points.points.opacity.empty())
         return set_values(with_map(*values.now(), load_transfer_function(name_or_file)));
     const ScalarField& field = *fields().find_scalar(quantity.field.field);
-    const double upper = field.upper > field.lower ? field.upper : field.lower + 1;
-    set_values(over_range(points, field.lower, upper, values.now()->unit_distance));
+    const auto [lower, upper] = value_range(field.lower, field.upper);
+    set_values(over_range(points, lower, upper, values.now()->unit_distance));
 }
 
 void Session::set_clip(const std::optional<Box>& box) {

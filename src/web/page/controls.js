@@ -73,7 +73,10 @@ export class Controls {
       const { transfer } = this.editor;
       this.editor.edit({ ...transfer, unit: this.middleUnit / 10 ** (find('density').valueAsNumber / 3) }, true);
     });
-    on('density', 'dblclick', () => this.editor.edit({ ...this.editor.transfer, unit: 0 }));
+    on('density', 'dblclick', () => {
+      this.middleUnit = 0;
+      this.editor.edit({ ...this.editor.transfer, unit: 0 });
+    });
     on('preset', 'change', () => {
       const { transfer } = this.editor, make = presets[find('preset').value];
       if (make) this.editor.edit({ ...transfer, opacity: make(this.editor.axis.value) });

@@ -1,5 +1,5 @@
 // main.js: state of the page, scheduling of frames, commands.
-import { length, mul, normalized, sub } from './vectors.js';
+import { mul, normalized, sub } from './vectors.js';
 import { carriedOver, filling, fitted, flown, orbited, rolled, seenFrom } from './camera.js';
 import { withOtherProjection } from './camera.js';
 import { Decoder } from './model/decoder.js';
@@ -11,7 +11,7 @@ import { overRange } from './picture/transfer.js';
 import { Renderer } from './picture/renderer.js';
 import { Slabs } from './picture/slabs.js';
 import { Probe, rayOf } from './picture/probe.js';
-import { automaticScale, automaticTransfer, fieldKey, fieldPlace, fittedUnit, inSlabs, quantityNumber } from './quantity.js';
+import { automaticScale, automaticTransfer, fieldKey, fieldPlace, inSlabs, quantityNumber } from './quantity.js';
 import { changedState, firstState, partOfLink, readLink, writeLink } from './link.js';
 import { attachKeys, attachPointers } from './input.js';
 import { Controls, giveUp, say } from './controls.js';
@@ -42,7 +42,7 @@ const mapNow = () => {
 const clipNow = () => ({ box: state.clip, planes: state.planes });
 const scaleNow = () => (state.scale?.low === undefined ? automaticScale(comparable(), state, state.scale?.log) : state.scale);
 let automatic = null;  // [key, transfer function] without edits
-/** The transfer function of the shown field; its unit is 0 until it has been found. */
+/** The transfer function of the shown field; a unit of 0 is the field's own. */
 function transferNow() {
   if (state.show !== 'volume') return null;
   if (state.transfers[state.field]) return state.transfers[state.field];
@@ -52,9 +52,8 @@ function transferNow() {
 }
 const transferShown = () => {
   const transfer = transferNow();
-  return transfer && (transfer.unit > 0 ? transfer : { ...transfer, unit: roughUnit() });
+  return transfer && (transfer.unit > 0 ? transfer : { ...transfer, unit: comparable()[0].fields[state.field].unitDistance });
 };
-const roughUnit = () => 0.02 * length(box().half) || 1;
 
 // --- Drawing. Changes of camera, model, level, size, field or clip render sums anew; all others only shade. ---
 
@@ -90,7 +89,8 @@ const busy = () => Boolean(moving || player?.playing);
 const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, isMeasure });
 
 /** Adds one sub-frame of the shown quantity. */
-function addSums(parts, transfer = transferShown()) {
+function addSums(parts) {
+  const transfer = transferShown();
   const model = page.models[state.model], field = fieldPlace(state), { camera } = state, clip = clipNow();
   if (inSlabs(state.show)) {
     slabs ??= new Slabs(renderer);
@@ -101,24 +101,6 @@ function addSums(parts, transfer = transferShown()) {
   } else {
     renderer.addSums(parts, model, camera, { field, part: field === null ? '' : state.part, clip });
   }
-}
-
-/** Finds the unit distance of a transfer function that has none, from a small picture. */
-function fitUnit(parts) {
-  const { width, height } = renderer, scale = 64 / Math.max(width, height);
-  const small = [width, height].map((side) => Math.max(1, Math.round(scale * side)));
-  let transfer = transferShown();
-  renderer.resize(...small);
-  for (let n = 0; n < 4; ++n) {
-    renderer.restart();
-    addSums(parts, transfer);
-    transfer = { ...transfer, unit: Number(fittedUnit(renderer.allSums(), transfer.unit).toPrecision(4)) };
-  }
-  if (state.transfers[state.field]) state.transfers = { ...state.transfers, [state.field]: transfer };
-  else automatic[1] = transfer;
-  renderer.resize(width, height);
-  controls.middleUnit = 0;
-  showControls();
 }
 
 function draw() {
@@ -138,7 +120,6 @@ function drawNow() {
   const { width, height } = canvas;
   const there = source.now(busy());
   renderer.resize(width, height);
-  if (state.show === 'volume' && there.isWhole && !(transferNow().unit > 0)) fitUnit(there.parts);
   count = there.count;
   const now = [state.camera, state.model, there.key, width, height, fieldKey(state), inSlabs(state.show) && state.show, state.clip, state.planes,
     state.show === 'volume' && transferNow(), state.show === 'volume' && state.light];
@@ -155,7 +136,7 @@ function shade() {
   renderer.shade({
     quantity: quantityNumber(state), scale: scaleNow(), fade: state.fade, background: page.background,
     factor: state.show === 'T' ? state.exposure : state.show === 'volume' ? 1 : 1 / model.extinction,
-    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: state.show === 'maximum' ? 0 : 1e-4 * model.mostColumn,
+    unit: source ? [source.reference, source.scale] : [0, 1], leastColumn: state.show === 'maximum' ? 0 : page.leastColumn * model.mostColumn,
   });
 }
 
@@ -312,8 +293,8 @@ const probe = new Probe();
 /** Probe's answer for the ray of a pixel; null: none to be had now. */
 function probed(pixel) {
   const model = page.models[state.model], ray = rayOf(state.camera, pixel, canvas.width, canvas.height);
-  const parts = !renderer || lost || busy() || !(transferNow().unit > 0) ? null : source.along(ray);
-  return parts && probe.probe(parts, model, ray, { transfer: transferNow(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
+  const parts = !renderer || lost || busy() ? null : source.along(ray);
+  return parts && probe.probe(parts, model, ray, { transfer: transferShown(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
 }
 const readout = new Readout(canvas, find('probe'), {
   now: () => ({ model: page.models[state.model], state }), busy: () => moving || inFlight, ray: probed,

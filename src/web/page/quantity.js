@@ -68,26 +68,10 @@ export function automaticScale(models, { show, field, part }, isLog = false) {
   return isLog && high > 0 ? { low: Math.max(low, high / 10 ** logDecades), high, log: true } : { low, high, log: false };
 }
 
-/** The transfer function that a field starts with: a map over its range; unit 0: to be found. */
+/** The transfer function that a field starts with: a map over its range. */
 export function automaticTransfer(models, field, map) {
   const sources = models.map((model) => model.fields[field]).filter(Boolean);
-  const lower = Math.min(...sources.map((s) => s.lower)), upper = Math.max(...sources.map((s) => s.upper));
-  return overRange(map, lower, upper > lower ? upper : lower + 1, 0);
-}
-
-/** The unit distance at which covered pixels' mean opacity is 0.6, as `vog render --tf NAME` chooses it. */
-export function fittedUnit(pixels, unit) {
-  const depths = [];
-  for (let n = 3; n < pixels.length; n += 4)
-    if (pixels[n] > 0) depths.push(-Math.log1p(-Math.min(pixels[n], 1 - 1e-6)) * unit);
-  if (depths.length === 0) return unit;
-  const mean = (at) => depths.reduce((sum, depth) => sum - Math.expm1(-depth / at), 0) / depths.length;
-  let low = Math.log(unit) - 40, high = low + 80;
-  for (let step = 0; step < 60; ++step) {
-    const middle = 0.5 * (low + high);
-    if (mean(Math.exp(middle)) > 0.6) low = middle; else high = middle;
-  }
-  return Math.exp(0.5 * (low + high));
+  return overRange(map, Math.min(...sources.map((s) => s.values[0])), Math.max(...sources.map((s) => s.values[1])), sources[0].unitDistance);
 }
 
 /** A number for people: four digits. */
@@ -119,6 +103,6 @@ export function label(model, { show, field, part }) {
   if (show === 'column') return 'column density';
   const source = model.fields[field], unit = source?.unit ? ` [${source.unit}]` : '';
   if (show === 'T' || !source) return '';
-  const words = { deviation: 'deviation of ', maximum: 'maximum of ', mean: part === 'magnitude' ? '' : 'mean ' }[show] ?? '';
+  const words = { deviation: 'deviation of ', maximum: 'maximum of ', mean: '' }[show] ?? '';
   return `${words}${partName(source, part)}${unit}`;
 }

@@ -14,7 +14,7 @@ function linesOfSums(sums, model, state) {
   if (state.part === 'magnitude')
     return [...lines, `${label(model, state)} ${numberText(scale * Math.sqrt(Math.max(sums[2] / sums[0], 0)))}`];
   const mean = sums[1] / sums[0], deviation = Math.sqrt(Math.max(sums[2] / sums[0] - mean * mean, 0));
-  return [...lines, `${label(model, { ...state, show: 'mean' })} ${numberText(reference + scale * mean)}`,
+  return [...lines, `mean ${label(model, { ...state, show: 'mean' })} ${numberText(reference + scale * mean)}`,
     `deviation ${numberText(scale * deviation)}`];
 }
 

@@ -33,16 +33,16 @@ export class Levels {
     return this.hasLevel(model, n) ? n : -1;
   }
 
-  /** Parts to draw now, {parts: of renderer.js, key: another where they are others, count: Gaussians, isWhole: of the whole model}. */
+  /** Parts to draw now, {parts: of renderer.js, key: another where they are others, count: Gaussians}. */
   now(moving) {
     const state = this.view.state(), level = this.level(moving);
-    if (level < 0) return { parts: [], key: -1, count: 0, isWhole: false };
+    if (level < 0) return { parts: [], key: -1, count: 0 };
     const entry = this.levelsOf(state.model)[level], field = fieldPlace(state), renderer = this.view.renderer();
     entry.gpu ??= renderer.upload(entry.instances);
     if (field !== null && !entry.gpu.fields.has(field))
       renderer.uploadField(entry.gpu, field, entry.fields.get(field), this.page.models[state.model].fields[field].vector);
     const { gpu } = entry, parts = gpu.count > 0 ? [{ gpu, first: 0, count: gpu.count }] : [];
-    return { parts, key: level, count: this.page.models[state.model].levels[level].count, isWhole: this.complete };
+    return { parts, key: level, count: this.page.models[state.model].levels[level].count };
   }
 
   /** Parts that a ray may meet, as Probe takes them; null: none yet. */

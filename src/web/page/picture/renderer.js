@@ -383,7 +383,6 @@ export class Renderer {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return sums;
   }
-  allSums() { return this.read(0, 0, this.width, this.height); }
 
   /** Sums of one pixel, from the top left; null: none. */
   sumsAt(x, y) {

@@ -187,7 +187,7 @@ export class Site {
     const aspects = this.aspects();
     if (!this.planned?.every((part, n) => part === aspects[n])) this.replan(true);
     const { parts, count } = this.drawn ?? { parts: [], count: 0 };
-    return { parts, key: this.version, count, isWhole: parts.length > 0 };
+    return { parts, key: this.version, count };
   }
 
   /** Whether a step can be shown at once: all that its view wants, or after a while what there is. */

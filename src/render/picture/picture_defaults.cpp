@@ -1,0 +1,68 @@
+// picture_defaults.cpp: default view, field, label and scale of a picture.
+#include <algorithm>
+#include <cmath>
+
+#include "vog/picture.h"
+
+namespace vog {
+
+Camera default_view(const Box& box, int width, int height) {
+    const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
+    return orbit_view(box, {}, aspect);
+}
+
+const ScalarField* scalar_to_show(const Fields& fields, const std::string& name) {
+    if (!name.empty()) return fields.find_scalar(name);
+    const auto measure = std::ranges::find(fields.scalar, true, &ScalarField::is_measure);
+    if (measure != fields.scalar.end()) return &*measure;
+    return fields.scalar.size() == 1 ? &fields.scalar.front() : nullptr;
+}
+
+const ScalarField* scalar_to_begin_with(const Fields& fields) {
+    const ScalarField* field = scalar_to_show(fields);
+    return field || fields.scalar.empty() ? field : &fields.scalar.front();
+}
+
+VoxelField component_of(VoxelField field, int axis, const Volume& volume) {
+    VoxelValues values = std::move(field.component[static_cast<std::size_t>(axis)]);
+    float lower = HUGE_VALF, upper = -HUGE_VALF;
+    const auto include = [&](float value) {
+        lower = std::min(lower, value), upper = std::max(upper, value);
+    };
+    for (std::size_t l = 0; l < values.leaf.size(); ++l)
+        for (int n = 0; n < kLeafVoxels; ++n)
+            if (volume.leaves[l].active(n)) include(values.leaf[l][static_cast<std::size_t>(n)]);
+    std::ranges::for_each(values.tile, include);
+    field.lower = double{lower}, field.upper = double{upper};
+    field.component.assign(1, std::move(values));
+    field.name += {'.', "xyz"[axis]};
+    return field;
+}
+
+std::string quantity_label(std::string_view show, const std::string& field,
+                           const std::string& unit) {
+    std::string label = show == "T"        ? "optical depth T"
+                        : show == "column" ? "column density"
+                                           : field;
+    if (show == "deviation" || show == "maximum") label = std::string(show) + " of " + field;
+    return with_unit(label, unit);
+}
+
+std::string with_unit(const std::string& name, const std::string& unit) {
+    return unit.empty() ? name : name + " [" + unit + "]";
+}
+
+ColoredMap colored_map(const FieldMaps& maps, std::string_view show, ScaleFit fit,
+                       const std::optional<ColorScale>& fixed, double least_column) {
+    if (show == "column") {
+        DepthImage column(maps.width, maps.height);
+        column.depth = maps.column;
+        return {visible_values(maps, maps.column, 0),
+                fixed ? *fixed : automatic_scale({&column, 1}, fit == ScaleFit::log)};
+    }
+    const std::vector<float>& shown = show == "mean" ? maps.mean : maps.deviation;
+    return {visible_values(maps, shown, least_column),
+            fixed ? *fixed : fitted_scale(values_for_scale(maps, shown), fit)};
+}
+
+}  // namespace vog

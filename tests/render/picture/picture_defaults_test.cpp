@@ -1,0 +1,128 @@
+// picture_defaults_test.cpp: defaults of pictures, and that volumes and their models share them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "vog/convert_fields.h"
+#include "vog/convert_moments.h"
+#include "vog/error.h"
+#include "vog/picture.h"
+#include "vog/sample.h"
+
+namespace vog::test {
+
+namespace {
+
+/// A cube of 8^3 voxels of one density, and a model of one Gaussian a voxel with that field.
+struct Cube {
+    Volume volume;
+    std::vector<VoxelField> own;
+    Gaussians model;
+
+    explicit Cube(float density, double edge = 1) {
+        volume.name = "density";
+        volume.world_from_index = affine_from_voxels({edge, edge, edge}, {});
+        Leaf& leaf = volume.leaves.emplace_back();
+        for (int n = 0; n < kLeafVoxels; ++n) leaf.set(n, density);
+        own.push_back(measure_field(volume, "density"));
+        model = convert_moments(volume, {.block_voxels = 1, .soft_steps = 0});
+        const std::vector<std::vector<VoxelField>> fields{own};
+        add_fields(model, std::span(&volume, 1), fields);
+    }
+    ValueData of_voxels() const {
+        return value_data(std::span(&volume, 1), own, world_box(volume));
+    }
+    ValueData of_model() const { return value_data(model, *scalar_to_show(model.fields)); }
+};
+
+TransferRequest map_of(const std::string& name) {
+    TransferRequest request;
+    request.points = transfer_points(name);
+    return request;
+}
+
+}  // namespace
+
+TEST(picture_defaults, cubes_have_the_closed_form_of_the_unit_distance) {
+    for (const float density : {1e-20f, 0.5f, 3.0f})
+        for (const double edge : {1e-3, 1.0, 1e6}) {
+            // Mass density e^3, over the largest value and 3/2 e^2: 2/3 of the cube's edge e, to two digits.
+            const Cube cube(density, edge);
+            for (const ValueData& data : {cube.of_voxels(), cube.of_model()}) {
+                EXPECT_TRUE(data.is_measure);
+                const double unit = map_unit_distance(data, 0, double{density});
+                EXPECT_NEAR(unit / (8 * edge), 2.0 / 3, 0.005) << density << " " << edge;
+            }
+        }
+}
+
+TEST(picture_defaults, volumes_and_models_have_one_unit_distance) {
+    for (const Volume& volume : {sample_cloud({.size = 64}), sample_explosion({.size = 64})})
+        for (const MomentOptions& options :
+             {MomentOptions{.block_voxels = 2, .soft_steps = 0}, MomentOptions{.budget = 500}}) {
+            Gaussians model = convert_moments(volume, options);
+            const std::vector<VoxelField> own{measure_field(volume, "density")};
+            const std::vector<std::vector<VoxelField>> fields{own};
+            add_fields(model, std::span(&volume, 1), fields);
+            const ChosenTransfer voxels = choose_transfer(
+                map_of("viridis"), value_data(std::span(&volume, 1), own, world_box(volume)));
+            const ChosenTransfer gaussians = choose_transfer(
+                map_of("viridis"), value_data(model, *scalar_to_show(model.fields)));
+            EXPECT_EQ(voxels.transfer, gaussians.transfer);
+            EXPECT_EQ(voxels.unit_distance, UnitDistance::of_map);
+        }
+}
+
+TEST(picture_defaults, requests_keep_what_they_state) {
+    const ValueData data{0, 2, {{0, 0, 0}, {1, 2, 2}}, 4, 0, true};
+    TransferRequest request = map_of("gray");
+    EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance, 0.5);  // 4 / 2 / 4
+    request.unit_distance = 7;
+    EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance, 7);
+    request = {};
+    request.window.emplace(1, 0.5);
+    EXPECT_EQ(choose_transfer(request, data).transfer.unit_distance, 0.03);  // diagonal 3
+    request.bands = {{0, 1, 1, 1, 1, 0.5}};
+    EXPECT_THROW((void)choose_transfer(request, data), Error);
+    request.window.reset();
+    EXPECT_EQ(choose_transfer(request, data).unit_distance, UnitDistance::rough);
+    request.bands = {{5, 6, 1, 1, 1, 0.5}};
+    EXPECT_THROW((void)choose_transfer(request, data), Error);
+    request.may_be_empty = true;
+    EXPECT_NO_THROW((void)choose_transfer(request, data));
+}
+
+TEST(picture_defaults, data_without_extent_mass_or_range_have_one) {
+    EXPECT_EQ(rough_unit_distance({}), 1);
+    EXPECT_EQ(rough_unit_distance({{1, 1, 1}, {1, 1, 1}}), 1);
+    EXPECT_EQ(map_unit_distance({}, 0, 1), 1);
+    const Box box{{0, 0, 0}, {1, 2, 2}};
+    EXPECT_EQ(map_unit_distance({0, 0, box, 0, 0, true}, 0, 1), 0.03);
+    EXPECT_EQ(map_unit_distance({-2, -1, box, 1, -1.5, true}, -2, -1), 0.03);
+    EXPECT_EQ(value_range(3, 3), (std::pair{0.0, 3.0}));
+    EXPECT_EQ(value_range(-3, -3), (std::pair{-3.0, 0.0}));
+    EXPECT_EQ(value_range(0, 0), (std::pair{0.0, 1.0}));
+    EXPECT_EQ(default_view(box, 0, 5).eye, default_view(box, 7, 7).eye);
+}
+
+TEST(picture_defaults, fields_and_labels) {
+    Fields fields;
+    EXPECT_EQ(scalar_to_show(fields), nullptr);
+    EXPECT_EQ(scalar_to_begin_with(fields), nullptr);
+    fields.scalar.resize(1);
+    fields.scalar[0].name = "a";
+    EXPECT_EQ(scalar_to_show(fields), &fields.scalar[0]);
+    fields.scalar.emplace_back().name = "b";
+    EXPECT_EQ(scalar_to_show(fields), nullptr);
+    EXPECT_EQ(scalar_to_begin_with(fields), &fields.scalar[0]);
+    fields.scalar[1].is_measure = true;
+    EXPECT_EQ(scalar_to_show(fields), &fields.scalar[1]);
+    EXPECT_EQ(scalar_to_show(fields, "a"), &fields.scalar[0]);
+    EXPECT_EQ(scalar_to_show(fields, "c"), nullptr);
+    EXPECT_EQ(quantity_label("T", ""), "optical depth T");
+    EXPECT_EQ(quantity_label("column", "", "g/cm2"), "column density [g/cm2]");
+    EXPECT_EQ(quantity_label("mean", "heat", "K"), "heat [K]");
+    EXPECT_EQ(quantity_label("maximum", "heat", "K"), "maximum of heat [K]");
+}
+
+}  // namespace vog::test
