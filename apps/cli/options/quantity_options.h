@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "vog/quantity.h"
+#include "vog/picture.h"
 
 namespace vog::cli {
 
@@ -13,7 +13,7 @@ struct QuantityArguments {
     std::string show = "T", field, range, scale = "linear", units, title, values_output;
     bool log = false, color_bar = false;
     /// Share of the largest column below which a picture of a field shows nothing.
-    double least_column = 1e-4;
+    double least_column = kLeastColumn;
 
     bool column() const { return show == "column"; }
     bool of_field() const { return show == "mean" || show == "deviation"; }

@@ -5,6 +5,7 @@
 
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
+#include "vog/dense.h"
 #include "vog/error.h"
 #include "vog/picture.h"
 #include "vog/sample.h"
