@@ -42,7 +42,7 @@ const mapNow = () => {
 const clipNow = () => ({ box: state.clip, planes: state.planes });
 const scaleNow = () => (state.scale?.low === undefined ? automaticScale(comparable(), state, state.scale?.log) : state.scale);
 let automatic = null;  // [key, transfer function] without edits
-/** The transfer function of the shown field; a unit of 0 is the field's own. */
+/** The transfer function of the shown field. */
 function transferNow() {
   if (state.show !== 'volume') return null;
   if (state.transfers[state.field]) return state.transfers[state.field];
@@ -50,10 +50,6 @@ function transferNow() {
   if (automatic?.[0] !== key) automatic = [key, automaticTransfer(comparable(), state.field, mapNow())];
   return automatic[1];
 }
-const transferShown = () => {
-  const transfer = transferNow();
-  return transfer && (transfer.unit > 0 ? transfer : { ...transfer, unit: comparable()[0].fields[state.field].unitDistance });
-};
 
 // --- Drawing. Changes of camera, model, level, size, field or clip render sums anew; all others only shade. ---
 
@@ -77,7 +73,7 @@ const decoder = new Decoder(find('reader').textContent + find('worker').textCont
 /** The models: what there is of them to draw. Pages without a site have no modules of stream/. */
 const source = new (page.site ? Site : Levels)(page, decoder, {
   state: () => state, renderer: () => (lost ? null : renderer), size: () => [canvas.width, canvas.height],
-  clip: clipNow, transfer: () => transferShown(), changed: redraw,
+  clip: clipNow, transfer: transferNow, changed: redraw,
   say, fail: (text) => giveUp(`${text}.`), show: (status) => { showStream(status); controls.showDetail(source.detail()); },
   refuse: (line) => {
     change({ show: 'T' });
@@ -90,7 +86,7 @@ const rangeOf = ({ reference, scale, isMeasure }) => ({ reference, unit: scale, 
 
 /** Adds one sub-frame of the shown quantity. */
 function addSums(parts) {
-  const transfer = transferShown();
+  const transfer = transferNow();
   const model = page.models[state.model], field = fieldPlace(state), { camera } = state, clip = clipNow();
   if (inSlabs(state.show)) {
     slabs ??= new Slabs(renderer);
@@ -248,7 +244,7 @@ function showOverlay() {
 function showControls() {
   showOverlay();
   find('z-up').checked = page.upright[2] > 0.5;
-  controls.show(state, { scale: scaleNow(), transfer: transferShown(), detail: source.detail() });
+  controls.show(state, { scale: scaleNow(), transfer: transferNow(), detail: source.detail() });
   player?.show(state.model, page.models[state.model].name);
   readout.show();
 }
@@ -263,10 +259,10 @@ function recolor() {
   state.transfers = { ...state.transfers, [state.field]: { ...edited, name: state.map, colors } };
 }
 
-/** An edited transfer function of the shown field; null: the first one again. */
+/** An edited transfer function of the shown field, a unit of 0 for the field's own; null: the first one again. */
 function setTransfer(transfer) {
-  const { [state.field]: _, ...others } = state.transfers;
-  change({ transfers: transfer ? { ...others, [state.field]: transfer } : others });
+  const { [state.field]: _, ...others } = state.transfers, unit = transfer?.unit || comparable()[0].fields[state.field]?.unitDistance;
+  change({ transfers: transfer ? { ...others, [state.field]: { ...transfer, unit } } : others });
 }
 
 /** Level and width of the shown values by a drag, as radiologists have it; shares of the picture's height. */
@@ -277,7 +273,7 @@ function windowed(rightwards, upwards) {
     return (v) => middle + ((v - 0.5 * (low + high)) / (high - low)) * width;
   };
   if (state.show === 'volume') {
-    const transfer = transferShown(), values = [...transfer.colors, ...transfer.opacity].map(([v]) => v);
+    const transfer = transferNow(), values = [...transfer.colors, ...transfer.opacity].map(([v]) => v);
     const [low, high] = [Math.min(...values), Math.max(...values)];
     if (high > low) setTransfer(remapped(transfer, narrowed(low, high)));
   } else {
@@ -294,7 +290,7 @@ const probe = new Probe();
 function probed(pixel) {
   const model = page.models[state.model], ray = rayOf(state.camera, pixel, canvas.width, canvas.height);
   const parts = !renderer || lost || busy() ? null : source.along(ray);
-  return parts && probe.probe(parts, model, ray, { transfer: transferShown(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
+  return parts && probe.probe(parts, model, ray, { transfer: transferNow(), source: rangeOf(model.fields[state.field]), clip: clipNow() });
 }
 const readout = new Readout(canvas, find('probe'), {
   now: () => ({ model: page.models[state.model], state }), busy: () => moving || inFlight, ray: probed,
