@@ -109,13 +109,13 @@ Shown shown_of_voxels(const py::object& data, const std::string& name, const py:
     auto& all = shown.voxels.values;
     all.resize(1);  // behind it the data's own values
     if (all.front().front().is_vector()) {
-        const std::size_t axis = std::string_view("xyz").find(name.back());
-        if (axis > 2 || all.front().front().name.size() + 2 != name.size())
-            throw Error(call + ": no scalar field '" + name + "' in fields, expected '" +
-                        all.front().front().name + ".x', .y or .z");
+        const std::string& vector = all.front().front().name;
+        const std::string part = name.size() > vector.size() ? name.substr(vector.size() + 1) : "";
+        if (part != "x" && part != "y" && part != "z" && part != "magnitude")
+            throw Error(call + ": no scalar field '" + name + "' in fields, expected '" + vector +
+                        ".x', .y, .z or .magnitude");
         for (std::size_t n = 0; n < all.front().size(); ++n)
-            all.front()[n] = component_of(std::move(all.front()[n]), static_cast<int>(axis),
-                                          shown.voxels.volumes[n]);
+            all.front()[n] = component_of(std::move(all.front()[n]), part, shown.voxels.volumes[n]);
     } else if (!name.empty() && all.front().front().name != name) {
         throw Error(call + ": no scalar field '" + name + "' in fields");
     }

@@ -50,18 +50,10 @@ FileKind check(const SiteArguments& arguments, const CLI::App& command) {
             fmt::format("{}: particles, expected volumes or models (vog-mpi convert makes "
                         "a model of them)",
                         given.inputs.front()));
-    if (kind == FileKind::volume) {
-        cli::check_options(given, command, kind);
-        if (given.stamp) throw CLI::ValidationError("--stamp: sites have no stage times");
-        if (!given.fields.empty() && given.no_fields)
-            throw CLI::ValidationError("--carry and --no-fields exclude each other");
-    } else {
-        cli::refuse_volume_options(command, kind, given.inputs);
-        cli::refuse_group(command, cli::kMomentGroup, "models");
-        for (const char* option : {"--carry", "--lod", "--measure"})
-            if (command.count(option))
-                throw CLI::ValidationError(fmt::format("{} does not go with models", option));
-    }
+    cli::Facts facts = cli::conversion_facts(given, command, kind);
+    facts["output"] = "site";
+    facts["show"] = arguments.page.quantity.quantity.show;
+    cli::require_effects(command, facts);
     cli::check_names(arguments.page, kind == FileKind::model ? given.inputs.size() : 1);
     cli::check_page_options(arguments.page, command);
     cli::refuse_own_folder(given.inputs, given.output);
@@ -90,10 +82,10 @@ void describe(Gaussians& part, const Gaussians& whole) {
 }
 
 /// This rank's part of the volumes' model.
-SiteInput convert_input(const SiteArguments& arguments, const CLI::App& command,
-                        cli::Stages& stages, const Ranks& ranks, std::vector<std::string>& notes) {
+SiteInput convert_input(const SiteArguments& arguments, cli::Stages& stages, const Ranks& ranks,
+                        std::vector<std::string>& notes) {
     cli::VolumeConversion conversion;
-    conversion.moments = cli::moment_options(arguments.convert, command);
+    conversion.moments = cli::moment_options(arguments.convert);
     conversion.moments.progress = stages.progress();
     ConvertedVolumes volumes = convert_parts(arguments.convert, conversion, stages, ranks);
     notes = volumes.notes;
@@ -146,7 +138,7 @@ void export_site(const SiteArguments& given, const CLI::App& command, const Rank
     const auto read = [&](std::size_t n) {
         SiteInput input =
             kind == FileKind::volume
-                ? convert_input(arguments, command, stages, ranks, notes)
+                ? convert_input(arguments, stages, ranks, notes)
                 : stages.run("load", [&] {
                       return read_input(convert.inputs[n], convert.volume.values, ranks);
                   });

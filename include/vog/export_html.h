@@ -40,8 +40,9 @@ struct HtmlQuantity {
     /// Field of mean, deviation, volume and maximum, as field_choice reads it; empty: the first one, of
     /// volume and maximum the density where the model has it.
     std::string field{};
-    /// Scale of column, mean, deviation or maximum, linear or logarithmic; none: linear, of the first view.
+    /// Scale of column, mean, deviation or maximum, linear or logarithmic; none: of the first view.
     std::optional<ColorScale> scale{};
+    bool log = false;  ///< whether a scale of the first view is logarithmic
     /// Transfer function of volume; none: HtmlOptions::tf over the field's range.
     std::optional<ValueTransfer> transfer{};
     VolumeLook look{};  ///< light of volume, and the clip of all quantities

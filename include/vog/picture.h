@@ -34,9 +34,9 @@ const ScalarField* scalar_to_show(const Fields& fields, const std::string& name 
 /// The same for a list where a user chooses another: the first one where several could be meant.
 const ScalarField* scalar_to_begin_with(const Fields& fields);
 
-/// One component of a vector field at the voxels of a volume as a scalar field, "velocity.x", with its range over them.
-/// axis  0, 1 or 2
-VoxelField component_of(VoxelField field, int axis, const Volume& volume);
+/// One number of a vector field at the voxels of a volume as a scalar field, "velocity.x", with its range over them.
+/// part  "x", "y", "z" or "magnitude"
+VoxelField component_of(VoxelField field, const std::string& part, const Volume& volume);
 
 /// Name of the number that a quantity shows, with its unit: "column density [g/cm2]", "deviation of temperature [K]".
 /// show   word of `vog render --show`: "T", "column", "mean", "deviation", "volume" or "maximum"

@@ -16,22 +16,6 @@ namespace vog {
 
 namespace {
 
-[[noreturn]] void no_such_field(const std::string& text, const Fields& fields) {
-    if (fields.empty())
-        throw Error(fmt::format(
-            "no field '{}': the model has none; vog convert IN -o model.ply --field {} adds it",
-            printable(text), printable(text)));
-    std::vector<std::string> names;
-    for (const std::string& name : fields.names()) names.push_back(printable(name));
-    throw Error(fmt::format(
-        "no field '{}' in the model, expected one of {}{}; vog convert IN -o model.ply --field "
-        "NAME adds others",
-        printable(text), fmt::join(names, ", "),
-        fields.vector.empty()
-            ? ""
-            : " (of a vector field NAME.x, NAME.y, NAME.z or NAME.magnitude, too)"));
-}
-
 /// Parts of vector fields by the text behind the name.
 struct Part {
     FieldPart part;
@@ -41,6 +25,30 @@ constexpr std::array<Part, 4> kParts{{{FieldPart::x, "x"},
                                       {FieldPart::y, "y"},
                                       {FieldPart::z, "z"},
                                       {FieldPart::magnitude, "magnitude"}}};
+
+/// "velocity" of "velocity.magnitude".
+std::string whole_name(const std::string& text) {
+    for (const auto& [part, suffix] : kParts)
+        if (text.ends_with(fmt::format(".{}", suffix)))
+            return text.substr(0, text.size() - suffix.size() - 1);
+    return text;
+}
+
+[[noreturn]] void no_such_field(const std::string& text, const Fields& fields) {
+    if (fields.empty())
+        throw Error(fmt::format(
+            "no field '{}': the model has none; vog convert VOLUME -o model.ply --field {} adds it",
+            printable(text), printable(whole_name(text))));
+    std::vector<std::string> names;
+    for (const std::string& name : fields.names()) names.push_back(printable(name));
+    throw Error(fmt::format(
+        "no field '{}' in the model, expected one of {}{}; vog convert VOLUME -o model.ply --field "
+        "NAME adds others",
+        printable(text), fmt::join(names, ", "),
+        fields.vector.empty()
+            ? ""
+            : " (of a vector field NAME.x, NAME.y, NAME.z or NAME.magnitude, too)"));
+}
 
 }  // namespace
 

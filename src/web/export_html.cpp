@@ -302,7 +302,7 @@ Json json_of(const ValueTransfer& transfer) {
 }
 
 /// First quantity of the page: names of the field and the part, null where the page selects.
-Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
+Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity, const Camera& view) {
     Json out = {{"show", quantity.show},
                 {"slabs", (quantity.slabs + 3) / 4 * 4},
                 {"maximumSlabs", quantity.maximum_slabs}};
@@ -313,10 +313,13 @@ Json quantity_json(const Gaussians& model, const HtmlQuantity& quantity) {
         out["field"] = choice.field;
         out["part"] = kParts[static_cast<std::size_t>(choice.part)];
     }
-    if (quantity.scale)
-        out["scale"] = {{"low", quantity.scale->low},
-                        {"high", quantity.scale->high},
-                        {"log", quantity.scale->kind == ColorScale::Kind::log}};
+    std::optional<ColorScale> scale = quantity.scale;
+    if (!scale && quantity.log && quantity.show != "T" && quantity.show != "volume")
+        scale = logarithmic_scale(model, quantity, view);
+    if (scale)
+        out["scale"] = {{"low", scale->low},
+                        {"high", scale->high},
+                        {"log", scale->kind == ColorScale::Kind::log}};
     if (quantity.transfer) out["transfer"] = json_of(*quantity.transfer);
     const VolumeLook& look = quantity.look;
     out["light"] = {{"on", look.light},
@@ -388,7 +391,7 @@ Json page_json(const Gaussians& first, const HtmlOptions& options) {
                  {"leastColumn", kLeastColumn}};
     page["maps"] = maps_json(options.tf, map_name);
     page["map"] = map_name;
-    page["quantity"] = quantity_json(first, options.quantity);
+    page["quantity"] = quantity_json(first, options.quantity, camera);
     page["steps"] = options.steps;
     return page;
 }

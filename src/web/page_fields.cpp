@@ -11,6 +11,7 @@
 #include "vog/maximum_picture.h"
 #include "vog/picture.h"
 #include "vog/quantity.h"
+#include "vog/splat.h"
 
 namespace vog::web {
 
@@ -95,6 +96,28 @@ Json fields_json(const Gaussians& model, const Camera& view) {
         all.push_back(std::move(entry));
     }
     return all;
+}
+
+ColorScale logarithmic_scale(const Gaussians& model, const HtmlQuantity& quantity,
+                             const Camera& view) {
+    if (quantity.show == "column") {
+        const DepthImage column = render_splat(model, view, kViewSize, kViewSize);
+        return automatic_scale({&column, 1}, true);
+    }
+    std::string field = quantity.field;
+    if (quantity.show == "maximum") {
+        const auto own = std::ranges::find(model.fields.scalar, true, &ScalarField::is_measure);
+        if (field.empty())
+            field = own != model.fields.scalar.end() ? own->name : model.fields.names().front();
+        return fitted_scale(render_maximum_splat(model, field, view, kViewSize, kViewSize).value,
+                            ScaleFit::log);
+    }
+    if (field.empty()) field = model.fields.names().front();
+    const FieldMaps maps =
+        render_field_splat(model, field_choice(field, model.fields), view, kViewSize, kViewSize);
+    return fitted_scale(
+        values_for_scale(maps, quantity.show == "mean" ? maps.mean : maps.deviation),
+        ScaleFit::log);
 }
 
 }  // namespace vog::web

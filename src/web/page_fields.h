@@ -4,6 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "vog/camera.h"
+#include "vog/export_html.h"
 #include "vog/fields.h"
 #include "vog/gaussians.h"
 
@@ -20,5 +21,10 @@ PageUnit page_unit(const VectorField& field);
 /// Fields of a model: names, units, ranges of their maps, histograms.
 /// view  for the ranges of maps
 nlohmann::ordered_json fields_json(const Gaussians& model, const Camera& view);
+
+/// Logarithmic scale of a quantity in a model's first view, as `vog render --log` chooses it.
+/// throws  vog::Error for a field that the model lacks, and as fitted_scale does
+ColorScale logarithmic_scale(const Gaussians& model, const HtmlQuantity& quantity,
+                             const Camera& view);
 
 }  // namespace vog::web

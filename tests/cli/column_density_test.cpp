@@ -128,9 +128,9 @@ TEST_F(column_density_command, a_colour_bar_of_t_leaves_the_picture_as_it_was) {
 TEST_F(column_density_command, options_that_contradict_are_refused) {
     write_cube("cube.vdb", 0.25f);
     const std::string render = "render cube.vdb -o a.png ";
-    must_fail(2, render + "--log", "--log: is of column density");
-    must_fail(2, render + "--range 0,1", "--range: is of column density");
-    must_fail(2, render + "--units g", "--units: is of column density");
+    must_fail(2, render + "--log", "--log has no effect with --show T");
+    must_fail(2, render + "--range 0,1", "--range has no effect with --show T");
+    must_fail(2, render + "--units g", "--units has no effect with --show T");
     must_fail(2, render + "--show column --extinction 2", "--extinction");
     must_fail(2, render + "--show column --blend", "--blend");
     for (const char* range : {"1", "2,1", "a,b", "0,inf", "1,2,3", "0,1x"})

@@ -164,10 +164,10 @@ TEST_F(cli, particles_are_listed_converted_and_rendered) {
     must_fail(1, "render p.csv -o a.png --renderer reference", "holds particles");
     must_fail(1, "evaluate p.csv -o out", "holds particles");
     must_fail(1, "convert p.csv p.ply -o a.ply", "another kind");
-    must_fail(2, "convert p.csv -o a.ply --strategy strict", "does not go with");
+    must_fail(2, "convert p.csv -o a.ply --strategy strict", "has no effect with");
     must_fail(2, "convert p.csv -o a.ply --budget 5 --block 2", "exclude each other");
     must_fail(2, "render p.csv -o a.png --radius wide", "--radius wide");
-    must_fail(2, "render p.ply -o a.png --radius 2", "--radius does not go with");
+    must_fail(2, "render p.ply -o a.png --radius 2", "--radius has no effect with models");
     write("bad.xyz", "1 2 3\n4 5 6\n7 8\n");
     must_fail(1, "render bad.xyz -o a.png", "bad.xyz:3: got 2 columns, expected 3");
     write("one.xyz", "1 2 3\n");

@@ -85,7 +85,7 @@ TEST_F(field_conversion_command, fields_come_beside_the_own_values) {
     }();
     EXPECT_EQ(both.fields.scalar[0].value, both.fields.scalar[1].value);
     must_fail(2, "convert cloud.vdb -o m.ply --field heat.vdb:heat --no-fields",
-              "--field and --no-fields exclude each other");
+              "--no-fields and --field exclude each other");
 }
 
 /// --for moves the Gaussians; what T loses is reported, in the file too.
@@ -140,13 +140,13 @@ TEST_F(field_conversion_command, for_a_field_fits_the_gaussians_to_it) {
         "convert cloud.vdb -o m.ply --block 8 --measure volume --joint-steps 1 --field hu=density "
         "--for volume");
     EXPECT_EQ(read_ply(dir_ / "m.ply").fields.names(), std::vector<std::string>{"hu"});
-    must_fail(2, start + "--for volume --no-fields", "--for and --no-fields exclude each other");
+    must_fail(2, start + "--for volume --no-fields", "--no-fields and --for exclude each other");
     must_fail(2, "convert cloud.vdb -o m.ply --for volume --method paper",
-              "--for does not go with --method paper");
-    must_fail(2, start + "--for volume --spread 1.2", "--for does not go with --spread");
-    must_fail(2, start + "--joint-steps 3", "--joint-steps: is of --for");
+              "--for has no effect with --method paper");
+    must_fail(2, start + "--for volume --spread 1.2", "--spread and --for exclude each other");
+    must_fail(2, start + "--joint-steps 3", "--joint-steps needs --for");
     must("sample particles p.csv --size 8");
-    must_fail(2, "convert p.csv -o m.ply --for volume", "--for does not go with particles");
+    must_fail(2, "convert p.csv -o m.ply --for volume", "--for has no effect with particles");
 }
 
 /// With --for, --error and --refine are of pictures by value.
@@ -249,9 +249,10 @@ TEST_F(field_conversion_command, signed_values_convert_by_volume) {
     EXPECT_TRUE(read_ply(dir_ / "ct.ply").fields.empty());
     for (const std::string option : {"--clip-negative", "--level-set-to-fog"})
         must_fail(2, "convert ct.vdb -o m.ply --measure volume " + option,
-                  option + " does not go with --measure volume");
+                  option + " has no effect with --measure volume");
     write("p.csv", "x,y,z\n1,2,3\n2,3,4\n");
-    must_fail(2, "convert p.csv -o p.ply --measure volume", "--measure does not go with particles");
+    must_fail(2, "convert p.csv -o p.ply --measure volume",
+              "--measure has no effect with particles");
 }
 
 /// Values of single particles, and the plane through those of a cell.
@@ -297,7 +298,7 @@ TEST_F(field_conversion_command, particles_carry_columns_and_velocity) {
     }
     must_fail(1, "convert p.csv -o p.ply --field heat", "no value named 'heat' (it has: count");
     must_fail(2, "convert p.csv -o p.ply --field T --field T=mass", "a second field named 'T'");
-    must_fail(2, "convert p.csv -o q.csv --field T", "--field does not go with unconverted");
+    must_fail(2, "convert p.csv -o q.csv --field T", "--field has no effect with -o FILE.csv");
 }
 
 }  // namespace vog::test

@@ -123,14 +123,14 @@ TEST_F(films, time_runs_once_during_a_turn_of_steps) {
     EXPECT_EQ(json("render 'models/*.ply' -o s_%d.png --turntable 1 --steps --size 16")["pictures"]
                   .size(),
               1u);
-    must_fail(2, "render 'models/*.ply' -o s/ --steps", "--steps: is of --turntable");
+    must_fail(2, "render 'models/*.ply' -o s/ --steps", "--steps needs --turntable");
 }
 
 TEST_F(films, bad_requests_say_what_would_be_valid) {
     must_fail(2, "render models/step_1.ply -o one.png --turntable 4",
               "a name with a number (t_%04d.png) or a film");
     must_fail(2, "render models/step_1.ply -o t/ --turntable 0", "--turntable");
-    must_fail(2, "render models/step_1.ply -o t/ --turntable 2 --fps 10", "--fps: is of films");
+    must_fail(2, "render models/step_1.ply -o t/ --turntable 2 --fps 10", "--fps has no effect");
     must_fail(2, "render models/step_1.ply -o film.mp4", "a film of one picture");
     must_fail(1, "render models/step_1.ply -o none/%d.png --turntable 2", "no folder 'none'");
     must_fail(1, "render models/step_1.ply -o %d.jpg --turntable 2", "expected .png or .exr");

@@ -20,7 +20,9 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-VOG = os.environ.get("VOG_COMMAND") or "build/release/apps/cli/vog"
+import command_server
+from command_server import VOG
+
 SECONDS = 60  # of one run on a busy machine; most take some hundredths
 
 # Values of options that take one. {made}: folder of inputs; {out}: folder of this run's outputs.
@@ -103,7 +105,7 @@ def outcome_of(made, command, arguments, chosen):
         words += ALWAYS.get(command, [])
     words = [word.replace("{made}", made).replace("{out}", out) for word in words]
     try:
-        run = subprocess.run([VOG, command, *words], capture_output=True, timeout=SECONDS)
+        run = command_server.run([command, *words], seconds=SECONDS)
     except subprocess.TimeoutExpired:
         return Outcome(fault=f"more than {SECONDS} s")
     finally:

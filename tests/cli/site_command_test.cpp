@@ -151,10 +151,11 @@ TEST_F(site_command, an_export_that_has_not_ended_is_said) {
 TEST_F(site_command, requests_without_sense_are_refused) {
     must("sample cloud c.vdb --size 64");
     must("convert c.vdb -o c.ply --budget 100");
-    must_fail(2, "export c.ply -o c.html --site", "--site: expected -o with a folder");
+    must_fail(2, "export c.ply -o c.html --site", "--site has no effect with -o FILE.html");
     must_fail(2, "export c.ply -o c.html --memory 1G", "--memory");
     must_fail(2, "export c.ply -o site/ --levels 3", "--levels");
-    must_fail(2, "export c.ply -o site/ --hierarchy", "--hierarchy does not go with a site");
+    must_fail(2, "export c.ply -o site/ --hierarchy",
+              "--hierarchy has no effect with -o FOLDER/ (a site)");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "site"));
     std::filesystem::create_directories(dir_ / "mine");
     std::ofstream(dir_ / "mine/index.html") << "mine";

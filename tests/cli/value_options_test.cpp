@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 
+#include "options/option_effects.h"
 #include "shared/drawing.h"
 
 namespace vog::cli {
@@ -39,7 +40,10 @@ std::string line_refused(const std::string& line, bool volume = true) {
     app.add_option("--range", range);
     add_value_options(app, given);
     app.parse(line);
-    return refusal([&] { check_value_options(given, app, volume ? "volume" : "T"); });
+    return refusal([&] {
+        require_effects(app, {{"show", volume ? "volume" : "T"}});
+        check_value_options(given);
+    });
 }
 
 TEST(value_options, bands_and_surfaces_are_sorted) {
@@ -78,11 +82,12 @@ TEST(value_options, texts_that_are_none_are_refused) {
 }
 
 TEST(value_options, that_exclude_each_other_are_refused) {
-    expect_in(line_refused("--window 3,1 --iso 3,red"), "--window: does not go with --band");
-    expect_in(line_refused("--window 3,1 --tf gray"), "--tf: does not go with --window");
-    expect_in(line_refused("--band 1,2,red,1 --range 1,2"), "--range: does not go with");
-    expect_in(line_refused("--light-weights 1,1,1,1"), "--light-weights: is of --light");
-    expect_in(line_refused("--threshold 2", false), "--threshold: is of --show volume");
+    expect_in(line_refused("--window 3,1 --iso 3,red"), "--window and --iso exclude each other");
+    expect_in(line_refused("--window 3,1 --tf gray"), "--tf and --window exclude each other");
+    expect_in(line_refused("--band 1,2,red,1 --range 1,2"),
+              "--range and --band exclude each other");
+    expect_in(line_refused("--light-weights 1,1,1,1"), "--light-weights needs --light");
+    expect_in(line_refused("--threshold 2", false), "--threshold has no effect with --show T");
     EXPECT_EQ(line_refused("--threshold 2 --tf gray --range 1,2"), "accepted");
 }
 

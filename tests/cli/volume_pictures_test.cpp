@@ -127,9 +127,9 @@ TEST_F(volume_pictures_command, show_models_as_their_voxels_and_clip_them) {
     EXPECT_GT(psnr("exact.png", "slabs.png"), 40);
     EXPECT_GT(psnr("exact.png", "many.png"), psnr("exact.png", "slabs.png"));
     must_fail(2, "render m.ply" + look + "p.png --renderer trace --slabs 8",
-              "--slabs: is of splat");
+              "--slabs has no effect with --renderer trace");
     must_fail(2, "render m.ply" + look + "p.png --slabs 0", "--slabs");
-    must_fail(2, "render m.ply -o p.png --slabs 8", "--slabs: is of --show volume");
+    must_fail(2, "render m.ply -o p.png --slabs 8", "--slabs has no effect with --show T");
 }
 TEST_F(volume_pictures_command, show_values_below_0) {
     const auto grid = make_grid("HU");
@@ -153,8 +153,8 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
     write_ply(dir_ / "model.ply", model);
     must_fail(
         1, "render model.ply -o p.png --show volume",
-        "model.ply: --show volume needs a scalar field (the model has none; vog convert IN -o "
-        "model.ply --field GRID)");
+        "model.ply: --show volume needs a scalar field, and the model has none; vog convert VOLUME "
+        "-o model.ply makes a model with one");
     const std::string render = "render ramp.vdb -o p.png --size 8 --show volume ";
     const auto refused = [&](int code, const std::string& options, const std::string& text) {
         must_fail(code, render + options, text);
@@ -165,12 +165,12 @@ TEST_F(volume_pictures_command, say_in_one_line_what_is_wrong) {
     refused(1, "--threshold 9", "shows none of the data's values, 1 to 8");
     refused(2, "--clip 0,0,0,1,-1,1", "y from 0 to -1, expected the first below the second");
     refused(2, "--interpolation linear --step 0", "--step 0: a picture by value has samples");
-    refused(2, "--log", "--log: does not go with --show volume");
-    must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window: is of --show volume");
+    refused(2, "--log", "--log has no effect with --show volume");
+    must_fail(2, "render ramp.vdb -o p.png --window 3,1", "--window has no effect with --show T");
     must_fail(2, "render ramp.vdb -o p.png --show maximum --light head",
-              "--light: is of --show volume");
+              "--light has no effect with --show maximum");
     must_fail(2, "render ramp.vdb -o p.png --show maximum --interpolation linear",
-              "does not go with");
+              "--interpolation linear has no effect");
     must_fail(1, "render model.ply -o p.png --show maximum",
               "model.ply: --show maximum needs a scalar field");
     must_fail(2, "render model.ply -o p.png --show mean --field density --clip 0,0,0,1,-1,1",

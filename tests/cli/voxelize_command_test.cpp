@@ -153,14 +153,13 @@ TEST_F(voxelize_command, refuses_in_one_line) {
                   "expected a finite number > 0");
     must_fail(2, "voxelize model.ply -o v.vdb", "expected --voxel-size X or --like FILE");
     must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --like skewed.vdb",
-              "expected one of them");
+              "--voxel-size and --like exclude each other");
     must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --grid density",
-              "--grid: does not go with --voxel-size");
-    must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --within",
-              "--within: does not go with --voxel-size");
+              "--grid needs --like");
+    must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --within", "--within needs --like");
     must_fail(2, "voxelize model.ply -o v.vdb --voxel-size 1 --name ''", "--name: is empty");
     must_fail(2, "voxelize model.ply -o v.nvdb --voxel-size 1 --memory 64M",
-              "a .nvdb is made in memory");
+              "--memory has no effect with -o FILE.nvdb");
     must_fail(1, "voxelize model.ply -o v.vdb --like skewed.vdb --grid nope",
               "no grid named 'nope'");
     must_fail(1, "voxelize model.ply -o v.vdb --like absent.vdb", "absent.vdb");

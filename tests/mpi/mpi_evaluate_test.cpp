@@ -36,7 +36,7 @@ TEST_F(mpi_evaluate, rows_have_the_figures_of_one_process) {
 TEST_F(mpi_evaluate, the_error_of_the_field_is_of_one_process) {
     must("sample cloud c.vdb --size 64");
     must_fail_mpi(2, "-n 2 COMMAND evaluate c.vdb -o out --voxels",
-                  "--voxels: is of one process, expected vog evaluate");
+                  "--voxels has no effect with vog-mpi; use vog evaluate");
 }
 
 }  // namespace vog::test

@@ -238,7 +238,7 @@ TEST_F(mpi_export, requests_without_sense_are_refused) {
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o c.html", "-o c.html: expected a folder");
     must_fail_mpi(1, "-n 2 COMMAND export p.xyz -o site/", "p.xyz: particles, expected volumes");
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --budget 10",
-                  "--budget does not go with models");
+                  "--budget has no effect with models");
     must_fail_mpi(2, "-n 2 COMMAND export c.ply -o site/ --carry heat", "--carry");
     must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --block 2 --budget 9", "exclude");
     must_fail_mpi(2, "-n 2 COMMAND export c.vdb -o site/ --refine 1", "--refine");

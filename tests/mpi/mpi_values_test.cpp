@@ -71,7 +71,7 @@ TEST_F(mpi_value_inputs, pictures_that_do_not_add_are_refused) {
     must_fail_mpi(2, "-n 2 COMMAND render c.ply -o c.png --show volume --renderer trace",
                   "--renderer trace: --show volume needs all Gaussians of a ray");
     must_fail_mpi(1, "-n 2 COMMAND render c.ply -o c.png --show volume --field heat",
-                  "needs a scalar field 'heat'");
+                  "no scalar field 'heat'");
 }
 
 }  // namespace vog::test

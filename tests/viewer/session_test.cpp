@@ -366,7 +366,7 @@ TEST_F(view_command, root_mean_squares_of_vectors_are_the_command_lines) {
     refuses("show deviation flow.magnitude\n", "deviation on rays is not of rms of flow");
     refuses("show maximum flow\n", "maximum on rays is not of flow along the view");
     must_fail(2, "view cloud.ply --headless --script play.vog --show maximum --light head",
-              "is of --show volume");
+              "it works with --show volume");
 }
 
 TEST_F(view_command, voxels_show_quantities_and_options_choose_the_first) {

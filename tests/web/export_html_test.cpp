@@ -218,8 +218,8 @@ TEST_F(cli_export, errors_are_one_clear_line) {
     must_fail(1, "export m.ply c.vdb -o page.html", "another kind");
     must_fail(1, "export m.ply -o page.html --tf nope", "nope");
     must_fail(2, "export m.ply -o page.html --name a --name b", "2 names for 1 models");
-    must_fail(2, "export m.ply -o few.ply --title T", "--title does not go with -o few.ply");
-    must_fail(2, "export m.ply -o page.html --radius 3", "--radius does not go with");
+    must_fail(2, "export m.ply -o few.ply --title T", "--title has no effect with -o FILE.ply");
+    must_fail(2, "export m.ply -o page.html --radius 3", "--radius has no effect with models");
     must_fail(2, "export m.ply -o page.html --levels 0", "--levels");
     EXPECT_FALSE(std::filesystem::exists(dir_ / "page.html"));
 }

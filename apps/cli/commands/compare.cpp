@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "commands.h"
+#include "options/option_effects.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
@@ -221,17 +222,8 @@ void compare_files(const CompareArguments& arguments, const CLI::App& command) {
     if (other != kind)
         throw Error(fmt::format("{}: is a {}, expected a {} like {}", arguments.image, name(other),
                                 name(kind), arguments.reference));
-    if (kind != Compared::depth)
-        for (const char* option : {"--tf", "--extinction"})
-            if (command.count(option))
-                throw CLI::ValidationError(
-                    fmt::format("{}: is of depth images, got {}s", option,
-                                kind == Compared::picture ? "picture" : "map"));
-    if (kind == Compared::map || kind == Compared::field)
-        for (const char* option : {"--diff", "--diff-limit"})
-            if (command.count(option))
-                throw CLI::ValidationError(
-                    fmt::format("{}: is of pictures and depth images, got maps", option));
+    constexpr const char* kFacts[] = {"pictures", "depth-images", "maps", "maps"};
+    require_effects(command, {{"input", kFacts[static_cast<std::size_t>(kind)]}});
     switch (kind) {
         case Compared::map:
             return compare_maps(arguments);

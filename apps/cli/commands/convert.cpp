@@ -144,9 +144,10 @@ nlohmann::ordered_json convert_particles(const ConvertArguments& arguments, cons
 }
 
 /// Converts all inputs to one model.
-/// returns  the report of --json; null where it was printed in words
+/// in_sequence  whether it is one of a folder's
+/// returns      the report of --json; null where it was printed in words
 nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI::App& command,
-                                   const ConvertRanks& ranks) {
+                                   const ConvertRanks& ranks, bool in_sequence = false) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
     if (ranks.collective && extension_of(arguments.output) == ".vogz")
         throw Error(fmt::format("{}: expected .ply of vog-mpi; vog export makes it .vogz",
@@ -159,12 +160,15 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     if (kind == FileKind::model)
         throw Error(fmt::format("{}: is a model already, expected volumes or particles",
                                 arguments.inputs.front()));
-    check_options(arguments, command, kind);
-    check_fields(arguments, command, kind, bool(ranks.convert_volumes));
+    Facts facts = conversion_facts(arguments, command, kind);
+    facts["output"] = in_sequence ? "models/" : extension_of(arguments.output);
+    // Particles that are written as they are: masses count where negative ones become 0.
+    if (!command.count("--clip-negative")) facts["values"] = facts["output"];
+    require_effects(command, facts);
     if (kind == FileKind::points) return convert_particles(arguments, command, ranks);
     const bool by_moments = arguments.method == "moments";
-    MomentOptions moments = by_moments ? moment_options(arguments, command) : MomentOptions{};
-    PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments, command);
+    MomentOptions moments = by_moments ? moment_options(arguments) : MomentOptions{};
+    PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
     if (ranks.convert_volumes)
@@ -339,7 +343,7 @@ nlohmann::ordered_json convert_sequence(const ConvertArguments& arguments, const
             ConvertArguments one = arguments;
             one.inputs = {frame.input};
             one.output = frame.output;
-            nlohmann::ordered_json report = convert_one(one, command, {});
+            nlohmann::ordered_json report = convert_one(one, command, {}, true);
             const std::lock_guard lock(mutex);
             reports[frame.output] = std::move(report);
         });
@@ -356,8 +360,6 @@ void convert(const ConvertArguments& given, const CLI::App& command, const Conve
     arguments.volume.ones = given.measure == "volume";
     const CommandMemory memory(arguments.memory);
     const ThreadLimit threads(arguments.threads);
-    if (arguments.again && !is_sequence(arguments.output))
-        throw CLI::ValidationError("--again: is of time series, expected a folder as -o");
     const nlohmann::ordered_json json =
         is_sequence(arguments.output) ? convert_sequence(arguments, command, memory.bytes(), ranks)
                                       : convert_one(arguments, command, ranks);

@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "fields/volume_fields.h"
+#include "options/option_effects.h"
 #include "shared/evaluate_run.h"
 #include "shared/terminal.h"
 #include "shared/validators.h"
@@ -99,11 +100,9 @@ std::vector<Conversion> model_rows(const std::vector<std::string>& models) {
 }
 
 /// --show and --tf, which is of values under --show volume.
-void set_transfer_functions(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
+void set_transfer_functions(EvaluateArguments& arguments) {
     arguments.options.by_value = arguments.show == "volume";
     if (arguments.options.by_value) {
-        if (ranks.load)
-            throw CLI::ValidationError("--show volume: is of one process, expected vog evaluate");
         arguments.options.value_functions = arguments.tfs;
         return;
     }
@@ -155,9 +154,7 @@ void set_common(EvaluateArguments& arguments) {
 
 void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
     take_models(arguments, ranks);
-    set_transfer_functions(arguments, ranks);
-    if (ranks.load && arguments.options.voxels)
-        throw CLI::ValidationError("--voxels: is of one process, expected vog evaluate");
+    set_transfer_functions(arguments);
     if (common_kind(arguments.inputs, arguments.volume.grid) != FileKind::volume)
         throw Error(
             fmt::format("{}: holds particles, expected a volume: its voxels are the reference",
@@ -254,7 +251,9 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");
     if (!ranks.load) add_rate_options(*command, arguments->rate);
-    command->callback([arguments, ranks] {
+    command->callback([arguments, command, ranks] {
+        const std::vector<std::string>& inputs = arguments->inputs;
+        require_effects(*command, {{"input", input_fact(FileKind::volume, inputs)}});
         if (!arguments->rate.chosen) return evaluate_files(*arguments, ranks);
         set_common(*arguments);
         const ThreadLimit limit(arguments->threads);

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 
 #include "commands.h"
 #include "fields/volume_fields.h"
@@ -16,6 +15,7 @@
 #include "models/page_options.h"
 #include "models/site_run.h"
 #include "options/memory_options.h"
+#include "options/option_effects.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
@@ -50,6 +50,24 @@ struct ExportArguments {
     std::string from;   ///< --from; empty: the models lie in the page or beside it
     MemoryArguments memory;
 };
+
+/// Whether a folder is written as a site: of one input, or with --site.
+bool makes_site(const ExportArguments& arguments) {
+    return is_sequence(arguments.output) && (arguments.site || arguments.inputs.size() == 1);
+}
+
+/// Facts by which options have an effect.
+Facts facts_of(const ExportArguments& arguments, FileKind kind) {
+    const std::string extension = extension_of(arguments.output);
+    const bool other_layout = extension == ".ply" && arguments.splats.layout != "vog";
+    Facts facts = {{"input", input_fact(kind, arguments.inputs)},
+                   {"output", makes_site(arguments) ? "site"
+                              : other_layout        ? arguments.splats.layout
+                                                    : extension}};
+    if (extension == ".html" || makes_site(arguments))
+        facts["show"] = arguments.page.quantity.quantity.show;
+    return facts;
+}
 
 /// Volumes, or the levels of one mesh, converted by moments. Each level of detail is a conversion
 /// of its own, about 4 dB better than coarsening the finest one (docs/web.md).
@@ -214,20 +232,8 @@ Exported export_one(const ExportArguments& arguments, const CLI::App& command) {
     check_output(arguments.output, arguments.inputs,
                  {".html", ".ply", ".vogz", ".spz", ".glb", ".usda", ".usdc"});
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
-    if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
-    refuse_volume_options(command, kind, arguments.inputs);
+    require_effects(command, facts_of(arguments, kind));
     const bool page = extension_of(arguments.output) == ".html";
-    if (extension_of(arguments.output) != ".vogz")
-        refuse_group(command, kCompactGroup, "-o " + arguments.output);
-    const bool splats = is_splat_output(arguments.output, arguments.splats);
-    if (!splats) refuse_group(command, kSplatGroup, "-o " + arguments.output);
-    if (!page) {
-        const auto kept = splats ? options_of_splats(arguments.splats) : std::set<std::string>{};
-        const std::string as =
-            arguments.splats.layout == "vog" ? "" : "--as " + arguments.splats.layout + " ";
-        for (const char* group : {kPageGroup, "View"})
-            refuse_group(command, group, as + "-o " + arguments.output, kept);
-    }
     Stages stages(arguments.verbose);
     std::vector<std::string> notes;
     std::vector<HtmlModel> entries =
@@ -291,12 +297,7 @@ SiteInput read_site_input(const ExportArguments& arguments, FileKind kind, std::
 /// returns  the report of --json
 Json export_site(const ExportArguments& arguments, const CLI::App& command) {
     const FileKind kind = common_kind(arguments.inputs, arguments.volume.grid);
-    if (kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
-    refuse_volume_options(command, kind, arguments.inputs);
-    refuse_group(command, kCompactGroup, "a site", {"--step", "--field-step"});
-    refuse_group(command, kSplatGroup, "a site");
-    if (command.count("--levels"))
-        throw CLI::ValidationError("--levels: a site has all levels of detail");
+    require_effects(command, facts_of(arguments, kind));
     const std::size_t count = kind == FileKind::model ? arguments.inputs.size() : 1;
     check_names(arguments.page, count);
     refuse_own_folder(arguments.inputs, arguments.output);
@@ -318,6 +319,7 @@ Json export_site(const ExportArguments& arguments, const CLI::App& command) {
 /// Writes a page alone, of a site or a compact file whose copy lies at an address.
 /// returns  the report of --json
 Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command) {
+    require_effects(command, facts_of(arguments, FileKind::model));
     check_output(arguments.output, arguments.inputs, {".html"});
     const std::string& input = arguments.inputs.front();
     const bool site = is_site(input);
@@ -325,13 +327,6 @@ Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command)
         throw CLI::ValidationError(
             "--from: expected one site (a folder) or one compact model (.vogz), whose copy lies at "
             "the address");
-    for (const char* option : {"--site", "--no-fields", "--budget", "--levels", "--precise"})
-        if (command.count(option))
-            throw CLI::ValidationError(
-                fmt::format("{} does not go with --from: the model is written already", option));
-    for (const char* group : {kPointGroup, kCompactGroup, kSplatGroup, kLargeDataGroup})
-        refuse_group(command, group, "--from");
-    refuse_volume_options(command, FileKind::model, arguments.inputs);
     ExportArguments page = arguments;
     if (site && command.count("--steps") == 0) page.page.steps = read_site_info(input).steps;
     HtmlSource source{arguments.from, !site};
@@ -356,11 +351,6 @@ Json export_elsewhere(const ExportArguments& arguments, const CLI::App& command)
     for (const auto& [name, ms] : stages.times()) json["ms"][name] = ms;
     if (!notes.empty()) json["notes"] = notes;
     return json;
-}
-
-/// Whether a folder is written as a site: of one input, or with --site.
-bool makes_site(const ExportArguments& arguments) {
-    return is_sequence(arguments.output) && (arguments.site || arguments.inputs.size() == 1);
 }
 
 /// Makes the models of a site the inputs; a file that holds one has the first, which a note says.
@@ -394,7 +384,6 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
         read);
     if (arguments.site && !is_sequence(arguments.output))
         throw CLI::ValidationError("--site: expected -o with a folder (a name that ends in /)");
-    if (!makes_site(arguments)) refuse_group(command, kLargeDataGroup, "pages and files");
     const ThreadLimit limit(arguments.threads);
     const Json json = command.count("--from")         ? export_elsewhere(arguments, command)
                       : makes_site(arguments)         ? export_site(arguments, command)

@@ -8,10 +8,12 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "commands.h"
 #include "films/film.h"
 #include "films/views.h"
+#include "options/option_effects.h"
 #include "shared/outputs.h"
 #include "shared/render_run.h"
 #include "shared/sequence.h"
@@ -296,6 +298,30 @@ void name_models_of_site(RenderArguments& arguments, const RenderRanks& ranks) {
         note_first_model(inputs.front(), models);
 }
 
+/// Refuses options without effect on any of the inputs.
+/// throws  CLI::ValidationError as require_effects does
+void require_effects_of(const RenderArguments& arguments, const CLI::App& command) {
+    const DrawingArguments& drawing = arguments.drawing;
+    const std::string& show = arguments.quantity.show;
+    Facts facts = {{"show", show},
+                   {"inputs", drawing.inputs.size() > 1 ? "several" : "one"},
+                   {"output", arguments.output.empty()    ? "-"
+                              : is_film(arguments.output) ? "film"
+                                                          : "picture"}};
+    std::set<std::string>
+        checked;  // extensions: of a thousand files of one kind one is looked into
+    for (const std::string& input : drawing.inputs) {
+        if (!checked.insert(extension_of(input)).second) continue;
+        const FileKind kind = kind_of(input, drawing.volume.grid);
+        facts["input"] = input_fact(kind, {input});
+        facts["renderer"] = !drawing.renderer.empty()  ? drawing.renderer
+                            : kind == FileKind::volume ? "reference"
+                                                       : "splat";
+        if (show == "volume" || show == "maximum") facts["by value"] = facts["renderer"];
+        require_effects(command, facts);
+    }
+}
+
 /// Runs the command and prints its report, on the root.
 void render_files(const RenderArguments& given, const CLI::App& command, const RenderRanks& ranks) {
     RenderArguments arguments = given;
@@ -310,11 +336,7 @@ void render_files(const RenderArguments& given, const CLI::App& command, const R
     }
     if (ranks.is_root) check_distinct(written_files(arguments), read_files(arguments));
     const CommandMemory memory(arguments.memory);
-    if (command.count("--fps") && !is_film(arguments.output))
-        throw CLI::ValidationError("--fps: is of films, expected -o with .mp4 or .webm");
-    if (arguments.steps && !arguments.turntable)
-        throw CLI::ValidationError(
-            "--steps: is of --turntable; without it a folder or a film has one picture an input");
+    require_effects_of(arguments, command);
     if (arguments.turntable || is_of_many(arguments.output)) {
         const Json report = render_many(arguments, command, ranks);
         if (arguments.json && ranks.is_root) print_json(report);

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include "commands.h"
+#include "options/option_effects.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/terminal.h"
@@ -24,7 +25,6 @@ struct SampleArguments {
 
 void sample_points(const SampleArguments& arguments) {
     check_output(arguments.output, {}, {".xyz", ".csv", ".tsv", ".vdb"});
-    if (arguments.half) throw CLI::ValidationError("--half does not go with particles");
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose);
     ParticleSampleOptions options;
@@ -100,7 +100,10 @@ void add_sample(CLI::App& app) {
         ->capture_default_str();
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");
-    command->callback([arguments] { sample(*arguments); });
+    command->callback([arguments, command] {
+        require_effects(*command, {{"input", arguments->kind}});
+        sample(*arguments);
+    });
 }
 
 }  // namespace vog::cli

@@ -9,6 +9,7 @@
 #include "films/film.h"
 #include "options/camera_options.h"
 #include "options/color_options.h"
+#include "options/option_effects.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
@@ -52,13 +53,14 @@ std::string field_grid(const WindowArguments& arguments) {
 /// The first quantity, and the transfer functions of fields as they are shown.
 void set_quantity(viewer::ViewerOptions& options, const WindowArguments& arguments,
                   const CLI::App& command) {
-    const HtmlQuantity stated = stated_quantity(arguments.quantity, command);
+    const HtmlQuantity stated = stated_quantity(arguments.quantity);
     options.quantity.show = viewer::show_from(stated.show);
     options.quantity.look = stated.look;
     options.quantity.slabs = stated.slabs;
     options.quantity.maximum_slabs = stated.maximum_slabs;
     options.field = stated.field;
     options.color_scale = stated.scale;
+    options.logarithmic = stated.log;
     const std::string input = arguments.inputs.empty() ? "" : arguments.inputs.front();
     options.choose_transfer = [&arguments, &command, stated, input](
                                   const Gaussians& model, const std::string& name, bool first) {
@@ -133,23 +135,18 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     if (pattern) read_steps_of_site(arguments, command);
     if (command.count("--steps") == 0 && pattern && arguments.inputs.size() > 1)
         arguments.steps = common_kind(arguments.inputs, arguments.volume.grid) == FileKind::model;
-    if (arguments.steps &&
-        (arguments.inputs.empty() ||
-         common_kind(arguments.inputs, arguments.volume.grid) != FileKind::model))
-        throw CLI::ValidationError(
-            "--steps: of models, expected PLY files (vog convert 'volumes/*.vdb' -o models/)");
     // Inputs and options are checked before a window opens.
     for (const std::string& input : arguments.inputs)
         if (!std::filesystem::exists(input) && !find_site(input))
             throw Error(fmt::format("{}: no such file", input));
+    Facts facts = {{"show", arguments.quantity.quantity.show}};
     if (!arguments.inputs.empty())
-        refuse_volume_options(command, common_kind(arguments.inputs, arguments.volume.grid),
-                              arguments.inputs);
+        facts["input"] =
+            input_fact(common_kind(arguments.inputs, arguments.volume.grid), arguments.inputs);
+    require_effects(command, facts);
     std::vector<std::string> read = arguments.inputs;
     read.insert(read.end(), {arguments.view.camera_file, arguments.color.tf, arguments.script});
     check_distinct({arguments.view.save_camera}, read);
-    if (arguments.headless && arguments.script.empty())
-        throw CLI::ValidationError("--headless: there is no window to use; expected --script");
 
     viewer::ViewerOptions options;
     options.files = arguments.inputs;
@@ -212,6 +209,9 @@ void add_view(CLI::App& app) {
                       "Run the script without a window: only its pictures are written");
     command
         ->add_option("--scale", arguments->scale, "Rendered pixels per screen pixel, along an edge")
+        ->check([](const std::string& text) {
+            return text == "log" ? "'log', expected pixels; --log makes colours logarithmic" : "";
+        })
         ->check(CLI::Range(0.1, 4.0))
         ->capture_default_str();
     command

@@ -9,6 +9,7 @@
 
 #include "commands.h"
 #include "options/memory_options.h"
+#include "options/option_effects.h"
 #include "shared/inputs.h"
 #include "shared/outputs.h"
 #include "shared/sequence.h"
@@ -45,15 +46,11 @@ Affine lattice_of(const VoxelizeArguments& arguments, const Gaussians& model,
 }
 
 void check_arguments(const VoxelizeArguments& arguments, const CLI::App& command) {
-    const bool sized = command.count("--voxel-size") > 0;
-    if (sized == !arguments.like.empty())
+    require_effects(command, {{"input", input_fact(FileKind::model, arguments.inputs)},
+                              {"output", extension_of(arguments.output)}});
+    if (!command.count("--voxel-size") && arguments.like.empty())
         throw CLI::ValidationError(
-            sized ? "--voxel-size and --like: expected one of them"
-                  : "expected --voxel-size X or --like FILE: the lattice of the voxels");
-    for (const char* option : {"--grid", "--within"})
-        if (sized && command.count(option))
-            throw CLI::ValidationError(
-                fmt::format("{}: does not go with --voxel-size, expected --like FILE", option));
+            "expected --voxel-size X or --like FILE: the lattice of the voxels");
     if (arguments.name.empty())
         throw CLI::ValidationError("--name: is empty, expected the name of a grid");
     std::vector<std::string> read = arguments.inputs;
@@ -73,8 +70,6 @@ void run_voxelize(VoxelizeArguments arguments, const CLI::App& command) {
     check_arguments(arguments, command);
     const ThreadLimit limit(arguments.threads);
     const CommandMemory memory(arguments.memory);
-    if (memory.bytes() && extension_of(arguments.output) == ".nvdb")
-        throw CLI::ValidationError("--memory: a .nvdb is made in memory, expected -o FILE.vdb");
     Stages stages(arguments.verbose);
     const Gaussians model = stages.run(
         "load", [&] { return load_models(arguments.inputs, nullptr, {}, arguments.values); });

@@ -9,37 +9,6 @@
 
 namespace vog::cli {
 
-namespace {
-
-void check_joint_field(const ConvertArguments& arguments, const CLI::App& command, FileKind kind,
-                       bool ranks) {
-    const auto refuse = [](const std::string& why) { throw CLI::ValidationError("--for " + why); };
-    if (kind == FileKind::points)
-        refuse("does not go with particles, whose values do not vary inside");
-    if (arguments.no_fields) refuse("and --no-fields exclude each other");
-    if (arguments.method != "moments") refuse("does not go with --method " + arguments.method);
-    if (ranks)
-        refuse("does not go with vog-mpi, which divides voxels by rank: expected vog convert");
-    if (command.count("--spread"))
-        refuse("does not go with --spread: fitted Gaussians have the spread of their voxels");
-}
-
-}  // namespace
-
-void check_fields(const ConvertArguments& arguments, const CLI::App& command, FileKind kind,
-                  bool ranks) {
-    if (arguments.joint_field.empty() && command.count("--joint-steps"))
-        throw CLI::ValidationError("--joint-steps: is of --for, expected --for volume or a field");
-    if (!arguments.joint_field.empty()) check_joint_field(arguments, command, kind, ranks);
-    if (arguments.fields.empty()) return;
-    if (arguments.no_fields)
-        throw CLI::ValidationError("--field and --no-fields exclude each other");
-    if (kind == FileKind::points && !is_model_output(arguments.output))
-        throw CLI::ValidationError(
-            "--field does not go with unconverted particles: expected -o "
-            "model.ply or model.vogz");
-}
-
 void add_joint(JointReport& all, const JointReport& one) {
     all.error_before = std::max(all.error_before, one.error_before);
     all.error_after = std::max(all.error_after, one.error_after);

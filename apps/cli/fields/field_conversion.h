@@ -14,12 +14,6 @@
 
 namespace vog::cli {
 
-/// throws  CLI::ValidationError for --field and --for with inputs that have no fields, and with --no-fields; for --for
-///         with options that it does not go with
-/// ranks   whether several processes convert parts of one model
-void check_fields(const ConvertArguments& arguments, const CLI::App& command, FileKind kind,
-                  bool ranks);
-
 /// Adds the report of another part of a model.
 void add_joint(JointReport& all, const JointReport& one);
 /// "fitted to density: measured error 0.031 before, 0.042 after, 3 Gaussians without voxels removed"

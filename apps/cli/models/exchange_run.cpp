@@ -91,11 +91,6 @@ void add_splat_options(CLI::App& command, SplatArguments& arguments) {
         ->group(kSplatGroup);
 }
 
-std::set<std::string> options_of_splats(const SplatArguments& arguments) {
-    if (arguments.layout == "volprim") return {"--extinction"};
-    return {"--extinction", "--tf", "--field", "--up"};
-}
-
 bool is_splat_output(const std::string& output, const SplatArguments& arguments) {
     const std::string extension = extension_of(output);
     return extension == ".spz" || extension == ".glb" || extension == ".usda" ||
@@ -104,12 +99,6 @@ bool is_splat_output(const std::string& output, const SplatArguments& arguments)
 
 Json write_exchange(const std::string& output, Gaussians model, const SplatArguments& arguments,
                     const SplatLook& look, Stages& stages, bool json) {
-    const bool ply = extension_of(output) == ".ply";
-    if (ply == (arguments.layout == "vog"))
-        throw CLI::ValidationError(
-            fmt::format("--as {} does not go with -o {}", arguments.layout, output));
-    if (arguments.layout == "volprim" && arguments.units == "box")
-        throw CLI::ValidationError("--units box works only with splats, not with --as volprim");
     const double extinction = extinction_of(model, look);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};
     std::string loss, frame = "Units are the data's";

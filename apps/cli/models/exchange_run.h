@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "shared/terminal.h"
@@ -32,8 +31,6 @@ struct SplatLook {
     Vec3d up{0, 1, 0};                 ///< upright direction in the data
     std::string up_text;               ///< the same as the user wrote it
 };
-/// Options of other groups that have an effect on an output of splats.
-std::set<std::string> options_of_splats(const SplatArguments& arguments);
 /// Writes a model as splats and reports what they lose in words, unless `json`.
 /// returns  the report of --json
 /// throws   vog::Error for a field that the model lacks, and as the writers do; then nothing is written

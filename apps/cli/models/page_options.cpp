@@ -31,6 +31,10 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
             "as fine as a page without this option")
         ->group(kPageGroup);
     add_page_quantity_options(command, arguments.quantity, kPageGroup);
+    add("--scale", arguments.quantity.quantity.scale,
+        "Colour scale of column, mean, deviation or maximum: linear or log")
+        ->check(CLI::IsMember({"linear", "log"}))
+        ->capture_default_str();
     command
         .add_flag("--steps,!--no-steps", arguments.steps,
                   "Whether the models are steps in time, with a play bar, one extinction and one "
@@ -77,7 +81,7 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
 }
 
 void check_page_options(const PageArguments& arguments, const CLI::App& command) {
-    stated_quantity(arguments.quantity, command);
+    stated_quantity(arguments.quantity);
     if (!arguments.quantity.quantity.volume()) load_transfer_function(arguments.color.tf);
     fixed_extinction(arguments.color);
     if (view_given(command)) camera_from(arguments.view, command, {{-1, -1, -1}, {1, 1, 1}}, 1);

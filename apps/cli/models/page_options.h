@@ -27,7 +27,7 @@ struct PageArguments {
     std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
 };
 
-/// Adds --title, --description, --name, --precise, --steps, and the options of quantities and colours. Those of views
+/// Adds --title, --description, --name, --precise, --steps, --scale, and the options of quantities and colours. Those of views
 /// (add_view_options) are apart.
 void add_page_options(CLI::App& command, PageArguments& arguments);
 

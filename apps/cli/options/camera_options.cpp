@@ -47,10 +47,6 @@ std::string up_error(const std::string& text) {
     }
 }
 
-/// Options that place the eye by angles around the box, and all that a camera file holds.
-const std::vector<const char*> kOrbitOptions{"--view", "--azimuth", "--elevation", "--distance"};
-const std::vector<const char*> kPinholeOptions{"--fov", "--eye", "--look-at", "--up"};
-
 /// Turns the camera clockwise about its view direction.
 Camera rolled(const Camera& camera, double degrees) {
     const CameraFrame frame = frame_of(camera, 1, 1);
@@ -58,23 +54,6 @@ Camera rolled(const Camera& camera, double degrees) {
     Camera result = camera;
     result.up = std::cos(angle) * frame.up + std::sin(angle) * frame.right;
     return result;
-}
-
-void check_combinations(const CLI::App& command) {
-    const auto given = [&](const char* option) { return command.count(option) > 0; };
-    const auto exclude = [&](const char* one, const std::vector<const char*>& others) {
-        for (const char* other : others)
-            if (given(one) && given(other))
-                throw CLI::ValidationError(std::string(one) + " and " + other +
-                                           " exclude each other");
-    };
-    exclude("--camera", kOrbitOptions);
-    exclude("--camera", kPinholeOptions);
-    exclude("--eye", kOrbitOptions);
-    exclude("--view", {"--azimuth", "--elevation"});
-    exclude("--orthographic", {"--fov"});
-    if (given("--width") && !given("--orthographic") && !given("--camera"))
-        throw CLI::ValidationError("--width: expected with --orthographic");
 }
 
 /// The camera of a file, orthographic if the options say so.
@@ -187,7 +166,8 @@ bool view_given(const CLI::App& command) {
 Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box,
                    double aspect) {
     const auto given = [&](const char* option) { return command.count(option) > 0; };
-    check_combinations(command);
+    if (given("--width") && !given("--orthographic") && !given("--camera"))
+        throw CLI::ValidationError("--width needs --orthographic");
     if (given("--camera")) return camera_of_file(arguments, box, aspect);
 
     Orbit orbit;

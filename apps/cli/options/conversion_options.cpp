@@ -14,12 +14,9 @@ constexpr const char* kPaperGroup = "Conversion of the paper (--method paper)";
 
 }  // namespace
 
-PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command) {
+PaperOptions paper_options(const ConvertArguments& arguments) {
     PaperOptions options = arguments.paper;
     if (arguments.lod) {
-        for (const char* option : {"--strategy", "--dense-block"})
-            if (command.count(option))
-                throw CLI::ValidationError(fmt::format("--lod and {} exclude each other", option));
         const PaperOptions lod = paper_lod(arguments.lod);
         options.strategy = lod.strategy;
         options.dense_block = lod.dense_block;
@@ -31,19 +28,13 @@ PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& co
 }
 
 std::string cut_option(const CLI::App& command) {
-    std::string cut;
-    for (const char* option : {"--block", "--budget", "--error", "--lod"}) {
-        if (!command.count(option)) continue;
-        if (!cut.empty())
-            throw CLI::ValidationError(fmt::format("{} and {} exclude each other", cut, option));
-        cut = option;
-    }
-    return cut;
+    for (const char* option : {"--block", "--budget", "--error", "--lod"})
+        if (command.count(option)) return option;
+    return {};
 }
 
-MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command) {
+MomentOptions moment_options(const ConvertArguments& arguments) {
     MomentOptions options = arguments.moments;
-    cut_option(command);
     if (options.budget && arguments.inputs.size() > 1 && arguments.volume.sum)
         throw CLI::ValidationError(
             "--budget is the size of one model: expected one input, or levels of one mesh");
@@ -51,31 +42,16 @@ MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& 
     return options;
 }
 
-void check_options(const ConvertArguments& arguments, const CLI::App& command, FileKind kind) {
-    const bool particles = kind == FileKind::points;
-    if (!particles) refuse_group(command, kPointGroup, "volumes");
-    refuse_volume_options(command, kind, arguments.inputs);
-    refuse_group(command, arguments.method == "paper" ? kMomentGroup : kPaperGroup,
-                 "--method " + arguments.method);
-    if (arguments.measure == "volume")
-        for (const char* option : {"--level-set-to-fog", "--clip-negative"})
-            if (command.count(option))
-                throw CLI::ValidationError(
-                    fmt::format("{} does not go with --measure volume, which counts voxels of any "
-                                "value",
-                                option));
-    if (!particles) return;
-    if (command.count("--measure"))
-        throw CLI::ValidationError("--measure does not go with particles (--value is their mass)");
-    for (const CLI::Option* option : command.get_options())
-        if (option->count() && option->get_group() == kPaperGroup &&
-            option->get_name() != "--kappa")
-            throw CLI::ValidationError(option->get_name() + " does not go with particles");
-    for (const char* option : {"--spread", "--soft-steps", "--refine"})
-        if (command.count(option))
-            throw CLI::ValidationError(fmt::format("{} does not go with particles", option));
-    if (arguments.method == "paper" && arguments.lod)
-        throw CLI::ValidationError("--lod does not go with particles and --method paper");
+Facts conversion_facts(const ConvertArguments& arguments, const CLI::App& command, FileKind kind) {
+    const std::string cut = cut_option(command);
+    const std::string of_lod = arguments.lod > 4   ? "single"
+                               : arguments.lod > 3 ? "strict"
+                                                   : "smart";
+    Facts facts = {{"input", input_fact(kind, arguments.inputs)},
+                   {"cut", cut.empty() ? "-" : cut},
+                   {"strategy", arguments.strategy.empty() ? of_lod : arguments.strategy}};
+    if (kind == FileKind::points) facts["particles by"] = arguments.method;
+    return facts;
 }
 
 void add_paper_options(CLI::App& command, ConvertArguments& arguments) {

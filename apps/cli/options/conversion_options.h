@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
+#include "options/option_effects.h"
 #include "shared/convert_run.h"
 
 namespace vog::cli {
@@ -13,15 +14,12 @@ inline constexpr const char* kMomentGroup = "Conversion by moments (--method mom
 void add_paper_options(CLI::App& command, ConvertArguments& arguments);
 void add_moment_options(CLI::App& command, ConvertArguments& arguments);
 
-/// Library options from the command line. throws CLI::ValidationError for options that exclude each
-/// other
-PaperOptions paper_options(const ConvertArguments& arguments, const CLI::App& command);
-MomentOptions moment_options(const ConvertArguments& arguments, const CLI::App& command);
+/// Library options from the command line. throws CLI::ValidationError for --budget of a sum of volumes
+PaperOptions paper_options(const ConvertArguments& arguments);
+MomentOptions moment_options(const ConvertArguments& arguments);
 /// The option given that chooses the cut: --block, --budget, --error or --lod; empty: none of them.
-/// throws CLI::ValidationError where two are given
 std::string cut_option(const CLI::App& command);
-/// throws CLI::ValidationError for options of the other method or of other inputs, which would have
-/// no effect
-void check_options(const ConvertArguments& arguments, const CLI::App& command, FileKind kind);
+/// Facts by which options of conversions have an effect, beside "output".
+Facts conversion_facts(const ConvertArguments& arguments, const CLI::App& command, FileKind kind);
 
 }  // namespace vog::cli

@@ -98,44 +98,9 @@ std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments) {
     }
 }
 
-void check_quantity_options(const QuantityArguments& arguments, const CLI::App& command,
-                            bool pictures) {
-    const auto refuse = [&](const char* option, const char* reason) {
-        if (command.count(option))
-            throw CLI::ValidationError(fmt::format("{}: {}", option, reason));
-    };
-    if (!arguments.scaled()) {
-        for (const char* option : {"--range", "--scale", "--log", "--units"})
-            refuse(option,
-                   "is of column density and fields, expected --show column, mean or "
-                   "deviation");
-    } else if (arguments.volume()) {
-        for (const char* option : {"--scale", "--log", "--units", "--least-column", "--values-out",
-                                   "--depth-out", "--extinction", "--blend"})
-            refuse(option, "does not go with --show volume");
-    } else {
-        refuse("--extinction", "column density and fields have none, expected it with --show T");
-        refuse("--blend", "fades by V, expected it with --show T");
-    }
-    if (arguments.of_field()) {
-        if (arguments.field.empty())
-            throw CLI::ValidationError(
-                fmt::format("--show {}: expected --field NAME", arguments.show));
-        refuse("--depth-out", "is of T, expected --values-out FILE.exr, which has the column");
-    } else if (arguments.maximum()) {
-        refuse("--depth-out", "is of T, expected --values-out");
-        refuse("--least-column", "is of --show mean or deviation");
-    } else if (!arguments.volume()) {
-        refuse("--field", "is of --show mean, deviation, volume or maximum");
-        refuse("--least-column", "is of --show mean or deviation");
-        if (arguments.scale == "symmetric")
-            refuse("--scale", "symmetric is of --show mean or deviation");
-    }
-    if (arguments.log && command.count("--scale") && arguments.scale != "log")
-        refuse("--log", "is --scale log, expected one of them");
-    if (!pictures)
-        for (const char* option : {"--range", "--scale", "--log", "--color-bar", "--title"})
-            refuse(option, "is of a picture, expected -o");
+void check_quantity_options(const QuantityArguments& arguments) {
+    if (arguments.of_field() && arguments.field.empty())
+        throw CLI::ValidationError(fmt::format("--show {}: expected --field NAME", arguments.show));
     (void)fixed_scale(arguments);
 }
 

@@ -32,11 +32,8 @@ struct QuantityArguments {
 /// Adds --show, --field, --range, --scale, --log, --units, --color-bar, --title and --values-out.
 void add_quantity_options(CLI::App& command, QuantityArguments& arguments);
 
-/// throws CLI::ValidationError for options without effect beside the others, and for a range that
-///        is none
-/// pictures  whether a picture is written
-void check_quantity_options(const QuantityArguments& arguments, const CLI::App& command,
-                            bool pictures);
+/// throws CLI::ValidationError for a missing --field, and for a range that is none
+void check_quantity_options(const QuantityArguments& arguments);
 /// The scale of --range, --scale and --log; none without --range.
 std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments);
 

@@ -210,33 +210,15 @@ VolumeLook look_of(const ValueArguments& arguments) {
     return look;
 }
 
-void check_value_options(const ValueArguments& arguments, const CLI::App& command,
-                         const std::string& show) {
+void check_value_options(const ValueArguments& arguments) {
     const auto refuse = [](const std::string& option, const std::string& reason) {
         throw CLI::ValidationError(option + ": " + reason);
     };
-    if (show != "volume") {
-        for (const char* option : {"--window", "--band", "--iso", "--threshold", "--unit-distance",
-                                   "--light", "--light-weights"})
-            if (command.count(option)) refuse(option, "is of --show volume");
-        if (show != "maximum" && command.count("--slabs"))
-            refuse("--slabs", "is of --show volume and maximum");
-        return;
-    }
-    const bool bands = !arguments.bands.empty() || !arguments.isos.empty();
-    const bool window = !arguments.window.empty();
-    if (bands && window) refuse("--window", "does not go with --band and --iso");
-    if ((bands || window) && command.count("--tf"))
-        refuse("--tf", "does not go with --window, --band and --iso");
-    if ((bands || window) && command.count("--range"))
-        refuse("--range", "does not go with --window, --band and --iso, which state values");
     if (arguments.threshold && !std::isfinite(*arguments.threshold))
         refuse("--threshold", "expected a finite value");
     if (const auto& length = arguments.unit_distance;
         length && !(*length > 0 && std::isfinite(*length)))
         refuse(fmt::format("--unit-distance {}", *length), "expected a finite length > 0");
-    if (!arguments.light_weights.empty() && arguments.light.empty())
-        refuse("--light-weights", "is of --light");
     (void)window_of(arguments);
     (void)bands_of(arguments);
     (void)look_of(arguments);

@@ -22,10 +22,8 @@ struct ValueArguments {
 /// Adds --window, --band, --iso, --threshold, --unit-distance, --light, --light-weights and --slabs.
 void add_value_options(CLI::App& command, ValueArguments& arguments);
 
-/// throws CLI::ValidationError for options without effect beside the others, and texts that are none
-/// show  of --show
-void check_value_options(const ValueArguments& arguments, const CLI::App& command,
-                         const std::string& show);
+/// throws CLI::ValidationError for texts and numbers that are none
+void check_value_options(const ValueArguments& arguments);
 
 /// Centre and width of --window; none without it.
 std::optional<std::pair<double, double>> window_of(const ValueArguments& arguments);

@@ -238,17 +238,11 @@ Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command
     Drawing drawing;
     drawing.kind = common_kind(arguments.inputs, arguments.volume.grid);
     const std::string& input = arguments.inputs.front();
-    if (drawing.kind != FileKind::points) refuse_group(command, kPointGroup, "models and volumes");
-    refuse_volume_options(command, drawing.kind, arguments.inputs);
     const bool volumes = drawing.kind == FileKind::volume;
     drawing.renderer = !arguments.renderer.empty() ? renderer_named(arguments.renderer)
                        : volumes                   ? Renderer::reference
                                                    : Renderer::splat;
     check_renderer_options(drawing.renderer, drawing.kind, command);
-    if (command.count("--step") && arguments.interpolation != "linear")
-        throw CLI::ValidationError("--step: is of --interpolation linear");
-    if (command.count("--slab-hits") && arguments.anyhit != "collect")
-        throw CLI::ValidationError("--slab-hits: is of --anyhit collect");
     if (volumes && !draws(drawing.renderer, RenderInput::volumes))
         throw Error(fmt::format("{}: is a volume; convert it first: vog convert {} -o model.ply",
                                 input, input));

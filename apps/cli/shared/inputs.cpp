@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "help/next_steps.h"
 #include "shared/terminal.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
@@ -75,9 +76,11 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     if (fs::is_directory(fs::path(file) / "chunks", code))
         throw Error(fmt::format(
             "{}: an export of a site that has not ended; vog export again goes on", file));
-    if (fs::is_directory(file, code))
+    if (fs::is_directory(file, code) && advice_on(file).empty())
         throw Error(fmt::format("{}: a folder, expected files, such as '{}' (vog {} lists it)",
                                 file, (fs::path(file) / "*.vdb").string(), file));
+    if (const std::string advice = advice_on(file); !advice.empty())
+        throw Error(fmt::format("{}: {}", file, advice));
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
         ".mhd, .raw, .tif or .fits (volume), .xyz, .csv, .tsv, .txt, .dat or .hdf5 (particles), "
@@ -125,10 +128,6 @@ void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
 
 LevelOptions level_options(const VolumeInputOptions& options) {
     const auto has_star = [](const std::string& name) { return name.find('*') != name.npos; };
-    if (!options.mask.empty() && options.sum)
-        throw CLI::ValidationError("--mask and --sum exclude each other");
-    if (options.mesh && options.sum)
-        throw CLI::ValidationError("--mesh and --sum exclude each other");
     if (!options.mask.empty() && has_star(options.mask) != has_star(options.grid))
         throw CLI::ValidationError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or in neither",
@@ -181,7 +180,7 @@ void require_mesh(const Arrangement& arrangement) {
         "the first)",
         arrangement.text,
         quantities ? "one of them (--grid NAME)"
-                   : "one at a time (for time steps a folder: -o FOLDER/)"));
+                   : "one at a time (time steps: -o FOLDER/ of convert, render and export)"));
 }
 
 void add_point_options(CLI::App& command, PointInputOptions& options) {
@@ -240,40 +239,6 @@ PointOptions point_options(const PointInputOptions& options) {
             fmt::format("--radius {}: expected a number > 0 or 'adaptive'", options.radius));
     result.radius = radius.front();
     return result;
-}
-
-void refuse_group(const CLI::App& command, const std::string& group, const std::string& with,
-                  const std::set<std::string>& except) {
-    for (const CLI::Option* option : command.get_options())
-        if (option->get_group() == group && option->count() && !except.contains(option->get_name()))
-            throw CLI::ValidationError(
-                fmt::format("{} does not go with {}", option->get_name(), with));
-}
-
-void refuse_volume_options(const CLI::App& command, FileKind kind,
-                           const std::vector<std::string>& inputs) {
-    if (kind == FileKind::volume) return;
-    const auto refuse = [&](std::initializer_list<const char*> options, const char* with) {
-        for (const char* option : options)
-            if (command.count(option))
-                throw CLI::ValidationError(fmt::format("{} does not go with {}", option, with));
-    };
-    const bool models = kind == FileKind::model;
-    refuse({"--mask", "--sum", "--mesh", "--level-set-to-fog"}, models ? "models" : "particles");
-    if (models) refuse({"--grid", "--clip-negative"}, "models");
-    const bool splats = std::ranges::any_of(inputs, [](const std::string& input) {
-        const std::string extension = extension_of(input);
-        return extension == ".ply" || extension == ".spz" || extension == ".glb" ||
-               extension.starts_with(".usd");
-    });
-    if (models && !splats)
-        refuse({"--skip-nonfinite"}, "compact models and sites, which hold finite numbers");
-    const bool text = std::ranges::none_of(inputs, [](const std::string& input) {
-        const std::string extension = extension_of(input);
-        return extension == ".vdb" || extension == ".hdf5" || extension == ".h5" ||
-               extension == ".hdf";
-    });
-    if (text) refuse({"--grid"}, "particles in text files");
 }
 
 std::vector<std::string> model_files(const std::vector<std::string>& files) {

@@ -84,19 +84,6 @@ void print_notes(const std::vector<std::string>& notes);
 /// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError
 /// for a radius that is neither a number > 0 nor adaptive
 PointOptions point_options(const PointInputOptions& options);
-/// Refuses options that would have no effect.
-/// throws CLI::ValidationError for a given option of this group: "--radius does not go with
-/// volumes"
-/// except  names of options of the group that have an effect
-void refuse_group(const CLI::App& command, const std::string& group, const std::string& with,
-                  const std::set<std::string>& except = {});
-
-/// Refuses options of volumes that would have no effect on other inputs: all of them for models, of
-/// particles those of voxels, and --grid where all files are text.
-/// throws CLI::ValidationError: "--grid does not go with models"
-void refuse_volume_options(const CLI::App& command, FileKind kind,
-                           const std::vector<std::string>& inputs);
-
 /// Files of models, with each index (.json) replaced by the files it names.
 std::vector<std::string> model_files(const std::vector<std::string>& files);
 /// A view for which sites are read: chunks beyond it, or finer than its pixels, are left in their files.

@@ -20,10 +20,10 @@ namespace vog::cli {
 namespace {
 
 /// throws CLI::ValidationError and vog::Error before any work
-void check_arguments(const RenderArguments& arguments, const CLI::App& command, bool writes) {
+void check_arguments(const RenderArguments& arguments, bool writes) {
     const QuantityArguments& quantity = arguments.quantity;
-    check_quantity_options(quantity, command, !arguments.output.empty());
-    check_value_options(arguments.value, command, quantity.show);
+    check_quantity_options(quantity);
+    check_value_options(arguments.value);
     // Folders and names with a number are checked where they are made.
     const auto is_file = [&](const std::string& output) {
         return writes && !output.empty() && !arguments.turntable;
@@ -328,7 +328,7 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
 
 std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App& command,
                                     const RenderRanks& ranks) {
-    check_arguments(given, command, ranks.is_root);
+    check_arguments(given, ranks.is_root);
     const RenderArguments arguments = of_view(given, command, ranks);
     if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
     if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);

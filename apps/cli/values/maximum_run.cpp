@@ -43,8 +43,6 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, ValueInputs& inpu
         };
     }
     if (inputs.drawing.renderer == Renderer::trace) {
-        if (arguments.value.slabs)
-            throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
         const TraceSceneOptions scene{given.aabb_sigma, given.kappa};
         return
             [=, model = inputs.model](const Camera& camera, Size size, const Progress& progress) {
@@ -54,8 +52,6 @@ DrawMaximum maximum_renderer(const RenderArguments& arguments, ValueInputs& inpu
                                             scene, clip);
             };
     }
-    if (given.aabb_sigma != 0 && inputs.drawing.renderer != Renderer::optix)
-        throw CLI::ValidationError("--aabb-sigma: is of T, column density, trace and optix");
     if (on_gpu(inputs.drawing.renderer))
         return [=, slabs = arguments.value.slabs.value_or(kMaximumSlabs),
                 pictures = gpu_pictures(arguments, inputs.drawing, inputs.model)](

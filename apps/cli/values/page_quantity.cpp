@@ -66,21 +66,9 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
     add_value_options(command, arguments.value);
 }
 
-HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::App& command) {
+HtmlQuantity stated_quantity(const PageQuantityArguments& arguments) {
     const QuantityArguments& given = arguments.quantity;
-    const auto refuse = [&](const char* option, const char* reason) {
-        if (command.count(option))
-            throw CLI::ValidationError(fmt::format("{}: {}", option, reason));
-    };
-    check_value_options(arguments.value, command, given.show);
-    if (!given.scaled())
-        for (const char* option : {"--range", "--log"})
-            refuse(option,
-                   "is of column density and fields, expected --show column, mean, "
-                   "deviation, volume or maximum");
-    if (!given.of_field() && !given.volume() && !given.maximum())
-        refuse("--field", "is of --show mean, deviation, volume or maximum");
-    if (given.volume()) refuse("--log", "does not go with --show volume");
+    check_value_options(arguments.value);
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
@@ -95,13 +83,14 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::
         throw CLI::ValidationError(fmt::format("--clip-plane: {} planes, expected at most {}",
                                                quantity.look.clip.planes.size(), kMostHtmlPlanes));
     if (!given.volume()) quantity.scale = fixed_scale(given);
+    quantity.log = given.logarithmic();
     return quantity;
 }
 
 HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorArguments& color,
                            const CLI::App& command, const Gaussians& model,
                            const std::string& input, std::vector<std::string>& notes) {
-    HtmlQuantity quantity = stated_quantity(arguments, command);
+    HtmlQuantity quantity = stated_quantity(arguments);
     if (!arguments.quantity.volume()) return quantity;
     const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
     quantity.field = field.name;

@@ -25,7 +25,7 @@ void add_page_quantity_options(CLI::App& command, PageQuantityArguments& argumen
 
 /// Quantity by the options, without a transfer function of values.
 /// throws  CLI::ValidationError as `vog render` does for such options
-HtmlQuantity stated_quantity(const PageQuantityArguments& arguments, const CLI::App& command);
+HtmlQuantity stated_quantity(const PageQuantityArguments& arguments);
 /// Transfer function of a model's scalar field, found as `vog render --show volume` finds it.
 /// input     file of the model, for messages
 /// notes     receives what was chosen

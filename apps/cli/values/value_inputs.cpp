@@ -16,20 +16,14 @@ namespace vog::cli {
 
 namespace {
 
-/// throws CLI::ValidationError and vog::Error for options and renderers that do not draw by value
-void check_by_value(const RenderArguments& arguments, const CLI::App& command,
-                    const Drawing& drawing, const RenderRanks& ranks) {
+/// throws vog::Error for inputs and renderers that do not draw by value
+void check_by_value(const RenderArguments& arguments, const Drawing& drawing,
+                    const RenderRanks& ranks) {
     const std::string show = "--show " + arguments.quantity.show;
     require_addable(arguments, drawing, ranks);
-    if (command.count("--pixel-error"))
-        throw CLI::ValidationError("--pixel-error: is of T and column density");
     const std::string& input = arguments.drawing.inputs.front();
     if (drawing.kind == FileKind::points)
         throw Error(fmt::format("{}: holds particles, {} is of models and volumes", input, show));
-    if (drawing.kind == FileKind::volume && arguments.drawing.interpolation != "constant" &&
-        arguments.quantity.maximum())
-        throw CLI::ValidationError(
-            "--interpolation linear does not go with --show maximum: voxels are constant");
     if (on_gpu(drawing.renderer) && ranks.divided())
         throw Error(fmt::format("{}: {} draws no parts of a {} by value, expected {}", show,
                                 info_of(drawing.renderer).name,
@@ -57,6 +51,13 @@ ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,
     return {std::move(drawing), field.name, field.unit, std::move(data), model, {}};
 }
 
+/// Part of a text that names one number of a vector: ".x" of "velocity.x"; empty: none.
+std::string part_of(const std::string& text) {
+    for (const char* part : {".x", ".y", ".z", ".magnitude"})
+        if (text.ends_with(part)) return part;
+    return {};
+}
+
 /// Reads the field of --field: "temperature", or "velocity.x" of a vector field.
 /// coverage  of a part of volumes, as read_volume_fields has it; null: whole volumes
 std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
@@ -64,22 +65,25 @@ std::vector<VoxelField> read_field_of(const RenderArguments& arguments,
                                       std::vector<FieldCoverage>* coverage = nullptr) {
     const std::string& text = arguments.quantity.field;
     if (text.empty()) return own_values(volumes);
-    const bool part = text.ends_with(".x") || text.ends_with(".y") || text.ends_with(".z");
-    const std::string grid = part ? text.substr(0, text.size() - 2) : text;
+    const std::string part = part_of(text), grid = text.substr(0, text.size() - part.size());
     std::vector<VoxelField> fields = std::move(
         read_volume_fields({{grid}, arguments.drawing.volume.grid, arguments.drawing.inputs},
                            volumes, notes, coverage)
             .front());
     for (VoxelField& field : fields) {
-        if (field.is_vector() != part)
+        const std::string name = printable(field.name), &show = arguments.quantity.show;
+        const std::string& input = arguments.drawing.inputs.front();
+        if (field.is_vector() && part.empty())
             throw Error(fmt::format(
-                "{}: field '{}' is {}, --show {} needs a scalar{}",
-                arguments.drawing.inputs.front(), printable(field.name),
-                part ? "scalar and has no .x" : "a vector", arguments.quantity.show,
-                part ? "" : fmt::format(": {0}.x, {0}.y or {0}.z", printable(field.name))));
-        if (!part) continue;
+                "{0}: field '{1}' is a vector, --show {2} draws one number: --field {1}.x, {1}.y, "
+                "{1}.z or {1}.magnitude",
+                input, name, show));
+        if (!field.is_vector() && !part.empty())
+            throw Error(fmt::format("{}: field '{}' is scalar and has no {}, expected --field {}",
+                                    input, name, part, name));
+        if (part.empty()) continue;
         const auto place = static_cast<std::size_t>(&field - fields.data());
-        field = component_of(std::move(field), text.back() - 'x', volumes[place]);
+        field = component_of(std::move(field), part.substr(1), volumes[place]);
     }
     return fields;
 }
@@ -252,18 +256,29 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
     std::string names;
     for (const ScalarField& field : fields.scalar)
         names += (names.empty() ? "" : ", ") + printable(field.name);
-    const std::string has = names.empty()
-                                ? "the model has none; vog convert IN -o model.ply --field " +
-                                      (name.empty() ? std::string("GRID") : printable(name))
-                                : fmt::format("it has: {}; --field NAME", names);
-    throw Error(fmt::format("{}: --show {} needs a scalar field{} ({})", input, show,
-                            name.empty() ? "" : fmt::format(" '{}'", printable(name)), has));
+    const std::string whole = name.substr(0, name.size() - part_of(name).size());
+    const auto error = [&](const std::string& what, const std::string& remedy) {
+        return Error(fmt::format("{}: {}; {}{}", input, what, remedy,
+                                 names.empty() ? "" : fmt::format(" (scalar fields: {})", names)));
+    };
+    if (const VectorField* vector = fields.find_vector(whole))
+        throw error(
+            fmt::format("'{}' is a vector field, and --show {} draws scalar fields of a model",
+                        printable(vector->name), show),
+            fmt::format("--show mean --field {} draws it, or --show {} of the volume",
+                        printable(name), show));
+    if (names.empty())
+        throw error(fmt::format("--show {} needs a scalar field, and the model has none", show),
+                    "vog convert VOLUME -o model.ply makes a model with one");
+    throw error(fmt::format("--show {}: no scalar field{}", show,
+                            name.empty() ? " chosen" : fmt::format(" '{}'", printable(name))),
+                "expected --field NAME");
 }
 
 ValueInputs load_values(const RenderArguments& arguments, const CLI::App& command,
                         const RenderRanks& ranks) {
     Drawing drawing = begin_drawing(arguments.drawing, command);
-    check_by_value(arguments, command, drawing, ranks);
+    check_by_value(arguments, drawing, ranks);
     if (drawing.kind == FileKind::model)
         return load_model_values(arguments, std::move(drawing), ranks);
     return ranks.divided() ? load_divided_values(arguments, std::move(drawing), ranks)

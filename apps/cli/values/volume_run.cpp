@@ -28,8 +28,6 @@ DrawVolume model_renderer(const RenderArguments& arguments, ValueInputs& inputs,
     VolumeLook look = look_of(arguments.value);
     look.clip = clip_of(given);
     if (inputs.drawing.renderer == Renderer::trace) {
-        if (arguments.value.slabs)
-            throw CLI::ValidationError("--slabs: is of splat, trace draws in exact order");
         const TraceSceneOptions scene{given.aabb_sigma, given.kappa};
         return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,
                    const Progress& progress, VolumeImage& picture) {
@@ -39,8 +37,6 @@ DrawVolume model_renderer(const RenderArguments& arguments, ValueInputs& inputs,
                                           scene, look);
         };
     }
-    if (given.aabb_sigma != 0 && inputs.drawing.renderer != Renderer::optix)
-        throw CLI::ValidationError("--aabb-sigma: is of T, column density, trace and optix");
     SlabOptions options;
     if (on_gpu(inputs.drawing.renderer)) {
         const int slabs = arguments.value.slabs.value_or(options.slabs);

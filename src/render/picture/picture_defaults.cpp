@@ -23,8 +23,18 @@ const ScalarField* scalar_to_begin_with(const Fields& fields) {
     return field || fields.scalar.empty() ? field : &fields.scalar.front();
 }
 
-VoxelField component_of(VoxelField field, int axis, const Volume& volume) {
-    VoxelValues values = std::move(field.component[static_cast<std::size_t>(axis)]);
+VoxelField component_of(VoxelField field, const std::string& part, const Volume& volume) {
+    const std::size_t axis = part == "magnitude" ? 0 : static_cast<std::size_t>(part[0] - 'x');
+    VoxelValues values = std::move(field.component[axis]);
+    if (part == "magnitude") {
+        const auto add = [](float& x, float y, float z) { x = std::hypot(x, y, z); };
+        const VoxelValues &y = field.component[1], &z = field.component[2];
+        for (std::size_t l = 0; l < values.leaf.size(); ++l)
+            for (std::size_t n = 0; n < kLeafVoxels; ++n)
+                add(values.leaf[l][n], y.leaf[l][n], z.leaf[l][n]);
+        for (std::size_t t = 0; t < values.tile.size(); ++t)
+            add(values.tile[t], y.tile[t], z.tile[t]);
+    }
     float lower = HUGE_VALF, upper = -HUGE_VALF;
     const auto include = [&](float value) {
         lower = std::min(lower, value), upper = std::max(upper, value);
@@ -35,7 +45,7 @@ VoxelField component_of(VoxelField field, int axis, const Volume& volume) {
     std::ranges::for_each(values.tile, include);
     field.lower = double{lower}, field.upper = double{upper};
     field.component.assign(1, std::move(values));
-    field.name += {'.', "xyz"[axis]};
+    field.name += "." + part;
     return field;
 }
 

@@ -1,0 +1,285 @@
+// option_effects.cpp: The table of effects, and the refusals that it makes.
+#include "options/option_effects.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <sstream>
+
+namespace vog::cli {
+
+namespace {
+
+/// Options that have an effect only with some values of a fact.
+struct Row {
+    const char* commands;  ///< "" for all that have the options
+    const char*
+        options;  ///< "--scale --log", "--scale=symmetric" (this value only), or the group "[View]"
+    const char* fact;          ///< of Facts, or an option, whose value counts
+    const char* values;        ///< "volume maximum"; "*": given with any value; "-": not given
+    const char* instead = "";  ///< what serves the purpose otherwise
+};
+
+constexpr const char* kPages = ".html site";
+constexpr const char* kSplats = ".spz .glb .usda .usdc 3dgs";
+
+// The first row that refuses an option says why: general reasons stand first.
+const Row kRows[] = {
+    // Inputs.
+    {"", "--mask --sum --mesh --level-set-to-fog", "input", "volumes"},
+    {"", "--skip-nonfinite", "input", "volumes particles text models"},
+    {"", "--clip-negative", "input", "volumes particles text"},
+    {"", "--grid", "input", "volumes particles"},
+    {"", "[Particles]", "input", "particles text"},
+    {"", "--columns", "input", "text"},
+    {"", "--neighbours", "--radius", "adaptive"},
+    {"", "--mask --mesh", "--sum", "-"},
+    // Cameras.
+    {"", "--view --azimuth --elevation --distance --fov --eye --look-at --up", "--camera", "-"},
+    {"", "--view --azimuth --elevation --distance", "--eye", "-"},
+    {"", "--azimuth --elevation", "--view", "-"},
+    {"", "--fov", "--orthographic", "-"},
+    // Outputs of vog export.
+    {"export", "--site", "output", "site"},
+    {"export", "--max-loss --reference --model-psnr --hierarchy --deflate", "output", ".vogz"},
+    {"export", "--step --field-step", "output", ".vogz site"},
+    {"export", "--as", "output", ".ply 3dgs volprim"},
+    {"export", "--units", "output", kSplats},
+    {"export", "--levels", "output", ".html"},
+    {"export", "--memory --scratch", "output", "site"},
+    {"export", "--extinction", "output", ".html site .spz .glb .usda .usdc 3dgs volprim"},
+    {"export", "--tf --field", "output", ".html site .spz .glb .usda .usdc 3dgs"},
+    {"export", "--no-fields", "output", ".html site .vogz .ply .spz .glb .usda .usdc 3dgs"},
+    {"export", "--no-fields", "input", "volumes models compact-models"},
+    {"export", "--title --description --name --precise --from --steps", "output", kPages},
+    {"export", "--show --range --log --scale --clip --clip-plane --background --blend", "output",
+     kPages},
+    {"export", "[Volume rendering (--show volume)]", "output", kPages},
+    {"export", "--up", "output", ".html site .spz .glb .usda .usdc 3dgs"},
+    {"export", "--view --azimuth --elevation --distance --fov --orthographic --width", "output",
+     kPages},
+    {"export", "--eye --look-at --roll --camera --save-camera", "output", kPages},
+    {"export", "--site --no-fields --budget --levels --precise", "--from", "-"},
+    {"export", "[Compact model (.vogz)]", "--from", "-"},
+    {"export", "[Large data]", "--from", "-"},
+    // Conversions.
+    {"convert", "[Conversion by moments (--method moments)]", "--method", "moments"},
+    {"convert", "[Conversion of the paper (--method paper)]", "--method", "paper"},
+    {"convert", "[Conversion by moments (--method moments)]", "output", ".ply .vogz models/"},
+    {"convert", "[Conversion of the paper (--method paper)]", "output", ".ply .vogz models/"},
+    {"convert", "--method --lod --field --radius --neighbours", "output", ".ply .vogz models/"},
+    {"convert", "--no-fields --no-hierarchy --measure", "output", ".ply .vogz models/"},
+    {"convert", "--value", "values", ".ply .vogz models/"},
+    {"convert", "--no-hierarchy", "output", ".ply models/"},
+    {"convert", "--again", "output", "models/"},
+    {"convert", "--for --joint-steps --measure --no-fields --split", "input", "volumes"},
+    {"convert", "--spread --soft-steps --refine", "input", "volumes"},
+    {"convert", "--strategy --dense-block --amplitude --opacity-threshold", "input", "volumes"},
+    {"convert", "--variance-threshold --similarity --tree-depth", "input", "volumes"},
+    {"convert", "--minimum-radius", "input", "volumes"},
+    {"convert", "--lod --neighbours", "particles by", "moments"},
+    {"convert", "--for", "program", "vog", "vog convert"},
+    {"convert", "--for", "--method", "moments"},
+    {"convert", "--joint-steps", "--for", "*"},
+    {"convert", "--no-fields --spread", "--for", "-"},
+    {"convert", "--no-fields", "--field", "-"},
+    {"convert export", "--level-set-to-fog --clip-negative", "--measure", "density"},
+    {"", "--budget --error --lod", "--block", "-"},
+    {"", "--error --lod", "--budget", "-"},
+    {"", "--lod", "--error", "-"},
+    {"convert export", "--measure-error", "cut", "--block --budget --lod"},
+    {"convert", "--strategy --dense-block", "--lod", "-"},
+    {"convert", "--dense-block", "strategy", "smart strict single"},
+    {"convert", "--variance-threshold", "strategy", "variance"},
+    {"convert", "--similarity", "strategy", "neighbours"},
+    {"convert", "--tree-depth", "strategy", "tree"},
+    {"export", "[Conversion by moments (--method moments)]", "input", "volumes"},  // vog-mpi
+    {"export", "--carry --lod --measure", "input", "volumes"},
+    {"export", "--no-fields", "--carry", "-"},
+    {"export", "--stamp", "output", ".ply", "vog-mpi convert"},
+    // What is shown.
+    {"render", "--fps", "output", "film"},
+    {"render", "--steps", "--turntable", "*"},
+    {"render", "--steps", "inputs", "several"},
+    {"view", "--steps", "input", "models compact-models"},
+    {"view", "--headless", "--script", "*"},
+    {"", "--window --band --iso --threshold --unit-distance", "show", "volume"},
+    {"", "--light --light-weights", "show", "volume"},
+    {"", "--slabs", "show", "volume maximum"},
+    {"render", "--slabs", "renderer", "splat cuda optix"},
+    {"", "--light-weights", "--light", "*"},
+    {"", "--window", "--band", "-"},
+    {"", "--window", "--iso", "-"},
+    {"", "--tf --range", "--window", "-"},
+    {"", "--tf --range", "--band", "-"},
+    {"", "--tf --range", "--iso", "-"},
+    {"", "--field", "show", "mean deviation volume maximum"},
+    {"", "--range", "show", "column mean deviation volume maximum"},
+    {"", "--log", "show", "column mean deviation maximum"},
+    {"render export", "--scale", "show", "column mean deviation maximum"},
+    {"render", "--units", "show", "column mean deviation maximum"},
+    {"render", "--scale=symmetric", "show", "mean deviation maximum"},
+    {"render export", "--log", "--scale", "- log"},
+    {"render", "--extinction --blend", "show", "T"},
+    {"render", "--depth-out", "show", "T column", "--values-out FILE.exr"},
+    {"render", "--values-out", "show", "T column mean deviation maximum"},
+    {"render", "--least-column", "show", "mean deviation"},
+    {"render", "--range --scale --log --least-column", "output", "picture film"},
+    {"render", "--color-bar --title --tf --background --blend", "output", "picture film"},
+    // How it is drawn.
+    {"render", "--pixel-error", "show", "T column mean deviation"},
+    {"render", "--interpolation=linear", "show", "T column mean deviation volume"},
+    {"render", "--step", "--interpolation", "linear"},
+    {"render", "--slab-hits --stop-transmittance", "--anyhit", "collect"},
+    {"render", "--anyhit", "show", "T column mean deviation"},
+    {"render", "--slab-hits", "show", "T column"},
+    {"render", "--stop-transmittance", "show", "T"},
+    {"render", "--aabb-sigma", "by value", "trace optix"},
+    // Other commands.
+    {"voxelize", "--voxel-size", "--like", "-"},
+    {"voxelize", "--grid --within", "--like", "*"},
+    {"voxelize", "--memory --scratch", "output", ".vdb"},
+    {"compare", "--tf --extinction", "input", "depth-images"},
+    {"compare", "--diff --diff-limit", "input", "pictures depth-images"},
+    {"compare", "--diff-limit", "--diff", "*"},
+    {"evaluate", "--voxels --show=volume", "program", "vog", "vog evaluate"},
+    {"sample", "--half", "input", "cloud explosion fire head amr"},
+};
+
+std::vector<std::string> words(const std::string& text) {
+    std::istringstream in(text);
+    return {std::istream_iterator<std::string>(in), {}};
+}
+bool contains(const std::vector<std::string>& all, const std::string& one) {
+    return std::ranges::find(all, one) != all.end();
+}
+
+/// Value of a fact or an option; "-": not given and without a default. None: not known, or of other commands.
+std::optional<std::string> value_of(const std::string& fact, const CLI::App& command,
+                                    const Facts& facts) {
+    if (!fact.starts_with("--")) {
+        const auto found = facts.find(fact);
+        return found == facts.end() ? std::nullopt : std::optional(found->second);
+    }
+    const CLI::Option* option = command.get_option_no_throw(fact);
+    if (!option) return std::nullopt;
+    if (option->count()) return option->results().front();
+    return option->get_default_str().empty() ? "-" : option->get_default_str();
+}
+
+/// Whether an option of a row is given: by name, with a value, or as one of a group.
+std::vector<std::string> given_options(const Row& row, const CLI::App& command) {
+    std::vector<std::string> given;
+    const std::string options = row.options;
+    if (options.starts_with('[')) {
+        for (const CLI::Option* option : command.get_options())
+            if (option->count() && "[" + option->get_group() + "]" == options)
+                given.push_back(option->get_name());
+        return given;
+    }
+    for (const std::string& word : words(options)) {
+        const std::size_t equals = word.find('=');
+        const CLI::Option* option = command.get_option_no_throw(word.substr(0, equals));
+        if (!option || !option->count()) continue;
+        if (equals == word.npos)
+            given.push_back(word);
+        else if (option->results().front() == word.substr(equals + 1))
+            given.push_back(word.substr(0, equals) + " " + word.substr(equals + 1));
+    }
+    return given;
+}
+
+/// "column, mean or deviation"
+std::string listed(const std::vector<std::string>& all) {
+    std::string text;
+    for (std::size_t n = 0; n < all.size(); ++n)
+        text += (n == 0 ? "" : n + 1 < all.size() ? ", " : " or ") + all[n];
+    return text;
+}
+
+/// Values of a fact as a user writes them: "--show volume or maximum", "-o FILE.html or FOLDER/", "models".
+std::string spelled(const std::string& fact, std::vector<std::string> values, const Facts& facts) {
+    static const std::map<std::string, std::string> prefixes = {
+        {"show", "--show "},         {"renderer", "--renderer "},
+        {"strategy", "--strategy "}, {"output", "-o "},
+        {"values", "-o "},           {"particles by", "particles and --method "}};
+    static const std::map<std::string, std::string> names = {{"site", "FOLDER/ (a site)"},
+                                                             {"models/", "FOLDER/"},
+                                                             {"3dgs", "FILE.ply --as 3dgs"},
+                                                             {"volprim", "FILE.ply --as volprim"},
+                                                             {"picture", "FILE.png"},
+                                                             {"film", "FILE.mp4"},
+                                                             {"text", "particles in text files"},
+                                                             {"several", "several inputs"},
+                                                             {"one", "one input"}};
+    if (contains(values, "particles")) std::erase(values, "text");
+    for (std::string& value : values) {
+        const auto name = names.find(value);
+        if (name != names.end())
+            value = name->second;
+        else if (value.starts_with('.'))
+            value = "FILE" + value;
+        else if (fact == "input")
+            std::ranges::replace(value, '-', ' ');
+    }
+    if (fact.starts_with("--")) return fact + " " + listed(values);
+    if (fact == "by value")
+        return fmt::format("--show {} --renderer {}", facts.at("show"), listed(values));
+    const auto prefix = prefixes.find(fact);
+    return (prefix == prefixes.end() ? "" : prefix->second) + listed(values);
+}
+
+std::string refusal(const Row& row, const std::string& option, const std::string& actual,
+                    const Facts& facts) {
+    const std::vector<std::string> values = words(row.values);
+    const std::string fact = row.fact;
+    if (contains(values, "-")) return fmt::format("{} and {} exclude each other", option, fact);
+    if (contains(values, "*")) return fmt::format("{} needs {}", option, fact);
+    if (actual == "-") return fmt::format("{} needs {}", option, spelled(fact, values, facts));
+    return fmt::format("{} has no effect with {}; {}", option, spelled(fact, {actual}, facts),
+                       *row.instead
+                           ? fmt::format("use {}", row.instead)
+                           : fmt::format("it works with {}", spelled(fact, values, facts)));
+}
+
+}  // namespace
+
+std::string input_fact(FileKind kind, const std::vector<std::string>& inputs) {
+    if (kind == FileKind::volume) return "volumes";
+    if (kind == FileKind::model) {
+        // Compact models and sites hold finite numbers.
+        const bool compact = std::ranges::all_of(inputs, [](const std::string& input) {
+            return extension_of(input) == ".vogz" || is_site(input);
+        });
+        return compact ? "compact-models" : "models";
+    }
+    const bool binary = std::ranges::any_of(inputs, [](const std::string& input) {
+        const std::string extension = extension_of(input);
+        return extension == ".vdb" || extension == ".hdf5" || extension == ".h5" ||
+               extension == ".hdf";
+    });
+    return binary ? "particles" : "text";
+}
+
+void require_effects(const CLI::App& command, const Facts& facts) {
+    Facts all = facts;
+    if (command.get_parent()) all["program"] = command.get_parent()->get_name();
+    for (const Row& row : kRows) {
+        const std::vector<std::string> commands = words(row.commands);
+        if (!commands.empty() && !contains(commands, command.get_name())) continue;
+        const std::vector<std::string> values = words(row.values);
+        const auto actual = value_of(row.fact, command, all);
+        if (!actual || contains(values, *actual) || (contains(values, "*") && *actual != "-"))
+            continue;
+        // An option that excludes others does so where it is given, whatever its default.
+        if (contains(values, "-") && std::string(row.fact).starts_with("--") &&
+            !command.count(row.fact))
+            continue;
+        for (const std::string& option : given_options(row, command))
+            throw CLI::ValidationError(refusal(row, option, *actual, all));
+    }
+}
+
+}  // namespace vog::cli

@@ -1,0 +1,313 @@
+#!/usr/bin/env python3
+"""Every option of every command, on every kind of input and output: it changes the result, or is refused in one line.
+
+The options come from `vog COMMAND --help-all`, so that a new one is tried without a change here; it needs a value in
+VALUES, unless option_pairs_test.py has one. Each option must also have an effect in one case at least.
+usage: VOG_COMMAND=build/release/apps/cli/vog option_effects_test.py [COMMAND...]
+"""
+
+import hashlib
+import json
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import command_server
+import option_pairs_test as pairs
+from command_server import VOG
+
+VOG_MPI = Path(VOG).resolve().parents[1] / "mpi" / "vog-mpi"
+MPI_ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+SECONDS = 120
+
+# By design these change no byte of a result: words about it, its speed, and what a run that ends early leaves.
+PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--memory", "--scratch", "--repeat",
+                "--resume", "--again", "--open"}
+
+# Values that differ from the default, where those of option_pairs_test.py do not; COMMAND OPTION goes before OPTION.
+VALUES = {
+    "--renderer": "trace", "--interpolation": "linear", "--scale": "log", "--view": "+x", "--kappa": "0.2",
+    "--aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "temperature",
+    "--step": "0.05", "render --step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--similarity": "0.9",
+    "view --scale": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,20", "--clip-plane": "1,0,0,20",
+    "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
+    "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--strategy": "single",
+    "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "--field": "temperature", "--for": "volume",
+    "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--variance-threshold": "0.3",
+    "--opacity-threshold": "0.2", "--minimum-radius": "2", "--tf": "viridis", "--stop-transmittance": "0.5",
+    "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
+    "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
+    "--radius": "0.7", "--neighbours": "2", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
+}
+
+# Effects that depend on the data: inputs in place of the case's, for both runs.
+INPUTS = {
+    ("--skip-nonfinite", "small.nrrd"): "nan.nrrd", ("--skip-nonfinite", "points.csv"): "nan.csv",
+    ("--skip-nonfinite", "points.vdb"): "nan.csv", ("--clip-negative", "points.vdb"): "negative.csv --value weight",
+    ("--clip-negative", "small.nrrd"): "negative.nrrd", ("--clip-negative", "points.csv"): "negative.csv --value weight",
+    ("--sum", "small.nrrd"): "small.nrrd {made}/beside.nrrd", ("--mesh", "small.nrrd"): "small.nrrd {made}/across.nrrd",
+    ("--grid", "fire.vdb"): "amr.vdb", ("--grid", "small.nrrd"): "fire.vdb", ("--mask", "small.nrrd"): "fire.vdb --grid density",
+}
+# Level sets and masks need OpenVDB to be written (tests/io/vdb).
+UNTRIED = {"--level-set-to-fog", "--mask"}
+
+# Says what is the default for one input.
+STATED = {"--site"}
+# Refused by what the data then lack, which the message names.
+OF_DATA = {"--no-fields", "--grid"}
+
+MODEL, VOLUME, TEXT, POINTS = "{made}/model.ply", "{made}/small.nrrd", "{made}/points.csv", "{made}/points.vdb"
+SMALL = ["--size", "16x12"]
+PICTURE = ["-o", "{out}/p.png", *SMALL]
+
+
+def cases():
+    """[command, words]: every kind of input and output, and for pictures every quantity and way to draw it."""
+    for output in ("p.html", "site/", "m.ply", "m.vogz", "m.spz", "m.glb", "m.usda", "m.usdc"):
+        yield "export", [MODEL, "-o", "{out}/" + output]
+    for layout in ("3dgs", "volprim"):
+        yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]
+    for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head"):
+        yield "export", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
+    yield "export", [MODEL, "{made}/other.ply", "-o", "{out}/site/", "--site"]
+    yield "export", [MODEL, "{made}/other.ply", "-o", "{out}/pages/"]
+    yield "export", [MODEL, "-o", "{out}/p.html", "--orthographic"]
+    yield "export", [MODEL, "-o", "{out}/m.vogz", "--max-loss", "3"]
+    yield "export", ["{made}/streams.vogz", "-o", "{out}/p.html", "--from", "https://data.example.org/m.vogz"]
+    for data, output in ((VOLUME, "p.html"), (VOLUME, "site/"), (VOLUME, "m.spz"), (TEXT, "p.html"), (TEXT, "m.vogz"), (POINTS, "m.spz")):
+        yield "export", [data, "-o", "{out}/" + output]
+    for output in ("m.ply", "m.vogz", "models/"):
+        yield "convert", [VOLUME, "-o", "{out}/" + output]
+        yield "convert", [TEXT, "-o", "{out}/" + output]
+    yield "convert", [POINTS, "-o", "{out}/m.ply"]
+    yield "convert", [TEXT, "-o", "{out}/p.xyz"]
+    yield "convert", [TEXT, "-o", "{out}/m.ply", "--method", "paper"]
+    yield "convert", [TEXT, "-o", "{out}/m.ply", "--budget", "100"]
+    for strategy in ("smart", "variance", "neighbours", "tree"):
+        yield "convert", [VOLUME, "-o", "{out}/m.ply", "--method", "paper", "--strategy", strategy]
+    for how in ("--for density", "--block 4", "--budget 30", "--measure volume", "--lod 2"):
+        yield "convert", [VOLUME, "-o", "{out}/m.ply", *how.split()]
+    for data in (MODEL, VOLUME, TEXT, POINTS):
+        yield "render", [data, *PICTURE]
+        yield "render", [data, *PICTURE, "--show", "column"]
+        yield "render", [data, "--depth-out", "{out}/t.exr", *SMALL]
+    for show in ("mean --field temperature", "deviation --field temperature", "volume", "maximum"):
+        yield "render", [MODEL, *PICTURE, "--show", *show.split()]
+        yield "render", [MODEL, *PICTURE, "--show", *show.split(), "--renderer", "trace"]
+        yield "render", [VOLUME, *PICTURE, "--show", *show.replace("temperature", "density").split()]
+    for show in ("T", "mean --field temperature"):
+        yield "render", [MODEL, *PICTURE, "--show", *show.split(), "--renderer", "trace", "--anyhit", "collect"]
+    yield "render", [MODEL, *PICTURE, "--renderer", "trace", "--anyhit", "collect", "--extinction", "0.3"]
+    yield "render", [VOLUME, *PICTURE, "--interpolation", "linear"]
+    yield "render", [MODEL, "--values-out", "{out}/v.npy", *SMALL, "--show", "mean", "--field", "temperature"]
+    yield "render", [MODEL, *PICTURE, "--show", "volume", "--light", "head"]
+    yield "render", [MODEL, *PICTURE, "--orthographic"]
+    yield "render", [MODEL, "{made}/other.ply", "-o", "{out}/turn/", "--turntable", "2", *SMALL]
+    yield "render", [MODEL, "{made}/other.ply", "-o", "{out}/pictures/", *SMALL]
+    if shutil.which("ffmpeg"):
+        yield "render", [MODEL, "-o", "{out}/turn.mp4", "--turntable", "2", *SMALL]
+    for kind in ("a.exr b.exr", "a.png b.png", "a.npy b.npy", "field_a.exr field_b.exr", "a.exr b.exr --diff {out}/d.png"):
+        yield "compare", [word if word[0] in "-{" else "{made}/" + word for word in kind.split()]
+    yield "evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"]
+    yield "evaluate", [VOLUME, MODEL, "-o", "{out}/e", "--size", "12"]
+    yield "evaluate", [VOLUME, "{made}/tiny.ply", "-o", "{out}/e", "--size", "12", "--show", "volume"]
+    yield "evaluate", [VOLUME, "-o", "{out}/e", "--size", "12", "--rate-distortion", "--model-sizes", "1", "--tolerances", "1"]
+    yield "voxelize", [MODEL, "-o", "{out}/v.vdb", "--like", "{made}/fire.vdb"]
+    yield "voxelize", [MODEL, "-o", "{out}/v.nvdb", "--voxel-size", "4"]
+    for kind in ("cloud", "head", "amr", "fire", "explosion"):
+        yield "sample", [kind, "{out}/s.vdb", "--size", "64"]
+    yield "sample", ["particles", "{out}/s.csv", "--size", "8"]
+    yield "info", [MODEL, VOLUME, TEXT]
+    yield "doctor", []
+    for show in ("", "--show volume", "--show column"):
+        yield "view", [MODEL, "--headless", "--script", "{made}/tour.vog", *show.split()]
+    yield "view", [VOLUME, "--headless", "--script", "{made}/tour.vog"]
+    yield "view", [TEXT, "--headless", "--script", "{made}/tour.vog"]
+    if VOG_MPI.exists():
+        yield "mpi convert", [VOLUME, "-o", "{out}/m.ply", "--block", "4"]
+        yield "mpi convert", [TEXT, "-o", "{out}/m.ply", "--budget", "100"]
+        yield "mpi export", [VOLUME, "-o", "{out}/site/", "--block", "4"]
+        yield "mpi export", [MODEL, "-o", "{out}/site/"]
+        yield "mpi render", [MODEL, *PICTURE]
+        yield "mpi render", [VOLUME, *PICTURE, "--show", "volume"]
+        yield "mpi evaluate", [VOLUME, "-o", "{out}/e", "--size", "12"]
+
+
+def make_inputs(made):
+    def vog(*words):
+        done = subprocess.run([VOG, *(word.replace("{made}", made) for word in words)], capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+
+    def volume(name, value, edge=12, origin=0, spacing=1):
+        cells = [value(x, y, z) for z in range(edge) for y in range(edge) for x in range(edge)]
+        head = (f"NRRD0004\ntype: float\ndimension: 3\nsizes: {edge} {edge} {edge}\nspace dimension: 3\n"
+                f"space directions: ({spacing},0,0) (0,{spacing},0) (0,0,{spacing})\nspace origin: ({origin},{origin},0)\n"
+                "endian: little\nencoding: raw\n\n")
+        Path(made, name).write_bytes(head.encode() + struct.pack(f"<{len(cells)}f", *cells))
+
+    def blob(x, y, z):
+        r = ((x - 5.5) ** 2 + (y - 5.5) ** 2 + (z - 5) ** 2) ** 0.5
+        return max(0.0, 0.5 - 0.08 * r + 0.02 * ((x * 7 + y * 3 + z) % 5)) * (r < 5.5)
+
+    volume("small.nrrd", blob)
+    volume("beside.nrrd", blob, origin=6)
+    volume("across.nrrd", blob, origin=0.3, spacing=0.7)
+    volume("nan.nrrd", lambda x, y, z: float("nan") if x == y == 5 else blob(x, y, z))
+    volume("negative.nrrd", lambda x, y, z: -0.1 if x == y == 5 else blob(x, y, z))
+    points = [f"{n * 7 % 11},{n * 5 % 13},{n * 3 % 17},{1 + n % 4}" for n in range(200)]
+    for name, bad in (("points", "3,4,5,6"), ("nan", "nan,4,5,6"), ("negative", "3,4,5,-6")):
+        Path(made, name + ".csv").write_text("\n".join(["x,y,z,weight", *points, bad]) + "\n")
+    vog("convert", "{made}/points.csv", "-o", "{made}/points.vdb")
+    vog("sample", "fire", "{made}/fire.vdb", "--size", "64")
+    for kind in ("cloud", "amr"):
+        vog("sample", kind, "{made}/%s.vdb" % kind, "--size", "64")
+    vog("convert", "{made}/fire.vdb", "-o", "{made}/model.ply", "--block", "4", "--field", "temperature")
+    vog("convert", "{made}/fire.vdb", "-o", "{made}/other.ply", "--block", "16", "--field", "temperature")
+    vog("convert", "{made}/small.nrrd", "-o", "{made}/tiny.ply", "--block", "8")
+    vog("export", "{made}/model.ply", "-o", "{made}/streams.vogz", "--hierarchy", "--deflate")
+    for name, roll in (("a", "0"), ("b", "5")):
+        vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--roll", roll, "--depth-out",
+            "{made}/%s.exr" % name, "--save-camera", "{made}/camera.json", "--values-out", "{made}/%s.npy" % name)
+        vog("render", "{made}/model.ply", "--show", "mean", "--field", "temperature", "--size", "16", "--roll", roll,
+            "--values-out", "{made}/field_%s.exr" % name)
+    Path(made, "tour.vog").write_text("wait\npicture {out}/p.png\ndepth {out}/d.exr\nscreenshot {out}/s.png\n")
+
+
+def scrubbed(value):
+    """A report without times, memory and processes."""
+    if isinstance(value, dict):
+        return {key: scrubbed(one) for key, one in value.items()
+                if not re.search(r"ms$|memory|peak|threads|per_second|hierarchy$|date|seconds|commit|repeats", key)}
+    return [scrubbed(one) for one in value] if isinstance(value, list) else value
+
+
+def result_of(made, command, words, extra):
+    """Exit status, files and report of a run; errors of one that was refused."""
+    out = tempfile.mkdtemp(dir=made)
+    text = pairs_text(command)
+    full = [*words, *extra, *(["--json"] if "--json" in text and "--json" not in extra else [])]
+    full = [word.replace("{made}", made).replace("{out}", out) for word in full]
+    if command == "view":
+        script = Path(out, "script.vog")
+        script.write_text(Path(made, "tour.vog").read_text().replace("{out}", out))
+        full = [str(script) if word.endswith("tour.vog") else word for word in full]
+    try:
+        if command.startswith("mpi "):
+            run = subprocess.run([str(VOG_MPI), command.split()[1], *full], capture_output=True, timeout=SECONDS, env=MPI_ENVIRONMENT, cwd=out)
+        else:
+            run = command_server.run([command, *full], out, SECONDS)
+        files = {}
+        for path in sorted(Path(out).rglob("*")):
+            if not path.is_file() or path.suffix in (".md", ".vog") or (command.endswith("evaluate") and path.suffix in (".html", ".svg", ".csv")):
+                continue
+            data = path.read_bytes()
+            if path.suffix == ".json":
+                data = json.dumps(scrubbed(json.loads(data))).encode()
+            files[str(path.relative_to(out))] = hashlib.sha256(data.replace(out.encode(), b"")).hexdigest()
+    finally:
+        shutil.rmtree(out)
+    report = run.stdout.decode(errors="replace").replace(out, "")
+    if report.startswith("{"):
+        report = json.dumps(scrubbed(json.loads(report)))
+    errors = run.stderr.decode(errors="replace").removesuffix("Run with --help for usage.\n")
+    errors = "".join(line for line in errors.splitlines(True) if ": note: " not in line)
+    return run.returncode, (files, report), errors
+
+
+def pairs_text(command, known={}):
+    if command not in known:
+        program = [str(VOG_MPI), command.split()[1]] if command.startswith("mpi ") else [VOG, command]
+        known[command] = subprocess.run([*program, "--help-all"], capture_output=True, text=True, check=True, env=MPI_ENVIRONMENT).stdout
+    return known[command]
+
+
+def options_of(command):
+    """[["--axis-aligned"], ["--block", "4"], ...] of the help."""
+    found = {}
+    for name, rest in re.findall(r"^  (?:-\w,)?(--[a-z][a-z-]*)(.*)$", pairs_text(command), re.MULTILINE):
+        if name in PRESENTATION or name == "--output" or name in found:
+            continue
+        found[name] = [name]
+        if re.match(r" (TEXT|INT|UINT|FLOAT)", rest):
+            value = VALUES.get(f"{command} {name}") or VALUES.get(name) or pairs.VALUES.get(name)
+            assert value, f"vog {command} {name}: no value for it in {__file__}"
+            found[name].append(value)  # "a|b": one of both is the default
+    return list(found.values())
+
+
+def inputs_for(option, words):
+    """The case's words with data that the option has an effect on."""
+    changed = []
+    for word in words:
+        other = INPUTS.get((option, word.removeprefix("{made}/")))
+        changed += ("{made}/" + other).split() if other else [word]
+    return changed
+
+
+def main():
+    made = tempfile.mkdtemp(prefix="vog-effects-")
+    faults, works, runs = [], {}, 0
+    chosen = sys.argv[1:]
+    try:
+        make_inputs(made)
+        with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
+            tried = []
+            bases = {}
+
+            def base_of(command, words):
+                key = (command, *words)
+                if key not in bases:
+                    bases[key] = pool.submit(result_of, made, command, words, [])
+                return bases[key]
+
+            for command, words in cases():
+                if chosen and command not in chosen:
+                    continue
+                for option in options_of(command):
+                    works.setdefault((command, option[0]), option[0] in UNTRIED)
+                    if option[0] in UNTRIED or option[0] in words:
+                        works[command, option[0]] |= option[0] in words
+                        continue
+                    given = inputs_for(option[0], words)
+                    values = [option[:1] + ([value] if value else []) for value in (option[1] if option[1:] else "").split("|")]
+                    tried.append((command, given, option, base_of(command, given),
+                                  [pool.submit(result_of, made, command, given, one) for one in values]))
+            for command, words, option, before, after in tried:
+                before, results = before.result(), [one.result() for one in after]
+                after = next((one for one in results if one[:2] != before[:2]), results[0])
+                runs += 1
+                line = f"vog {command} {' '.join(words)} + {' '.join(option)}"
+                if after[0] == 0:
+                    changed = before[0] != 0 or before[1] != after[1]
+                    works[command, option[0]] |= changed
+                    if not changed and option[0] not in STATED:
+                        faults.append(f"{line}: no effect")
+                elif after[0] not in (1, 2) or after[2].count("\n") != 1:
+                    faults.append(f"{line}: status {after[0]}, {after[2]!r}")
+                elif option[0] not in after[2] and option[0] not in OF_DATA:
+                    faults.append(f"{line}: refused without its name: {after[2]!r}")
+                if os.environ.get("VOG_SHOW"):
+                    print(line, "->", after[2].strip() or "ok")
+            for (command, *words), base in bases.items():
+                if base.result()[0] != 0 and not any(bad in " ".join(words) for bad in ("nan.", "negative.", "across.", "beside.", "amr.")):
+                    faults.append(f"vog {command} {' '.join(words)}: {base.result()[2]}")
+                again = result_of(made, command, words, []) if os.environ.get("VOG_TWICE") else base.result()
+                if again[1] != base.result()[1]:
+                    faults.append(f"vog {command} {' '.join(words)}: another result the second time")
+    finally:
+        shutil.rmtree(made)
+    faults += [f"vog {command} {option}: no case in which it has an effect" for (command, option), used in works.items() if not used]
+    for fault in faults:
+        print(fault)
+    print(f"{len(works)} options of commands in {runs} runs, {len(faults)} faults")
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
