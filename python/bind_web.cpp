@@ -67,6 +67,7 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
+    quantity.log = given.log;
     if (!given.range.is_none() && given.show != "volume") {
         const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
         quantity.scale = ColorScale{given.log ? ColorScale::Kind::log : ColorScale::Kind::linear,
@@ -208,7 +209,7 @@ blend        True: colours fade into the background as V goes to 0
 show         what the page shows first: 'T', 'column', or of a field 'mean', 'deviation', 'volume' or 'maximum'
 field        name of that field; '': the first one, of volume and maximum the density where the model has it
 range        (low, high), values of the first and the last colour; None: of the initial view, volume: of the data
-log          True: logarithmic colours of column, mean, deviation or maximum with a range
+log          True: logarithmic colours of column, mean, deviation or maximum
 unit_distance  of volume: length that opacities refer to, world units; None: found by the page
 light        of volume: 'head', or the direction towards the light; None: none
 clip         box of the world that is shown first, [2, 3]; None: all

@@ -7,6 +7,21 @@ from ._packages import described
 
 _MARK = "incompatible "
 
+# What messages of the library call by the options of the command, as calls have it.
+_FLAGS = [
+    (re.compile(r"--(clip-negative|skip-nonfinite|level-set-to-fog)"), lambda found: found[1].replace("-", "_") + "=True"),
+    (re.compile(r"--(units|grid|columns|radius)( [a-zX]\w*)?"), lambda found: found[1] + "=" + (repr(found[2][1:]) if found[2] else "...")),
+    (re.compile(r"vog convert VOLUME -o model.ply --field \S+"), lambda found: "vog.convert(volume, fields=...)"),
+]
+
+
+def _spoken(error: Exception) -> str:
+    """The message, without options of the command."""
+    text = str(error)
+    for flag, argument in _FLAGS:
+        text = flag.sub(argument, text)
+    return text
+
 
 def _short(text: str, name: str, args: "tuple[Any, ...]", named: "dict[str, Any]") -> str:
     """The first line, the signatures, and the arguments by type and shape."""
@@ -19,11 +34,15 @@ def _short(text: str, name: str, args: "tuple[Any, ...]", named: "dict[str, Any]
     return f"{call}: got ({', '.join(given)}), expected {' or '.join(signatures)}"
 
 
-def _shortened(call: Callable[..., Any], name: str = "") -> Callable[..., Any]:
+def _shortened(call: Callable[..., Any], failure: "type[Exception]", name: str = "") -> Callable[..., Any]:
     @functools.wraps(call)
     def called(*args: Any, **named: Any) -> Any:
         try:
             return call(*args, **named)
+        except failure as error:
+            if "--" not in str(error):
+                raise
+            raise failure(_spoken(error)) from None
         except TypeError as error:
             text = str(error)
             if _MARK not in text or "Invoked with:" not in text:
@@ -34,7 +53,7 @@ def _shortened(call: Callable[..., Any], name: str = "") -> Callable[..., Any]:
 
 
 def shorten(module: Any) -> None:
-    """Shortens the errors of all functions and methods of a module of pybind11."""
+    """Shortens the errors of all functions and methods of a module of pybind11, and names their arguments as calls do."""
     for name, value in list(vars(module).items()):
         if name.startswith("_"):
             continue
@@ -43,11 +62,11 @@ def shorten(module: Any) -> None:
                 continue
             for method, function in list(vars(value).items()):
                 if isinstance(function, property) and function.fset:
-                    setattr(value, method, function.setter(_shortened(function.fset, method)))
+                    setattr(value, method, function.setter(_shortened(function.fset, module.Error, method)))
                 elif method in ("__init__", "__getitem__", "__call__") or not method.startswith("_"):
                     if isinstance(function, staticmethod):
-                        setattr(value, method, staticmethod(_shortened(function.__func__)))
+                        setattr(value, method, staticmethod(_shortened(function.__func__, module.Error)))
                     elif type(function).__name__ == "instancemethod":
-                        setattr(value, method, _shortened(function))
+                        setattr(value, method, _shortened(function, module.Error))
         elif callable(value):
-            setattr(module, name, _shortened(value))
+            setattr(module, name, _shortened(value, module.Error))

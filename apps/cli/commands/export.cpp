@@ -382,8 +382,6 @@ void export_files(const ExportArguments& given, const CLI::App& command) {
     check_distinct(
         {is_sequence(arguments.output) ? "" : arguments.output, arguments.page.view.save_camera},
         read);
-    if (arguments.site && !is_sequence(arguments.output))
-        throw CLI::ValidationError("--site: expected -o with a folder (a name that ends in /)");
     const ThreadLimit limit(arguments.threads);
     const Json json = command.count("--from")         ? export_elsewhere(arguments, command)
                       : makes_site(arguments)         ? export_site(arguments, command)

@@ -362,7 +362,10 @@ void add_info(CLI::App& app) {
     auto json = std::make_shared<bool>(false);
     CLI::App* command =
         app.add_subcommand("info", "Show the contents of volumes, particles and models");
-    command->add_option("files", *files, "Volumes, particles, models")->required();
+    command
+        ->add_option("files", *files,
+                     "Volumes, particles, models: any file that convert, render or export reads")
+        ->required();
     command->add_flag("--json", *json, "Print one JSON object and nothing else on standard output");
     command->callback([files, json] { print_contents(*files, *json); });
 }

@@ -67,7 +67,7 @@ void look_into(const std::string& folder) {
     }
     if (counts.empty())
         throw Error(
-            fmt::format("{}: a folder without files that vog reads (vog info --help lists "
+            fmt::format("{}: a folder without files that vog reads (vog convert --help lists "
                         "formats)",
                         folder));
     std::string list;
@@ -99,7 +99,13 @@ void look_at(const std::vector<std::string>& words) {
             return print_line(fmt::format("{}: {}", file, advice));
         if (fs::is_directory(file) && !is_volume_file(file) && !is_site(file))
             return look_into(file);
-        return print_steps(next_steps(print_contents(files, false).front()));
+        try {
+            return print_steps(next_steps(print_contents(files, false).front()));
+        } catch (const Error& error) {
+            const std::string extension = extension_of(file);
+            if (extension != ".h5" && extension != ".hdf5" && extension != ".hdf") throw;
+            throw Error(fmt::format("{}; {}", error.what(), advice_on_hdf5(file)));
+        }
     }
     const FileKind kind = common_kind(files, {});
     const std::size_t hidden = files.size() - std::min(files.size(), kShownFiles);

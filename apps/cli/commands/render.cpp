@@ -317,7 +317,7 @@ void require_effects_of(const RenderArguments& arguments, const CLI::App& comman
         facts["renderer"] = !drawing.renderer.empty()  ? drawing.renderer
                             : kind == FileKind::volume ? "reference"
                                                        : "splat";
-        if (show == "volume" || show == "maximum") facts["by value"] = facts["renderer"];
+        if (show != "T" && show != "column") facts["by value"] = facts["renderer"];
         require_effects(command, facts);
     }
 }

@@ -56,7 +56,7 @@ std::string unexpected_text(const CLI::App& app) {
             others += (others.empty() ? "" : ", ") + spoken(*other);
     return fmt::format("{}: no option {}{}", spoken(command), word,
                        others.empty() ? fmt::format("; {} --help-all lists them", spoken(command))
-                                      : ", which is of " + others);
+                                      : " here, only in " + others);
 }
 
 /// Extension of the file that a command writes with -o; empty: a folder or no file.
@@ -76,7 +76,8 @@ std::string output_example(const CLI::App& command) {
     const std::string extension = output_extension(*command.get_parent(), command.get_name());
     const std::string output =
         extension.empty() ? path.stem().string() + "-out" : path.stem().string() + extension;
-    return fmt::format("{} {} -o {}", spoken(command), input, output);
+    return fmt::format("{} {} -o {}{}", spoken(command), quoted(input), quoted(output),
+                       command.get_name() == "voxelize" ? " --voxel-size X" : "");
 }
 
 }  // namespace

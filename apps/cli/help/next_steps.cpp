@@ -24,12 +24,15 @@ bool is_scalar_grid(const VolumeInfo& volume) {
 }
 
 /// Name of an output beside nothing else: smoke.ply of data/smoke.vdb, in the working folder.
-std::string beside(const std::string& file, const std::string& extension) {
+std::string beside_name(const std::string& file, const std::string& extension) {
     fs::path name = fs::path(file).filename();
     if (!name.has_filename()) name = fs::path(file).parent_path().filename();  // of a folder
     fs::path stem = name.stem();
     if (name.extension() == ".gz" || name.extension() == ".fz") stem = stem.stem();
-    return quoted(stem.string() + extension);
+    return stem.string() + extension;
+}
+std::string beside(const std::string& file, const std::string& extension) {
+    return quoted(beside_name(file, extension));
 }
 
 /// Steps of a grid, or of the levels of one mesh.
@@ -206,9 +209,88 @@ std::vector<NextStep> next_steps(const FileContents& contents) {
     return steps_of_model(contents);
 }
 
+namespace {
+
+/// A string of Python.
+std::string python(const std::string& text) {
+    std::string quoted = "\"";
+    for (const char letter : text)
+        quoted +=
+            letter == '"' || letter == '\\' ? std::string("\\") + letter : std::string{letter};
+    return quoted + "\"";
+}
+
+/// A kind of data that Python reads for vog, and the call. {0}: the file; {1}, {2}: volume and model beside nothing else.
+struct PythonReader {
+    std::vector<std::string>
+        extensions;  ///< of files; folders and others are told apart by their contents
+    const char* what;
+    const char* call;
+};
+const PythonReader kYt{{},
+                       "a data set of a simulation",
+                       "vog.convert(vog.from_yt(yt.load({0}), \"density\")).save({2})"};
+const PythonReader kZarr{
+    {".zarr"}, "a store of Zarr", "vog.from_xarray(xarray.open_zarr({0})[\"NAME\"]).save({1})"};
+const PythonReader kHdf5{
+    {}, "arrays in HDF5", "vog.Volume.from_numpy(h5py.File({0})[\"NAME\"][:]).save({1})"};
+const PythonReader kPythonReaders[] = {
+    {{".npy"}, "a NumPy array", "vog.Volume.from_numpy(numpy.load({0})).save({1})"},
+    {{".npz"}, "NumPy arrays", "vog.Volume.from_numpy(numpy.load({0})[\"NAME\"]).save({1})"},
+    {{".nc", ".nc4", ".cdf", ".grib", ".grb", ".grib2", ".grb2"},
+     "NetCDF or GRIB",
+     "vog.from_xarray(xarray.open_dataset({0})[\"NAME\"]).save({1})"},
+    {{".vti"},
+     "image data of VTK",
+     "g = pyvista.read({0}); vog.Volume.from_numpy(g[\"NAME\"].reshape(g.dimensions, order=\"F\"), "
+     "g.spacing, g.origin).save({1})"},
+    {{".vtk", ".vtu", ".vtr", ".vts", ".vtm", ".pvtu", ".pvtr", ".pvts", ".pvd", ".exo", ".e",
+      ".cgns"},
+     "a mesh of VTK",
+     "m = pyvista.read({0}); g = pyvista.create_grid(m, (128, 128, 128)).sample(m); "
+     "vog.Volume.from_numpy(g[\"NAME\"].reshape(g.dimensions, order=\"F\"), g.spacing, "
+     "g.origin).save({1})"},
+    kZarr,
+};
+
+std::string python_advice(const PythonReader& reader, const std::string& file) {
+    const std::string call =
+        fmt::format(fmt::runtime(reader.call), python(file), python(beside_name(file, ".vdb")),
+                    python(beside_name(file, ".ply")));
+    return fmt::format("{}, which Python reads for vog: {}", reader.what, call);
+}
+
+/// Advice on data of simulations and on Zarr, which are told by their files.
+std::string advice_on_contents(const std::string& file) {
+    const fs::path path(file);
+    std::error_code code;
+    const auto has = [&](const char* name) { return fs::exists(path / name, code); };
+    if (has("zarr.json") || has(".zgroup") || has(".zarray") || has(".zmetadata"))
+        return python_advice(kZarr, file);
+    if (has("Header") && has("Level_0")) return python_advice(kYt, file);        // AMReX, Boxlib
+    if (fs::exists(file + ".hierarchy", code)) return python_advice(kYt, file);  // Enzo
+    if (!fs::is_directory(path, code)) return {};
+    for (const fs::directory_entry& entry : fs::directory_iterator(path, code)) {
+        const fs::path inside = entry.path();
+        const bool enzo = inside.extension() == ".hierarchy";
+        if (enzo) return python_advice(kYt, (inside.parent_path() / inside.stem()).string());
+    }
+    return {};
+}
+
+}  // namespace
+
+std::string advice_on_hdf5(const std::string& file) {
+    return fmt::format("or {}; or {}", python_advice(kHdf5, file), python_advice(kYt, file));
+}
+
 std::string advice_on(const std::string& file) {
     const std::string extension = extension_of(file);
     const std::string name = quoted(file);
+    if (std::string advice = advice_on_contents(file); !advice.empty()) return advice;
+    for (const PythonReader& reader : kPythonReaders)
+        if (std::ranges::find(reader.extensions, extension) != reader.extensions.end())
+            return python_advice(reader, file);
     if (extension == ".html") return "a page: open it in a browser";
     if (extension == ".png" || extension == ".jpg" || extension == ".jpeg")
         return fmt::format("a picture; vog compare REFERENCE.png {} measures its error", name);
@@ -217,15 +299,9 @@ std::string advice_on(const std::string& file) {
             "an image of optical depth or values; vog compare REFERENCE.exr {} "
             "measures its error",
             name);
-    if (extension == ".npy" || extension == ".npz")
-        return "a NumPy array: in Python "
-               "vog.Volume.from_numpy(numpy.load(...)).save(\"volume.vdb\") "
-               "makes it a volume";
     if (extension == ".dcm")
         return "a slice of DICOM: dcm2niix makes a series one .nii, which vog reads; or pydicom "
                "(docs/scans.md)";
-    if (extension == ".vti" || extension == ".vtk" || extension == ".vtu" || extension == ".pvd")
-        return "a file of VTK: ParaView saves it as .mha or .nrrd, which vog reads";
     if (extension == ".obj" || extension == ".stl")
         return "a mesh of triangles, not a volume: vdb_tool or Blender's Mesh to Volume makes it a "
                ".vdb";

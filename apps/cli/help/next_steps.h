@@ -37,6 +37,8 @@ std::string level_pattern(const std::vector<std::string>& names);
 
 /// Advice on a file of a kind that no command reads as its input, such as a picture or a camera; empty: none.
 std::string advice_on(const std::string& file);
+/// Advice on HDF5 that is no snapshot of particles.
+std::string advice_on_hdf5(const std::string& file);
 
 /// A word of a shell command: in quotes where it holds other letters than those of plain names.
 std::string quoted(const std::string& word);

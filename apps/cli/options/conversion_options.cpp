@@ -50,7 +50,9 @@ Facts conversion_facts(const ConvertArguments& arguments, const CLI::App& comman
     Facts facts = {{"input", input_fact(kind, arguments.inputs)},
                    {"cut", cut.empty() ? "-" : cut},
                    {"strategy", arguments.strategy.empty() ? of_lod : arguments.strategy}};
-    if (kind == FileKind::points) facts["particles by"] = arguments.method;
+    if (kind != FileKind::points) return facts;
+    facts["particles by"] = arguments.method;
+    facts["particles cut"] = facts["cut"];
     return facts;
 }
 

@@ -91,6 +91,8 @@ HtmlQuantity page_quantity(const PageQuantityArguments& arguments, const ColorAr
                            const CLI::App& command, const Gaussians& model,
                            const std::string& input, std::vector<std::string>& notes) {
     HtmlQuantity quantity = stated_quantity(arguments);
+    if (arguments.quantity.maximum())
+        (void)scalar_field_of(model.fields, quantity.field, input, quantity.show);
     if (!arguments.quantity.volume()) return quantity;
     const ScalarField& field = scalar_field_of(model.fields, quantity.field, input, quantity.show);
     quantity.field = field.name;

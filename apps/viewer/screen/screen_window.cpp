@@ -29,8 +29,9 @@ class GlfwLibrary {
   public:
     GlfwLibrary() {
         if (!glfwInit())
-            throw Error(fmt::format("no display to open a window on: {} (--headless needs none)",
-                                    glfw_reason()));
+            throw Error(fmt::format(
+                "no display to open a window on: {} (--headless --script FILE needs none)",
+                glfw_reason()));
     }
     ~GlfwLibrary() { glfwTerminate(); }
     GlfwLibrary(const GlfwLibrary&) = delete;

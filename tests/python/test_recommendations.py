@@ -1,0 +1,58 @@
+"""What messages recommend works in Python, too: arguments by the names of calls, not options of the command."""
+
+import numpy as np
+import pytest
+
+import vog
+
+
+def message_of(call):
+    with pytest.raises((vog.Error, TypeError, ValueError)) as error:
+        call()
+    text = str(error.value)
+    assert "--" not in text and "\n" not in text, text
+    return text
+
+
+def ball(lowest=0.0):
+    x = np.linspace(-1, 1, 12)
+    return np.maximum(1 - np.sqrt(x[:, None, None] ** 2 + x[None, :, None] ** 2 + x[None, None, :] ** 2), lowest).astype(np.float32)
+
+
+def test_values_that_are_no_density(tmp_path):
+    signed, holes = ball(-0.5), ball()
+    holes[4, 4, 4] = np.nan
+    for array, argument in ((signed, "clip_negative"), (holes, "skip_nonfinite")):
+        assert argument in message_of(lambda: vog.Volume.from_numpy(array))
+        vog.Volume.from_numpy(array, **{argument: True})
+    text = tmp_path / "points.csv"
+    text.write_text("x,y,z\n0,0,0\n1,0,0\nnan,1,1\n0,1,1\n")
+    assert "skip_nonfinite=True" in message_of(lambda: vog.Points.load(text))
+    vog.Points.load(text, skip_nonfinite=True)
+
+
+def test_particles_at_one_place_need_a_radius():
+    points = vog.Points.from_numpy(np.zeros((5, 3)))
+    assert "radius='X'" in message_of(lambda: vog.convert(points))
+    vog.convert(points, radius=1.0)
+
+
+def test_fields():
+    volume = vog.Volume.from_numpy(ball())
+    model = vog.convert(volume, block=4, fields=False)
+    assert "fields=..." in message_of(lambda: vog.render_field(model, "heat", size=16))
+    assert "fields=..." in message_of(lambda: vog.render_volume(model, size=16))
+    vog.render_volume(vog.convert(volume, block=4, fields=True), size=16)
+    vog.render_volume(vog.convert(volume, block=4, fields={"heat": ball()}), field="heat", size=16)
+
+
+def test_volumes_at_one_place():
+    volumes = [vog.Volume.from_numpy(ball()), vog.Volume.from_numpy(ball())]
+    assert "Levels(volumes, force=True)" in message_of(lambda: vog.Levels(volumes))
+    vog.Levels(volumes, force=True)
+
+
+@pytest.mark.parametrize("call", ["render_volume", "render_maximum"])
+def test_errors_name_the_call(call):
+    for named in ({"clip": [1, 2]}, {"clip_planes": [[1, 2]]}, {"field": "none"}, {"fields": {"a": 1}}):
+        assert call in message_of(lambda: getattr(vog, call)(vog.convert(vog.Volume.from_numpy(ball()), block=4), size=8, **named))
