@@ -71,7 +71,14 @@ ROWS = [
     ("render pv.ply -o p.png --show volume --field velocity.magnitude", r"(--show mean --field velocity.magnitude)", "render pv.ply -o p.png {0}"),
     ("render pv.ply -o p.png --show volume --field velocity", r"(--show mean --field velocity)", "render pv.ply -o p.png {0}"),
     ("export pv.ply -o p.html --show maximum --field velocity.x", r"(--show mean --field velocity.x)", "export pv.ply -o p.html {0}"),
+    ("render fire.vdb -o p.png --show volume --field temperature.x", r"expected (--field temperature)", "render fire.vdb -o p.png --show volume {0}"),
+    ("convert fire.vdb -o q.ply --field 'a b=temperature'", r"NAME=... states one", "convert fire.vdb -o q.ply --field ab=temperature"),
+    ("convert fire.vdb -o q.ply --field x=temperature", r"NAME=... states one", "convert fire.vdb -o q.ply --field ab=temperature"),
+    ("convert fire.vdb -o q.ply --field temperature --field temperature", r"NAME=...", "convert fire.vdb -o q.ply --field temperature --field ab=temperature"),
+    ("convert named.csv -o q.ply", r"(--columns)", "+ a,b,c"),
     # Outputs.
+    ("voxelize c.nrrd -o v.vdb --voxel-size 2", r"as (vog convert) writes", "{0} c.nrrd -o q.ply"),
+    ("voxelize m.ply -o v.vdb --like m.ply", r"expected a .vdb or .nvdb as --like", "voxelize m.ply -o v.vdb --like fire.vdb"),
     ("convert c.nrrd", r"-o is missing: (vog .*)", "{0}"),
     ("export m.ply", r"-o is missing: (vog .*)", "{0}"),
     ("voxelize m.ply", r"-o is missing: (vog .*)", "{0}"),
@@ -111,7 +118,8 @@ ROWS = [
 ]
 # Messages whose recommendation no run here can follow: [part of the literal, the reason].
 NOT_RUN = [
-    ("xdg-open", "needs a desktop"), ("every machine that reaches", "a warning"), ("--host {}", "needs the network of this machine"),
+    ("particles with a number that", "tests/io/points"), ("the default stops at", "a fact, of large volumes"), ("is a vector, --show", "needs a grid of vectors"),
+    ("with --show volume is of one", "recommends nothing"), ("xdg-open", "needs a desktop"), ("every machine that reaches", "a warning"), ("--host {}", "needs the network of this machine"),
     ("http.server", "of builds without cpp-httplib"), ("no display to open", "needs a desktop"), ("peak memory", "needs more memory than the limit"),
     ("--open:", "needs a desktop"),
     ("one process (vog", "tests/mpi"), ("vog-mpi", "tests/mpi"), ("at least one Gaussian per rank", "tests/mpi"), ("is evaluated by one process", "tests/mpi"),
@@ -130,7 +138,7 @@ NOT_RUN = [
 ]
 # A message that names options, and recommends none: a value is wrong, or a fact is told.
 STATES_ONLY = re.compile(
-    r"^(?:\{\}: |: )?(?:--[a-z-]+[ :]|'?\{\}'?: '\{\}' of)|--opacity-threshold \{\}|^\{\}: error by value|grid '\{\}', expected|from --reference"
+    r"^(?:\{\}: |: )?(?:--[a-z-]+[ :,]|'?\{\}'?: '\{\}' of)|--opacity-threshold \{\}|^\{\}: error by value|grid '\{\}', expected|from --reference"
     r"|is of --show volume|default options of vog convert|--rate-distortion|the model has no field for|no field\{\}, expected|--mask '\{\}'")
 
 
@@ -228,6 +236,7 @@ def make_inputs(case):
     rows = [f"{n * 7 % 11},{n * 5 % 13},{n * 3 % 17}" for n in range(100)]
     (case.folder / "nan.csv").write_text("\n".join(["x,y,z", *rows, "nan,1,2"]) + "\n")
     (case.folder / "weights.csv").write_text("\n".join(["x,y,z,w", *(row + ",1" for row in rows), "1,1,2,-3"]) + "\n")
+    (case.folder / "named.csv").write_text("\n".join(["a,b,c", *rows]) + "\n")
     (case.folder / "same.csv").write_text("x,y,z\n" + "1,1,1\n" * 9)
     (case.folder / "map.json").write_text('{"colors": [[0, 0, 0, 0], [1, 1, 0.5, 0]]}')
     (case.folder / "empty").mkdir()
