@@ -62,8 +62,8 @@ void set_quantity(viewer::ViewerOptions& options, const WindowArguments& argumen
     options.color_scale = stated.scale;
     options.logarithmic = stated.log;
     const std::string input = arguments.inputs.empty() ? "" : arguments.inputs.front();
-    options.choose_transfer = [&arguments, &command, stated, input](
-                                  const Gaussians& model, const std::string& name, bool first) {
+    options.choose_transfer = [&arguments, &command, input](const Gaussians& model,
+                                                            const std::string& name, bool first) {
         // Ranges and bands are of the first field; others begin with the map over their own range.
         PageQuantityArguments given = arguments.quantity;
         if (!first) given.quantity.range.clear(), given.value = {};
