@@ -3,6 +3,7 @@
 
 The options come from `vog COMMAND --help-all`, so that a new one is tried without a change here; it needs a value in
 VALUES, unless option_pairs_test.py has one. Each option must also have an effect in one case at least.
+VOG_ALL_EFFECTS=1 tries those of vog view and vog-mpi, too.
 usage: VOG_COMMAND=build/release/apps/cli/vog option_effects_test.py [COMMAND...]
 """
 
@@ -38,8 +39,8 @@ VALUES = {
     "view --scale": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--clip-plane": "1,0,0,20",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--strategy": "single",
-    "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "--field": "temperature", "--for": "volume",
-    "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--variance-threshold": "0.3",
+    "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
+    "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--ui-scale": "2", "--variance-threshold": "0.3",
     "--opacity-threshold": "0.2", "--minimum-radius": "2", "--tf": "viridis", "--stop-transmittance": "0.5",
     "--title": "T", "--slab-hits": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
@@ -126,6 +127,8 @@ def cases():
     yield "sample", ["particles", "{out}/s.csv", "--size", "8"]
     yield "info", [MODEL, VOLUME, TEXT]
     yield "doctor", []
+    if not os.environ.get("VOG_ALL_EFFECTS"):  # a window, and processes of MPI, begin slowly: minutes in all
+        return
     for show in ("", "--show volume", "--show column"):
         yield "view", [MODEL, "--headless", "--script", "{made}/tour.vog", *show.split()]
     yield "view", [VOLUME, "--headless", "--script", "{made}/tour.vog"]
