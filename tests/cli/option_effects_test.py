@@ -52,14 +52,15 @@ INPUTS = {
     ("--skip-nonfinite", "small.nrrd"): "nan.nrrd", ("--skip-nonfinite", "points.csv"): "nan.csv",
     ("--skip-nonfinite", "points.vdb"): "nan.csv", ("--clip-negative", "points.vdb"): "negative.csv --value weight",
     ("--clip-negative", "small.nrrd"): "negative.nrrd", ("--clip-negative", "points.csv"): "negative.csv --value weight",
-    ("--sum", "small.nrrd"): "small.nrrd {made}/beside.nrrd", ("--mesh", "small.nrrd"): "small.nrrd {made}/across.nrrd",
+    ("--skip-nonfinite", "model.ply"): "nan.ply", ("--skip-nonfinite", "many.ply"): "nan.ply",
+    ("--skip-nonfinite", "other.ply"): "nan_too.ply", ("--sum", "small.nrrd"): "small.nrrd {made}/beside.nrrd", ("--mesh", "small.nrrd"): "small.nrrd {made}/across.nrrd",
     ("--grid", "fire.vdb"): "amr.vdb", ("--grid", "small.nrrd"): "fire.vdb", ("--mask", "small.nrrd"): "fire.vdb --grid density",
 }
 # Level sets and masks need OpenVDB to be written (tests/io/vdb).
 UNTRIED = {"--level-set-to-fog", "--mask"} | (set() if shutil.which("ffmpeg") else {"--fps"})
 
 # Says what is the default for one input.
-STATED = {"--site"}
+STATED = {"--site", "--levels"}
 # Refused by what the data then lack, which the message names.
 OF_DATA = {"--no-fields", "--grid", "--field", "--method", "--renderer"}
 # Scans have no active voxel without a number.
@@ -78,6 +79,7 @@ def cases():
         yield "export", [MODEL, "-o", "{out}/m.ply", "--as", layout]
     for show in ("column", "mean --field temperature", "volume", "maximum", "volume --light head"):
         yield "export", [MODEL, "-o", "{out}/p.html", "--show", *show.split()]
+    yield "export", ["{made}/many.ply", "-o", "{out}/p.html"]
     yield "export", [MODEL, "{made}/other.ply", "-o", "{out}/site/", "--site"]
     yield "export", [MODEL, "{made}/other.ply", "-o", "{out}/pages/"]
     yield "export", [MODEL, "-o", "{out}/p.html", "--orthographic"]
@@ -174,6 +176,11 @@ def make_inputs(made):
     vog("convert", "{made}/fire.vdb", "-o", "{made}/model.ply", "--block", "4", "--field", "temperature")
     vog("convert", "{made}/fire.vdb", "-o", "{made}/other.ply", "--block", "16", "--field", "temperature")
     vog("convert", "{made}/small.nrrd", "-o", "{made}/tiny.ply", "--block", "8")
+    vog("convert", "{made}/cloud.vdb", "-o", "{made}/many.ply", "--block", "2")
+    vog("export", "{made}/model.ply", "-o", "{made}/nan.ply", "--as", "3dgs")
+    head, rows = Path(made, "nan.ply").read_bytes().split(b"end_header\n", 1)
+    for name in ("nan", "nan_too"):
+        Path(made, name + ".ply").write_bytes(head + b"end_header\n" + struct.pack("<f", float("nan")) + rows[4:])
     vog("export", "{made}/model.ply", "-o", "{made}/streams.vogz", "--hierarchy", "--deflate")
     for name, roll in (("a", "0"), ("b", "5")):
         vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--roll", roll, "--depth-out",

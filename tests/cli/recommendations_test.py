@@ -56,6 +56,12 @@ ROWS = [
     ("export signed.nrrd -o s.html", r"(--clip-negative)", "+"),
     ("render nan.nrrd -o p.png", r"(--skip-nonfinite)", "+"),
     ("render nan.csv -o p.png", r"(--skip-nonfinite)", "+"),
+    ("render nan.ply -o p.png", r"(--skip-nonfinite)", "+"),
+    ("info nan.ply", r"(--skip-nonfinite)", "render nan.ply -o p.png {0}"),
+    # Columns that are not sure.
+    ("render whole.xyz -o p.png --radius 1", r"or (--columns 1,2,3)", "+"),
+    ("render few.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,2,3"),
+    ("render twice.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,3,4"),
     ("render weights.csv -o p.png --value w", r"(--clip-negative)", "+"),
     # Several volumes.
     ("render c.nrrd beside.nrrd -o p.png", r"(--sum) \(densities", "+"),
@@ -237,6 +243,12 @@ def make_inputs(case):
     (case.folder / "nan.csv").write_text("\n".join(["x,y,z", *rows, "nan,1,2"]) + "\n")
     (case.folder / "weights.csv").write_text("\n".join(["x,y,z,w", *(row + ",1" for row in rows), "1,1,2,-3"]) + "\n")
     (case.folder / "named.csv").write_text("\n".join(["a,b,c", *rows]) + "\n")
+    (case.folder / "whole.xyz").write_text("2\nwater\n1 2 3 4\n8 3 4 5\n")
+    (case.folder / "few.csv").write_text("x,y,z\n" + "1,2,3,4,5\n3,2,3,4,5\n")
+    (case.folder / "twice.csv").write_text("x,x,y,z\n" + "1,2,3,4\n3,2,3,4\n")
+    names = ["x", "y", "z", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]
+    (case.folder / "nan.ply").write_text("\n".join(["ply", "format ascii 1.0", "element vertex 3", *("property float " + name for name in names), "end_header",
+                                                    "0 0 0 0 0 0 0 1 0 0 0", "1 1 1 0 0 0 0 1 0 0 0", "nan 0 0 0 0 0 0 1 0 0 0"]) + "\n")
     (case.folder / "same.csv").write_text("x,y,z\n" + "1,1,1\n" * 9)
     (case.folder / "map.json").write_text('{"colors": [[0, 0, 0, 0], [1, 1, 0.5, 0]]}')
     (case.folder / "empty").mkdir()

@@ -126,7 +126,8 @@ TEST_F(site_command, pages_of_models_elsewhere_hold_no_model) {
     std::filesystem::remove(dir_ / "page.html");
     must_fail(2, "export c.ply -o page.html --from https://host/c.ply", "expected one site");
     must_fail(2, "export site c.vogz -o page.html --from https://host/", "expected one site");
-    must_fail(1, "export c.vogz -o c.ply --from https://host/c.vogz", "c.ply");
+    must_fail(2, "export c.vogz -o c.ply --from https://host/c.vogz",
+              "--from has no effect with -o FILE.ply");
     must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --budget 9", "--budget");
     must_fail(2, "export c.vogz -o page.html --from https://host/c.vogz --step 0.1", "--step");
     must_fail(1, "export c.vogz -o page.html --from ftp://host/c.vogz", "https or http");

@@ -101,11 +101,12 @@ TEST_F(splats_command, units_and_up_of_each_format) {
     must("export m.ply -o v.ply --as volprim");
     EXPECT_EQ(read_model(dir_ / "v.ply").mean[1], (Vec3f{0, 0, 30}));
     for (const std::string option : {"--up z", "--tf inferno", "--field density"})
-        must_fail(2, "export m.ply -o v.ply --as volprim " + option,
-                  option.substr(0, option.find(' ')) + " does not go with --as volprim");
+        must_fail(
+            2, "export m.ply -o v.ply --as volprim " + option,
+            option.substr(0, option.find(' ')) + " has no effect with -o FILE.ply --as volprim");
     must_fail(2, "export m.ply -o v.ply --as volprim --units box",
-              "--units box works only with splats");
-    must_fail(2, "export m.ply -o m.vogz --up z", "--up does not go with");
+              "--units has no effect with -o FILE.ply --as volprim");
+    must_fail(2, "export m.ply -o m.vogz --up z", "--up has no effect with -o FILE.vogz");
 }
 
 }  // namespace vog::test

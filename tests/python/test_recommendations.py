@@ -40,9 +40,9 @@ def test_particles_at_one_place_need_a_radius():
 def test_fields():
     volume = vog.Volume.from_numpy(ball())
     model = vog.convert(volume, block=4, fields=False)
-    assert "fields=..." in message_of(lambda: vog.render_field(model, "heat", size=16))
+    assert "fields=..." in message_of(lambda: vog.render(model, show="mean", field="heat", size=16))
     assert "fields=..." in message_of(lambda: vog.render_volume(model, size=16))
-    vog.render_volume(vog.convert(volume, block=4, fields=True), size=16)
+    vog.render_volume(vog.convert(volume, block=4), size=16)
     vog.render_volume(vog.convert(volume, block=4, fields={"heat": ball()}), field="heat", size=16)
 
 

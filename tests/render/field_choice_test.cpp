@@ -53,7 +53,7 @@ TEST(field_choice, chooses_a_field_by_its_name) {
         EXPECT_NE(message(wrong, model.fields).find("expected one of temperature, velocity"),
                   std::string::npos)
             << wrong;
-    EXPECT_NE(message("pressure", {}).find("vog convert IN -o model.ply --field pressure"),
+    EXPECT_NE(message("pressure", {}).find("vog convert VOLUME -o model.ply --field pressure"),
               std::string::npos);
     Camera camera;
     camera.eye = {2, 1, 3};

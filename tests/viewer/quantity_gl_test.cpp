@@ -14,6 +14,7 @@
 #include "vog/compare.h"
 #include "vog/convert_fields.h"
 #include "vog/convert_moments.h"
+#include "vog/picture.h"
 #include "vog/renderer.h"
 #include "vog/sample.h"
 

@@ -497,7 +497,8 @@ TEST_F(view_command, steps_in_time_play_and_are_saved) {
     write("play.vog", "wait\nsteps all\n");
     must_fail(1, "view s1.ply --headless --script play.vog",
               "play.vog:2: no steps in time are open");
-    must_fail(2, "view e.vdb --steps --headless --script play.vog", "--steps: of models");
+    must_fail(2, "view e.vdb --steps --headless --script play.vog",
+              "--steps has no effect with volumes");
     // A step that cannot be read: one line, as for a file that is opened.
     write("s2.ply", "ply\nformat");
     write("play.vog", "wait\nstep 2\nwait\n");
@@ -551,7 +552,7 @@ TEST_F(view_command, bad_scripts_are_refused_by_line) {
     refuses("wait\npicture nofolder/a.png\n", "play.vog:2: nofolder/a.png");
     must_fail(1, "view cloud.ply --headless --script nosuch.vog",
               "nosuch.vog: cannot read this script");
-    must_fail(2, "view cloud.ply --headless", "--headless: there is no window");
+    must_fail(2, "view cloud.ply --headless", "--headless needs --script");
 }
 
 TEST_F(view_command, unreadable_inputs_fail_with_one_line) {

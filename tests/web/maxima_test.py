@@ -60,7 +60,7 @@ class Maxima(QuantityTest):
         found = self.compared("flow.ply", "--show", "maximum", "--field", "temperature", "--slabs", 50, "--range", ",".join(map(repr, ends)))
         self.assertLess(found["off_by_more_than_4"], 1e-3)
         self.assertLess(found["off_by_more_than_1"], 4e-3)
-        self.assertIn("expected a scalar field", self.refused("export", "flow.ply", "-o", "x.html", "--show", "maximum",
+        self.assertIn("'velocity' is a vector field", self.refused("export", "flow.ply", "-o", "x.html", "--show", "maximum",
                                                               "--field", "velocity"))
 
 

@@ -99,6 +99,7 @@ bool is_splat_output(const std::string& output, const SplatArguments& arguments)
 
 Json write_exchange(const std::string& output, Gaussians model, const SplatArguments& arguments,
                     const SplatLook& look, Stages& stages, bool json) {
+    const bool ply = extension_of(output) == ".ply";
     const double extinction = extinction_of(model, look);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};
     std::string loss, frame = "Units are the data's";

@@ -31,7 +31,7 @@ const Row kRows[] = {
     {"", "--mask --sum --mesh --level-set-to-fog", "input", "volumes"},
     {"", "--skip-nonfinite", "input", "volumes particles text models"},
     {"", "--clip-negative", "input", "volumes particles text"},
-    {"", "--grid", "input", "volumes particles"},
+    {"convert render export view info evaluate", "--grid", "input", "volumes particles"},
     {"", "[Particles]", "input", "particles text"},
     {"", "--columns", "input", "text"},
     {"", "--neighbours", "--radius", "adaptive"},
@@ -51,9 +51,10 @@ const Row kRows[] = {
     {"export", "--memory --scratch", "output", "site"},
     {"export", "--extinction", "output", ".html site .spz .glb .usda .usdc 3dgs volprim"},
     {"export", "--tf --field", "output", ".html site .spz .glb .usda .usdc 3dgs"},
-    {"export", "--no-fields", "output", ".html site .vogz .ply .spz .glb .usda .usdc 3dgs"},
+    {"export", "--no-fields", "output", ".html site .vogz .ply"},
     {"export", "--no-fields", "input", "volumes models compact-models"},
-    {"export", "--title --description --name --precise --from --steps", "output", kPages},
+    {"export", "--title --description --name --precise --steps", "output", kPages},
+    {"export", "--from", "output", ".html"},
     {"export", "--show --range --log --scale --clip --clip-plane --background --blend", "output",
      kPages},
     {"export", "[Volume rendering (--show volume)]", "output", kPages},
@@ -236,10 +237,12 @@ std::string spelled(const std::string& fact, std::vector<std::string> values, co
 
 std::string refusal(const Row& row, const std::string& option, const std::string& actual,
                     const Facts& facts) {
-    const std::vector<std::string> values = words(row.values);
+    std::vector<std::string> values = words(row.values);
     const std::string fact = row.fact;
-    if (contains(values, "-")) return fmt::format("{} and {} exclude each other", option, fact);
+    if (values == std::vector<std::string>{"-"})
+        return fmt::format("{} and {} exclude each other", option, fact);
     if (contains(values, "*")) return fmt::format("{} needs {}", option, fact);
+    std::erase(values, "-");
     if (actual == "-") return fmt::format("{} needs {}", option, spelled(fact, values, facts));
     return fmt::format("{} has no effect with {}; {}", option, spelled(fact, {actual}, facts),
                        *row.instead

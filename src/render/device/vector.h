@@ -8,7 +8,8 @@
 
 #if defined(__CUDACC__)
 #define VOG_HD __host__ __device__ inline
-#elif defined(VOG_EMULATED_KERNEL)  // Clang: a copy for this source, whose executed lines are counted (tests/emulation)
+#elif defined(VOG_EMULATED_KERNEL)
+// Clang: a copy for this source, whose executed lines are counted (tests/emulation).
 #define VOG_HD __attribute__((internal_linkage)) inline
 #else
 #define VOG_HD inline

@@ -386,7 +386,9 @@ TEST(ply, splats_are_read_by_name_from_every_ply) {
                     for (const std::size_t size : {bytes.size() / 2, bytes.size() - 9}) {
                         std::filesystem::remove(dir / "p.ply");
                         write_bytes(dir / "p.ply", bytes.substr(0, size));
-                        if (!more) EXPECT_NE(error_of(dir / "p.ply"), "no error") << size;
+                        if (!more) {
+                            EXPECT_NE(error_of(dir / "p.ply"), "no error") << size;
+                        }
                     }
                 }
     // Without scales it is no model.

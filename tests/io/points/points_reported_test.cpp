@@ -122,7 +122,9 @@ TEST(points_reported, positions_are_those_that_the_file_means) {
             std::vector<std::string> names;
             for (const PointAttribute& attribute : points.attributes)
                 names.push_back(attribute.name);
-            if (!one.attributes.empty()) EXPECT_EQ(names, one.attributes) << name;
+            if (!one.attributes.empty()) {
+                EXPECT_EQ(names, one.attributes) << name;
+            }
         }
 }
 
