@@ -67,7 +67,7 @@ struct Count {
         std::snprintf(text, sizeof text, "%d", calls.load());
         write_mark(text);
     }
-} count;
+} at_end;
 
 }  // namespace
 

@@ -92,8 +92,9 @@ SharedField shared_field(const std::vector<Volume>& volumes, const std::vector<V
         for (const nlohmann::json& one : nlohmann::json::parse(text)) {
             shared.lower = std::min(shared.lower, one["lower"].get<double>());
             shared.upper = std::max(shared.upper, one["upper"].get<double>());
-            one_name &= name.empty() || name == one["name"];
-            name = one["name"];
+            const std::string its_name = one["name"];
+            one_name &= name.empty() || name == its_name;
+            name = its_name;
             if (!(one["voxel"] < finest)) continue;
             finest = one["voxel"];
             shared.name = one["name"], shared.unit = one["unit"];
