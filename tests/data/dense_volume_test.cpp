@@ -152,8 +152,8 @@ TEST(dense, what_is_no_density_is_counted_and_shown) {
     EXPECT_EQ(notes.skipped_nonfinite, 2u);
     EXPECT_EQ(notes.clipped_negative, 1u);
     EXPECT_EQ(active_voxels(volume), 997u);
-    EXPECT_THROW(volume_from_dense({&block, 1}, {}, "density", {true, false}), Error);
-    EXPECT_THROW(volume_from_dense({&block, 1}, {}, "density", {false, true}), Error);
+    EXPECT_THROW((void)volume_from_dense({&block, 1}, {}, "density", {true, false}), Error);
+    EXPECT_THROW((void)volume_from_dense({&block, 1}, {}, "density", {false, true}), Error);
 }
 
 TEST(dense, arrays_that_are_no_volume_are_refused) {

@@ -21,7 +21,7 @@ namespace vog::test {
 
 namespace {
 
-constexpr FieldChoice kScalar{"temperature", FieldPart::value};
+const FieldChoice kScalar{"temperature", FieldPart::value};
 
 FieldChoice velocity(FieldPart part) { return {"velocity", part}; }
 

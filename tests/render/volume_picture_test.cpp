@@ -385,7 +385,8 @@ TEST(volume_picture, refuses_fields_of_other_volumes_and_lights_of_no_number) {
     VoxelField field = own();
     field.component[0].tile = {1};
     EXPECT_THROW(one_pixel(volume, field, two_materials(), camera), Error);
-    EXPECT_THROW(render_volume_reference({&volume, 1}, {}, two_materials(), camera, 1, 1), Error);
+    EXPECT_THROW((void)render_volume_reference({&volume, 1}, {}, two_materials(), camera, 1, 1),
+                 Error);
     VolumeLook look;
     look.diffuse = -1;
     EXPECT_THROW(one_pixel(volume, own(), two_materials(), camera, look), Error);
