@@ -22,6 +22,9 @@ function(vog_add_emulated_gpu target)
         list(APPEND options -fno-tree-slp-vectorize)
     endif()
     set_source_files_properties(${kernels} PROPERTIES LANGUAGE CXX COMPILE_OPTIONS "${options}")
+    if(VOG_SANITIZE)  # as GCC says it; Clang has a macro of its own
+        set_source_files_properties(${emulation}/cuda/blocks.cpp PROPERTIES COMPILE_DEFINITIONS __SANITIZE_ADDRESS__)
+    endif()
     set_source_files_properties(${gpu}/optix/optix_programs.cu PROPERTIES INCLUDE_DIRECTORIES ${emulation}/device)
     set_target_properties(${target}_gpu PROPERTIES POSITION_INDEPENDENT_CODE ON)
     target_include_directories(${target}_gpu PRIVATE ${PROJECT_SOURCE_DIR}/include ${PROJECT_SOURCE_DIR}/src
