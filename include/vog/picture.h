@@ -52,7 +52,7 @@ struct ColoredMap {
     ValueMap shown;  ///< NaN where nothing is shown
     ColorScale scale;
 };
-/// Map of "column", "mean" or "deviation" as it is coloured. Columns go from 0 to the largest, or over the four decades below it
+/// Map of "column", "mean" or "deviation" and its colour scale. Columns go from 0 to the largest, or over the four decades below it
 /// (automatic_scale); fields from the 1st to the 99th percentile where the column is at least a thousandth of the largest
 /// (fitted_scale).
 /// fixed         scale in place of the fitted one

@@ -27,7 +27,7 @@ constexpr Format kFormats[] = {
     {".fits.gz", open_fits},  {".fits.fz", open_fits}};
 constexpr Format kFolder{"", open_tiff};
 
-/// Length in metres: number * 10^power, of which powers of ten are exact in doubles.
+/// Length in metres: number * 10^power. The factors are apart because powers of ten above 1 are exact in doubles.
 struct LengthUnit {
     double number;
     int power;
