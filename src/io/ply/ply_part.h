@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "io/exchange/splat_models.h"
+#include "io/exchange/finite_splats.h"
 #include "vog/distributed.h"
 #include "vog/lod.h"
 
