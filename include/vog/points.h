@@ -60,7 +60,7 @@ double point_voxel_size(const Points& points);
 struct PointReadOptions {
     /// Columns of a text file for x, y, z or for x, y, z, vx, vy, vz, each by its name or its
     /// number from 1. Empty: the columns called x, y, z, vx, vy, vz (or pos_x, vel_x and the like);
-    /// in a file without names the first three numbers of a line, and the next three as velocity.
+    /// in a file without names the first three numbers of a line, and of six the others as velocity (.pts, .asc: never).
     std::vector<std::string> columns{};
     std::string grid{};   ///< name of the grid in a .vdb; empty: its only PointDataGrid
     ValueRules values{};  ///< skip_nonfinite: leave out particles with a number not finite
@@ -75,7 +75,11 @@ bool vdb_holds_points(const std::filesystem::path& file, const std::string& grid
 /// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> point_types(const std::filesystem::path& file);
 
-/// Reads particles from text (.xyz, .txt, .dat, .csv, .tsv), a PointDataGrid (.vdb) or a snapshot (.hdf5).
+/// Whether a file has an extension of particles in text or of a snapshot, such as .xyz or .hdf5. A .vdb may hold either.
+bool is_points_file(const std::filesystem::path& file);
+
+/// Reads particles from text (.xyz, .extxyz, .pts, .asc, .txt, .dat, .csv, .tsv; each also with .gz), a PointDataGrid (.vdb) or
+/// a snapshot (.hdf5).
 ///   text  fields between blanks, commas, semicolons or tabs, whichever the lines have. '#', '%' and '//' begin comments; lines
 ///         end in LF, CR LF or CR. A line above the particles, or a comment, names the columns. The number of particles may stand
 ///         in a line of its own; in an .xyz a title follows, as in chemistry, with the columns of extended XYZ (Properties=).
@@ -86,15 +90,15 @@ std::vector<std::string> point_types(const std::filesystem::path& file);
 ///         leaves.
 /// notes   is increased by the number of particles left out; null: not counted
 /// throws  vog::Error for a missing or foreign file, no particles, unknown columns, names of columns that do not fit the lines,
-///         a stated number of particles that is not theirs, every line with another count of numbers than the first: file and
+///         a stated number of particles that is not theirs (a count, NumPart_ThisFile), every line with another count of numbers than the first: file and
 ///         line, got, expected; and for infinite numbers and positions of NaN, unless options.values accepts them
 /// cost    1 M lines of six numbers in about 0.2 s on two cores
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options = {},
                    ValueNotes* notes = nullptr);
 
 /// Reads several files as one set, in their order: parts of a snapshot may lack the type of particles that others have.
-/// notes   receives a line on every file's particles that were left out, on parts without the type, and on attributes in
-///         units of their own; null: none
+/// notes   receives a line on every file's particles that were left out, on columns read by their places, on parts without
+///         the type, on snapshots of more files than these, and on attributes in units of their own; null: none
 /// throws  vog::Error as read_points and append do
 Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,
                    std::vector<std::string>* notes);

@@ -66,12 +66,7 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
     if (is_volume_file(file)) return FileKind::volume;
     for (const char* model : {".ply", ".vogz", ".json", ".spz", ".glb", ".usda", ".usdc", ".usd"})
         if (extension == model) return FileKind::model;
-    const std::string inner =
-        extension == ".gz" ? extension_of(fs::path(file).stem().string()) : extension;
-    for (const char* text : {".xyz", ".csv", ".tsv", ".txt", ".dat"})
-        if (inner == text) return FileKind::points;
-    for (const char* snapshot : {".hdf5", ".h5", ".hdf"})
-        if (extension == snapshot) return FileKind::points;
+    if (is_points_file(file)) return FileKind::points;
     if (!fs::exists(file, code)) refuse_missing(file);
     if (fs::is_directory(fs::path(file) / "chunks", code))
         throw Error(fmt::format(
@@ -83,8 +78,9 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
         throw Error(fmt::format("{}: {}", file, advice));
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
-        ".mhd, .raw, .tif or .fits (volume), .xyz, .csv, .tsv, .txt, .dat or .hdf5 (particles), "
-        ".ply, .vogz or .json (model, index of models), .spz, .glb, .usda, .usdc or .usd (splats)",
+        ".mhd, .raw, .tif or .fits (volume), .hdf5, .xyz, .extxyz, .pts, .asc, .csv, .tsv, .dat or "
+        ".txt (particles; text under any other name: call it .txt), .ply, .vogz or .json (model, "
+        "index of models), .spz, .glb, .usda, .usdc or .usd (splats)",
         file, extension));
 }
 

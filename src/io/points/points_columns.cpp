@@ -8,6 +8,7 @@
 #include <charconv>
 
 #include "io/file_extension.h"
+#include "io/points/points_files.h"
 #include "io/points/points_head.h"
 #include "io/points/text_fields.h"
 #include "vog/error.h"
@@ -60,7 +61,10 @@ std::size_t first_coordinate(const PointHead& head) {
 }
 
 /// Columns of position and, if present, velocity, in the order of their roles: 3 or 6.
-std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOptions& options) {
+/// scan  from a laser scanner
+/// note  set where their places name them
+std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOptions& options,
+                                        bool scan, std::string& note) {
     std::vector<std::size_t> columns;
     if (!options.columns.empty()) {
         if (options.columns.size() != 3 && options.columns.size() != 6)
@@ -86,19 +90,27 @@ std::vector<std::size_t> vector_columns(const PointHead& head, const PointReadOp
         columns.insert(columns.end(), velocity.begin(), velocity.end());
         return columns;
     }
-    // Without names: the first three numbers, or six.
+    // Without names: the first three numbers; of six, the others as velocity, but in scans, which have colours there.
     const std::size_t first = first_coordinate(head), left = head.columns() - first;
     if (left < 3)
         throw Error(
             fmt::format("got {} columns in line {}, expected x y z at least", left, head.line + 1));
-    for (std::size_t n = 0; n < (left >= 6 ? 6u : 3u); ++n) columns.push_back(first + n);
+    for (std::size_t n = 0; n < (left == 6 && !scan ? 6u : 3u); ++n) columns.push_back(first + n);
+    // Lines of an element or nothing before three numbers leave no choice.
+    if (left > 3)
+        note = fmt::format("no names of columns: {}, {}, {} are x, y, z{} (--columns names others)",
+                           first + 1, first + 2, first + 3,
+                           columns.size() == 3 ? ""
+                                               : fmt::format(" and {}, {}, {} the velocity",
+                                                             first + 4, first + 5, first + 6));
     return columns;
 }
 
 /// Roles of the columns. Columns of text are allowed, and skipped, below a header or in chemistry's format.
-void set_roles(const PointHead& head, const PointReadOptions& options, PointColumns& columns) {
+void set_roles(const PointHead& head, const PointReadOptions& options, bool scan,
+               PointColumns& columns) {
     columns.role.assign(head.columns(), kSkipped);
-    const std::vector<std::size_t> vectors = vector_columns(head, options);
+    const std::vector<std::size_t> vectors = vector_columns(head, options, scan, columns.note);
     for (std::size_t n = 0; n < vectors.size(); ++n) {
         if (columns.role[vectors[n]] != kSkipped)
             throw Error(fmt::format("column {} requested twice", vectors[n] + 1));
@@ -130,14 +142,18 @@ std::string text_extension(const std::filesystem::path& file) {
     return last == ".gz" ? lower_extension(file.stem()) : last;
 }
 
+bool is_text(const std::filesystem::path& file) {
+    constexpr std::string_view kExtensions[] = {".xyz", ".extxyz", ".pts", ".asc",
+                                                ".txt", ".dat",    ".csv", ".tsv"};
+    return std::ranges::find(kExtensions, text_extension(file)) != std::end(kExtensions);
+}
+
 char own_separator(const std::filesystem::path& file) {
     const std::string extension = text_extension(file);
-    if (extension == ".tsv") return '\t';
-    if (extension == ".csv") return ',';
-    if (extension == ".xyz" || extension == ".txt" || extension == ".dat") return 0;
+    if (is_text(file)) return extension == ".tsv" ? '\t' : extension == ".csv" ? ',' : 0;
     throw Error(
-        fmt::format("{}: unknown extension '{}', expected .xyz, .txt, .dat, .csv, .tsv (also .gz), "
-                    ".hdf5 or .vdb",
+        fmt::format("{}: unknown extension '{}', expected .xyz, .extxyz, .pts, .asc, .txt, .dat, "
+                    ".csv, .tsv (also .gz), .hdf5 or .vdb",
                     file.string(), extension));
 }
 
@@ -145,14 +161,16 @@ PointColumns find_columns(const std::filesystem::path& file, std::string_view te
                           const PointReadOptions& options, bool title) {
     const char own = own_separator(file);
     try {
-        const PointHead head = read_head(text, own, text_extension(file) == ".xyz", title);
+        const std::string extension = text_extension(file);
+        const PointHead head =
+            read_head(text, own, extension == ".xyz" || extension == ".extxyz", title);
         PointColumns columns;
         columns.separator = head.separator;
         columns.first_line = head.line;
         columns.count = head.count;
         columns.count_line = head.count_line;
         columns.may_be_title = head.may_be_title;
-        set_roles(head, options, columns);
+        set_roles(head, options, extension == ".pts" || extension == ".asc", columns);
         return columns;
     } catch (const Error& error) {
         throw Error(fmt::format("{}: {}", file.string(), error.what()));

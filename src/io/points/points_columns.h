@@ -24,6 +24,7 @@ struct PointColumns {
     std::optional<std::uint64_t> count;   ///< number of particles that the file states
     std::uint64_t count_line = 0;         ///< number of its line, from 0
     bool may_be_title = false;  ///< the first particle's line may be a title: `count` decides
+    std::string note{};         ///< columns that their places name; empty: none
 };
 
 /// Extension in lower case, with its dot: ".csv", of a gzip'd "a.csv.gz" too.

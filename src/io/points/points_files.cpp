@@ -70,6 +70,38 @@ std::uint64_t keep_finite(Points& points, bool skip) {
     return skipped;
 }
 
+/// note  receives the columns of a text that are read by their places; null: not reported
+Points read_file(const std::filesystem::path& file, const PointReadOptions& options,
+                 ValueNotes* notes, std::string* note) {
+    if (!options.columns.empty() && (is_vdb(file) || is_hdf5(file)))
+        throw Error(fmt::format("{}: columns are of text files; here expected none (--columns)",
+                                file.string()));
+    Points points = is_vdb(file)    ? read_points_vdb(file, options)
+                    : is_hdf5(file) ? read_points_hdf5(file, options)
+                                    : read_points_text(file, options, note);
+    const std::uint64_t skipped = keep_finite(points, options.values.skip_nonfinite);
+    if (notes) notes->skipped_nonfinite += skipped;
+    return points;
+}
+
+/// Note on files that are not all those of their snapshot; empty: they are.
+/// file       one of them that has the type
+/// files      their number
+/// particles  of the type in them
+std::string missing_parts(const std::filesystem::path& file, std::size_t files,
+                          const std::string& type, std::uint64_t particles) {
+    if (!is_hdf5(file)) return {};
+    const SnapshotPart part = part_of_hdf5(file, type);
+    if (!(part.files > static_cast<double>(files)) ||
+        part.particles == static_cast<double>(particles))
+        return {};
+    return fmt::format(
+        "{}: {} of the {} files of a snapshot, with {}{} particles; name all files to read the "
+        "others",
+        printable(file.string()), files, part.files, particles,
+        part.particles > 0 ? fmt::format(" of {:.0f}", part.particles) : "");
+}
+
 }  // namespace
 
 std::vector<std::string> point_types(const std::filesystem::path& file) {
@@ -78,16 +110,10 @@ std::vector<std::string> point_types(const std::filesystem::path& file) {
 
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options,
                    ValueNotes* notes) {
-    if (!options.columns.empty() && (is_vdb(file) || is_hdf5(file)))
-        throw Error(fmt::format("{}: columns are of text files; here expected none (--columns)",
-                                file.string()));
-    Points points = is_vdb(file)    ? read_points_vdb(file, options)
-                    : is_hdf5(file) ? read_points_hdf5(file, options)
-                                    : read_points_text(file, options);
-    const std::uint64_t skipped = keep_finite(points, options.values.skip_nonfinite);
-    if (notes) notes->skipped_nonfinite += skipped;
-    return points;
+    return read_file(file, options, notes, nullptr);
 }
+
+bool is_points_file(const std::filesystem::path& file) { return is_text(file) || is_hdf5(file); }
 
 namespace {
 
@@ -116,6 +142,8 @@ Points read_points(std::span<const std::filesystem::path> files, const PointRead
         if (notes && !text.empty()) notes->push_back(text);
     };
     Points points;
+    std::uint64_t skipped = 0;
+    const std::filesystem::path* part = nullptr;  // the first with the type
     for (const auto& file : files) {
         if (files.size() > 1 && is_hdf5(file)) {
             const std::vector<std::string> types = point_types(file);
@@ -125,9 +153,14 @@ Points read_points(std::span<const std::filesystem::path> files, const PointRead
             }
         }
         ValueNotes changed;
-        append(points, read_points(file, chosen, &changed));
+        std::string by_place;
+        append(points, read_file(file, chosen, &changed, &by_place));
+        skipped += changed.skipped_nonfinite;
+        note(by_place);
         note(values_text(changed, file.string()));
+        if (!part) part = &file;
     }
+    if (part) note(missing_parts(*part, files.size(), chosen.grid, points.size() + skipped));
     for (const PointAttribute& attribute : points.attributes)
         if (attribute.unit != 1)
             note(fmt::format("{}: '{}' is divided by {:g}: its numbers are beyond single precision",

@@ -5,7 +5,11 @@
 
 namespace vog::point_files {
 
-Points read_points_text(const std::filesystem::path& file, const PointReadOptions& options);
+/// Whether the extension is that of particles in text: .xyz, .txt, ..., also with .gz.
+bool is_text(const std::filesystem::path& file);
+/// note  receives the columns that are read by their places, without names; null: not reported
+Points read_points_text(const std::filesystem::path& file, const PointReadOptions& options,
+                        std::string* note = nullptr);
 void write_points_text(const std::filesystem::path& file, const Points& points);
 
 Points read_points_vdb(const std::filesystem::path& file, const PointReadOptions& options);
@@ -17,5 +21,10 @@ bool is_hdf5(const std::filesystem::path& file);
 /// throws  vog::Error as read_points does, and in a build without libhdf5
 Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options);
 std::vector<std::string> types_of_hdf5(const std::filesystem::path& file);
+/// Files of the snapshot that a file belongs to, and the particles of one type in all of them; 0: not stated.
+struct SnapshotPart {
+    double files = 1, particles = 0;
+};
+SnapshotPart part_of_hdf5(const std::filesystem::path& file, const std::string& type);
 
 }  // namespace vog::point_files

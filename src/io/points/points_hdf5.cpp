@@ -38,6 +38,7 @@ std::vector<std::string> types_of_hdf5(const std::filesystem::path& file) {
     read_points_hdf5(file, {});
     return {};
 }
+SnapshotPart part_of_hdf5(const std::filesystem::path&, const std::string&) { return {}; }
 
 #else
 
@@ -115,7 +116,7 @@ class Snapshot {
         for (const std::string& name : members(file_)) {
             if (!name.starts_with("PartType") || name.size() != 9 || name[8] < '0' || name[8] > '9')
                 continue;
-            ++groups_;
+            groups_.push_back(name);
             try {
                 open(name);
                 if (std::ranges::none_of(arrays_, &Array::is_position)) continue;
@@ -130,14 +131,16 @@ class Snapshot {
     /// Opens the only type, or the one that is requested.
     void choose(const std::string& requested) {
         if (types_.empty())
-            fail(groups_ ? "no type with particles: Coordinates of 3 numbers each"
-                         : "no group PartType0 to PartType9");
+            fail(groups_.empty() ? "no group PartType0 to PartType9"
+                                 : "no type with particles: Coordinates of 3 numbers each");
         if (requested.empty() && types_.size() == 1) return open(types_.front());
         if (std::ranges::find(types_, requested) != types_.end()) return open(requested);
+        const bool empty = std::ranges::find(groups_, requested) != groups_.end();
         throw Error(fmt::format("{}: {}, expected one by name (--grid; it has: {})", name_,
                                 requested.empty()
                                     ? fmt::format("{} types of particles", types_.size())
-                                    : fmt::format("no particles '{}'", printable(requested)),
+                                : empty ? fmt::format("{} has no particles", requested)
+                                        : fmt::format("no particles '{}'", printable(requested)),
                                 fmt::join(types_, ", ")));
     }
     const std::vector<Array>& arrays() const { return arrays_; }
@@ -157,19 +160,25 @@ class Snapshot {
             fail(fmt::format("'{}/{}' is corrupt, or packed by an unknown filter", group_name_,
                              printable(array.name)));
     }
-    /// Mass of the type in Header/MassTable; 0 where it has none.
-    double table_mass() const {
+    /// Number in Header, or the chosen type's in an array; none where the header lacks it.
+    std::optional<double> stated(const char* name) const {
         const Handle header(H5Gopen2(file_, "Header", H5P_DEFAULT), H5Gclose);
-        if (!header.good() || H5Aexists(header, "MassTable") <= 0) return 0;
-        const Handle table(H5Aopen(header, "MassTable", H5P_DEFAULT), H5Aclose);
+        if (!header.good() || H5Aexists(header, name) <= 0) return {};
+        const Handle table(H5Aopen(header, name, H5P_DEFAULT), H5Aclose);
         const Handle space(H5Aget_space(table), H5Sclose);
         constexpr hssize_t kMostTypes = 64;
         const hssize_t count = H5Sget_simple_extent_npoints(space);
-        const auto type = static_cast<hssize_t>(group_name_.back() - '0');
-        if (count < 1 || count > kMostTypes || type >= count) return 0;
-        std::vector<double> masses(static_cast<std::size_t>(count));
-        if (H5Aread(table, H5T_NATIVE_DOUBLE, masses.data()) < 0) return 0;
-        return masses[static_cast<std::size_t>(type)];
+        const auto type = count == 1 ? 0 : static_cast<hssize_t>(group_name_.back() - '0');
+        if (count < 1 || count > kMostTypes || type >= count) return {};
+        std::vector<double> numbers(static_cast<std::size_t>(count));
+        if (H5Aread(table, H5T_NATIVE_DOUBLE, numbers.data()) < 0) return {};
+        return numbers[static_cast<std::size_t>(type)];
+    }
+    SnapshotPart part() const {
+        constexpr double kHighWord = 4294967296.0;
+        return {stated("NumFilesPerSnapshot").value_or(1),
+                stated("NumPart_Total").value_or(0) +
+                    kHighWord * stated("NumPart_Total_HighWord").value_or(0)};
     }
 
   private:
@@ -234,7 +243,7 @@ class Snapshot {
     std::filesystem::path path_;
     std::string name_;
     Handle file_;
-    int groups_ = 0;  ///< PartType0 to PartType9
+    std::vector<std::string> groups_;  ///< PartType0 to PartType9
     std::vector<std::string> types_;
     std::string group_name_;
     std::optional<Handle> group_;
@@ -263,6 +272,12 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
     const Array* place = &snapshot.position();
     if (place->rows > std::numeric_limits<std::int32_t>::max())
         snapshot.fail(fmt::format("{} particles in '{}'", place->rows, snapshot.group_name()));
+    if (const auto rows = snapshot.stated("NumPart_ThisFile");
+        rows && *rows != static_cast<double>(place->rows))
+        throw Error(fmt::format(
+            "{}: {} rows of {}/Coordinates, but Header/NumPart_ThisFile states {} particles, "
+            "expected equal numbers",
+            file.string(), place->rows, snapshot.group_name(), *rows));
     Points points;
     points.source = printable(file.string());
     static_assert(sizeof(Vec3d) == 3 * sizeof(double));
@@ -284,7 +299,7 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
         has_mass |= array.name == "Masses";
         points.attributes.push_back(attribute_of(snapshot, array));
     }
-    if (const double mass = has_mass ? 0 : snapshot.table_mass(); mass > 0) {
+    if (const double mass = has_mass ? 0 : snapshot.stated("MassTable").value_or(0); mass > 0) {
         const double unit = float_unit(mass);
         points.attributes.push_back(
             {"Masses", BigVector<float>(place->rows, float_of(mass, unit)), unit});
@@ -316,6 +331,13 @@ auto with_snapshot(const std::filesystem::path& file, const Run& run) {
 
 std::vector<std::string> types_of_hdf5(const std::filesystem::path& file) {
     return with_snapshot(file, [](const Snapshot& snapshot) { return snapshot.types(); });
+}
+
+SnapshotPart part_of_hdf5(const std::filesystem::path& file, const std::string& type) {
+    return with_snapshot(file, [&](Snapshot& snapshot) {
+        snapshot.choose(type);
+        return snapshot.part();
+    });
 }
 
 Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options) {

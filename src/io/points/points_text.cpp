@@ -297,7 +297,7 @@ class TextReader {
           file_(path),
           chunks_((file_.size() + kChunkBytes - 1) / kChunkBytes) {}
 
-    Points read() {
+    Points read(std::string* note) {
         const std::string_view text = head();
         vog::parallel_for(std::size_t{0}, chunks_.size(),
                           [&](std::size_t n) { chunks_[n].line_count = count_lines(lines_of(n)); });
@@ -310,6 +310,8 @@ class TextReader {
         if (columns.count && points.size() != *columns.count)
             throw Error(fmt::format("{}:{}: a count of {}, but {} particles follow", file_.name(),
                                     columns.count_line + 1, *columns.count, points.size()));
+        if (note && !columns.note.empty())
+            *note = fmt::format("{}: {}", points.source, columns.note);
         return points;
     }
 
@@ -365,8 +367,9 @@ class TextReader {
 
 }  // namespace
 
-Points read_points_text(const std::filesystem::path& path, const PointReadOptions& options) {
-    return TextReader(path, options).read();
+Points read_points_text(const std::filesystem::path& path, const PointReadOptions& options,
+                        std::string* note) {
+    return TextReader(path, options).read(note);
 }
 
 }  // namespace vog::point_files

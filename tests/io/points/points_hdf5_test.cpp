@@ -5,6 +5,8 @@
 #include <hdf5.h>
 #endif
 
+#include <span>
+
 #include "io/scan/scan_files.h"
 #include "support/data.h"
 #include "support/image_bytes.h"
@@ -47,19 +49,27 @@ void put(hid_t group, const char* name, const std::vector<double>& values, hsize
     H5Sclose(space);
 }
 
+/// Numbers of the head of a snapshot: by name, one each type, or one.
+using Head = std::vector<std::pair<const char*, std::vector<double>>>;
+void put_head(hid_t file, const Head& head) {
+    const hid_t header = H5Gcreate2(file, "Header", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+    for (const auto& [name, numbers] : head) {
+        const hsize_t count = numbers.size();
+        const hid_t space =
+            count > 1 ? H5Screate_simple(1, &count, nullptr) : H5Screate(H5S_SCALAR);
+        const hid_t table =
+            H5Acreate2(header, name, H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
+        H5Awrite(table, H5T_NATIVE_DOUBLE, numbers.data());
+        H5Aclose(table);
+        H5Sclose(space);
+    }
+    H5Gclose(header);
+}
+
 /// Two gas particles with density and velocities, whose mass is in the table; `dark`: a third type.
 void write_snapshot(const std::filesystem::path& file, bool dark = false) {
     const hid_t handle = H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-    const hid_t header = H5Gcreate2(handle, "Header", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
-    const double masses[6] = {0.25, 0, 0, 0, 0, 0};
-    const hsize_t types = 6;
-    const hid_t space = H5Screate_simple(1, &types, nullptr);
-    const hid_t table =
-        H5Acreate2(header, "MassTable", H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT);
-    H5Awrite(table, H5T_NATIVE_DOUBLE, masses);
-    H5Aclose(table);
-    H5Sclose(space);
-    H5Gclose(header);
+    put_head(handle, {{"MassTable", {0.25, 0, 0, 0, 0, 0}}});
     const hid_t gas = H5Gcreate2(handle, "PartType0", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
     put(gas, "Coordinates", {1, 2, 3, 4, 5, 6}, 2, 3);
     put(gas, "Velocities", {0, 0, 1, 3, 4, 0}, 2, 3);
@@ -142,10 +152,15 @@ TEST(points_hdf5, types_without_particles_are_no_choice) {
     });
     EXPECT_EQ(point_types(dir / "s.hdf5"), std::vector<std::string>{"PartType1"});
     EXPECT_EQ(read_points(dir / "s.hdf5").size(), 2u);
-    EXPECT_NE(refusal([&] {
-                  read_points(dir / "s.hdf5", {.grid = "PartType0"});
-              }).find("no particles 'PartType0', expected one by name (--grid; it has: PartType1)"),
-              std::string::npos);
+    for (const auto& [type, reason] : {std::pair{"PartType0", "PartType0 has no particles"},
+                                       {"PartType4", "PartType4 has no particles"},
+                                       {"PartType5", "no particles 'PartType5'"}}) {
+        const std::string message = refusal([&] { read_points(dir / "s.hdf5", {.grid = type}); });
+        EXPECT_NE(message.find(reason + std::string(", expected one by name (--grid; it has: "
+                                                    "PartType1)")),
+                  std::string::npos)
+            << message;
+    }
 }
 
 TEST(points_hdf5, parts_of_a_snapshot_may_lack_the_type) {
@@ -169,6 +184,51 @@ TEST(points_hdf5, parts_of_a_snapshot_may_lack_the_type) {
         EXPECT_NE(message.find("the files have: PartType0, PartType1"), std::string::npos)
             << message;
     }
+}
+
+TEST(points_hdf5, a_part_of_a_snapshot_is_noted_unless_all_are_read) {
+    const TempDir dir;
+    const auto write = [&](const char* name, const Head& head) {
+        write_one_type(dir / name, "PartType1", [&](hid_t file, hid_t) { put_head(file, head); });
+        return dir / name;
+    };
+    const Head head{{"NumFilesPerSnapshot", {2}},
+                    {"NumPart_ThisFile", {0, 2, 0}},
+                    {"NumPart_Total", {0, 4, 0}}};
+    const std::vector<std::filesystem::path> parts{write("s.0.hdf5", head),
+                                                   write("s.1.hdf5", head)};
+    const auto notes_of = [](std::span<const std::filesystem::path> files) {
+        std::vector<std::string> notes;
+        read_points(files, {}, &notes);
+        return notes;
+    };
+    EXPECT_TRUE(notes_of(parts).empty());
+    const std::vector<std::string> one = notes_of(std::span(parts).first(1));
+    ASSERT_EQ(one.size(), 1u);
+    EXPECT_NE(
+        one[0].find("s.0.hdf5: 1 of the 2 files of a snapshot, with 2 of 4 particles; name all"),
+        std::string::npos)
+        << one[0];
+    // Files over all parts have all particles, beyond 32 bits too; a head without totals says less.
+    const auto alone = [&](const Head& own) {
+        const std::filesystem::path file = write("s.hdf5", own);
+        return notes_of(std::span(&file, 1));
+    };
+    EXPECT_TRUE(alone({{"NumFilesPerSnapshot", {2}}, {"NumPart_Total", {0, 2, 0}}}).empty());
+    EXPECT_TRUE(alone({{"NumFilesPerSnapshot", {1}}}).empty());
+    EXPECT_NE(
+        alone({{"NumFilesPerSnapshot", {8}}}).at(0).find("8 files of a snapshot, with 2 part"),
+        std::string::npos);
+    EXPECT_NE(alone({{"NumFilesPerSnapshot", {8}},
+                     {"NumPart_Total", {0, 2, 0}},
+                     {"NumPart_Total_HighWord", {0, 1, 0}}})
+                  .at(0)
+                  .find("2 of 4294967298 particles"),
+              std::string::npos);
+    EXPECT_NE(refusal([&] {
+                  alone({{"NumPart_ThisFile", {0, 3, 0}}});
+              }).find("2 rows of PartType1/Coordinates, but Header/NumPart_ThisFile states 3"),
+              std::string::npos);
 }
 
 TEST(points_hdf5, chunks_that_were_never_written_have_the_fill_value) {

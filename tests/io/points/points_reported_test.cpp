@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,6 +73,26 @@ const std::vector<Case> kCases{
     {"count_many.xyz", "2\n1 2 3 10\n4 5 6 20\n7 8 9.5 30\n", {}, "a count of 2, but 3 particles"},
     {"count_title.xyz", "3\nwater\nO 1 2 3\nH 4 5 6\n", {}, "a count of 3, but 2 particles follow"},
     {"count.txt", "X;Y;Z\n2\n1;2;3\n4;5;6\n", kTwo},
+    // Scans and extended XYZ by their extensions; columns without names.
+    {"scan.pts",
+     "2\n1 2 3 -9 255 0 0\n4 5 6 -8 1 1 1\n",
+     kTwo,
+     "",
+     {"column4", "column5", "column6", "column7"}},
+    {"scan.asc", "1 2 3 255 0 0\n4 5 6 1 1 1\n", kTwo, "", {"column4", "column5", "column6"}},
+    {"names.asc", "//X Y Z R\n1 2 3 7\n4 5 6 7\n", kTwo, "", {"R"}},
+    {"two_scans.pts", "1\n1 2 3\n1\n4 5 6\n", {}, ":3: a second count"},
+    {"raster.asc", "ncols 2\nnrows 1\n1 2\n", {}, "expected x y z at least"},
+    {"atoms.extxyz",
+     "2\nProperties=species:S:1:forces:R:3:pos:R:3\nC 9 9 9 1 2 3\nN 8 8 8 4 5 6\n",
+     kTwo,
+     "",
+     {"forces_x", "forces_y", "forces_z"}},
+    {"seven.xyz",
+     "1 2 3 .1 .1 .1 9\n4 5 6 .1 .1 .1 9\n",
+     kTwo,
+     "",
+     {"column4", "column5", "column6", "column7"}},
     // Ends of lines.
     {"cr.xyz", "1 2 3 10\r4 5 6 20\r7 8 9.5 30\r", kThree},
     {"cr.csv", "m,x,y,z\r9,1,2,3\r9,4,5,6", kTwo, "", {"m"}},
@@ -195,6 +216,37 @@ TEST(points_reported, time_is_linear_for_every_end_of_line) {
     const double lf = seconds("lf.xyz", "\n"), cr = seconds("cr.xyz", "\r");
     // Quadratic time would be thousands of times as long; the rest allows for a busy machine.
     EXPECT_LT(cr, 20 * lf + 1);
+}
+
+TEST(points_reported, columns_that_their_places_name_are_noted) {
+    struct Row {
+        std::string name, text, note;
+        bool velocity = false;
+    };
+    const std::vector<Row> rows{
+        {"element.xyz", "2\nwater\nO 1 2 3\nH 4 5 6\n", ""},
+        {"names.txt", "x y z vx vy vz\n1 2 3 4 5 6\n", "", true},
+        {"four.dat", "1 2 3 4\n4 5 6 4\n", "four.dat: no names of columns: 1, 2, 3 are x, y, z ("},
+        {"six.xyz", "1 2 3 4 5 6\n", "1, 2, 3 are x, y, z and 4, 5, 6 the velocity (--columns",
+         true},
+        {"seven.xyz", "1\nt\nO 1 2 3 4 5 6\n", "2, 3, 4 are x, y, z and 5, 6, 7 the velocity",
+         true},
+        {"many.csv", "1,2,3,4,5,6,7\n", "1, 2, 3 are x, y, z ("},
+        {"scan.pts", "1 2 3 4 5 6\n", "1, 2, 3 are x, y, z ("}};
+    const TempDir dir;
+    for (const Row& row : rows) {
+        write_bytes(dir / row.name, row.text);
+        const std::filesystem::path file = dir / row.name;
+        std::vector<std::string> notes;
+        EXPECT_EQ(read_points(std::span(&file, 1), {}, &notes).velocity.empty(), !row.velocity);
+        EXPECT_EQ(notes.size(), row.note.empty() ? 0u : 1u) << row.name;
+        if (!row.note.empty()) {
+            EXPECT_NE(notes.at(0).find(row.note), std::string::npos) << notes.at(0);
+        }
+        notes.clear();
+        read_points(std::span(&file, 1), {.columns = {"2", "3", "4"}}, &notes);
+        EXPECT_TRUE(notes.empty()) << row.name;
+    }
 }
 
 }  // namespace vog::test
