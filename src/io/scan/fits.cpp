@@ -154,26 +154,47 @@ std::string pair_key(const Fits& fits, const char* key, std::size_t row, std::si
 /// Linear world coordinates of the file, as wcslib has them: CDi_j, where absent 0; else CDELTi PCi_j.
 class FitsWorld {
   public:
-    FitsWorld(const Fits& fits, std::size_t rank) : fits_(fits), in_matrix_(rank, false) {
-        for (std::size_t row = 0; row < rank; ++row)
-            for (std::size_t column = 0; column < rank; ++column) {
-                if (fits.has(pair_key(fits, "CD", row, column)))
-                    in_matrix_[row] = in_matrix_[column] = matrix_ = stated_ = true;
-                stated_ |= fits.has(pair_key(fits, "PC", row, column));
-            }
+    FitsWorld(const Fits& fits, const FitsImage& image)
+        : fits_(fits), rank_(image.edge.size()), entry_(rank_ * rank_) {
+        const std::size_t rank = rank_;
+        bool cd = false, pc = false;
+        const auto each = [&](const auto& run) {
+            for (std::size_t n = 0; n < rank * rank; ++n) run(n / rank, n % rank);
+        };
+        each([&](std::size_t row, std::size_t column) {
+            cd |= fits.has(pair_key(fits, "CD", row, column));
+            pc |= fits.has(pair_key(fits, "PC", row, column));
+        });
+        stated_ = cd || pc;
         for (std::size_t axis = 0; axis < rank; ++axis)
             for (const char* key : {"CDELT", "CRVAL", "CRPIX"})
                 stated_ |= fits.has(axis_key(key, axis));
+        each([&](std::size_t row, std::size_t column) {
+            entry_[row * rank + column] =
+                cd && !pc ? fits.number(pair_key(fits, "CD", row, column), 0)
+                          : fits.number(axis_key("CDELT", row), 1) *
+                                fits.number(pair_key(fits, "PC", row, column), row == column);
+        });
+        if (cd && pc) note("both PC and CD, which FITS forbids: PC and CDELT place the voxels");
+        for (std::size_t axis = 0; axis < rank; ++axis) {
+            const std::string crota = axis_key("CROTA", axis);
+            if (!cd && !pc && fits.number(crota, 0) != 0)
+                note(fmt::format("{} is not applied: it turns the axes of the sky only", crota));
+            bool in_matrix = !cd || pc;
+            for (std::size_t n = 0; n < rank; ++n)
+                in_matrix |= entry(axis, n) != 0 || entry(n, axis) != 0;
+            if (in_matrix) continue;
+            entry_[axis * rank + axis] = 1;
+            if (std::ranges::find(image.space, axis) == image.space.end()) continue;
+            note(fmt::format("CD has no entry for axis {}: its voxels are 1 long, as in wcslib",
+                             axis + 1));
+        }
     }
     bool stated() const { return stated_; }
+    const std::string& note() const { return note_; }
     double entry(std::size_t row, std::size_t column) const {
-        const double own = row == column ? 1.0 : 0.0;
-        if (row == kNoAxis || column == kNoAxis) return own;
-        const double edge = fits_.number(axis_key("CDELT", row), 1);
-        if (!matrix_) return edge * fits_.number(pair_key(fits_, "PC", row, column), own);
-        // An axis without any CDi_j, beside others with some, has its CDELT.
-        const double otherwise = in_matrix_[row] || in_matrix_[column] ? 0 : own * edge;
-        return fits_.number(pair_key(fits_, "CD", row, column), otherwise);
+        return row == kNoAxis || column == kNoAxis ? (row == column ? 1 : 0)
+                                                   : entry_[row * rank_ + column];
     }
     double origin(std::size_t row) const {
         return row == kNoAxis ? 0 : fits_.number(axis_key("CRVAL", row), 0);
@@ -183,38 +204,56 @@ class FitsWorld {
     }
 
   private:
+    void note(const std::string& text) { note_ += (note_.empty() ? "" : "; ") + text; }
+
     const Fits& fits_;
-    std::vector<bool> in_matrix_;
-    bool matrix_ = false, stated_ = false;
+    std::size_t rank_;
+    std::vector<double> entry_;
+    bool stated_ = false;
+    std::string note_{};
 };
 
 /// Map of pixels to the world's units where the axes have one unit, or units of length; else voxels of 1.
-/// pixel  of the axes that are not in space
-void set_map(const Fits& fits, const FitsImage& image, const std::vector<long>& pixel,
-             ScanGrid& grid) {
+/// pixel    of the axes that are not in space
+/// returns  departures of the keywords from FITS, and how they are read; empty: none
+std::string set_map(const Fits& fits, const FitsImage& image, const std::vector<long>& pixel,
+                    ScanGrid& grid) {
     std::vector<std::string> units, types;
-    std::string axes;
+    const FitsWorld world(fits, image);
     for (const std::size_t axis : image.space) {
         units.push_back(axis == kNoAxis ? "" : fits.text(axis_key("CUNIT", axis)));
         types.push_back(axis == kNoAxis ? "" : fits.text(axis_key("CTYPE", axis)));
-        const std::string &unit = units.back(), &type = types.back();
-        if (!type.empty() || !unit.empty())
-            axes += fmt::format("{}{}{}{}", axes.empty() ? "" : ", ", type,
-                                type.empty() || unit.empty() ? "" : " ", unit);
     }
-    const FitsWorld world(fits, image.edge.size());
+    // steps  with the length of a pixel along each axis, by the rows of its unit
+    const auto axes = [&](bool steps) {
+        std::string text;
+        for (std::size_t n = 0; n < 3; ++n) {
+            if (types[n].empty() && units[n].empty()) continue;
+            double step = 0;
+            for (std::size_t row = 0; row < 3; ++row)
+                if (units[row] == units[n])
+                    step = std::hypot(step, world.entry(image.space[row], image.space[n]));
+            text +=
+                fmt::format("{}{}{}{}{}{}", text.empty() ? "" : ", ", types[n],
+                            types[n].empty() ? "" : " ", steps ? fmt::format("{:.6g}", step) : "",
+                            steps && !units[n].empty() ? " " : "", units[n]);
+            if (text.ends_with(' ')) text.pop_back();
+        }
+        return text;
+    };
     if (!world.stated()) {
         grid.coordinates = "pixels, the file states no others";
-        return;
+        return {};
     }
     // An angle and a frequency have no common length; nor is a sphere a plane.
     const bool celestial = std::ranges::any_of(types, [](const std::string& t) {
         return t.size() > 5 && t.find('-') != std::string::npos && t[4] == '-';
     });
+    const std::string lengths = axes(false), steps = axes(true);
     if (grid.size.z == 1) units.pop_back();
     if (!have_common_unit(units) || celestial) {
-        grid.coordinates = fmt::format("pixels; its axes are {}", axes);
-        return;
+        grid.coordinates = fmt::format("pixels; steps of the axes are {}", steps);
+        return {};
     }
     Affine map;
     for (int r = 0; r < 3; ++r) {
@@ -235,7 +274,8 @@ void set_map(const Fits& fits, const FitsImage& image, const std::vector<long>& 
     if (image.space[2] == kNoAxis) map.linear(2, 2) = length(map.linear.column(0));
     grid.world_from_index = map;
     set_units(fits.name, units, grid);
-    grid.coordinates = axes.empty() ? "those of the file" : axes;
+    grid.coordinates = lengths.empty() ? "those of the file" : lengths;
+    return world.note();
 }
 
 /// Sets the axes in space: all of three or fewer, else the first three longer than 1. Axes of polarisation are not.
@@ -400,7 +440,9 @@ ScanFile open_fits(const std::filesystem::path& file) {
         first.type = type_of(image.bits);
         first.value_unit = fits->text("BUNIT");
         std::vector<long> pixel = image.first_pixel(0);
-        set_map(*fits, image, pixel, first);
+        const std::string note = set_map(*fits, image, pixel, first);
+        if (scan.note.find(note) == std::string::npos)
+            scan.note += (scan.note.empty() ? "" : "; ") + note;
         // World steps along the axes that are not in space.
         std::vector<Vec3d> step(pixel.size());
         for (const std::size_t axis : image.others) {
@@ -425,8 +467,9 @@ ScanFile open_fits(const std::filesystem::path& file) {
         }
     }
     if (fits->size % kBlock != 0)
-        scan.note = fmt::format("{} bytes, not blocks of {} as FITS has them; all values are there",
-                                fits->size, kBlock);
+        scan.note +=
+            fmt::format("{}{} bytes, not blocks of {} as FITS has them; all values are there",
+                        scan.note.empty() ? "" : "; ", fits->size, kBlock);
     scan.read = [fits, images, place](std::size_t n) {
         return read_image(*fits, images[place[n].first], place[n].second);
     };

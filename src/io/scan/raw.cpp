@@ -85,8 +85,8 @@ ScanFile open_raw(const std::filesystem::path& file) {
         const std::optional<Number> number = number_named(type);
         if (!number)
             throw Error(
-                fmt::format("{}: type '{}', expected int8, uint8, ... int64, uint64, float32 or "
-                            "float64",
+                fmt::format("{}: type '{}', expected int8, uint8, ... int64, uint64, float16, "
+                            "float32 or float64",
                             head.string(), printable(type, 40)));
         if (endian != "little" && endian != "big")
             throw Error(fmt::format("{}: endian '{}', expected little or big", head.string(),

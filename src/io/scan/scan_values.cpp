@@ -22,7 +22,7 @@ namespace vog::scan {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, std::uint64_t>, 10> kTypes{{{"int8", 1},
+constexpr std::array<std::pair<const char*, std::uint64_t>, 11> kTypes{{{"int8", 1},
                                                                         {"uint8", 1},
                                                                         {"int16", 2},
                                                                         {"uint16", 2},
@@ -30,11 +30,27 @@ constexpr std::array<std::pair<const char*, std::uint64_t>, 10> kTypes{{{"int8",
                                                                         {"uint32", 4},
                                                                         {"int64", 8},
                                                                         {"uint64", 8},
+                                                                        {"float16", 2},
                                                                         {"float32", 4},
                                                                         {"float64", 8}}};
 constexpr std::uint64_t kStep = std::uint64_t{1} << 18;
 /// Largest ratio of deflate: 258 bytes for two bits, and some bytes of head.
 constexpr std::uint64_t kMostRatio = 1032, kHead = 4096;
+
+/// IEEE 754's binary16: sign, 5 bits of exponent, 10 of significand.
+struct Half {
+    std::uint16_t bits = 0;
+
+    operator double() const {
+        constexpr int kHidden = 1 << 10, kSpecial = 31, kLeast = -24;
+        const int exponent = bits >> 10 & kSpecial, low = bits & (kHidden - 1);
+        const double size = exponent == kSpecial ? (low ? std::numeric_limits<double>::quiet_NaN()
+                                                        : std::numeric_limits<double>::infinity())
+                            : exponent == 0      ? std::ldexp(low, kLeast)
+                                                 : std::ldexp(kHidden + low, kLeast - 1 + exponent);
+        return bits >> 15 ? -size : size;
+    }
+};
 
 /// Calls use(T{}) with the C++ type of a stored one.
 template <class Use>
@@ -56,6 +72,8 @@ void with_type(Number type, const Use& use) {
             return use(std::int64_t{});
         case Number::uint64:
             return use(std::uint64_t{});
+        case Number::float16:
+            return use(Half{});
         case Number::float32:
             return use(float{});
         case Number::float64:

@@ -366,6 +366,9 @@ ScanFile open_tiff(const std::filesystem::path& file) {
     grid.type = type_name(form.type);
     grid.world_from_index =
         affine_of_axes({Vec3d{stack.edge.x, 0, 0}, {0, stack.edge.y, 0}, {0, 0, stack.edge.z}}, {});
+    for (int n = 0; n < 3; ++n)
+        grid.world_from_index.translation[n] = 0 - stack.origin[n] * stack.edge[n];  // no -0
+    grid.value_unit = stack.value_unit;
     grid.coordinates = stack.source;
     set_units(file, stack.units, grid);
     ScanFile scan;
@@ -382,7 +385,15 @@ ScanFile open_tiff(const std::filesystem::path& file) {
             const Page& page =
                 pages[stack.plane(image % stack.channels, z, image / stack.channels)];
             if (page.file != open) tiff.emplace(files[page.file]), open = page.file;
-            read_page(*tiff, page, form, sample, values.data() + z * slice);
+            float* const plane = values.data() + z * slice;
+            read_page(*tiff, page, form, sample, plane);
+            if (!stack.coefficients.empty())
+                std::transform(plane, plane + slice, plane, [&](float stored) {
+                    double value = 0;
+                    for (std::size_t c = stack.coefficients.size(); c-- > 0;)
+                        value = value * double{stored} + stack.coefficients[c];
+                    return float_of(value);
+                });
             keep_memory();
         }
         return values;

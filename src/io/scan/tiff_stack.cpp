@@ -20,11 +20,15 @@ namespace {
     throw Error(fmt::format("{}: {}", tags.name, what));
 }
 
+double number_or(const std::string& text, double otherwise) {
+    double value = 0;
+    const auto [stop, code] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return code == std::errc{} && std::isfinite(value) ? value : otherwise;
+}
 /// Number without its sign: ImageJ's spacing is negative for stacks from the top down.
 double size_or(const std::string& text, double otherwise) {
-    double value = 0;
-    std::from_chars(text.data(), text.data() + text.size(), value);
-    return std::isfinite(value) && value != 0 ? std::abs(value) : otherwise;
+    const double value = number_or(text, 0);
+    return value != 0 ? std::abs(value) : otherwise;
 }
 std::uint64_t count_or(const std::string& text, std::uint64_t otherwise) {
     constexpr double kMost = 1e6;
@@ -59,6 +63,25 @@ void set_imagej(const TiffTags& tags, TiffStack& stack) {
     for (const std::string& own : {unit, value("yunit"), value("zunit")})
         stack.units.push_back(own.empty() ? unit : own);
     stack.source = "rows down, pages along z; voxels as ImageJ states";
+    for (int n = 0; n < 3; ++n)
+        stack.origin[n] = number_or(value(fmt::format("{}origin", "xyz"[n]).c_str()), 0);
+    // Functions of stored values: 0 to 3 are polynomials of degree 1 to 4, 20 is none.
+    constexpr double kPolynomials = 4, kNone = 20;
+    const double function = number_or(value("cf"), kNone);
+    if (function == kNone) return;
+    const auto terms =
+        static_cast<std::size_t>(function >= 0 && function < kPolynomials ? function + 2 : 0);
+    for (std::size_t n = 0; n < terms; ++n)
+        if (const std::string c = value(fmt::format("c{}", n).c_str()); !c.empty())
+            stack.coefficients.push_back(number_or(c, 0));
+    if (terms > 0 && stack.coefficients.size() == terms) {
+        stack.value_unit = value("vunit");
+        return;
+    }
+    stack.coefficients.clear();
+    stack.note = fmt::format(
+        "values as stored, without ImageJ's calibration by function {}, which is no polynomial",
+        function);
 }
 
 /// Tag of XML with its attributes: "Pixels" of <OME:Pixels SizeX="6">.

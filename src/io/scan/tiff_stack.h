@@ -26,6 +26,9 @@ struct TiffStack {
     std::vector<std::size_t>
         plane_of_page;  ///< where the description gives each page its place; else empty
     Vec3d edge{1, 1, 1};
+    Vec3d origin;                      ///< index of the world's origin
+    std::vector<double> coefficients;  ///< value = c0 + c1 stored + c2 stored^2 ...; empty: stored
+    std::string value_unit;
     std::vector<std::string> units;  ///< of x, y, z
     std::string source = "voxels of 1, the file states none";
     std::string note;  ///< what the description leaves out; empty: nothing

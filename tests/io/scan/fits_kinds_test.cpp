@@ -64,6 +64,52 @@ TEST(fits_kinds, voxels_lie_where_keywords_say) {
                {"CRPIX3", "1.0"}}),
          {"value"},
          {{{Vec3d{0, 2, 0}, {3, 0, 0}, {0, 0, 5}}}, {}}},
+        // As wcslib's cdfix makes a matrix invertible.
+        {"an axis without an entry",
+         cube({{"CD1_2", "2.0"},
+               {"CD2_1", "3.0"},
+               {"CDELT3", "5.0"},
+               {"CRPIX1", "1.0"},
+               {"CRPIX2", "1.0"},
+               {"CRPIX3", "2.0"}}),
+         {"value"},
+         {{{Vec3d{0, 2, 0}, {3, 0, 0}, {0, 0, 1}}}, {0, 0, -1}},
+         "",
+         "",
+         "CD has no entry for axis 3"},
+        {"both matrices",
+         cube({{"PC1_1", "0.5"},
+               {"CD1_1", "7.0"},
+               {"CDELT3", "5.0"},
+               {"CRPIX1", "1.0"},
+               {"CRPIX2", "1.0"},
+               {"CRPIX3", "1.0"}}),
+         {"value"},
+         diagonal({0.5, 1, 5}),
+         "",
+         "",
+         "both PC and CD"},
+        {"a turn of no sky",
+         cube({{"CROTA2", "30.0"},
+               {"CDELT1", "2.0"},
+               {"CRPIX1", "1.0"},
+               {"CRPIX2", "1.0"},
+               {"CRPIX3", "1.0"}}),
+         {"value"},
+         diagonal({2, 1, 1}),
+         "",
+         "",
+         "CROTA2 is not applied"},
+        {"a turn without edges",
+         cube({{"PC1_1", "0.8"},
+               {"PC1_2", "-0.6"},
+               {"PC2_1", "0.6"},
+               {"PC2_2", "0.8"},
+               {"CRPIX1", "1.0"},
+               {"CRPIX2", "1.0"},
+               {"CRPIX3", "1.0"}}),
+         {"value"},
+         {{{Vec3d{0.8, -0.6, 0}, {0.6, 0.8, 0}, {0, 0, 1}}}, {}}},
         {"units of each axis",
          cube({{"CUNIT1", "'kpc'"},
                {"CUNIT2", "'pc'"},
@@ -112,6 +158,29 @@ TEST(fits_kinds, voxels_lie_where_keywords_say) {
         {{{"a.fits", primary + extension("SCI", "1", 100) + extension("SCI", "2", 1)}},
          "(it has: SCI[1], SCI[2])"},
     });
+}
+
+TEST(fits_kinds, steps_of_axes_without_a_common_length_are_reported) {
+    std::vector<std::string> cards = cube_cards("16");
+    for (const char* text :
+         {"CTYPE1  = 'RA---TAN'", "CTYPE2  = 'DEC--TAN'", "CTYPE3  = 'VRAD    '",
+          "CUNIT1  = 'deg     '", "CUNIT2  = 'deg     '", "CUNIT3  = 'm/s     '"})
+        cards.emplace_back(text);
+    // 0.005 degrees a pixel, turned: tangents of 3 : 4.
+    for (const auto& [key, value] : {std::pair{"CD1_1", "-0.004"},
+                                     {"CD1_2", "0.003"},
+                                     {"CD2_1", "0.003"},
+                                     {"CD2_2", "0.004"},
+                                     {"CD3_3", "500.0"}})
+        cards.push_back(card(key, value));
+    const TempDir dir;
+    write_bytes(dir / "a.fits", fits_of(cards, bytes_of(scan_values(), true)));
+    if (absent(dir / "a.fits")) GTEST_SKIP() << "this build reads no FITS";
+    const VolumeInfo info = inspect_volume(dir / "a.fits").at(0);
+    EXPECT_EQ(info.coordinates,
+              "pixels; steps of the axes are RA---TAN 0.005 deg, DEC--TAN 0.005 deg, VRAD 500 m/s");
+    expect_map(info.grid.world_from_index, {});
+    EXPECT_EQ(info.length_unit, "");
 }
 
 }  // namespace vog::test

@@ -4,6 +4,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "io/scan/scan_files.h"
@@ -202,6 +203,24 @@ TEST(scan, raw_values_with_a_head) {
     expect_counted(volume, "raw");
     EXPECT_EQ(volume.name, "dose");
     expect_map(volume.world_from_index, diagonal({0.5, 1, 2}, {1, 2, 3}));
+    // IEEE 754's half floats of 1 to 24, below the normal ones, and the largest.
+    std::vector<std::uint16_t> halves;
+    for (unsigned n = 1; n <= 24; ++n) {
+        const auto exponent = static_cast<unsigned>(std::bit_width(n)) - 1;
+        halves.push_back(
+            static_cast<std::uint16_t>((exponent + 15) << 10 | ((n << (10 - exponent)) & 1023)));
+    }
+    write_bytes(dir / "a.raw", bytes_of(halves, true));
+    const std::string half = "{\"size\": [2, 3, 4], \"type\": \"float16\", \"endian\": \"big\"}";
+    expect_counted(read(half), "float16");
+    halves[0] = 1, halves[1] = 0x7bff, halves[2] = 0xbc00, halves[3] = 0x7c00;
+    write_bytes(dir / "a.raw", bytes_of(halves, true));
+    const Volume special =
+        read_volume(dir / "a.raw", {.values = {.skip_nonfinite = true, .clip_negative = true}});
+    EXPECT_EQ(value_at(special, {0, 0, 0}), std::ldexp(1.0f, -24));
+    EXPECT_EQ(value_at(special, {1, 0, 0}), 65504);
+    EXPECT_EQ(active_voxels(special), 22u) << "without the infinite and the negative one";
+    write_bytes(dir / "a.raw", "head" + bytes_of(scan_values(), true));
     EXPECT_NE(refusal([&] { read(start + "\"skip\": 3}"); }).find("52 bytes, expected 51"),
               std::string::npos);
     EXPECT_NE(refusal([&] { read(start + "\"spaces\": 3}"); }).find("unknown key 'spaces'"),
@@ -210,6 +229,21 @@ TEST(scan, raw_values_with_a_head) {
               std::string::npos);
     std::filesystem::remove(dir / "a.raw.json");
     EXPECT_NE(refusal([&] { read_volume(dir / "a.raw"); }).find("a.raw.json"), std::string::npos);
+}
+
+TEST(scan, a_field_has_the_note_of_its_file_once) {
+    const TempDir dir;
+    Nifti head, flat;
+    head.pixdim[1] = 1, flat.pixdim[1] = 0;
+    Volume volume = read_bytes(dir, "a.nii", head.head() + bytes_of(scan_values()));
+    write_bytes(dir / "b.nii", flat.head() + bytes_of(scan_values(3)));
+    std::vector<std::string> notes;
+    for (int times = 0; times < 2; ++times) {
+        FieldCoverage coverage;
+        EXPECT_EQ(read_field({.file = dir / "b.nii"}, volume, {}, &notes, &coverage).lower, 3);
+    }
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes[0].find("b.nii: pixdim[1] is 0, read as 1"), std::string::npos) << notes[0];
 }
 
 TEST(scan, every_truncation_is_refused) {
