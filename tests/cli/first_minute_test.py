@@ -98,6 +98,10 @@ class Files(Case):
         self.assertEqual((done.returncode, done.stderr.count("1 values that are not finite left out")), (0, 1), done.stderr)
         self.vog("voxelize", "s.ply", "-o", "s.vdb", "--voxel-size", "0.5", "--skip-nonfinite")
 
+    def test_particles_with_nan_are_left_out(self):
+        (self.folder / "nan.csv").write_text("x,y,z\n0,0,0\n1,2,3\nnan,1,2\n4,5,6\n")
+        self.assertIn("1 values that are not finite left out", self.try_steps("nan.csv"))
+
     @unittest.skipUnless(importlib.util.find_spec("h5py"), "h5py is not installed")
     def test_snapshots_of_several_types(self):
         import h5py

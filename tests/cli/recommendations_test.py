@@ -57,9 +57,12 @@ ROWS = [
     ("render nan.nrrd -o p.png", r"(--skip-nonfinite)", "+"),
     ("render nan.csv -o p.png", r"(--skip-nonfinite)", "+"),
     ("render nan.ply -o p.png", r"(--skip-nonfinite)", "+"),
+    ("evaluate c.nrrd nan.ply -o e/ --size 16", r"(--skip-nonfinite)", "+"),
     ("info nan.ply", r"(--skip-nonfinite)", "render nan.ply -o p.png {0}"),
+    ("export none.ply -o n.vogz --max-loss 1 --reference nan.nrrd", r"(--skip-nonfinite)", "+"),
     # Columns that are not sure.
     ("render whole.xyz -o p.png --radius 1", r"or (--columns 1,2,3)", "+"),
+    ("render seven.xyz -o p.png --radius 1", r"(--columns) names others", "+ 1,2,3"),
     ("render few.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,2,3"),
     ("render twice.csv -o p.png --radius 1", r"(--columns) with the numbers", "+ 1,3,4"),
     ("render weights.csv -o p.png --value w", r"(--clip-negative)", "+"),
@@ -244,6 +247,7 @@ def make_inputs(case):
     (case.folder / "weights.csv").write_text("\n".join(["x,y,z,w", *(row + ",1" for row in rows), "1,1,2,-3"]) + "\n")
     (case.folder / "named.csv").write_text("\n".join(["a,b,c", *rows]) + "\n")
     (case.folder / "whole.xyz").write_text("2\nwater\n1 2 3 4\n8 3 4 5\n")
+    (case.folder / "seven.xyz").write_text("1 2 3 4 5 6 7\n8 3 4 5 6 7 8\n")
     (case.folder / "few.csv").write_text("x,y,z\n" + "1,2,3,4,5\n3,2,3,4,5\n")
     (case.folder / "twice.csv").write_text("x,x,y,z\n" + "1,2,3,4\n3,2,3,4\n")
     names = ["x", "y", "z", "opacity", "scale_0", "scale_1", "scale_2", "rot_0", "rot_1", "rot_2", "rot_3"]

@@ -87,14 +87,15 @@ void take_models(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
 }
 
 /// Rows of the models, named after their files; of two files of one name the second has a number.
-std::vector<Conversion> model_rows(const std::vector<std::string>& models) {
+std::vector<Conversion> model_rows(const std::vector<std::string>& models,
+                                   const ValueRules& rules) {
     std::vector<Conversion> rows;
     for (const std::string& file : models) {
         const std::string name = std::filesystem::path(file).filename().string();
         std::string step = name;
         for (int n = 2; std::ranges::find(rows, step, &Conversion::step) != rows.end(); ++n)
             step = fmt::format("{}-{}", name, n);
-        rows.push_back(model_row(step, load_models({file})));
+        rows.push_back(model_row(step, load_models({file}, nullptr, {}, rules)));
     }
     return rows;
 }
@@ -161,7 +162,8 @@ void evaluate_files(EvaluateArguments& arguments, const EvaluateRanks& ranks) {
                         arguments.inputs.front()));
     set_common(arguments);
     const ThreadLimit limit(arguments.threads);
-    if (!arguments.models.empty()) arguments.options.conversions = model_rows(arguments.models);
+    if (!arguments.models.empty())
+        arguments.options.conversions = model_rows(arguments.models, arguments.volume.values);
     const bool is_root = collective_or_single(ranks.collective).is_root();
     Stages stages(arguments.verbose && is_root);
     arguments.options.progress = stages.progress();

@@ -169,9 +169,11 @@ Json write_joined(const ExportArguments& arguments, const CLI::App& command,
                                command.count("--tf") + command.count("--field") > 0,
                                up_of(arguments.page.view), arguments.page.view.up},
                               stages, arguments.json);
-    if (extension_of(arguments.output) == ".vogz")
-        return write_compact(arguments.output, std::move(model), arguments.compact, stages,
-                             arguments.json);
+    if (extension_of(arguments.output) == ".vogz") {
+        CompactArguments compact = arguments.compact;
+        compact.values = arguments.volume.values;
+        return write_compact(arguments.output, std::move(model), compact, stages, arguments.json);
+    }
     stages.run("save", [&] { write_ply(arguments.output, model); });
     if (!arguments.json)
         print_line(fmt::format("{}: {} Gaussians, {}", arguments.output, count_text(model.size()),

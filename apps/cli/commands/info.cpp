@@ -7,11 +7,14 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
 
 #include "commands.h"
 #include "help/next_steps.h"
 #include "shared/inputs.h"
 #include "shared/terminal.h"
+#include "vog/error.h"
 #include "vog/model_io.h"
 #include "vog/points.h"
 #include "vog/scan_io.h"
@@ -225,8 +228,23 @@ Json as_json(const Points& points) {
             {"values", values}};
 }
 
+/// Particles of one type of a file. Where numbers are not finite, those particles are left out, with a note.
+/// nonfinite  set where some are
+Points described_points(const std::filesystem::path& file, const std::string& type,
+                        std::vector<std::string>& notes, bool& nonfinite) {
+    PointReadOptions options{.grid = type};
+    try {
+        return read_points(std::span(&file, 1), options, &notes);
+    } catch (const Error& error) {
+        if (std::string_view(error.what()).find("--skip-nonfinite") == std::string_view::npos)
+            throw;
+        nonfinite = options.values.skip_nonfinite = true;
+        return read_points(std::span(&file, 1), options, &notes);
+    }
+}
+
 /// type  of the particles; empty: the format has none
-void print(const Points& points, const std::string& type) {
+void print(const Points& points, const std::string& type, const std::vector<std::string>& notes) {
     const auto line = [](const std::string& name, const std::string& value) {
         print_line(fmt::format("  {:<14} {}", name, value));
     };
@@ -239,6 +257,7 @@ void print(const Points& points, const std::string& type) {
         line(range.name,
              fmt::format("{:.6g} to {:.6g}", range.low, range.high) +
                  (range.missing ? fmt::format(", {} missing", count_text(range.missing)) : ""));
+    for (const std::string& note : notes) line("note", note);
 }
 
 void print_nonfinite(const ValueNotes& notes) {
@@ -334,12 +353,15 @@ std::vector<FileContents> print_contents(const std::vector<std::string>& files, 
             if (types.empty()) types.emplace_back();
             Json sets = Json::array();
             for (const std::string& type : types) {
-                const Points points = read_points(file, {.grid = type});
+                std::vector<std::string> texts;
+                const Points points =
+                    described_points(file, type, texts, contents.back().nonfinite);
                 sets.push_back(as_json(points));
                 if (!type.empty()) sets.back()["type"] = type;
+                if (!texts.empty()) sets.back()["notes"] = texts;
                 if (json) continue;
                 if (sets.size() == 1) print_line(file);
-                print(points, type);
+                print(points, type, texts);
             }
             all.push_back({{"file", file}, {"points", several ? sets : sets.front()}});
             continue;

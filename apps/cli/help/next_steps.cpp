@@ -139,7 +139,8 @@ std::vector<NextStep> steps_of_points(const FileContents& contents) {
     if (types.size() == 1) types.clear();
     const std::string png = beside(contents.file, ".png");
     const auto of_type = [&](const std::string& type) {
-        return quoted(contents.file) + (type.empty() ? "" : " --grid " + quoted(type));
+        return quoted(contents.file) + (type.empty() ? "" : " --grid " + quoted(type)) +
+               (contents.nonfinite ? " --skip-nonfinite" : "");
     };
     const std::string file = of_type(types.empty() ? "" : types.front());
     std::vector<NextStep> steps{

@@ -37,9 +37,10 @@ std::pair<std::string, std::string> file_and_grid(const std::string& text) {
     return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-Reference load_reference(const std::vector<std::string>& texts) {
+Reference load_reference(const std::vector<std::string>& texts, const ValueRules& rules) {
     std::vector<std::string> files;
     VolumeInputOptions options;
+    options.values = rules;
     for (const std::string& text : texts) {
         const auto [file, grid] = file_and_grid(text);
         if (!files.empty() && grid != options.grid)
@@ -66,7 +67,7 @@ VogzFit fit(const Gaussians& model, const CompactArguments& arguments) {
     bound.max_loss_db = arguments.max_loss_db;
     if (arguments.model_psnr_db > 0) bound.model_psnr_db = arguments.model_psnr_db;
     if (arguments.reference.empty()) return fit_vogz(model, bound);
-    const Reference reference = load_reference(arguments.reference);
+    const Reference reference = load_reference(arguments.reference, arguments.values);
     bound.data = [&](const Camera& camera, int size) { return reference.render(camera, size); };
     return fit_vogz(model, bound);
 }
