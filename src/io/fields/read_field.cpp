@@ -181,6 +181,9 @@ VoxelField field_files::sampled_field(const FieldGrid& grid, Volume& volume,
         field.upper = census.upper;
         const FieldCoverage counts{grid.where,          measure_name(volume), census.mass,
                                    census.covered_mass, census.voxels,        census.covered};
+        // Several fields, or volumes, may have one file.
+        if (notes && !grid.note.empty() && std::ranges::find(*notes, grid.note) == notes->end())
+            notes->push_back(grid.note);
         if (coverage) {
             *coverage = counts;
             return field;

@@ -238,6 +238,7 @@ field_files::FieldGrid load_scan_field(const FieldSource& source) {
         field.name = from.name;
         field.unit = from.value_unit;
         field.where = where_of(source.file, from);
+        field.note = note_of(source.file, scan);
         return field;
     });
 }
