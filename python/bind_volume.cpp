@@ -223,6 +223,8 @@ mask              reads values > 0 as 1
 skip_nonfinite    leaves voxels with NaN or infinite values out: they are inactive
 clip_negative     sets negative values to 0
 
+The Volume has the units that a dense image states (vog.units_of).
+
 Raises vog.Error for an unreadable file, an unknown grid, and values that are negative or not finite, unless
 an option accepts them; then warns of their number.)")
         .def_static(
@@ -455,10 +457,11 @@ void bind_volume(py::module_& m) {
         "_volume_head",
         [](const std::filesystem::path& file, const std::string& grid) {
             const VolumeHead head = volume_head(file, grid);
-            return py::make_tuple(head.voxel_size, head.length_unit);
+            return py::make_tuple(head.voxel_size, head.origin, head.length_unit, head.value_unit);
         },
         py::arg("file"), py::arg("grid") = "",
-        "Edges of a voxel of a dense image, and the unit of lengths, without its values.");
+        "Edges of a voxel of a dense image, the first one's place, and the units of lengths and "
+        "values, without its values.");
 }
 
 }  // namespace vog::python

@@ -30,9 +30,11 @@ std::vector<VolumeInfo> inspect_volume(const std::filesystem::path& file);
 /// Places that the head of a dense image states, without its values.
 struct VolumeHead {
     Vec3d voxel_size{1, 1, 1};  ///< edges, in world units
+    Vec3d origin;               ///< world position of the first voxel's centre
     std::string length_unit;    ///< as VolumeInfo::length_unit
+    std::string value_unit;     ///< as VolumeInfo::value_unit
 };
-/// Reads the head of one grid of a dense image; edges of 1 without a unit for other files.
+/// Reads the head of one grid of a dense image; edges of 1 without units for other files.
 /// throws  vog::Error as read_volume does
 VolumeHead volume_head(const std::filesystem::path& file, const std::string& grid = {});
 

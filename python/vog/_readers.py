@@ -230,7 +230,7 @@ def from_nifti(
         names = _vog.grid_names(image)
         if isinstance(frame, bool) or not 0 <= frame < len(names):
             raise _vog.Error(f"from_nifti: {os.fspath(image)}: frame {described(frame)}, expected 0 to {len(names) - 1}")
-        return set_units(_vog.Volume.load(image, grid=names[frame], **rules), None, _vog._volume_head(image, names[frame])[1] or None)
+        return _vog.Volume.load(image, grid=names[frame], **rules)
     if not (hasattr(image, "affine") and hasattr(image, "dataobj")):
         raise TypeError(f"from_nifti: got {described(image)}, expected a path or an image of nibabel.load")
     shape = image.shape
@@ -250,8 +250,8 @@ def from_nifti(
 # --- tifffile
 
 
-def _tiff_head(image: Any) -> "tuple[tuple[float, float, float], str]":
-    """Voxel sizes (x, y, z) of a TiffFile and their unit, read from its file, or from a copy of one in memory."""
+def _tiff_head(image: Any) -> Any:
+    """Edges of a voxel, the first one's place and the units of a TiffFile, from its file, or from a copy of one in memory."""
     handle = image.filehandle
     try:
         if os.path.isfile(handle.path):
@@ -265,9 +265,8 @@ def _tiff_head(image: Any) -> "tuple[tuple[float, float, float], str]":
         raise _vog.Error(f"from_tiff: {error} (voxel_size= gives the edges of a voxel)") from None
 
 
-def _head_of_first(path: Any) -> "tuple[tuple[float, float, float], str]":
-    head: "tuple[tuple[float, float, float], str]" = _vog._volume_head(path, _vog.grid_names(path)[0])
-    return head
+def _head_of_first(path: Any) -> Any:
+    return _vog._volume_head(path, _vog.grid_names(path)[0])
 
 
 def from_tiff(
@@ -302,9 +301,8 @@ def from_tiff(
         if not found or isinstance(frame, bool) or isinstance(channel, bool):
             raise _vog.Error(f"from_tiff: {os.fspath(image)}: frame {described(frame)}, channel {described(channel)}, expected one of {', '.join(names)}")
         volume = _vog.Volume.load(image, grid=found[0], **rules)
-        length = _vog._volume_head(image, found[0])[1] or None
         if voxel_size is None:
-            return set_units(volume, None, length) if length else volume
+            return volume
         lower, upper = volume.index_box
         made: _vog.Volume = _vog.Volume.from_numpy(
             volume.to_numpy(), voxel_size=voxel_size, first=lower, name=volume.name, **rules
@@ -328,6 +326,11 @@ def from_tiff(
         stack = stack[None]
     if stack.ndim != 3 or not axes.endswith("YX"):
         raise _vog.Error(f"from_tiff: axes {axes} of shape {stack.shape}, expected ZYX")
-    size, unit = (voxel_size, None) if voxel_size is not None else _tiff_head(image)
-    volume = _vog.Volume.from_numpy(stack.T, voxel_size=size, name="value", **rules)
+    # ImageJ's calibration: a polynomial of degree 1 to 4 (docs/scans.md).
+    fiji = getattr(image, "imagej_metadata", None) or {}
+    terms = [fiji[f"c{n}"] for n in range(int(fiji.get("cf", -2)) + 2) if f"c{n}" in fiji]
+    if terms and fiji["cf"] < 4:
+        stack = np.polynomial.polynomial.polyval(stack.astype(float), terms)
+    size, origin, unit, _ = (voxel_size, None, None, None) if voxel_size is not None else _tiff_head(image)
+    volume = _vog.Volume.from_numpy(stack.T, voxel_size=size, origin=origin, name="value", **rules)
     return set_units(volume, None, unit) if unit else volume

@@ -3,6 +3,7 @@
 Volumes and models remember the units they were made with; files do not keep them.
 """
 import functools
+import os
 import weakref
 from typing import Any, Callable, NamedTuple, Optional
 
@@ -183,8 +184,28 @@ def _convert(convert: _Made) -> _Made:
     return converted
 
 
+def _load(load: _Made) -> _Made:
+    """The load of a class, whose result then has the units that a dense image states; of values those that are units elsewhere."""
+
+    @functools.wraps(load)
+    def loaded(*args: Any, **named: Any) -> Any:
+        data = load(*args, **named)
+        files = args[0] if args else named.get("file", named.get("files"))
+        first: Any = data if isinstance(data, _vog.Volume) else data[0]
+        _, _, length, density = _vog._volume_head(files if isinstance(files, (str, os.PathLike)) else files[0], first.name)
+        try:
+            density = density if density and not named.get("mask") and parsed(density, "load") else ""
+        except (ImportError, _vog.Error):  # Hounsfield's, counts
+            density = ""
+        if density or length:
+            _known[data] = Units(density or None, length or None)
+        return data
+
+    return loaded
+
+
 def accept_quantities() -> None:
-    """Makes Volume.from_numpy, from_blocks and Points.from_numpy accept Quantities, and convert hand units on."""
+    """Makes from_numpy and from_blocks accept Quantities, load set the units of files, and convert hand units on."""
     module: Any = _vog
     for owner, call, name, first in (
         (module.Volume, "from_numpy", "array", _array),
@@ -193,6 +214,8 @@ def accept_quantities() -> None:
     ):
         lattice = owner is module.Volume
         setattr(owner, call, staticmethod(_with_units(getattr(owner, call), name, first, lattice)))
+    for owner in (module.Volume, module.Levels):
+        owner.load = staticmethod(_load(owner.load))
     module.convert = _convert(module.convert)
 
 

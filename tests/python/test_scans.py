@@ -1,5 +1,7 @@
 """Dense images: files of other packages, and the examples of docs/scans.md."""
+import importlib.util
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -40,6 +42,26 @@ def test_raw_values(tmp_path):
     volume = vog.Volume.load(tmp_path / "a.raw")
     assert volume.name == "dose" and vog.grid_names(tmp_path / "a.raw") == ["dose"]
     expect(volume, values, np.diag([1, 2, 3, 1]))
+
+
+def test_volumes_have_the_units_of_their_files(tmp_path):
+    values = some_values()
+    (tmp_path / "a.raw").write_bytes(values.tobytes(order="F"))
+    for stated, density in (("g/cm**3", "g/cm**3"), ("HU", None)):
+        if density and not _has_units():
+            continue
+        (tmp_path / "a.json").write_text(
+            '{"size": [5, 7, 9], "type": "int16", "unit": "um", "value_unit": "%s"}' % stated)
+        for data in (vog.Volume.load(tmp_path / "a.raw"), vog.Volume.load(file=str(tmp_path / "a.raw")),
+                     vog.Levels.load([tmp_path / "a.raw"]), vog.Levels.load(tmp_path / "a.raw")):
+            assert vog.units_of(data) == (density, "um")
+    assert vog.units_of(vog.Volume.load(tmp_path / "a.raw", mask=True)) == (None, "um")
+    vog.sample_cloud(64).save(tmp_path / "c.vdb")
+    assert vog.units_of(vog.Volume.load(tmp_path / "c.vdb")) == (None, None)
+
+
+def _has_units():
+    return any(importlib.util.find_spec(package) for package in ("astropy", "pint"))
 
 
 def test_nibabel(tmp_path, monkeypatch):
@@ -90,8 +112,23 @@ def test_tifffile(tmp_path, monkeypatch):
                      metadata={"spacing": 0.5, "unit": "um", "axes": "ZYX"})
     expect(vog.Volume.load(tmp_path / "stack.tif"), values, np.diag([0.2, 0.2, 0.5, 1]))
     expect(run("tifffile", tmp_path, monkeypatch), values, np.diag([0.2, 0.2, 0.5, 1]))
-    for options in ({"tile": (16, 16)}, {"compression": "zlib"}, {"rowsperstrip": 2}, {"bigtiff": True}):
-        tifffile.imwrite(tmp_path / "a.tif", values.T.astype("f4"), photometric="minisblack", **options)
+    placed = np.diag([0.2, 0.2, 0.5, 1])
+    placed[:3, 3] = [-0.6, 0.2, -1]
+    for axes in ({}, {"cf": 0, "c0": -2.0, "c1": 0.5, "vunit": "OD"}, {"cf": 1, "c0": 1.0, "c1": 0.0, "c2": 2.0}):
+        tifffile.imwrite(tmp_path / "fiji.tif", values.T, imagej=True, resolution=(5, 5),
+                         metadata={"spacing": 0.5, "unit": "um", "axes": "ZYX", "xorigin": 3.0, "yorigin": -1.0, "zorigin": 2.0, **axes})
+        terms = [axes.get(f"c{n}", n == 1) for n in range(3)] if axes.get("cf") else [axes.get("c0", 0), axes.get("c1", 1)]
+        shown = np.polynomial.polynomial.polyval(values.astype(float), terms)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            by_path = vog.Volume.load(tmp_path / "fiji.tif", clip_negative=True)
+            by_image = vog.from_tiff(tifffile.TiffFile(tmp_path / "fiji.tif"), clip_negative=True)
+        for volume in (by_path, by_image):
+            expect(volume, np.maximum(shown, 0), placed)
+            assert vog.units_of(volume).length == "um"
+    for options in ({"tile": (16, 16)}, {"dtype": "f2"}, {"compression": "zlib"}, {"rowsperstrip": 2}, {"bigtiff": True}):
+        dtype = options.pop("dtype", "f4")
+        tifffile.imwrite(tmp_path / "a.tif", values.T.astype(dtype), photometric="minisblack", **options)
         expect(vog.Volume.load(tmp_path / "a.tif"), values, np.eye(4))
 
 
@@ -107,6 +144,19 @@ def test_astropy(tmp_path, monkeypatch):
     with pytest.warns(UserWarning):
         volume = vog.Volume.load(tmp_path / "cube.fits", skip_nonfinite=True, clip_negative=True)
     expect(volume, values, np.diag([2, 3, 4, 1]))
+    # Linear maps as astropy.wcs has them, by every keyword.
+    from astropy.wcs import WCS
+
+    for keys in ({"CD1_2": 2.0, "CD2_1": 3.0, "CDELT3": 5.0}, {"CD1_1": 2.0, "CD2_2": 3.0, "CD3_3": 0.0, "CRPIX3": 3.0},
+                 {"PC1_1": 0.8, "PC1_2": -0.6, "PC2_1": 0.6, "PC2_2": 0.8, "CRVAL1": 7.0}, {"PC1_2": -0.5, "CDELT2": 3.0},
+                 {"PC1_1": 0.8, "CD1_1": 2.0, "CDELT3": 4.0}, {"CROTA2": 30.0, "CDELT1": 2.0}, {"CDELT1": -2.0, "CRPIX1": 2.0},
+                 {"CD1_3": 2.0, "CD3_1": 3.0, "CD2_2": 4.0, "CD1_1": 1.0}):
+        fits.PrimaryHDU(values.T, fits.Header(keys)).writeto(tmp_path / "w.fits", overwrite=True)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            corners = WCS(fits.getheader(tmp_path / "w.fits")).wcs_pix2world([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], 0)
+            volume = vog.Volume.load(tmp_path / "w.fits", skip_nonfinite=True, clip_negative=True)
+        assert np.allclose(volume.matrix[:3], np.c_[(corners[1:] - corners[0]).T, corners[0]]), keys
     fits.HDUList([fits.PrimaryHDU(), fits.CompImageHDU(values.T.astype("i2"), head)]).writeto(tmp_path / "a.fits.fz")
     expect(vog.Volume.load(tmp_path / "a.fits.fz"), values, np.diag([2, 3, 4, 1]))
 

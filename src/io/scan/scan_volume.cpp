@@ -257,7 +257,10 @@ VolumeHead volume_head(const std::filesystem::path& file, const std::string& gri
     const scan::ScanFile opened = scan::open_scan(file);
     const scan::ScanGrid& one = opened.grids[scan::chosen_grid(opened, file, grid)];
     const Mat3& map = one.world_from_index.linear;
-    return {{length(map.column(0)), length(map.column(1)), length(map.column(2))}, one.length_unit};
+    return {{length(map.column(0)), length(map.column(1)), length(map.column(2))},
+            one.world_from_index.translation,
+            one.length_unit,
+            one.value_unit};
 }
 
 std::string volume_note(const std::filesystem::path& file) {
