@@ -19,7 +19,19 @@
 namespace vog::scan {
 
 /// Types of stored values.
-enum class Number { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float16, float32, float64 };
+enum class Number {
+    int8,
+    uint8,
+    int16,
+    uint16,
+    int32,
+    uint32,
+    int64,
+    uint64,
+    float16,
+    float32,
+    float64
+};
 /// "int16".
 const char* type_name(Number type);
 std::optional<Number> number_named(std::string_view name);
