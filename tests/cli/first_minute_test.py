@@ -98,6 +98,17 @@ class Files(Case):
         self.assertEqual((done.returncode, done.stderr.count("1 values that are not finite left out")), (0, 1), done.stderr)
         self.vog("voxelize", "s.ply", "-o", "s.vdb", "--voxel-size", "0.5", "--skip-nonfinite")
 
+    def test_particles_under_an_unknown_name(self):
+        for name, text in [("a.particles", "# t\n1 2 3\n4 5 6\n"), ("scan", "1;2;3\n4;5;6"), ("rows.ascii", "x,y,z\n1,2,3\n4,5,6\n")]:
+            (self.folder / name).write_text(text)
+            for command in ([], ["info"], ["render"]):
+                more = ["-o", "a.png"] if command == ["render"] else []
+                self.assertIn(f"of a text with numbers; call it {name}.txt", self.refusal(*command, name, *more))
+            (self.folder / name).rename(self.folder / f"{name}.txt")
+            self.assertIn("count          2", self.vog("info", f"{name}.txt"))
+        (self.folder / "words.doc").write_text("1 2 words\n")
+        self.assertIn("unknown extension '.doc', expected", self.refusal("info", "words.doc"))
+
     def test_particles_with_nan_are_left_out(self):
         (self.folder / "nan.csv").write_text("x,y,z\n0,0,0\n1,2,3\nnan,1,2\n4,5,6\n")
         self.assertIn("1 values that are not finite left out", self.try_steps("nan.csv"))

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "vog/site.h"
 
@@ -279,10 +280,38 @@ std::string advice_on_contents(const std::string& file) {
     return {};
 }
 
+/// Whether one of the first lines of a text begins with three numbers, as those of particles do.
+bool has_lines_of_numbers(const std::string& file) {
+    constexpr std::size_t kHead = 4096;
+    std::error_code code;
+    if (!fs::is_regular_file(file, code)) return false;
+    std::string head(kHead, ' ');
+    std::ifstream in(file, std::ios::binary);
+    in.read(head.data(), kHead);
+    head.resize(static_cast<std::size_t>(in.gcount()));
+    if (head.find('\0') != head.npos) return false;
+    std::ranges::replace_if(
+        head, [](char c) { return c == ',' || c == ';'; }, ' ');
+    std::istringstream lines(head);
+    for (std::string line; std::getline(lines, line);) {
+        std::istringstream fields(line);
+        double x, y, z;
+        if (fields >> x >> y >> z) return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 std::string advice_on_hdf5(const std::string& file) {
     return fmt::format("or {}; or {}", python_advice(kHdf5, file), python_advice(kYt, file));
+}
+
+std::string advice_on_text(const std::string& file) {
+    if (!has_lines_of_numbers(file)) return {};
+    return fmt::format(
+        "unknown extension '{}' of a text with numbers; call it {} to read particles",
+        extension_of(file), quoted(file + ".txt"));
 }
 
 std::string advice_on(const std::string& file) {

@@ -39,6 +39,8 @@ std::string level_pattern(const std::vector<std::string>& names);
 std::string advice_on(const std::string& file);
 /// Advice on HDF5 that is no snapshot of particles.
 std::string advice_on_hdf5(const std::string& file);
+/// A name under which a text with numbers is read; empty: other files. For files of unknown extensions.
+std::string advice_on_text(const std::string& file);
 
 /// A word of a shell command: in quotes where it holds other letters than those of plain names.
 std::string quoted(const std::string& word);

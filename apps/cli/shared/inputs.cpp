@@ -76,11 +76,13 @@ FileKind kind_of(const std::string& file, const std::string& grid) {
                                 file, (fs::path(file) / "*.vdb").string(), file));
     if (const std::string advice = advice_on(file); !advice.empty())
         throw Error(fmt::format("{}: {}", file, advice));
+    if (const std::string advice = advice_on_text(file); !advice.empty())
+        throw Error(fmt::format("{}: {}", file, advice));
     throw Error(fmt::format(
         "{}: unknown extension '{}', expected .vdb, .nvdb, .nii, .nii.gz, .nrrd, .nhdr, .mha, "
         ".mhd, .raw, .tif or .fits (volume), .hdf5, .xyz, .extxyz, .pts, .asc, .csv, .tsv, .dat or "
-        ".txt (particles; text under any other name: call it .txt), .ply, .vogz or .json (model, "
-        "index of models), .spz, .glb, .usda, .usdc or .usd (splats)",
+        ".txt (particles), .ply, .vogz or .json (model, index of models), .spz, .glb, .usda, "
+        ".usdc or .usd (splats)",
         file, extension));
 }
 
