@@ -37,11 +37,15 @@ class Mpi : public CommandLine {
         std::string all = apps;
         for (std::size_t at; (at = all.find("COMMAND")) != std::string::npos;)
             all.replace(at, 7, "'" VOG_MPI_COMMAND "'");
-        // A deadlocked rank ends by the time limit, with exit code 124.
-        const std::string command = "cd '" + (dir_ / "").string() + "' && " +
-                                    "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
-                                    "timeout 120 " VOG_MPIRUN " --oversubscribe --bind-to none " +
-                                    all + " >stdout.txt 2>stderr.txt </dev/null";
+        // A deadlocked rank ends by the time limit, with exit code 124. Ranks that wait yield: Open
+        // MPI lets two of them spin on two cores. After a failure mpirun sleeps for a second before
+        // each of two signals; no rank ends before the first one has reported.
+        const std::string command =
+            "cd '" + (dir_ / "").string() + "' && " +
+            "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 "
+            "OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_odls_base_sigkill_timeout=0 "
+            "timeout 120 " VOG_MPIRUN " --oversubscribe --bind-to none " +
+            all + " >stdout.txt 2>stderr.txt </dev/null";
         const int status = std::system(command.c_str());
         return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(dir_ / "stdout.txt"),
                 read_text(dir_ / "stderr.txt")};

@@ -294,11 +294,6 @@ class Exploring(PageTest):
 
     # --- The worker. ---
 
-    def before_pages(self, script):
-        """Runs a script in each page before its own, until the test ends."""
-        made = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
-        self.addCleanup(self.browser.call, "Page.removeScriptToEvaluateOnNewDocument", identifier=made["identifier"])
-
     def test_levels_and_fields_are_decoded_in_a_worker(self):
         self.start("two.html", "#subframes=1&show=mean")
         self.assertEqual(self.value("vog.decodes()"), {"worker": 2, "page": 0})

@@ -5,14 +5,16 @@ import math
 import os
 import pathlib
 import shutil
-import subprocess
 import sys
 import tempfile
 import unittest
 
 from browser import HOUSE, Browser, find_chromium
 
-VOG = os.environ.get("VOG_COMMAND", "vog")
+sys.path.append(str(HOUSE / "tests/cli"))
+import command_server
+
+VOG = command_server.VOG
 DATA = pathlib.Path(os.environ.get("VOG_DATA", HOUSE / "../shared/data"))  # real inputs
 WIDTH, HEIGHT = 320, 240
 # Pixels of the screen to a CSS pixel, for tests of what surrounds the picture: its area is what a GPU in software takes long for.
@@ -21,11 +23,16 @@ COARSE = 0.2
 LEAST_PSNR_DB = 60
 
 
+def command(*arguments):
+    """Runs the command in the tests' folder. Forked from one process (tests/cli/command_server.py): its libraries load for longer than it draws."""
+    return command_server.run(list(map(str, arguments)), FolderTest.folder or ".", 600)
+
+
 def vog(*arguments):
-    done = subprocess.run([VOG, *map(str, arguments)], capture_output=True, text=True, cwd=FolderTest.folder)
+    done = command(*arguments)
     if done.returncode:
-        raise RuntimeError(f"vog {' '.join(map(str, arguments))}: {done.stderr}")
-    return done.stdout
+        raise RuntimeError(f"vog {' '.join(map(str, arguments))}: {done.stderr.decode()}")
+    return done.stdout.decode()
 
 
 def nightly():
@@ -67,9 +74,9 @@ class FolderTest(unittest.TestCase):
 
     def refused(self, *arguments):
         """The message of a command that fails."""
-        done = subprocess.run([VOG, *map(str, arguments)], capture_output=True, text=True, cwd=self.folder)
+        done = command(*arguments)
         self.assertNotEqual(done.returncode, 0, arguments)
-        return done.stderr
+        return done.stderr.decode()
 
     def until(self, expression, seconds=60):
         """Waits until a JavaScript expression holds."""
@@ -104,6 +111,11 @@ class PageTest(FolderTest):
     def open(self, page="page.html", fragment="#subframes=1"):
         self.browser.open(self.folder / page, fragment)
         self.browser.settle()
+
+    def before_pages(self, script):
+        """Runs a script in each page before its own, until the test ends."""
+        made = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source=script)
+        self.addCleanup(self.browser.call, "Page.removeScriptToEvaluateOnNewDocument", identifier=made["identifier"])
 
     def value(self, expression):
         return self.browser.evaluate(expression)

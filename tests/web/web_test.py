@@ -57,19 +57,21 @@ class Pages(PageTest):
         self.assertEqual(self.value("vog.state.camera.span"), 0)
 
     def test_half_floats_where_float_blending_is_missing(self):
-        script = self.browser.call("Page.addScriptToEvaluateOnNewDocument", source="""
-            const getExtension = WebGL2RenderingContext.prototype.getExtension;
+        self.before_pages("""
+            const { getExtension, readPixels } = WebGL2RenderingContext.prototype;
             WebGL2RenderingContext.prototype.getExtension = function (name) {
               return name === 'EXT_float_blend' ? null : getExtension.call(this, name);
-            };""")
-        try:
-            self.open()
-        finally:
-            self.browser.call("Page.removeScriptToEvaluateOnNewDocument", **script)
+            };
+            window.reads = 0;
+            WebGL2RenderingContext.prototype.readPixels = function (...all) { ++reads; return readPixels.apply(this, all); };""")
+        self.open()
         self.assertEqual(self.value("vog.bits()"), 16)
         self.assertIn("32-bit float blending is missing", self.value("notice.textContent"))
         self.assertFalse(self.value("notice.hidden"))
         self.expect_same(least=45)
+        self.browser.key("w")
+        self.browser.settle()
+        self.assertEqual(self.value("reads"), 0, "pictures stay on the GPU")
 
     def test_says_so_where_nothing_can_be_drawn(self):
         for name, message in (("webgl2", "no WebGL 2"), ("extensions", "floating-point images"),

@@ -22,12 +22,23 @@ function pictureOf(parts, model, camera, width, height, exposure) {
       });
       const determinant = xx * yy - xy * xy, column = 0.5 * width + zoom * x, row = 0.5 * height - zoom * y;
       const mass = instances[i + 3] * sx * sy * sz * Math.sqrt(2 * Math.PI) * (model.unit * zoom) ** 2 / Math.sqrt(determinant);
-      const reach = [4 * Math.sqrt(xx), 4 * Math.sqrt(yy)];
-      for (let r = Math.max(0, Math.floor(row - reach[1])); r < Math.min(height, row + reach[1]); ++r)
-        for (let q = Math.max(0, Math.floor(column - reach[0])); q < Math.min(width, column + reach[0]); ++q) {
-          const [dx, dy] = [q + 0.5 - column, row - r - 0.5];
-          out[r * width + q] += mass * Math.exp((-0.5 * (yy * dx * dx - 2 * xy * dx * dy + xx * dy * dy)) / determinant);
+      // Rows within 4 deviations, pixels of a row within 4 of its own middle. From pixel to pixel exp() of a square grows by a factor that
+      // itself grows by `turn`: two products each in place of an exponential, away from the middle, where it only shrinks.
+      const reach = 4 * Math.sqrt(yy), within = 4 * Math.sqrt(determinant / yy), curve = yy / determinant, turn = Math.exp(-curve);
+      for (let r = Math.max(0, Math.ceil(row - reach - 0.5)); r < Math.min(height, row + reach - 0.5); ++r) {
+        const dy = row - r - 0.5, middle = column + (xy / yy) * dy - 0.5, peak = mass * Math.exp((-0.5 * dy * dy) / yy);
+        const [left, right] = [Math.max(0, Math.ceil(middle - within)), Math.min(width - 1, Math.floor(middle + within))];
+        const first = Math.min(right + 1, Math.max(left, Math.ceil(middle)));
+        for (const [from, to, step] of [[first, right + 1, 1], [first - 1, left - 1, -1]]) {
+          const away = step * (from - middle);
+          let value = peak * Math.exp(-0.5 * curve * away * away), factor = Math.exp(-curve * (away + 0.5));
+          for (let q = from; step * (to - q) > 0; q += step) {
+            out[r * width + q] += value;
+            value *= factor;
+            factor *= turn;
+          }
         }
+      }
     }
   }
   return out.map((depth) => -Math.expm1(-exposure * depth));
