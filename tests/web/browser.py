@@ -37,7 +37,7 @@ def find_chromium():
 class Browser:
     """Browser with one page, closed at the end of a `with` block."""
 
-    def __init__(self, timeout_s=300):
+    def __init__(self, timeout_s=120):
         self.timeout_s = timeout_s
         self.profile = tempfile.TemporaryDirectory(prefix="vog-web-", ignore_cleanup_errors=True)
         to_browser, self.out = os.pipe()
@@ -164,7 +164,15 @@ class Browser:
                 raise TimeoutError(f"{path} does not load")
 
     def settle(self):
-        self.evaluate("vog.settled()")
+        """Waits for the whole picture; fails with the message of a page that gives up."""
+        self.evaluate("""(() => {
+          const box = document.getElementById('failure');
+          return Promise.race([vog.settled(), new Promise((_, fail) => {
+            const look = () => box.hidden || fail(new Error(`the page gives up: ${box.textContent.trim()}`));
+            new MutationObserver(look).observe(box, { attributes: true });
+            look();
+          })]);
+        })()""")
 
     def picture(self, path):
         """Saves the complete picture, without the page around it, as a PNG."""

@@ -6,7 +6,7 @@ where there is no Chromium.
 """
 import array
 
-from page_test_case import COARSE, run, vog
+from page_test_case import COARSE, FACTOR, run, vog
 from quantity_test_case import QuantityTest
 
 RANGE = ("--range", "0,2.5")
@@ -14,6 +14,8 @@ SCALE = {"low": 0, "high": 2.5, "log": False}
 
 
 class Maxima(QuantityTest):
+    off = off_precise = None  # of expect_page_is()
+
     def pictures(self, page, off):
         """Clipped, and under parallel rays."""
         self.start(page)
@@ -26,12 +28,11 @@ class Maxima(QuantityTest):
         self.expect_page_is("model.ply", "--show", "maximum", *RANGE, off=off)
 
     def test_maxima_are_vog_renders(self):
-        # Rims that rounded numbers move change the ends of slabs: measured 10 at 6 of 108,000 pixels, 5 with --precise.
-        self.pictures("model.html", 12)
+        self.pictures("model.html", self.off)
 
     def test_maxima_of_precise_pages_are_nearer(self):
         vog("export", "model.ply", "-o", "precise.html", "--levels", 1, "--precise")
-        self.pictures("precise.html", 6)
+        self.pictures("precise.html", self.off_precise)
 
     def test_maxima_have_a_number_and_a_link(self):
         self.browser.viewport(1000, 800, COARSE)
@@ -56,10 +57,10 @@ class Maxima(QuantityTest):
         self.start("first.html")
         self.assertEqual(self.value("[vog.page.quantity.slabs, vog.page.quantity.maximumSlabs]"), [32, 50])
         ends = self.value("vog.page.models[0].fields[0].ranges[''].maximum")
-        # A pixel that a rim just meets or misses has a value or none.
+        # A pixel that a rim just meets or misses has a value or none: measured shares.
         found = self.compared("flow.ply", "--show", "maximum", "--field", "temperature", "--slabs", 50, "--range", ",".join(map(repr, ends)))
-        self.assertLess(found["off_by_more_than_4"], 1e-3)
-        self.assertLess(found["off_by_more_than_1"], 4e-3)
+        self.hold("maximum of temperature: off by more than 4", found["off_by_more_than_4"], FACTOR * 7.8e-4)
+        self.hold("maximum of temperature: off by more than 1", found["off_by_more_than_1"], FACTOR * 2.3e-3)
         self.assertIn("'velocity' is a vector field", self.refused("export", "flow.ply", "-o", "x.html", "--show", "maximum",
                                                               "--field", "velocity"))
 

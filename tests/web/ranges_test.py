@@ -7,7 +7,7 @@ VOG_COMMAND names the command. Exits with 77, which ctest takes as skipped, wher
 import base64
 import json
 
-from page_test_case import FolderTest, run, vog
+from page_test_case import FACTOR_DB, FolderTest, run, vog
 from quantity_test_case import write_flow
 from site_server import DROP
 from streaming_test_case import DUST, SMALL, NodeSiteTest, NodeTest, write_dust
@@ -119,7 +119,7 @@ class Ranges(NodeSiteTest):
         self.assertIn("dust.vogz, bytes from", self.notice())
         self.assertIn("stays coarse there", self.notice())
         self.assertEqual(self.value("vog.lines.length"), 1)
-        self.expect_whole(least=15)
+        self.expect_whole(least=39.4 - FACTOR_DB)
 
     def test_cut_ranges(self):
         self.expect_coarse("expected", lambda body, fields: body[:len(body) // 2])

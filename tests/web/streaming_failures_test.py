@@ -9,7 +9,7 @@ import math
 import random
 
 from node import Node
-from page_test_case import FolderTest, run, vog
+from page_test_case import FACTOR_DB, FolderTest, run, vog
 from quantity_test_case import write_flow
 from site_server import DROP
 from streaming_test_case import NodeSiteTest, NodeTest, write_dust
@@ -120,7 +120,7 @@ class Failures(NodeSiteTest):
         self.assertLessEqual(self.value("vog.lines.length"), 1)
         self.assertEqual(server.paths.count(f"/chunks/{part['name']}.vogz"), asked)
         # The coarse nodes have the mass of what is missing: the picture is a blurred one, not one with a hole.
-        self.expect_whole(least=20)
+        self.expect_whole(least=39.4 - FACTOR_DB)
 
     def test_a_missing_chunk(self):
         self.expect_coarse_there("HTTP 404", 1, answer=404)

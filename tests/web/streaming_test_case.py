@@ -20,7 +20,8 @@ from site_server import SiteServer
 SMALL = (120, 90)
 # Gaussians of a model of seven chunks in three depths, since a chunk has 16,384 at most, the coarsest 8,192.
 DUST = 60000
-# A picture whose coarse parts err by a pixel at most, against that of the whole model (issue 24).
+# A picture whose coarse parts err by a pixel at most, against that of the whole model (issue 24). Measured: 50.2 dB of dust from near; rounding,
+# at 73 dB, moves that by a hundredth. Pages without coarse parts in view have bounds of their own.
 LEAST_PSNR_DB = 50
 
 
@@ -214,4 +215,4 @@ class NodeSiteTest(Served, NodeTest):
         self.settle()
         found = self.value(f"likeness('{data}')")
         self.assertGreater(found["most"], 0.2, "a view of nothing")
-        self.assertGreater(found["psnr"], least)
+        self.hold("-PSNR of V [dB]", -found["psnr"], -least)

@@ -11,7 +11,7 @@ import math
 import random
 import sys
 
-from page_test_case import PageTest, run, HEIGHT, LEAST_PSNR_DB, WIDTH, nightly, sampled_cloud, vog, write_model
+from page_test_case import FACTOR_DB, PageTest, run, HEIGHT, LEAST_PSNR_DB, WIDTH, nightly, sampled_cloud, vog, write_model
 
 
 class Pages(PageTest):
@@ -68,7 +68,7 @@ class Pages(PageTest):
         self.assertEqual(self.value("vog.bits()"), 16)
         self.assertIn("32-bit float blending is missing", self.value("notice.textContent"))
         self.assertFalse(self.value("notice.hidden"))
-        self.expect_same(least=45)
+        self.expect_same(least=73.8 - FACTOR_DB)
         self.browser.key("w")
         self.browser.settle()
         self.assertEqual(self.value("reads"), 0, "pictures stay on the GPU")
@@ -180,10 +180,11 @@ class Pages(PageTest):
     def test_colours_exposure_and_fading_are_vog_renders(self):
         self.open()
         self.set("map", "viridis", "change")
-        self.expect_same(tf="viridis", least=55)
+        least = 55.0 - FACTOR_DB  # a step in every fifth number: colours change faster with T than grays
+        self.expect_same(tf="viridis", least=least)
         self.set("exposure", 1.5)
         self.assertAlmostEqual(self.value("vog.state.exposure"), 2 ** 1.5)
-        self.expect_same(tf="viridis", least=55)
+        self.expect_same(tf="viridis", least=least)
         self.value("document.getElementById('fade').click()")
         self.expect_same("fine.ply", "--blend", tf="viridis")
         plain = self.bytes()
@@ -249,7 +250,7 @@ class Pages(PageTest):
         self.assertTrue(link.startswith((self.folder / "levels.html").as_uri()))
         self.open("levels.html", "#" + link.split("#", 1)[1] + "&subframes=1")
         (self.folder / "before.png").write_bytes(expected)
-        self.assertGreater(self.psnr("before.png", self.picture()), LEAST_PSNR_DB)  # eight digits
+        self.hold("-PSNR of a link [dB]", -self.psnr("before.png", self.picture()), -LEAST_PSNR_DB)  # eight digits
 
     def test_data_far_from_the_origin_have_their_picture_and_link(self):
         numbers = random.Random(4)
@@ -266,7 +267,7 @@ class Pages(PageTest):
             { writeText: async (text) => { window.copied = text; } } }); })()""")
         self.value("document.getElementById('link').click()")
         self.open("far.html", "#" + self.value("copied").split("#", 1)[1] + "&subframes=1")
-        self.assertGreater(self.psnr("before.png", self.picture()), LEAST_PSNR_DB)
+        self.hold("-PSNR of a link far from the origin [dB]", -self.psnr("before.png", self.picture()), FACTOR_DB - 90.9)
 
     def test_embedded_there_is_the_picture_and_its_scale(self):
         self.open(fragment="#embed&subframes=1")
