@@ -67,7 +67,7 @@ class Ranges(NodeSiteTest):
         self.assertEqual(len(server.asked), asked)
 
     def test_a_long_header_takes_a_second_request(self):
-        self.changed = {"stream/range_file.js": ("firstBytes = 1 << 16", "firstBytes = 100")}
+        self.changed = self.changed | {"stream/range_file.js": ("firstBytes = 1 << 16", "firstBytes = 100")}
         server = self.begin()
         self.settle()
         self.assertEqual(server.asked[0], (0, 99))
@@ -83,7 +83,7 @@ class Ranges(NodeSiteTest):
         self.assertEqual(server.paths.count("/dust.vogz"), 1)
 
     def test_a_large_file_of_a_server_without_ranges_is_refused(self):
-        self.changed = {"stream/range_file.js": ("mostWhole = 64e6", "mostWhole = 1e5")}
+        self.changed = self.changed | {"stream/range_file.js": ("mostWhole = 64e6", "mostWhole = 1e5")}
         server = self.begin(ranges=False)
         self.until("!failure.hidden")
         self.assertIn("answers no ranges", self.failure())

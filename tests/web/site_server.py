@@ -61,7 +61,8 @@ class SiteServer:
         self.cut_off = 0          # answers that the browser did not wait for
 
     def __enter__(self):
-        self.thread = threading.Thread(target=self.server.serve_forever, daemon=True)
+        # Looks for the end a hundred times a second, not twice: every test waits for that.
+        self.thread = threading.Thread(target=self.server.serve_forever, args=(0.01,), daemon=True)
         self.thread.start()
         return self
 
