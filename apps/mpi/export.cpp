@@ -217,13 +217,7 @@ void add_export(CLI::App& app, const Ranks& ranks) {
                      "Step of field values relative to the range of the data; default 1/256")
         ->check(CLI::Range(1e-6, 0.5));
     cli::add_view_options(*command, arguments->page.view);
-    command->add_option("--threads", convert.threads, "Number of threads; 0: one per core")
-        ->check(cli::non_negative_number())
-        ->capture_default_str();
-    command->add_flag("--json", convert.json,
-                      "Print one JSON object and nothing else on standard output");
-    command->add_flag("--verbose,-v", convert.verbose,
-                      "Print the time of each stage to standard error");
+    cli::add_run_options(*command, convert.threads, convert.json, convert.verbose);
     command->callback([arguments, command, &ranks] { export_site(*arguments, *command, ranks); });
 }
 

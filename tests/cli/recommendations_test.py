@@ -110,7 +110,7 @@ ROWS = [
     ("convert c.nrrd -o m3.ply --joint-steps 3", r"needs (--for)", "+ volume"),
     ("convert c.nrrd -o m3.ply --method paper --tree-depth 2", r"works with (--strategy tree)", "+"),
     ("convert c.nrrd -o m3.ply --measure-error", r"needs (--block)", "+ 4"),
-    ("convert c.nrrd -o m3.ply --scratch .", r"expected with (--memory)", "+ 1G"),
+    ("convert c.nrrd -o m3.ply --scratch .", r"needs (--memory)", "+ 1G"),
     ("convert c.nrrd -o m3.ply --error 0.000001", r"(--error \S+) needs", "+"),
     ("convert same.csv -o m3.ply", r"\((--radius X)\)", "+"),
     ("convert c.nrrd -o models/", r"\((--again) converts", "+"),

@@ -272,10 +272,9 @@ void add_compare(CLI::App& app) {
         ->add_option("--tf", arguments->tf,
                      "Transfer function for the RGB figures of depth images: a name or a JSON file")
         ->capture_default_str();
-    command->add_flag(
-        "--json", arguments->json,
-        "Print one JSON object and nothing else on standard output; null: infinite or "
-        "undefined");
+    command->add_flag("--json", arguments->json,
+                      "Print a single JSON object; null: infinite or "
+                      "undefined");
     command->callback([arguments, command] { compare_files(*arguments, *command); });
 }
 

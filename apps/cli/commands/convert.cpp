@@ -518,13 +518,7 @@ CLI::App* add_convert(CLI::App& app, const std::shared_ptr<ConvertArguments>& ar
     command->add_flag("--no-hierarchy", arguments->no_hierarchy,
                       "Write no level-of-detail hierarchy (coarser Gaussians for distant views): a "
                       "smaller file, but distant views cost as much as near ones");
-    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
-    command->add_flag("--json", arguments->json,
-                      "Print one JSON object and nothing else on standard output");
-    command->add_flag("--verbose,-v", arguments->verbose,
-                      "Print the time of each stage to standard error");
+    add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     command->callback([arguments, command, ranks] { convert(*arguments, *command, ranks); });
     return command;
 }

@@ -15,7 +15,7 @@ void add_doctor(CLI::App& app) {
     auto json = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand(
         "doctor", "Print the abilities of this build and this machine, for bug reports");
-    command->add_flag("--json", *json, "Print one JSON object and nothing else on standard output");
+    command->add_flag("--json", *json, "Print a single JSON object");
     command->callback([json] {
 #ifdef VOG_VIEWER
         const nlohmann::ordered_json report = machine_report(viewer::headless_gl_name);

@@ -245,13 +245,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
         ->capture_default_str();
     command->add_flag("--resume", arguments->options.resume,
                       "Continue an interrupted evaluation: keep the conversions that are finished");
-    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
-    command->add_flag("--json", arguments->json,
-                      "Print results.json and nothing else on standard output");
-    command->add_flag("--verbose,-v", arguments->verbose,
-                      "Print the time of each stage to standard error");
+    add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     if (!ranks.load) add_rate_options(*command, arguments->rate);
     command->callback([arguments, command, ranks] {
         const std::vector<std::string>& inputs = arguments->inputs;

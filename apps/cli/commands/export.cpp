@@ -448,13 +448,7 @@ void add_export(CLI::App& app) {
     add_point_options(*command, arguments->points);
     add_view_options(*command, arguments->page.view);
     add_memory_options(*command, arguments->memory, ". Of sites");
-    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
-    command->add_flag("--json", arguments->json,
-                      "Print one JSON object and nothing else on standard output");
-    command->add_flag("--verbose,-v", arguments->verbose,
-                      "Print the time of each stage to standard error");
+    add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     command->callback([arguments, command] { export_files(*arguments, *command); });
 }
 

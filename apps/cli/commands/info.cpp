@@ -388,7 +388,7 @@ void add_info(CLI::App& app) {
         ->add_option("files", *files,
                      "Volumes, particles, models: any file that convert, render or export reads")
         ->required();
-    command->add_flag("--json", *json, "Print one JSON object and nothing else on standard output");
+    command->add_flag("--json", *json, "Print a single JSON object");
     command->callback([files, json] { print_contents(*files, *json); });
 }
 

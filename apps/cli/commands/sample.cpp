@@ -95,9 +95,7 @@ void add_sample(CLI::App& app) {
         ->capture_default_str();
     command->add_flag("--half", arguments->half,
                       "Store voxel values as 16-bit floats; not for particles");
-    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
+    add_threads_option(*command, arguments->threads);
     command->add_flag("--verbose,-v", arguments->verbose,
                       "Print the time of each stage to standard error");
     command->callback([arguments, command] {

@@ -224,9 +224,7 @@ void add_view(CLI::App& app) {
     add_view_options(*command, arguments->view);
     add_color_options(*command, arguments->color);
     add_page_quantity_options(*command, arguments->quantity, "Quantity");
-    command->add_option("--threads", arguments->threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
+    add_threads_option(*command, arguments->threads);
     command->callback([arguments, command] { open_viewer(*arguments, *command); });
 }
 

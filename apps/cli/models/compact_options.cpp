@@ -6,8 +6,9 @@
 namespace vog::cli {
 
 void add_compact_options(CLI::App& command, CompactArguments& arguments) {
+    const OptionGroup grouped(command, kCompactGroup);
     const auto add = [&](const std::string& name, auto& value, const std::string& text) {
-        return command.add_option(name, value, text)->group(kCompactGroup);
+        return command.add_option(name, value, text);
     };
     CLI::Option* loss =
         add("--max-loss", arguments.max_loss_db,
@@ -33,15 +34,12 @@ void add_compact_options(CLI::App& command, CompactArguments& arguments) {
     add("--field-step", arguments.field_step,
         "Step of field values relative to the range of the data, 1e-6 to 0.5; default 1/256")
         ->check(CLI::Range(1e-6, 0.5));
-    command
-        .add_flag("--hierarchy", arguments.hierarchy,
-                  "Write the level-of-detail hierarchy, for readers of parts of the file; without "
-                  "it readers build their own")
-        ->group(kCompactGroup);
-    command
-        .add_flag("--deflate", arguments.deflate,
-                  "Entropy coder deflate, which browsers have built in, in place of zstd")
-        ->group(kCompactGroup);
+    command.add_flag(
+        "--hierarchy", arguments.hierarchy,
+        "Write the level-of-detail hierarchy, for readers of parts of the file; without "
+        "it readers build their own");
+    command.add_flag("--deflate", arguments.deflate,
+                     "Entropy coder deflate, which browsers have built in, in place of zstd");
 }
 
 }  // namespace vog::cli

@@ -10,10 +10,11 @@
 #include <vector>
 
 #include "shared/inputs.h"
+#include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
+#include "vog/picture.h"
 #include "vog/shade.h"
-#include "vog/splat.h"
 #include "vog/text.h"
 
 namespace vog::cli {
@@ -63,16 +64,10 @@ std::vector<Vec3f> paint(Gaussians& model, const SplatLook& look) {
     return colors;
 }
 
-double extinction_of(const Gaussians& model, const SplatLook& look) {
-    if (look.extinction) return *look.extinction;
-    constexpr int kSize = 256;
-    return auto_extinction(
-        render_splat(model, fitted(paper_view(view_box(model)), view_box(model)), kSize, kSize));
-}
-
 }  // namespace
 
 void add_splat_options(CLI::App& command, SplatArguments& arguments) {
+    const OptionGroup grouped(command, kSplatGroup);
     command
         .add_option(
             "--as", arguments.layout,
@@ -80,15 +75,13 @@ void add_splat_options(CLI::App& command, SplatArguments& arguments) {
             "Gaussian splatting) or volprim (volumetric primitives, for Mitsuba). Splats are white "
             "without --tf or --field, in every format")
         ->check(CLI::IsMember({"vog", "3dgs", "volprim"}))
-        ->capture_default_str()
-        ->group(kSplatGroup);
+        ->capture_default_str();
     command
         .add_option("--units", arguments.units,
                     "Coordinates of splats: box, the model's box centred at 0 with a longest edge "
                     "of 2, which viewers open in view; or world, those of the data. The file "
                     "states the scale. Default: box; world with --as volprim")
-        ->check(CLI::IsMember({"world", "box"}))
-        ->group(kSplatGroup);
+        ->check(CLI::IsMember({"world", "box"}));
 }
 
 bool is_splat_output(const std::string& output, const SplatArguments& arguments) {
@@ -100,7 +93,7 @@ bool is_splat_output(const std::string& output, const SplatArguments& arguments)
 Json write_exchange(const std::string& output, Gaussians model, const SplatArguments& arguments,
                     const SplatLook& look, Stages& stages, bool json) {
     const bool ply = extension_of(output) == ".ply";
-    const double extinction = extinction_of(model, look);
+    const double extinction = look.extinction ? *look.extinction : default_extinction(model);
     Json report = {{"output", output}, {"gaussians", model.size()}, {"extinction", extinction}};
     std::string loss, frame = "Units are the data's";
     if (arguments.layout == "volprim") {

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "shared/inputs.h"
+#include "shared/validators.h"
 #include "vog/shade.h"
 #include "vog/site.h"
 #include "vog/text.h"
@@ -14,8 +15,9 @@
 namespace vog::cli {
 
 void add_page_options(CLI::App& command, PageArguments& arguments) {
+    const OptionGroup grouped(command, kPageGroup);
     const auto add = [&](const std::string& name, auto& value, const std::string& text) {
-        return command.add_option(name, value, text)->group(kPageGroup);
+        return command.add_option(name, value, text);
     };
     add("--title", arguments.title, "Title of the page; default: the name of the first model");
     add("--description", arguments.description, "Text below the title");
@@ -23,23 +25,20 @@ void add_page_options(CLI::App& command, PageArguments& arguments) {
         "Name of a model in the page's selector; repeat once per model. Default: the file's name")
         ->expected(1)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-    command
-        .add_flag(
-            "--precise", arguments.precise,
-            "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
-            "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
-            "as fine as a page without this option")
-        ->group(kPageGroup);
+    command.add_flag(
+        "--precise", arguments.precise,
+        "Numbers four times as fine, for 4 bytes more a Gaussian: rims "
+        "of opaque surfaces differ by 2 of 255 from vog render's, else by up to 10. Of a site: "
+        "as fine as a page without this option");
     add_page_quantity_options(command, arguments.quantity, kPageGroup);
     add("--scale", arguments.quantity.quantity.scale,
         "Colour scale of column, mean, deviation or maximum: linear or log")
         ->check(CLI::IsMember({"linear", "log"}))
         ->capture_default_str();
-    command
-        .add_flag("--steps,!--no-steps", arguments.steps,
-                  "Whether the models are steps in time, with a play bar, one extinction and one "
-                  "range for all; default: where a single pattern names them")
-        ->group(kPageGroup);
+    command.add_flag(
+        "--steps,!--no-steps", arguments.steps,
+        "Whether the models are steps in time, with a play bar, one extinction and one "
+        "range for all; default: where a single pattern names them");
     add_color_options(command, arguments.color, kPageGroup,
                       ", or system: black or white by the reader's colour scheme");
 }

@@ -35,14 +35,12 @@ void print_rows(const RateDistortion& results) {
 }  // namespace
 
 void add_rate_options(CLI::App& command, RateArguments& arguments) {
-    CLI::Option* chosen =
-        command
-            .add_flag(
-                "--rate-distortion", arguments.chosen,
-                "Measure bytes against error in place of conversions: models as .vogz beside the "
-                "voxels as .vdb, NanoVDB, ZFP and SZ3, of one volume. Writes rate_distortion.md, "
-                ".json, .csv, plots and every file")
-            ->group(kRateGroup);
+    const OptionGroup grouped(command, kRateGroup);
+    CLI::Option* chosen = command.add_flag(
+        "--rate-distortion", arguments.chosen,
+        "Measure bytes against error in place of conversions: models as .vogz beside the "
+        "voxels as .vdb, NanoVDB, ZFP and SZ3, of one volume. Writes rate_distortion.md, "
+        ".json, .csv, plots and every file");
     for (const char* other : {"--field", "--show", "--voxels", "--repeat", "--resume"})
         chosen->excludes(command.get_option(other));
     command
@@ -50,8 +48,7 @@ void add_rate_options(CLI::App& command, RateArguments& arguments) {
                     "Number of models, with 1/4096 to 1/8 of the active voxels as Gaussians")
         ->check(CLI::Range(1, 100))
         ->capture_default_str()
-        ->needs(chosen)
-        ->group(kRateGroup);
+        ->needs(chosen);
     command
         .add_option(
             "--tolerances", arguments.options.tolerances,
@@ -59,15 +56,13 @@ void add_rate_options(CLI::App& command, RateArguments& arguments) {
             "58 dB")
         ->check(CLI::Range(1, 100))
         ->capture_default_str()
-        ->needs(chosen)
-        ->group(kRateGroup);
+        ->needs(chosen);
     command
         .add_option("--max-loss", arguments.options.max_loss_db,
                     "Loss of PSNR of V by the rounding of a model's file, dB")
         ->check(positive_number())
         ->capture_default_str()
-        ->needs(chosen)
-        ->group(kRateGroup);
+        ->needs(chosen);
 }
 
 void run_rate_distortion(EvaluateArguments& arguments) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
@@ -13,6 +14,8 @@
 namespace vog::cli {
 
 namespace {
+
+constexpr const char* kViewGroup = "View";
 
 /// CLI11 check that a text is x,y,z: the error message, or empty.
 std::string vector_error(const std::string& text) {
@@ -71,7 +74,7 @@ Camera camera_of_file(const ViewArguments& arguments, const Box& box, double asp
 }  // namespace
 
 void add_view_options(CLI::App& command, ViewArguments& arguments) {
-    const auto group = "View";
+    const OptionGroup grouped(command, kViewGroup);
     std::vector<std::string> names(view_names().begin(), view_names().end());
     command
         .add_option(
@@ -79,54 +82,44 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
             "Named view: +x looks from the positive x axis at the centre of the input's "
             "bounding box; paper is azimuth 34.38, elevation 20.05 and distance 3, the view "
             "of all tables. Default: the direction of paper, fitted")
-        ->check(CLI::IsMember(names))
-        ->group(group);
+        ->check(CLI::IsMember(names));
     command
         .add_option(
             "--azimuth", arguments.azimuth_degrees,
             "Angle of the eye about the up axis, degrees; y up: from x towards z; z up: from "
             "x towards -y")
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--elevation", arguments.elevation_degrees,
                     "Angle of the eye above the plane across the up axis, degrees")
         ->check(CLI::Range(-90.0, 90.0))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option(
             "--distance", arguments.distance_radii,
             "Distance of the eye from the centre of the input's bounding box, in bounding radii "
             "(half the box's diagonal). Default: the distance at which the box fills 95 % of the "
             "picture's width or height")
-        ->check(positive_number())
-        ->group(group);
+        ->check(positive_number());
     command.add_option("--fov", arguments.fov_degrees, "Full vertical field of view, degrees")
         ->check(CLI::Range(0.001, 179.999))
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_flag("--orthographic", arguments.orthographic,
-                  "Parallel rays in place of a pinhole: no perspective, lengths to scale")
-        ->group(group);
+        ->capture_default_str();
+    command.add_flag("--orthographic", arguments.orthographic,
+                     "Parallel rays in place of a pinhole: no perspective, lengths to scale");
     command
         .add_option(
             "--width", arguments.width,
             "Width of an orthographic picture, world units. Default: the bounding box fills "
             "95 % of the picture's width or height")
-        ->check(positive_number())
-        ->group(group);
+        ->check(positive_number());
     command
         .add_option("--eye", arguments.eye,
                     "Position x,y,z of the eye in world units, in place of the angles")
-        ->check(vector_error)
-        ->group(group);
+        ->check(vector_error);
     command
         .add_option("--look-at", arguments.look_at,
                     "Point x,y,z to look at, world units; default: the centre of the bounding box")
-        ->check(vector_error)
-        ->group(group);
+        ->check(vector_error);
     command
         .add_option(
             "--up", arguments.up,
@@ -134,33 +127,24 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
             "up in the picture, and in viewers of exported splats; azimuth and elevation are "
             "measured about it")
         ->capture_default_str()
-        ->check(up_error)
-        ->group(group);
+        ->check(up_error);
     command
         .add_option("--roll", arguments.roll_degrees,
                     "Turn the camera clockwise about its view direction, degrees")
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_option("--camera", arguments.camera_file,
-                    "Read the camera from a JSON file with eye, look_at, up and fov_degrees or "
-                    "orthographic_width")
-        ->group(group);
-    command
-        .add_option("--save-camera", arguments.save_camera,
-                    "Write the camera of the picture to a JSON file")
-        ->group(group);
+        ->capture_default_str();
+    command.add_option("--camera", arguments.camera_file,
+                       "Read the camera from a JSON file with eye, look_at, up and fov_degrees or "
+                       "orthographic_width");
+    command.add_option("--save-camera", arguments.save_camera,
+                       "Write the camera of the picture to a JSON file");
 }
 
 Vec3d up_of(const ViewArguments& arguments) { return parse_up(arguments.up); }
 
 bool view_given(const CLI::App& command) {
-    bool any = false;
-    for (const char* option :
-         {"--view", "--azimuth", "--elevation", "--distance", "--fov", "--orthographic", "--width",
-          "--eye", "--look-at", "--up", "--roll", "--camera", "--save-camera"})
-        any |= command.count(option) > 0;
-    return any;
+    return std::ranges::any_of(command.get_options(), [](const CLI::Option* option) {
+        return option->get_group() == kViewGroup && option->count() > 0;
+    });
 }
 
 Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box,

@@ -2,18 +2,19 @@
 #include "options/color_options.h"
 
 #include "shared/inputs.h"
+#include "shared/validators.h"
 
 namespace vog::cli {
 
 void add_color_options(CLI::App& command, ColorArguments& arguments, const std::string& group,
                        const std::string& backgrounds) {
+    const OptionGroup grouped(command, group);
     command
         .add_option(
             "--extinction", arguments.extinction,
             "Extinction, the factor on density in the optical depth T, or auto: the value at "
             "which the 99th percentile of the first picture's non-zero T is 4")
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     std::string names;
     for (const std::string& name : transfer_function_names())
         names += (names.empty() ? "" : ", ") + name;
@@ -22,19 +23,15 @@ void add_color_options(CLI::App& command, ColorArguments& arguments, const std::
                     "Transfer function from V = 1 - exp(-T) to colour: a JSON file (of vog or "
                     "ParaView) or one of " +
                         names)
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--background", arguments.background,
                     "Background colour: R,G,B in [0, 1], black, white or transparent" + backgrounds)
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_flag(
-            "--blend", arguments.blend,
-            "Blend colours with the background by V, as the paper does: they fade out as V goes "
-            "to 0")
-        ->group(group);
+        ->capture_default_str();
+    command.add_flag(
+        "--blend", arguments.blend,
+        "Blend colours with the background by V, as the paper does: they fade out as V goes "
+        "to 0");
 }
 
 std::optional<double> fixed_extinction(const ColorArguments& arguments) {

@@ -1,9 +1,9 @@
 // conversion_options.cpp: help and checks of both methods' options.
 #include "options/conversion_options.h"
-#include "shared/validators.h"
 
 #include <fmt/core.h>
 
+#include "shared/validators.h"
 #include "vog/distributed.h"
 
 namespace vog::cli {
@@ -57,78 +57,69 @@ Facts conversion_facts(const ConvertArguments& arguments, const CLI::App& comman
 }
 
 void add_paper_options(CLI::App& command, ConvertArguments& arguments) {
-    const auto group = kPaperGroup;
+    const OptionGroup grouped(command, kPaperGroup);
     PaperOptions& paper = arguments.paper;
-    command
-        .add_option(
-            "--strategy", arguments.strategy,
-            "Grouping of voxels. For sparse leaves (8^3 nodes with inactive voxels): smart (2^3 "
-            "blocks, pairs, single voxels; the default), strict (2^3 blocks, single voxels), "
-            "single "
-            "(one Gaussian per leaf). For all leaves: variance (split until values are uniform), "
-            "neighbours (similar adjacent leaves joined), tree (one Gaussian per tree node)")
-        ->group(group);
+    command.add_option(
+        "--strategy", arguments.strategy,
+        "Grouping of voxels. For sparse leaves (8^3 nodes with inactive voxels): smart (2^3 "
+        "blocks, pairs, single voxels; the default), strict (2^3 blocks, single voxels), "
+        "single "
+        "(one Gaussian per leaf). For all leaves: variance (split until values are uniform), "
+        "neighbours (similar adjacent leaves joined), tree (one Gaussian per tree node)");
     command
         .add_option("--dense-block", paper.dense_block,
                     "Edge of a block in dense leaves (all 8^3 voxels active), voxels")
         ->check(CLI::IsMember({2, 4, 8}))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option(
             "--amplitude", arguments.amplitude,
             "Peak density of a Gaussian: mean, the mean density of its voxels, as the paper (loses "
             "about a third of the mass); mass, the peak that conserves mass")
         ->check(CLI::IsMember({"mean", "mass"}))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--kappa", paper.kappa,
                     "Truncate kernels where they have fallen to this fraction of their peak: at "
                     "sqrt(-2 ln kappa) standard deviations")
         ->check(CLI::Range(1e-12, 0.999))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--opacity-threshold", paper.opacity_threshold,
                     "Drop groups of voxels whose mean density is at or below this; 0 drops empty "
                     "groups only")
         ->check(non_negative_number())
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--variance-threshold", paper.variance_threshold,
                     "--strategy variance: split groups whose variance of values exceeds this "
                     "fraction of the volume's")
         ->check(non_negative_number())
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option(
             "--similarity", paper.similarity,
             "--strategy neighbours: join leaves whose mean densities differ by at most this "
             "fraction")
         ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--tree-depth", paper.tree_depth,
                     "--strategy tree: level of the nodes, 1 (4096^3 voxels), 2 (128^3) or 3 (8^3)")
         ->check(CLI::Range(1, 3))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--minimum-radius", paper.minimum_radius_voxels,
                     "Smallest radius of a Gaussian, voxels; a single voxel has 0.5")
         ->check(positive_number())
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
 }
 
 void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
+    const OptionGroup grouped(command, kMomentGroup);
     MomentOptions& moments = arguments.moments;
     const auto add = [&](const std::string& name, auto& value, const std::string& text) {
-        return command.add_option(name, value, text)->group(kMomentGroup);
+        return command.add_option(name, value, text);
     };
     add("--error", moments.error,
         fmt::format(
@@ -166,18 +157,12 @@ void add_moment_options(CLI::App& command, ConvertArguments& arguments) {
         "Drop the cells of least mass, up to this fraction of the total mass")
         ->check(CLI::Range(0.0, 0.999))
         ->capture_default_str();
-    command
-        .add_flag("--axis-aligned", moments.axis_aligned,
-                  "Gaussians without rotation: 28 bytes each in the file in place of 44")
-        ->group(kMomentGroup);
-    command
-        .add_flag("--stamp", arguments.stamp,
-                  "Write the stage times into the file, which then differs from run to run")
-        ->group(kMomentGroup);
-    command
-        .add_flag("--measure-error", moments.measure,
-                  "Measure the error also with --budget, --block and --lod")
-        ->group(kMomentGroup);
+    command.add_flag("--axis-aligned", moments.axis_aligned,
+                     "Gaussians without rotation: 28 bytes each in the file in place of 44");
+    command.add_flag("--stamp", arguments.stamp,
+                     "Write the stage times into the file, which then differs from run to run");
+    command.add_flag("--measure-error", moments.measure,
+                     "Measure the error also with --budget, --block and --lod");
 }
 
 }  // namespace vog::cli

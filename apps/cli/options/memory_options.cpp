@@ -8,6 +8,7 @@
 #include <map>
 
 #include "shared/terminal.h"
+#include "shared/validators.h"
 
 namespace vog::cli {
 
@@ -33,25 +34,20 @@ std::uint64_t parse_memory(const std::string& text) {
 }  // namespace
 
 void add_memory_options(CLI::App& command, MemoryArguments& arguments, const std::string& more) {
-    command
-        .add_option("--memory", arguments.memory,
-                    "Memory limit, such as 2G: voxels that do not fit are paged to a scratch file. "
-                    "The result is the same" +
-                        more)
-        ->group(kLargeDataGroup);
-    command
-        .add_option("--scratch", arguments.scratch,
-                    "Folder for scratch files; default: the system's folder for temporary files")
-        ->group(kLargeDataGroup);
+    const OptionGroup grouped(command, kLargeDataGroup);
+    command.add_option(
+        "--memory", arguments.memory,
+        "Memory limit, such as 2G: voxels that do not fit are paged to a scratch file. "
+        "The result is the same" +
+            more);
+    command.add_option(
+        "--scratch", arguments.scratch,
+        "Folder for scratch files; default: the system's folder for temporary files");
 }
 
 CommandMemory::CommandMemory(const MemoryArguments& arguments)
     : exceptions_(std::uncaught_exceptions()) {
-    if (arguments.memory.empty()) {
-        if (!arguments.scratch.empty())
-            throw CLI::ValidationError("--scratch: expected with --memory");
-        return;
-    }
+    if (arguments.memory.empty()) return;
     bytes_ = parse_memory(arguments.memory);
     limit_.emplace(bytes_, arguments.scratch);
 }

@@ -24,6 +24,11 @@ struct Row {
 
 constexpr const char* kPages = ".html site";
 constexpr const char* kSplats = ".spz .glb .usda .usdc 3dgs";
+constexpr const char* kSplatsAndPages = ".html site .spz .glb .usda .usdc 3dgs";
+constexpr const char* kModels = ".ply .vogz models/";
+constexpr const char* kByMoments = "[Conversion by moments (--method moments)]";
+constexpr const char* kOfPaper = "[Conversion of the paper (--method paper)]";
+constexpr const char* kWithScale = "column mean deviation maximum";
 
 // The first row that refuses an option says why: general reasons stand first.
 const Row kRows[] = {
@@ -50,7 +55,7 @@ const Row kRows[] = {
     {"export", "--levels", "output", ".html"},
     {"export", "--memory --scratch", "output", "site"},
     {"export", "--extinction", "output", ".html site .spz .glb .usda .usdc 3dgs volprim"},
-    {"export", "--tf --field", "output", ".html site .spz .glb .usda .usdc 3dgs"},
+    {"export", "--tf --field", "output", kSplatsAndPages},
     {"export", "--no-fields", "output", ".html site .vogz .ply"},
     {"export", "--no-fields", "input", "volumes models compact-models"},
     {"export", "--title --description --name --precise --steps", "output", kPages},
@@ -58,7 +63,7 @@ const Row kRows[] = {
     {"export", "--show --range --log --scale --clip --clip-plane --background --blend", "output",
      kPages},
     {"export", "[Volume rendering (--show volume)]", "output", kPages},
-    {"export", "--up", "output", ".html site .spz .glb .usda .usdc 3dgs"},
+    {"export", "--up", "output", kSplatsAndPages},
     {"export", "--view --azimuth --elevation --distance --fov --orthographic --width", "output",
      kPages},
     {"export", "--eye --look-at --roll --camera --save-camera", "output", kPages},
@@ -66,20 +71,20 @@ const Row kRows[] = {
     {"export", "[Compact model (.vogz)]", "--from", "-"},
     {"export", "[Large data]", "--from", "-"},
     // Conversions.
-    {"convert", "[Conversion by moments (--method moments)]", "--method", "moments"},
-    {"convert", "[Conversion of the paper (--method paper)]", "--method", "paper"},
-    {"convert", "[Conversion by moments (--method moments)]", "output", ".ply .vogz models/"},
-    {"convert", "[Conversion of the paper (--method paper)]", "output", ".ply .vogz models/"},
-    {"convert", "--method --lod --field --radius --neighbours", "output", ".ply .vogz models/"},
-    {"convert", "--no-fields --no-hierarchy --measure", "output", ".ply .vogz models/"},
-    {"convert", "--value", "values", ".ply .vogz models/"},
+    {"convert", kByMoments, "--method", "moments"},
+    {"convert", kOfPaper, "--method", "paper"},
+    {"convert", kByMoments, "output", kModels},
+    {"convert", kOfPaper, "output", kModels},
+    {"convert", "--method --lod --field --radius --neighbours", "output", kModels},
+    {"convert", "--no-fields --no-hierarchy --measure", "output", kModels},
+    {"convert", "--value", "values", kModels},
     {"convert", "--no-hierarchy", "output", ".ply models/"},
     {"convert", "--again", "output", "models/"},
-    {"convert", "--for --joint-steps --measure --no-fields --split", "input", "volumes"},
-    {"convert", "--spread --soft-steps --refine", "input", "volumes"},
-    {"convert", "--strategy --dense-block --amplitude --opacity-threshold", "input", "volumes"},
+    {"convert", "--for --joint-steps --measure --no-fields --spread --soft-steps --refine", "input",
+     "volumes"},
+    {"convert", "--strategy --dense-block --amplitude --opacity-threshold --minimum-radius",
+     "input", "volumes"},
     {"convert", "--variance-threshold --similarity --tree-depth", "input", "volumes"},
-    {"convert", "--minimum-radius", "input", "volumes"},
     {"convert", "--lod --neighbours", "particles by", "moments"},
     {"convert", "--axis-aligned --mass-threshold", "particles cut",
      "--block --budget --error --lod"},
@@ -98,7 +103,7 @@ const Row kRows[] = {
     {"convert", "--variance-threshold", "strategy", "variance"},
     {"convert", "--similarity", "strategy", "neighbours"},
     {"convert", "--tree-depth", "strategy", "tree"},
-    {"export", "[Conversion by moments (--method moments)]", "input", "volumes"},  // vog-mpi
+    {"export", kByMoments, "input", "volumes"},  // vog-mpi
     {"export", "--carry --lod --measure", "input", "volumes"},
     {"export", "--no-fields", "--carry", "-"},
     {"export", "--stamp", "output", ".ply", "vog-mpi convert"},
@@ -113,16 +118,14 @@ const Row kRows[] = {
     {"", "--slabs", "show", "volume maximum"},
     {"render", "--slabs", "renderer", "splat cuda optix"},
     {"", "--light-weights", "--light", "*"},
-    {"", "--window", "--band", "-"},
-    {"", "--window", "--iso", "-"},
     {"", "--tf --range", "--window", "-"},
-    {"", "--tf --range", "--band", "-"},
-    {"", "--tf --range", "--iso", "-"},
+    {"", "--tf --range --window", "--band", "-"},
+    {"", "--tf --range --window", "--iso", "-"},
     {"", "--field", "show", "mean deviation volume maximum"},
     {"", "--range", "show", "column mean deviation volume maximum"},
-    {"", "--log", "show", "column mean deviation maximum"},
-    {"render export", "--scale", "show", "column mean deviation maximum"},
-    {"render", "--units", "show", "column mean deviation maximum"},
+    {"", "--log", "show", kWithScale},
+    {"render export", "--scale", "show", kWithScale},
+    {"render", "--units", "show", kWithScale},
     {"render", "--scale=symmetric", "show", "mean deviation maximum"},
     {"render export", "--log", "--scale", "- log"},
     {"render", "--extinction --blend", "show", "T"},
@@ -145,6 +148,7 @@ const Row kRows[] = {
     {"voxelize", "--voxel-size", "--like", "-"},
     {"voxelize", "--grid --within", "--like", "*"},
     {"voxelize", "--memory --scratch", "output", ".vdb"},
+    {"", "--scratch", "--memory", "*"},
     {"compare", "--tf --extinction", "input", "depth-images"},
     {"compare", "--diff --diff-limit", "input", "pictures depth-images"},
     {"compare", "--diff-limit", "--diff", "*"},

@@ -13,6 +13,7 @@ constexpr const char* kQuantityGroup = "Quantity";
 }
 
 void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
+    const OptionGroup grouped(command, kQuantityGroup);
     command
         .add_option(
             "--show", arguments.show,
@@ -24,39 +25,32 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
             "volume's own, under --tf, --window, --band or --iso. maximum: the largest value "
             "of --field or of the volume's own along the ray")
         ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume", "maximum"}))
-        ->capture_default_str()
-        ->group(kQuantityGroup);
-    command
-        .add_option("--field", arguments.field,
-                    "Field that mean, deviation, volume and maximum show: temperature, velocity (a "
-                    "vector field's component along the view, away from the eye positive), "
-                    "velocity.x, .y, .z, or velocity.magnitude (root mean square)")
-        ->group(kQuantityGroup);
-    command
-        .add_option("--range", arguments.range,
-                    "Values LO,HI at the two ends of --tf; default: of the first picture, column "
-                    "densities from 0 to the largest, logarithmic the four decades below the "
-                    "largest or fewer; fields from the 1st to the 99th percentile; volume: of the "
-                    "data")
-        ->group(kQuantityGroup);
+        ->capture_default_str();
+    command.add_option(
+        "--field", arguments.field,
+        "Field that mean, deviation, volume and maximum show: temperature, velocity (a "
+        "vector field's component along the view, away from the eye positive), "
+        "velocity.x, .y, .z, or velocity.magnitude (root mean square)");
+    command.add_option(
+        "--range", arguments.range,
+        "Values LO,HI at the two ends of --tf; default: of the first picture, column "
+        "densities from 0 to the largest, logarithmic the four decades below the "
+        "largest or fewer; fields from the 1st to the 99th percentile; volume: of the "
+        "data");
     command
         .add_option("--scale", arguments.scale,
                     "Colour scale: linear, log, or for fields symmetric: the range is centred at 0")
         ->check(CLI::IsMember({"linear", "log", "symmetric"}))
-        ->capture_default_str()
-        ->group(kQuantityGroup);
-    command.add_flag("--log", arguments.log, "The same as --scale log")->group(kQuantityGroup);
-    command
-        .add_option("--units", arguments.units,
-                    "Unit of the shown quantity, for the colour bar and the report: text, such as "
-                    "'g/cm2'; default: the field's")
-        ->group(kQuantityGroup);
-    command
-        .add_flag("--color-bar", arguments.color_bar,
-                  "Add a colour bar with ticks on the right of the picture, which becomes wider")
-        ->group(kQuantityGroup);
-    command.add_option("--title", arguments.title, "Text above the picture, which becomes higher")
-        ->group(kQuantityGroup);
+        ->capture_default_str();
+    command.add_flag("--log", arguments.log, "The same as --scale log");
+    command.add_option(
+        "--units", arguments.units,
+        "Unit of the shown quantity, for the colour bar and the report: text, such as "
+        "'g/cm2'; default: the field's");
+    command.add_flag(
+        "--color-bar", arguments.color_bar,
+        "Add a colour bar with ticks on the right of the picture, which becomes wider");
+    command.add_option("--title", arguments.title, "Text above the picture, which becomes higher");
     command
         .add_option(
             "--least-column", arguments.least_column,
@@ -64,14 +58,12 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
             "mean of next to nothing is no colour. Files of values have every pixel")
         ->check(non_negative_number())  // the range alone lets NaN through
         ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str()
-        ->group(kQuantityGroup);
-    command
-        .add_option("--values-out", arguments.values_output,
-                    "File of the shown quantity as float32 numbers, height x width, rows from the "
-                    "top: .npy or .exr; of a field the .exr has the channels column, mean and "
-                    "deviation. A folder where -o is one: .npy files")
-        ->group(kQuantityGroup);
+        ->capture_default_str();
+    command.add_option(
+        "--values-out", arguments.values_output,
+        "File of the shown quantity as float32 numbers, height x width, rows from the "
+        "top: .npy or .exr; of a field the .exr has the channels column, mean and "
+        "deviation. A folder where -o is one: .npy files");
 }
 
 std::optional<ColorScale> fixed_scale(const QuantityArguments& arguments) {

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "shared/inputs.h"
+#include "shared/validators.h"
 #include "vog/error.h"
 
 namespace vog::cli {
@@ -108,56 +109,45 @@ ValueBand parse_iso(const std::string& text) {
 }  // namespace
 
 void add_value_options(CLI::App& command, ValueArguments& arguments) {
-    command
-        .add_option("--window", arguments.window,
-                    "Window C,W of medical pictures: grey and opacity rise over the values from "
-                    "C-W/2 to C+W/2")
-        ->group(kValueGroup);
+    const OptionGroup grouped(command, kValueGroup);
+    command.add_option("--window", arguments.window,
+                       "Window C,W of medical pictures: grey and opacity rise over the values from "
+                       "C-W/2 to C+W/2");
     command
         .add_option(
             "--band", arguments.bands,
             "Band LO,HI,COLOUR,OPACITY: values from LO to below HI have one colour (#rrggbb "
             "or a name: " +
                 color_names() + ") and opacity; may be given again")
-        ->allow_extra_args(false)
-        ->group(kValueGroup);
+        ->allow_extra_args(false);
     command
         .add_option(
             "--iso", arguments.isos,
             "Surface VALUE,COLOUR: values from VALUE on are opaque, up to the next --iso or "
             "--band; may be given again")
-        ->allow_extra_args(false)
-        ->group(kValueGroup);
-    command.add_option("--threshold", arguments.threshold, "Value below which nothing is shown")
-        ->group(kValueGroup);
-    command
-        .add_option(
-            "--unit-distance", arguments.unit_distance,
-            "World length over which opacities hold: extinction = -ln(1 - opacity) / unit "
-            "distance. Default: the file's of --tf, else a hundredth of the box's diagonal; "
-            "for the name of a colour map the one at which the covered pixels' mean opacity "
-            "is 0.6")
-        ->group(kValueGroup);
-    command
-        .add_option(
-            "--light", arguments.light,
-            "Light of Blinn and Phong on the gradient of the values: head (from the eye) or "
-            "a direction of the world X,Y,Z towards the light")
-        ->group(kValueGroup);
+        ->allow_extra_args(false);
+    command.add_option("--threshold", arguments.threshold, "Value below which nothing is shown");
+    command.add_option(
+        "--unit-distance", arguments.unit_distance,
+        "World length over which opacities hold: extinction = -ln(1 - opacity) / unit "
+        "distance. Default: the file's of --tf, else a hundredth of the box's diagonal; "
+        "for the name of a colour map the one at which the covered pixels' mean opacity "
+        "is 0.6");
+    command.add_option(
+        "--light", arguments.light,
+        "Light of Blinn and Phong on the gradient of the values: head (from the eye) or "
+        "a direction of the world X,Y,Z towards the light");
     const VolumeLook look;
-    command
-        .add_option("--light-weights", arguments.light_weights,
-                    fmt::format("Weights of --light and the power of highlights: "
-                                "AMBIENT,DIFFUSE,SPECULAR,POWER; default: {},{},{},{}",
-                                look.ambient, look.diffuse, look.specular, look.power))
-        ->group(kValueGroup);
+    command.add_option("--light-weights", arguments.light_weights,
+                       fmt::format("Weights of --light and the power of highlights: "
+                                   "AMBIENT,DIFFUSE,SPECULAR,POWER; default: {},{},{},{}",
+                                   look.ambient, look.diffuse, look.specular, look.power));
     command
         .add_option("--slabs", arguments.slabs,
                     "Depth slabs a tile of a model's picture by splat, cuda or optix: more lie "
                     "nearer to exact order (--renderer trace), and cost memory and time; default "
                     "32, of --show maximum 128")
-        ->check(CLI::Range(1, 1024))
-        ->group(kValueGroup);
+        ->check(CLI::Range(1, 1024));
 }
 
 std::optional<std::pair<double, double>> window_of(const ValueArguments& arguments) {

@@ -81,32 +81,24 @@ std::string renderers_text() {
 }
 
 void add_trace_options(CLI::App& command, DrawingArguments& arguments) {
-    const auto group = "Ray tracing";
+    const OptionGroup grouped(command, "Ray tracing");
     command
         .add_option(
             "--anyhit", arguments.anyhit,
             "Treatment of a hit by trace and optix: accumulate adds it at once; collect, as the "
             "paper, gathers, sorts by entry and integrates front to back")
         ->check(CLI::IsMember({"accumulate", "collect"}))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--slab-hits", arguments.hits_per_slab,
                     "Hits that collect holds at once; rays with more go on, slab by slab")
         ->check(CLI::Range(1, 256))
-        ->capture_default_str()
-        ->group(group);
+        ->capture_default_str();
     command
         .add_option("--stop-transmittance", arguments.stop_transmittance,
                     "End a ray of collect once its transmittance is below this; 0: never")
         ->check(CLI::Range(0.0, 0.999999))
-        ->capture_default_str()
-        ->group(group);
-    command
-        .add_option("--kappa", arguments.kappa,
-                    "Cut kernels where they have fallen to this share of their peak, in place of "
-                    "the model's own cutoff: k = sqrt(-2 ln kappa)")
-        ->check(CLI::Range(1.3e-14, 0.999));
+        ->capture_default_str();
 }
 
 }  // namespace
@@ -122,6 +114,11 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
                     renderers_text() + ". Default: splat or reference")
         ->check(CLI::IsMember(renderer_names()));
     add_trace_options(command, arguments);
+    command
+        .add_option("--kappa", arguments.kappa,
+                    "Cut kernels where they have fallen to this share of their peak, in place of "
+                    "the model's own cutoff: k = sqrt(-2 ln kappa)")
+        ->check(CLI::Range(1.3e-14, 0.999));
     command
         .add_option("--interpolation", arguments.interpolation,
                     "Voxels of the reference: constant (exact), or linear between their centres")

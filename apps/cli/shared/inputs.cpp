@@ -10,6 +10,7 @@
 
 #include "help/next_steps.h"
 #include "shared/terminal.h"
+#include "shared/validators.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
 #include "vog/lod.h"
@@ -182,17 +183,15 @@ void require_mesh(const Arrangement& arrangement) {
 }
 
 void add_point_options(CLI::App& command, PointInputOptions& options) {
+    const OptionGroup grouped(command, kPointGroup);
     command
         .add_option("--columns", options.columns,
                     "Text files: the columns x,y,z or x,y,z,vx,vy,vz, by name or by number from 1; "
                     "default: columns of these names, else the first ones")
-        ->delimiter(',')
-        ->group(kPointGroup);
-    command
-        .add_option("--value", options.value,
-                    "Mass of a particle's Gaussian: count (1 each; the default), speed, or an "
-                    "attribute of the file by name")
-        ->group(kPointGroup);
+        ->delimiter(',');
+    command.add_option("--value", options.value,
+                       "Mass of a particle's Gaussian: count (1 each; the default), speed, or an "
+                       "attribute of the file by name");
     command
         .add_option(
             "--radius", options.radius,
@@ -200,14 +199,12 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
             "distance to its k-th nearest neighbour (--neighbours). With --method paper: "
             "its radius, sqrt(2) standard deviations; default: half the edge of a voxel "
             "that holds one particle on average")
-        ->capture_default_str()
-        ->group(kPointGroup);
+        ->capture_default_str();
     command
         .add_option("--neighbours", options.neighbours,
                     "k of --radius adaptive: the nearest neighbour is 1")
         ->check(CLI::Range(1, 64))
-        ->capture_default_str()
-        ->group(kPointGroup);
+        ->capture_default_str();
 }
 
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,

@@ -276,18 +276,12 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
     add_quantity_options(command, arguments.quantity);
     add_value_options(command, arguments.value);
     add_memory_options(command, arguments.memory, "");
-    command.add_option("--threads", arguments.threads, "Number of threads; 0: one per core")
-        ->check(non_negative_number())
-        ->capture_default_str();
     command
         .add_option("--repeat", arguments.repeat,
                     "Render this many times after one warm-up, and report the minimum, median and "
                     "maximum time")
         ->check(CLI::Range(1, 100000));
-    command.add_flag("--json", arguments.json,
-                     "Print one JSON object and nothing else on standard output");
-    command.add_flag("--verbose,-v", arguments.verbose,
-                     "Print the time of each stage to standard error");
+    add_run_options(command, arguments.threads, arguments.json, arguments.verbose);
 }
 
 namespace {
