@@ -76,10 +76,16 @@ py::object evaluate_data(const py::object& data, const std::filesystem::path& fo
     return results_in(folder / "results.json");
 }
 
-py::object rate_distortion_of(const Volume& volume, const std::filesystem::path& folder,
+py::object rate_distortion_of(const py::object& volume, const std::filesystem::path& folder,
                               const py::object& size, const py::object& extinction,
                               const std::vector<std::string>& tf, int model_sizes, int tolerances,
                               double max_loss, const py::object& progress) {
+    const bool one = py::isinstance<Volume>(volume);
+    const auto levels = one ? nullptr : levels_of(volume);
+    if (!one && !levels) refuse_data(volume, "rate_distortion", "a Volume");
+    if (levels && levels->volumes.size() != 1)
+        throw Error("rate_distortion: " + std::to_string(levels->volumes.size()) +
+                    " volumes, expected one, as a file of each codec holds: levels[0]");
     RateDistortionOptions options;
     std::tie(options.width, options.height) = size_of(size);
     options.extinction = extinction_of(extinction).value_or(0);
@@ -88,7 +94,8 @@ py::object rate_distortion_of(const Volume& volume, const std::filesystem::path&
     options.tolerances = tolerances;
     options.max_loss_db = max_loss;
     options.progress = progress_of(progress);
-    unlocked([&] { (void)rate_distortion(volume, folder, options); });
+    const Volume& data = one ? volume.cast<const Volume&>() : levels->volumes.front();
+    unlocked([&] { (void)rate_distortion(data, folder, options); });
     return results_in(folder / "rate_distortion.json");
 }
 
@@ -127,7 +134,7 @@ Returns the contents of results.json as a dict (docs/evaluation.md).)");
         py::arg("tolerances") = 10, py::arg("max_loss") = 0.1, py::arg("progress") = py::none(),
         R"(Measures bytes against error: models as .vogz beside the volume's voxels as .vdb, NanoVDB, ZFP and SZ3.
 
-volume       a Volume
+volume       a Volume, or Levels of one
 folder       output folder, created if absent: rate_distortion.json, .csv, .md, plots (.svg), files/
 size         size of the pictures in pixels, 512 or (width, height)
 extinction   factor on density, or 'auto': by the reference of each view

@@ -6,7 +6,7 @@
 #include "data.h"
 #include "vog/error.h"
 #include "vog/exchange.h"
-#include "vog/splat.h"
+#include "vog/picture.h"
 
 namespace vog::python {
 
@@ -33,12 +33,7 @@ py::dict export_splats(const Gaussians& model, const std::filesystem::path& file
     SplatsError error;
     Splats splats;
     unlocked([&] {
-        constexpr int kSize = 256;
-        const Box box = view_box(model);
-        factor =
-            stated
-                ? *stated
-                : auto_extinction(render_splat(model, fitted(paper_view(box), box), kSize, kSize));
+        factor = stated ? *stated : default_extinction(model);
         if (volprim) return write_volprim(file, model, factor);
         error = splats_error(model, splats_of(model, color, {factor, false}), factor);
         splats = splats_of(model, color, {factor, units != "world"});

@@ -37,17 +37,23 @@ py::array_t<float> dense_field(const Volume& volume, const VoxelField& field) {
 }
 
 py::object voxelized(const Gaussians& model, const std::optional<double>& voxel_size,
-                     const Volume* like, bool within, bool fields, const std::string& name,
+                     const py::object& like, bool within, bool fields, const std::string& name,
                      const std::optional<std::filesystem::path>& file, const py::object& progress) {
-    if (voxel_size.has_value() == (like != nullptr))
+    if (voxel_size.has_value() != like.is_none())
         throw Error("voxelize: expected voxel_size or like, one of them");
-    if (within && !like) throw Error("voxelize: within goes with like");
+    if (within && like.is_none()) throw Error("voxelize: within goes with like");
+    const bool one = py::isinstance<Volume>(like);
+    const auto levels = one || voxel_size ? nullptr : levels_of(like);
+    if (!one && !levels && !voxel_size)
+        refuse_data(like, "voxelize", "a Volume, Levels or a list of Volumes as like");
     VoxelizeOptions options;
     options.name = name;
     options.fields = fields;
-    if (within) options.extent = active_box(*like);
     options.progress = progress_of(progress);
-    const Affine lattice = like ? like->world_from_index : voxel_lattice(model, *voxel_size);
+    const Affine lattice =
+        voxel_size ? voxel_lattice(model, *voxel_size)
+                   : lattice_like(one ? std::span(&like.cast<const Volume&>(), 1) : levels->volumes,
+                                  within ? &options.extent : nullptr);
     Voxelized made = unlocked([&] { return voxelize(model, lattice, options); });
     if (file) unlocked([&] { write_voxels(*file, made.volume, made.fields); });
     py::dict arrays;
@@ -68,8 +74,9 @@ void bind_voxelize(py::module_& m) {
 
 model       a Gaussians object
 voxel_size  edge of cubic voxels along the world's axes, world units, > 0
-like        Volume whose lattice the voxels have, in place of voxel_size: size, rotation, skew and alignment
-within      True: only voxels in like.index_box
+like        Volume whose lattice the voxels have, in place of voxel_size: size, rotation, skew and alignment; of Levels the
+            finest one
+within      True: only voxels in the box around the active voxels of like
 fields      True: the model's fields too, means over a voxel weighted by density
 name        name of the volume
 file        .vdb or .nvdb to write the volume and its fields to; None: not written

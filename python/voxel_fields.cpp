@@ -124,7 +124,8 @@ VoxelField sampled(const GivenField& given, const Affine& level, Volume& volume,
 py::object at_level(const py::object& value, std::size_t level, std::size_t count,
                     const std::string& label) {
     if (count == 1 || py::isinstance<py::str>(value)) return value;
-    if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value))
+    if (!py::isinstance<py::list>(value) && !py::isinstance<py::tuple>(value) &&
+        !py::isinstance<Levels>(value))
         throw py::type_error(label + ": got " +
                              py::type::of(value).attr("__name__").cast<std::string>() +
                              ", expected a list with one of each level");

@@ -28,6 +28,9 @@ inline constexpr double kLeastColumn = 1e-4;
 /// width, height  pixels; renderers refuse those below 1
 Camera default_view(const Box& box, int width, int height);
 
+/// Extinction of a model that is drawn from many views, as exported splats are: auto_extinction of the fitted view `paper`.
+double default_extinction(const Gaussians& model);
+
 /// Scalar field of a volume or maximum picture: the one of this name; without a name the density itself, else the only one.
 /// returns  null for a name that is not there, and where several could be meant
 const ScalarField* scalar_to_show(const Fields& fields, const std::string& name = {});

@@ -48,6 +48,11 @@ struct Voxelized {
 /// throws      vog::Error unless voxel_size is finite and above 0
 Affine voxel_lattice(const Gaussians& model, double voxel_size);
 
+/// Lattice of the finest of some volumes.
+/// extent  set to the smallest box of the lattice around the active voxels of all of them; null: not
+/// throws  vog::Error for no volume, and with `extent` for one without an active voxel
+Affine lattice_like(std::span<const Volume> volumes, std::optional<IndexBox>* extent = nullptr);
+
 /// Volume of a model on a lattice. Each Gaussian's integral over each voxel is in closed form along the axis of the
 /// lattice in which it is narrowest, by Gauss-Legendre quadrature along the other two, between the places where faces
 /// of voxels meet the surface of the support. The same bytes for any number of threads, with and without a MemoryLimit.

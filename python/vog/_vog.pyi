@@ -625,7 +625,7 @@ def evaluate(
     progress: Union[_Progress, None] = ...,
 ) -> dict[str, Any]: ...
 def rate_distortion(
-    volume: Volume,
+    volume: _Mesh,
     folder: _Path,
     *,
     size: _Size = ...,
@@ -674,7 +674,7 @@ def voxelize(
     model: Gaussians,
     *,
     voxel_size: Union[SupportsFloat, None] = ...,
-    like: Union[Volume, None] = ...,
+    like: Union[_Mesh, None] = ...,
     within: bool = ...,
     fields: bool = ...,
     name: str = ...,

@@ -86,17 +86,18 @@ def to_vtk(
     data: Any,
     *,
     voxel_size: Optional[float] = None,
-    like: Optional[_vog.Volume] = None,
+    like: Any = None,
 ) -> Any:
     """A model or a volume as a data set of VTK, with copies of its arrays.
 
-    data        Gaussians or a Volume
+    data        Gaussians, a Volume or Levels
     voxel_size  voxelises Gaussians: edge of a voxel, world units
-    like        voxelises Gaussians on the lattice of a Volume
+    like        voxelises Gaussians on the lattice of a Volume, or of the finest of Levels
 
     Returns vtkPolyData for Gaussians: points at their means, arrays density, scale (standard deviations), rotation (quaternions
-    w, x, y, z), mass, and the fields (NAME_value where a field has one of these names). With voxel_size or like, and for a Volume, vtkImageData: points at the centres of the
-    voxels, with the density and the fields. Needs the package vtk.
+    w, x, y, z), mass, and the fields (NAME_value where a field has one of these names). With voxel_size or like, and for a Volume,
+    vtkImageData: points at the centres of the voxels, with the density and the fields. For Levels vtkMultiBlockDataSet, an image
+    of each level. Needs the package vtk.
 
     >>> import vtkmodules
     >>> model = vog.convert(vog.sample_cloud(64), block=8)
@@ -112,18 +113,23 @@ def to_vtk(
             return _image(_vog.voxelize(data, voxel_size=voxel_size, like=like), {})
         volume, fields = _vog.voxelize(data, voxel_size=voxel_size, like=like, fields=True)
         return _image(volume, fields)
-    if not isinstance(data, _vog.Volume):
-        raise TypeError(f"to_vtk: got {described(data)}, expected Gaussians or a Volume")
+    if not isinstance(data, (_vog.Volume, _vog.Levels)):
+        raise TypeError(f"to_vtk: got {described(data)}, expected Gaussians, a Volume or Levels")
     if voxel_size is not None or like is not None:
         raise _vog.Error("to_vtk: voxel_size and like are of Gaussians, a Volume has its own lattice")
-    return _image(data, {})
+    if isinstance(data, _vog.Volume):
+        return _image(data, {})
+    blocks = need("vtkmodules.vtkCommonDataModel", "to_vtk").vtkMultiBlockDataSet()
+    for n, level in enumerate(data):
+        blocks.SetBlock(n, _image(level, {}))
+    return blocks
 
 
 def to_pyvista(
     data: Any,
     *,
     voxel_size: Optional[float] = None,
-    like: Optional[_vog.Volume] = None,
+    like: Any = None,
 ) -> Any:
     """The same as to_vtk as a pyvista.PolyData or pyvista.ImageData, for .plot() and filters. Needs the package pyvista.
 

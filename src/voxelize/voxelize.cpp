@@ -15,6 +15,7 @@
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/error.h"
+#include "vog/levels.h"
 #include "vog/text.h"
 #include "voxelize/cell_integrals.h"
 
@@ -419,6 +420,30 @@ Affine voxel_lattice(const Gaussians& model, double voxel_size) {
         throw Error(
             fmt::format("voxel size {}, expected a finite number > 0, in world units", voxel_size));
     return affine_from_voxels({voxel_size, voxel_size, voxel_size}, model.origin);
+}
+
+Affine lattice_like(std::span<const Volume> volumes, std::optional<IndexBox>* extent) {
+    if (volumes.empty()) throw Error("no volume, expected one with the lattice");
+    const Affine lattice = volumes[finest_first(volumes).front()].world_from_index;
+    if (!extent) return lattice;
+    constexpr double kRounding = 1e-3;  // of a voxel, by which faces of levels may miss each other
+    const Affine index_from_world = inverse(lattice);
+    Box box;
+    for (const Volume& volume : volumes) {
+        const IndexBox active = active_box(volume);
+        for (int corner = 0; corner < 8; ++corner) {
+            Vec3d at;
+            for (int axis = 0; axis < 3; ++axis)
+                at[axis] = corner >> axis & 1 ? active.upper[axis] + 0.5 : active.lower[axis] - 0.5;
+            box.include(index_from_world(volume.world_from_index(at)));
+        }
+    }
+    extent->emplace();
+    for (int axis = 0; axis < 3; ++axis) {
+        (*extent)->lower[axis] = static_cast<int>(std::floor(box.lower[axis] + 0.5 + kRounding));
+        (*extent)->upper[axis] = static_cast<int>(std::ceil(box.upper[axis] - 0.5 - kRounding));
+    }
+    return lattice;
 }
 
 Voxelized voxelize(const Gaussians& model, const Affine& world_from_index,

@@ -52,7 +52,10 @@ def test_vtk_has_points_and_voxels():
     assert voxels.GetPointData().GetArray("temperature")
     with pytest.raises(vog.Error, match="a Volume has its own lattice"):
         vog.to_vtk(density, voxel_size=1)
-    with pytest.raises(TypeError, match="expected Gaussians or a Volume"):
+    levels = vog.sample_levels(64)
+    blocks = vog.to_vtk(levels)
+    assert [blocks.GetBlock(n).GetNumberOfPoints() for n in range(blocks.GetNumberOfBlocks())] == [level.to_numpy().size for level in levels]
+    with pytest.raises(TypeError, match="expected Gaussians, a Volume or Levels"):
         vog.to_vtk(np.zeros(3))
 
 

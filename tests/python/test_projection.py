@@ -107,6 +107,32 @@ def test_pint_and_unyt_give_astropys_numbers():
         pytest.skip("needs pint or unyt (pip install pint)")
 
 
+class StandIn:
+    """A Quantity as pint has it, whose units are numbers."""
+
+    __module__ = "pint"
+
+    def __init__(self, magnitude, units):
+        self.magnitude, self.units = magnitude, units
+
+    def to(self, units):
+        return StandIn(self.magnitude * (self.units / units), units)
+
+
+@pytest.mark.parametrize("package, units", [("stand-in", (1.0, 1e-3)), ("astropy.units", ("g / cm**3", "kg / m**3")), ("pint", ("g / cm**3", "kg / m**3"))])
+def test_units_are_rounded_once(package, units):
+    """A factor of 1e-3 in float32 is off by 0.8 of half a unit in the last place, and the product is rounded once more."""
+    if package == "stand-in":
+        make = StandIn
+    else:
+        module = pytest.importorskip(package, reason="needs astropy and pint (pip install astropy pint)")
+        make = (lambda array, unit: array * module.Unit(unit)) if package != "pint" else module.get_application_registry().Quantity
+    values = np.random.default_rng(1).random((8, 8, 8), dtype=np.float32) + np.float32(1)
+    found = vog.Volume.from_blocks([((0, 0, 0), make(values, units[0])), ((8, 0, 0), make(values, units[1]))]).to_numpy()
+    exact = values.astype(float) * 1e-3
+    assert np.abs(found[8:] / exact - 1).max() <= 2**-24 * (1 + 1e-6)
+
+
 @pytest.mark.parametrize("package, dense", [("astropy.units", "Pg / pc**3"), ("pint", "petagram / parsec**3")])
 def test_units_convert_in_double(package, dense):
     """A factor of 2.9e40 between the units of two blocks, beyond float32, whose values are not."""

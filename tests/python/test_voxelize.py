@@ -19,6 +19,30 @@ def test_volumes_are_the_commands(tmp_path, command, cloud):
     assert (np.asarray(inside.index_box)[0] >= np.asarray(cloud.index_box)[0]).all()
 
 
+def test_levels_give_the_lattice_of_the_finest(tmp_path, command):
+    levels = vog.sample_levels(64)
+    names = [f"density_L{n}" for n in range(len(levels))]
+    command("sample", "amr", "amr.vdb", "--size", "64")
+    command("convert", "amr.vdb", "--grid", "density_L*", "-o", "amr.ply", "--block", 4)
+    model = vog.Gaussians.load(tmp_path / "amr.ply")
+    finest = min(levels, key=lambda level: np.linalg.det(level.matrix[:3, :3]))
+    for within in (False, True):
+        command("voxelize", "amr.ply", "--like", "amr.vdb", "--grid", "density_L*", "-o", "command.vdb", *["--within"] * within)
+        for like in (levels, [levels[n] for n in range(len(names))]):
+            volume = vog.voxelize(model, like=like, within=within, file=tmp_path / "python.vdb")
+            assert (tmp_path / "python.vdb").read_bytes() == (tmp_path / "command.vdb").read_bytes()
+            assert np.array_equal(volume.matrix, finest.matrix)
+    # Within: the box of all levels, in voxels of the finest.
+    lower, upper = (np.array(corner) for corner in volume.index_box)
+    corners = [level.matrix[:3, :3] @ (np.array(corner) + half) + level.matrix[:3, 3]
+               for level in levels for corner, half in zip(level.index_box, (-0.5, 0.5))]
+    edge = np.diag(finest.matrix)[:3]
+    assert (lower >= np.rint((np.min(corners, axis=0) - finest.matrix[:3, 3]) / edge + 0.5)).all()
+    assert (upper <= np.rint((np.max(corners, axis=0) - finest.matrix[:3, 3]) / edge - 0.5)).all()
+    with pytest.raises(vog.Error, match="expected one.*levels.0."):
+        vog.rate_distortion(levels, tmp_path / "rate")
+
+
 def test_fields_are_arrays_over_the_volume():
     model = vog.Gaussians(
         mean=[[0.2, 0.1, 0.0]],

@@ -40,9 +40,11 @@ Affine lattice_of(const VoxelizeArguments& arguments, const Gaussians& model,
                   VoxelizeOptions& options) {
     if (arguments.like.empty()) return voxel_lattice(model, arguments.voxel_size);
     // Values do not matter: grids of any sign, level sets and masks have a lattice too.
-    const Volume like = read_volume(arguments.like, {.grid = arguments.grid, .ones = true});
-    if (arguments.within) options.extent = active_box(like);
-    return like.world_from_index;
+    VolumeInputOptions rules;
+    rules.grid = arguments.grid;
+    rules.ones = true;
+    return lattice_like(load_volumes({arguments.like}, rules).volumes,
+                        arguments.within ? &options.extent : nullptr);
 }
 
 void check_arguments(const VoxelizeArguments& arguments, const CLI::App& command) {
@@ -133,10 +135,14 @@ void add_voxelize(CLI::App& app) {
         ->required();
     command->add_option("--voxel-size", arguments->voxel_size,
                         "Edge of cubic voxels along the world's axes, world units");
-    command->add_option("--like", arguments->like,
-                        "Volume whose lattice the voxels have: size, rotation, skew and alignment");
-    command->add_option("--grid", arguments->grid,
-                        "Grid of --like; default: the only scalar grid, else density");
+    command->add_option(
+        "--like", arguments->like,
+        "Volume whose lattice the voxels have: size, rotation, skew and alignment. Of "
+        "several levels (--grid 'density_L*') the finest one");
+    command->add_option(
+        "--grid", arguments->grid,
+        "Grid of --like, or a pattern of levels; default: the only scalar grid, else "
+        "density");
     command->add_flag("--within", arguments->within,
                       "Only voxels in the box around the active voxels of --like; the share of "
                       "mass outside is reported");
@@ -149,16 +155,8 @@ void add_voxelize(CLI::App& app) {
         "their number is reported");
     command->add_option("--name", arguments->name, "Name of the grid of density")
         ->capture_default_str();
-    command
-        ->add_option("--threads", arguments->threads,
-                     "Number of threads; 0: one per core. The result is the same")
-        ->check(non_negative_number())
-        ->capture_default_str();
     add_memory_options(*command, arguments->memory, "; a .vdb only");
-    command->add_flag("--json", arguments->json,
-                      "Print one JSON object and nothing else on standard output");
-    command->add_flag("--verbose,-v", arguments->verbose,
-                      "Print the time of each stage to standard error");
+    add_run_options(*command, arguments->threads, arguments->json, arguments->verbose);
     command->callback([arguments, command] { run_voxelize(*arguments, *command); });
 }
 

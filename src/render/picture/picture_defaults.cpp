@@ -3,12 +3,19 @@
 #include <cmath>
 
 #include "vog/picture.h"
+#include "vog/splat.h"
 
 namespace vog {
 
 Camera default_view(const Box& box, int width, int height) {
     const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
     return orbit_view(box, {}, aspect);
+}
+
+double default_extinction(const Gaussians& model) {
+    constexpr int kSize = 256;
+    const Box box = view_box(model);
+    return auto_extinction(render_splat(model, fitted(paper_view(box), box), kSize, kSize));
 }
 
 const ScalarField* scalar_to_show(const Fields& fields, const std::string& name) {
