@@ -25,20 +25,19 @@
 
 namespace vog::cli {
 
+std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms) {
+    std::string text;
+    for (const auto& [name, ms] : stage_ms)
+        text += fmt::format("{}{} {:.3g} ms", text.empty() ? "" : ", ", name, ms);
+    return text;
+}
+
 namespace {
 
 double share_of_voxels(const Converted& made) {
     return made.source_voxels
                ? static_cast<double>(made.gaussians) / static_cast<double>(made.source_voxels)
                : 0;
-}
-
-/// Stage times as text: "octree 98 ms, search 1200 ms".
-std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms) {
-    std::string text;
-    for (const auto& [name, ms] : stage_ms)
-        text += fmt::format("{}{} {:.3g} ms", text.empty() ? "" : ", ", name, ms);
-    return text;
 }
 
 /// Level-of-detail hierarchy of the model; empty with --no-hierarchy.

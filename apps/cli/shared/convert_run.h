@@ -45,6 +45,9 @@ struct VolumeConversion {
     PaperOptions paper;     ///< used otherwise
 };
 
+/// Stage times as text: "octree 98 ms, search 1200 ms".
+std::string times_text(const std::vector<std::pair<std::string, double>>& stage_ms);
+
 /// Totals over the moment conversions of several volumes.
 struct MomentTotals {
     double cells_mass = 0, dropped_mass = 0;  ///< density times world volume

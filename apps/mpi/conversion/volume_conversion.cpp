@@ -38,13 +38,17 @@ bool uniform(const VolumeConversion& conversion) {
 
 /// throws CLI::ValidationError for options that only a single process supports
 void check(const VolumeConversion& conversion, const Ranks& ranks) {
-    if (ranks.count() == 1) return;
     const auto refuse = [](const std::string& option, const std::string& why) {
         throw CLI::ValidationError(
             fmt::format("{}: {}; expected one process (vog convert)", option, why));
     };
-    if (conversion.by_moments && conversion.moments.refine_seconds > 0)
+    // Uniform cells are one collective conversion, of one rank, too.
+    const bool uniform_cells =
+        conversion.moments.block_voxels && conversion.moments.soft_steps <= 0;
+    if (conversion.by_moments && conversion.moments.refine_seconds > 0 &&
+        (ranks.count() > 1 || uniform_cells))
         refuse("--refine", "ranks would stop at different times");
+    if (ranks.count() == 1) return;
     const auto ranks_count = static_cast<std::size_t>(ranks.count());
     if (conversion.by_moments && conversion.moments.budget &&
         conversion.moments.budget < ranks_count)
@@ -394,6 +398,8 @@ ConvertedVolumes convert_parts(const ConvertArguments& arguments, const VolumeCo
     if (options.by_moments)
         model.description.summary = summary_text(count, model.description.source_voxels,
                                                  totals.report(data_mass), "active voxels");
+    if (options.by_moments && arguments.stamp)
+        model.description.summary += ", " + cli::times_text(totals.stage_ms);
     made.totals = totals;
     made.data_mass = data_mass;
     made.notes = std::move(from.notes);
