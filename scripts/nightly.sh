@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Checks that take longer than a change may wait for: scripts/nightly.sh. What .ci/run leaves to the night:
 #   tests       more values of parameters (VOG_NIGHTLY: 1, 2, 3, 5 and 8 ranks of vog-mpi), tests of the label nightly, and every
-#               pair of options in a run of its own (VOG_ALL_PAIRS)
+#               pair of options in a run of its own (VOG_ALL_PAIRS); effects of the options of vog view and vog-mpi (VOG_ALL_EFFECTS)
 #   threads     the parallel stages under the thread sanitizer
 #   packages    a wheel for each Python that this machine has, each on a bare system
 #   fuzz        every target for two minutes, from a new seed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 stage() { echo "[$((SECONDS / 60)) min] $1"; }
-export VOG_NIGHTLY=1 VOG_ALL_PAIRS=1
+export VOG_NIGHTLY=1 VOG_ALL_PAIRS=1 VOG_ALL_EFFECTS=1
 
 stage "tests"
 scripts/test.sh -DVOG_WERROR=ON

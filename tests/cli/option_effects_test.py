@@ -3,7 +3,7 @@
 
 The options come from `vog COMMAND --help-all`, so that a new one is tried without a change here; it needs a value in
 VALUES, unless option_pairs_test.py has one. Each option must also have an effect in one case at least.
-VOG_ALL_EFFECTS=1 tries those of vog view and vog-mpi, too.
+VOG_ALL_EFFECTS=1 tries those of vog view and vog-mpi, too (scripts/nightly.sh).
 usage: VOG_COMMAND=build/release/apps/cli/vog option_effects_test.py [COMMAND...]
 """
 
@@ -22,6 +22,7 @@ from pathlib import Path
 import command_server
 import option_pairs_test as pairs
 from command_server import VOG
+from serve_test_case import Server
 
 VOG_MPI = Path(VOG).resolve().parents[1] / "mpi" / "vog-mpi"
 MPI_ENVIRONMENT = {**os.environ, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
@@ -34,14 +35,14 @@ PRESENTATION = {"--help", "--help-all", "--json", "--verbose", "--threads", "--m
 # Values that differ from the default, where those of option_pairs_test.py do not; COMMAND OPTION goes before OPTION.
 VALUES = {
     "--renderer": "trace", "--interpolation": "linear", "--scale": "log", "--view": "+x", "--kappa": "0.2",
-    "--aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "temperature",
+    "--aabb-sigma": "0.5", "--columns": "y,x,z", "--value": "weight", "--grid": "temperature", "voxelize --grid": "density_L1", "--mask": "density_L1",
     "--step": "0.05", "render --step": "0.1", "export --units": "world|box", "--pixel-error": "40", "--similarity": "0.9",
     "view --scale": "0.5", "view --size": "300x200", "--clip": "0,0,0,20,20,4", "--clip-plane": "1,0,0,20",
     "--window": "0.2,0.3", "--band": "0.1,0.4,red,0.5", "--iso": "0.2,#ffeedd", "--threshold": "0.2", "--range": "0.1,0.3",
     "--error": "0.2", "--budget": "60", "--block": "4", "--mass-threshold": "0.2", "--strategy": "single",
     "--voxel-size": "3", "--unit-distance": "0.5", "--name": "another", "convert --field": "heat=value|heat=weight", "evaluate --field": "value", "--field": "temperature", "--for": "volume",
     "--joint-steps": "3", "--least-column": "0.5", "--tree-depth": "2", "--port": "0", "--script": "{made}/tour.vog", "--ui-scale": "2", "--variance-threshold": "0.3",
-    "--opacity-threshold": "0.2", "--minimum-radius": "2", "--tf": "viridis", "--stop-transmittance": "0.5",
+    "--opacity-threshold": "0.2", "--minimum-radius": "2", "--host": "0.0.0.0", "--allow-origin": "https://example.org", "--tf": "viridis", "--stop-transmittance": "0.5",
     "--title": "T", "--slab-hits": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
     "--radius": "0.7", "--neighbours": "2", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
@@ -54,15 +55,15 @@ INPUTS = {
     ("--clip-negative", "small.nrrd"): "negative.nrrd", ("--clip-negative", "points.csv"): "negative.csv --value weight",
     ("--skip-nonfinite", "model.ply"): "nan.ply", ("--skip-nonfinite", "many.ply"): "nan.ply",
     ("--skip-nonfinite", "other.ply"): "nan_too.ply", ("--sum", "small.nrrd"): "small.nrrd {made}/beside.nrrd", ("--mesh", "small.nrrd"): "small.nrrd {made}/across.nrrd",
-    ("--grid", "fire.vdb"): "amr.vdb", ("--grid", "small.nrrd"): "fire.vdb", ("--mask", "small.nrrd"): "fire.vdb --grid density",
+    ("--grid", "fire.vdb"): "amr.vdb", ("--grid", "small.nrrd"): "fire.vdb", ("--mask", "small.nrrd"): "amr.vdb --grid density_L0",
+    ("--level-set-to-fog", "small.nrrd"): "sphere.vdb",
 }
-# Level sets and masks need OpenVDB to be written (tests/io/vdb).
-UNTRIED = {"--level-set-to-fog", "--mask"} | (set() if shutil.which("ffmpeg") else {"--fps"})
+UNTRIED = set() if shutil.which("ffmpeg") else {"--fps"}
 
 # Says what is the default for one input.
-STATED = {"--site", "--levels"}
+STATED = {("export", "--site"), ("mpi export", "--site"), ("export", "--levels"), ("mpi convert", "--no-hierarchy")}
 # Refused by what the data then lack, which the message names.
-OF_DATA = {"--no-fields", "--grid", "--field", "--method", "--renderer"}
+OF_DATA = {"--no-fields", "--grid", "--field", "--carry", "--mask", "--mesh", "--method", "--renderer"}
 # Scans have no active voxel without a number.
 NOTHING_LEFT = {("--skip-nonfinite", "volume")}
 
@@ -129,9 +130,11 @@ def cases():
     yield "sample", ["particles", "{out}/s.csv", "--size", "8"]
     yield "info", [MODEL, VOLUME, TEXT]
     yield "doctor", []
+    if "cpp-httplib" not in subprocess.run([VOG, "serve", "{made}"], capture_output=True, text=True).stderr:
+        yield "serve", ["{made}/page.html"]
     if not os.environ.get("VOG_ALL_EFFECTS"):  # a window, and processes of MPI, begin slowly: minutes in all
         return
-    for show in ("", "--show volume", "--show column"):
+    for show in ("", "--show volume", "--show column", "--orthographic", "--show volume --light head"):
         yield "view", [MODEL, "--headless", "--script", "{made}/tour.vog", *show.split()]
     yield "view", [VOLUME, "--headless", "--script", "{made}/tour.vog"]
     yield "view", [TEXT, "--headless", "--script", "{made}/tour.vog"]
@@ -182,12 +185,44 @@ def make_inputs(made):
     for name in ("nan", "nan_too"):
         Path(made, name + ".ply").write_bytes(head + b"end_header\n" + struct.pack("<f", float("nan")) + rows[4:])
     vog("export", "{made}/model.ply", "-o", "{made}/streams.vogz", "--hierarchy", "--deflate")
+    vog("export", "{made}/tiny.ply", "-o", "{made}/page.html")
+    Path(made, "sphere.vdb").write_bytes(level_set())
     for name, roll in (("a", "0"), ("b", "5")):
         vog("render", "{made}/model.ply", "-o", "{made}/%s.png" % name, "--size", "16", "--roll", roll, "--depth-out",
             "{made}/%s.exr" % name, "--save-camera", "{made}/camera.json", "--values-out", "{made}/%s.npy" % name)
         vog("render", "{made}/model.ply", "--show", "mean", "--field", "temperature", "--size", "16", "--roll", roll,
             "--values-out", "{made}/field_%s.exr" % name)
     Path(made, "tour.vog").write_text("wait\npicture {out}/p.png\ndepth {out}/d.exr\nscreenshot {out}/s.png\n")
+
+
+def level_set():
+    """A sphere as OpenVDB writes a narrow band, in one leaf: an uncompressed file of version 224."""
+    def text(*words):
+        return b"".join(struct.pack("<I", len(word)) + word.encode() for word in words)
+
+    head = struct.pack("<qIIIB36sii", 0x56444220, 224, 10, 0, 1, b"0" * 36, 0, 1) + text("value", "Tree_float_5_4_3", "")
+    grid = struct.pack("<Ii", 0, 1) + text("class", "string", "level set", "UniformScaleMap") + struct.pack("<15d", *[1] * 12, *[0.5] * 3)
+    distance = [((x - 3.5) ** 2 + (y - 3.5) ** 2 + (z - 3.5) ** 2) ** 0.5 - 2.5 for x in range(8) for y in range(8) for z in range(8)]
+    mask = int("".join("1" if one < 3 else "0" for one in reversed(distance)), 2).to_bytes(64, "little")
+    grid += struct.pack("<ifII3i", 1, 3.0, 0, 1, 0, 0, 0)
+    for edge in (32, 16):  # inner nodes whose first child is all they have
+        grid += (1).to_bytes(edge**3 // 8, "little") + bytes(edge**3 // 8) + b"\6" + struct.pack("<f", 3.0) * edge**3
+    grid += mask
+    leaf = mask + b"\6" + struct.pack("<512f", *(min(one, 3.0) for one in distance))
+    place = len(head) + 24
+    return head + struct.pack("<3q", place, place + len(grid), place + len(grid) + len(leaf)) + grid + leaf
+
+
+def served(words):
+    """Exit status, what a browser is sent, and errors of vog serve: its address, the fields of an answer."""
+    server = Server(*words)
+    if not server.port:
+        _, out, errors = server.stop()
+        return server.process.returncode, ({}, out), errors
+    answer, body = server.get("/", Origin="https://example.org")
+    fields = sorted(pair for pair in answer.getheaders() if pair[0] != "Date")
+    _, _, errors = server.stop()
+    return 0, ({"page": hashlib.sha256(body).hexdigest()}, (server.url.split(":")[1], 8080 <= server.port < 9000, fields)), errors
 
 
 def scrubbed(value):
@@ -209,6 +244,8 @@ def result_of(made, command, words, extra):
         script.write_text(Path(made, "tour.vog").read_text().replace("{out}", out))
         full = [str(script) if word.endswith("tour.vog") else word for word in full]
     try:
+        if command == "serve":
+            return served(full)
         if command.startswith("mpi "):
             run = subprocess.run([str(VOG_MPI), command.split()[1], *full], capture_output=True, timeout=SECONDS, env=MPI_ENVIRONMENT, cwd=out)
         else:
@@ -297,7 +334,7 @@ def main():
                 if after[0] == 0:
                     changed = before[0] != 0 or before[1] != after[1]
                     works[command, option[0]] |= changed
-                    if not changed and option[0] not in STATED and not any((option[0], word) in NOTHING_LEFT for word in words):
+                    if not changed and (command, option[0]) not in STATED and not any((option[0], word) in NOTHING_LEFT for word in words):
                         faults.append(f"{line}: no effect")
                 elif after[0] not in (1, 2) or after[2].count("\n") != 1:
                     faults.append(f"{line}: status {after[0]}, {after[2]!r}")
@@ -313,7 +350,9 @@ def main():
                     faults.append(f"vog {command} {' '.join(words)}: another result the second time")
     finally:
         shutil.rmtree(made)
-    faults += [f"vog {command} {option}: no case in which it has an effect" for (command, option), used in works.items() if not used]
+    # vog-mpi has the options of vog, and few cases.
+    faults += [f"vog {command} {option}: no case in which it has an effect" for (command, option), used in works.items()
+               if not used and not command.startswith("mpi ")]
     for fault in faults:
         print(fault)
     print(f"{len(works)} options of commands in {runs} runs, {len(faults)} faults")

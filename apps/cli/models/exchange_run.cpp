@@ -2,7 +2,6 @@
 #include "models/exchange_run.h"
 
 #include <fmt/core.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -25,14 +24,12 @@ using Json = nlohmann::ordered_json;
 
 /// Scalar field that colours splats.
 const ScalarField& field_of(const Gaussians& model, const std::string& name) {
-    const auto own = std::ranges::find_if(model.fields.scalar, &ScalarField::is_measure);
-    const ScalarField* field = !name.empty()                      ? model.fields.find_scalar(name)
-                               : own != model.fields.scalar.end() ? &*own
-                                                                  : nullptr;
-    if (field) return *field;
-    const std::string names = fmt::format("{}", fmt::join(model.fields.names(), ", "));
+    if (const ScalarField* field = scalar_to_show(model.fields, name)) return *field;
+    std::string names;
+    for (const ScalarField& field : model.fields.scalar)
+        names += (names.empty() ? "" : ", ") + printable(field.name);
     if (!name.empty())
-        throw Error(fmt::format("--field {}: no scalar field of that name (the model has: {})",
+        throw Error(fmt::format("--field {}: no scalar field of that name (scalar fields: {})",
                                 name, names.empty() ? "none" : names));
     throw Error(names.empty()
                     ? "--tf colours splats by a field, and the model has none: leave --tf out for "

@@ -80,8 +80,8 @@ const Row kRows[] = {
     {"convert", "--value", "values", kModels},
     {"convert", "--no-hierarchy", "output", ".ply models/"},
     {"convert", "--again", "output", "models/"},
-    {"convert", "--for --joint-steps --measure --no-fields --spread --soft-steps --refine", "input",
-     "volumes"},
+    {"convert", "--for --joint-steps --measure --no-fields --spread --soft-steps --refine --split",
+     "input", "volumes"},
     {"convert", "--strategy --dense-block --amplitude --opacity-threshold --minimum-radius",
      "input", "volumes"},
     {"convert", "--variance-threshold --similarity --tree-depth", "input", "volumes"},
@@ -223,6 +223,9 @@ std::string spelled(const std::string& fact, std::vector<std::string> values, co
                                                              {"several", "several inputs"},
                                                              {"one", "one input"}};
     if (contains(values, "particles")) std::erase(values, "text");
+    if (contains(values, ".ply"))  // of any layout
+        std::erase_if(values,
+                      [](const std::string& one) { return one == "3dgs" || one == "volprim"; });
     for (std::string& value : values) {
         const auto name = names.find(value);
         if (name != names.end())
