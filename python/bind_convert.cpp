@@ -44,6 +44,12 @@ class Options {
             throw Error(std::string("convert: ") + name + " " +
                         py::str(given_[name]).cast<std::string>() + ", expected above 0");
     }
+    /// throws vog::Error for a given option that has no effect: "without joint_field"
+    void require(const char* name, bool has_effect, const char* otherwise) const {
+        const py::object option = given_[name];
+        if (!option.is_none() && !option.is(py::bool_(false)) && !has_effect)
+            throw Error(std::string("convert: ") + name + " has no effect " + otherwise);
+    }
     /// throws vog::Error for a given option that take() has not read
     void refuse_others(const std::string& conversion) const {
         for (const auto& [name, option] : given_) {
@@ -70,15 +76,24 @@ CellChoice cut_of(Options& options) {
     return cut;
 }
 
+/// Options of cells of voxels and of particles.
+template <class Target>
+void take_cells(Options& options, Target& target) {
+    const CellChoice cut = cut_of(options);
+    set_cut(target, cut);
+    options.take("mass_threshold", target.mass_threshold);
+    options.take("axis_aligned", target.axis_aligned);
+    options.take("measure", target.measure);
+    options.require("measure", cut.block_voxels || cut.budget || cut.lod,
+                    "without block, budget or lod");
+}
+
 MomentOptions moment_options(Options& options) {
     MomentOptions moments;
-    set_cut(moments, cut_of(options));
+    take_cells(options, moments);
     options.take("soft_steps", moments.soft_steps);
     options.take("spread", moments.spread);
-    options.take("mass_threshold", moments.mass_threshold);
     options.take("refine_seconds", moments.refine_seconds);
-    options.take("axis_aligned", moments.axis_aligned);
-    options.take("measure", moments.measure);
     options.refuse_others("moments of volumes");
     return moments;
 }
@@ -105,19 +120,28 @@ PaperOptions paper_options(Options& options) {
     options.take("variance_threshold", paper.variance_threshold);
     options.take("similarity", paper.similarity);
     options.take("tree_depth", paper.tree_depth);
+    const Strategy chosen = paper.strategy;
+    options.require("dense_block", chosen <= Strategy::single_per_leaf,
+                    "without strategy 'smart', 'strict' or 'single'");
+    options.require("variance_threshold", chosen == Strategy::variance_clusters,
+                    "without strategy 'variance'");
+    options.require("similarity", chosen == Strategy::leaf_clusters,
+                    "without strategy 'neighbours'");
+    options.require("tree_depth", chosen == Strategy::tree_mirror, "without strategy 'tree'");
     options.refuse_others("the paper's conversion of volumes");
     return paper;
 }
 
 PointOptions point_options(Options& options) {
     PointOptions points;
-    set_cut(points, cut_of(options));
+    take_cells(options, points);
     options.take("value", points.value);
     options.take("radius", points.radius);
     options.take("neighbours", points.neighbours);
-    options.take("mass_threshold", points.mass_threshold);
-    options.take("axis_aligned", points.axis_aligned);
-    options.take("measure", points.measure);
+    options.require("neighbours", points.radius == 0, "beside radius");
+    const bool cells = points.block_voxels || points.budget || points.error > 0;
+    for (const char* name : {"mass_threshold", "axis_aligned"})
+        options.require(name, cells, "without block, budget, error or lod");
     options.refuse_others("particles");
     return points;
 }
@@ -201,6 +225,7 @@ Model by_moments(const py::object& data, Options& options, const py::object& pro
     options.take_positive("joint_steps", field_options.joint_steps);
     const MomentOptions given = moment_options(options);
     const bool fits = !field_options.joint_field.empty();
+    options.require("joint_steps", fits, "without joint_field");
     if (fits && no_fields(fields))
         throw Error("convert: joint_field and fields=False exclude each other");
     if (fits && given.spread != 1) throw Error("convert: joint_field does not go with spread");

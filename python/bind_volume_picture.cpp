@@ -18,52 +18,12 @@ namespace vog::python {
 
 namespace {
 
-/// Keyword arguments that choose a transfer function.
-struct ValueArguments {
-    const py::object &tf, &value_range, &window, &bands, &unit_distance;
-};
-
-std::vector<ValueBand> bands_in(const py::object& list) {
-    std::vector<ValueBand> bands;
-    for (const py::handle band : rows_in(list, "render_volume: bands")) {
-        const auto [lower, upper, colour, opacity] =
-            cast_to<std::tuple<double, double, py::object, double>>(
-                band, "render_volume: bands", "rows (lower, upper, (r, g, b), opacity)");
-        const std::vector<double> color = numbers_in(colour, 3, "render_volume: bands: colour");
-        bands.push_back({lower, upper, static_cast<float>(color[0]), static_cast<float>(color[1]),
-                         static_cast<float>(color[2]), opacity});
-    }
-    return bands;
-}
-
-TransferRequest request_of(const ValueArguments& a) {
-    const auto pair = [](const py::object& given, const std::string& what) {
-        const std::vector<double> two = numbers_in(given, 2, "render_volume: " + what);
-        return std::pair{two[0], two[1]};
-    };
-    TransferRequest request;
-    if (!a.unit_distance.is_none())
-        request.unit_distance = cast_to<double>(a.unit_distance, "render_volume: unit_distance",
-                                                "a length > 0, world units");
-    if (!a.value_range.is_none()) request.range = pair(a.value_range, "value_range");
-    if (!a.window.is_none()) request.window = pair(a.window, "window");
-    if (!a.bands.is_none()) request.bands = bands_in(a.bands);
-    if (request.window || !a.bands.is_none()) return request;
-    // A file may state values and a unit distance.
-    if (py::isinstance<py::str>(a.tf) || py::hasattr(a.tf, "__fspath__"))
-        request.points = transfer_points(
-            cast_to<std::filesystem::path>(a.tf, "render_volume: tf", "a path").string());
-    else
-        request.map = transfer_function_of(a.tf);
-    return request;
-}
-
 /// How a picture is drawn.
 struct PictureArguments {
     const char* call;  ///< name of the Python function, for errors
     const std::optional<Camera>& camera;
     int width, height;
-    int slabs;
+    int slabs, usual_slabs;
     const std::string& renderer;
     const VolumeLook& look;
     Progress progress;
@@ -90,11 +50,14 @@ struct Shown {
 Shown shown_of_model(const Gaussians& model, const std::string& name,
                      const PictureArguments& picture) {
     const ScalarField* field = scalar_to_show(model.fields, name);
+    std::string names;
+    for (const ScalarField& one : model.fields.scalar)
+        names += (names.empty() ? "" : ", ") + one.name;
+    if (names.empty()) names = "none";
     if (!field)
         throw Error(std::string(picture.call) + ": " +
                     (name.empty() ? "no field named" : "no scalar field '" + name + "'") +
-                    ", the model has " + std::to_string(model.fields.scalar.size()) +
-                    " scalar fields (convert(volume, fields=...) makes them)");
+                    ", the model has " + names + " (convert(volume, fields=...) makes them)");
     return {&model, {}, field->name, value_data(model, *field)};
 }
 
@@ -133,12 +96,17 @@ Shown shown_of(const py::object& data, const std::string& name, const py::object
         refuse_data(data, call, "Gaussians, a Volume, Levels or a list of Volumes");
     if (is_model && !fields.is_none())
         throw Error(call + ": fields: of voxels, a model has its own");
-    if (is_model && picture.voxels.interpolation != Interpolation::constant)
-        throw Error(call + ": interpolation: of voxels, a model has none");
-    const Renderer renderer =
-        renderer_for(picture.renderer, is_model ? RenderInput::gaussians : RenderInput::volumes);
-    if (renderer == Renderer::optix && picture.voxels.interpolation != Interpolation::constant)
-        throw Error(call + ": interpolation is not for renderer 'optix', expected 'reference'");
+    const RenderInput input = is_model ? RenderInput::gaussians : RenderInput::volumes;
+    const Renderer renderer = renderer_for(picture.renderer, input);
+    RenderOptions options;
+    options.voxels = picture.voxels;
+    try {
+        require_options(renderer, input, changed_options(options), OptionSpelling::arguments);
+    } catch (const Error& error) {
+        throw Error(call + ": " + error.what());
+    }
+    if (picture.slabs != picture.usual_slabs && (!is_model || renderer == Renderer::trace))
+        throw Error(call + ": slabs is for Gaussians and renderer 'splat', 'cuda' or 'optix'");
     Shown shown = is_model ? shown_of_model(data.cast<const Gaussians&>(), name, picture)
                            : shown_of_voxels(data, name, fields, picture);
     shown.renderer = renderer;
@@ -213,9 +181,9 @@ void bind_maximum_picture(py::module_& m) {
            const py::object& progress) {
             const auto [width, height] = size_of(size);
             const VolumeLook look = look_of("render_maximum", py::none(), clip, clip_planes);
-            const PictureArguments picture{
-                "render_maximum",     camera, width, height, slabs, renderer, look,
-                progress_of(progress)};
+            const PictureArguments picture{"render_maximum", camera, width,
+                                           height,           slabs,  kMaximumSlabs,
+                                           renderer,         look,   progress_of(progress)};
             const Shown shown = shown_of(data, field, fields, picture);
             const ValueMap map = unlocked([&] { return maximum_of(shown, picture); });
             return py::array_t<float>({map.height, map.width}, map.value.data());
@@ -256,13 +224,14 @@ void bind_volume_picture(py::module_& m) {
                                            width,
                                            height,
                                            slabs,
+                                           SlabOptions{}.slabs,
                                            renderer,
                                            look,
                                            progress_of(progress),
                                            voxels_by(interpolation, step)};
             const Rgba behind = background_of(background);
-            const TransferRequest request =
-                request_of({tf, value_range, window, bands, unit_distance});
+            const TransferRequest request = transfer_request(
+                {"render_volume", "value_range", tf, value_range, unit_distance, window, bands});
             const Shown shown = shown_of(data, field, fields, picture);
             return unlocked(
                 [&] { return Picture{over(volume_of(shown, request, picture), behind)}; });

@@ -1,4 +1,5 @@
 // bind_web.cpp: export_html(): models to a self-contained HTML page, or to a site.
+#include <algorithm>
 #include <memory>
 
 #include "bindings.h"
@@ -36,34 +37,40 @@ struct QuantityArguments {
     bool log;
 };
 
-/// Transfer function of values where more than its colours is stated; none: the page's own.
-std::optional<ValueTransfer> transfer_of(const QuantityArguments& given, const py::object& tf,
-                                         const Gaussians& model) {
-    if (given.show != "volume" || model.fields.scalar.empty()) return std::nullopt;
+/// Sets the field and the transfer function of a page's volume, with the defaults of the command.
+void choose_volume(HtmlQuantity& quantity, const QuantityArguments& given, const py::object& tf,
+                   const Gaussians& model) {
+    const TransferRequest request =
+        transfer_request({"export_html", "range", tf, given.range, given.unit_distance});
     const ScalarField* field = given.field.empty() ? scalar_to_begin_with(model.fields)
                                                    : model.fields.find_scalar(given.field);
-    if (!field) return std::nullopt;  // write_html says so
-    const bool file = py::isinstance<py::str>(tf) || py::hasattr(tf, "__fspath__");
-    const bool unit = !given.unit_distance.is_none();
-    TransferPoints points;
-    if (file) points = transfer_points(py::str(tf).cast<std::string>());
-    if (!unit && !points.at_values && !points.has_unit_distance) return std::nullopt;
-    auto [lower, upper] = value_range(field->lower, field->upper);
-    if (!given.range.is_none()) {
-        const std::vector<double> range = numbers_in(given.range, 2, "export_html: range");
-        lower = range[0], upper = range[1];
-    }
-    const double length = unit ? cast_to<double>(given.unit_distance, "export_html: unit_distance",
-                                                 "a length > 0, world units")
-                               : rough_unit_distance(view_box(model));
-    ValueTransfer transfer = file ? over_range(points, lower, upper, length)
-                                  : over_range(transfer_function_of(tf), lower, upper, length);
-    if (unit) transfer.unit_distance = length;
-    return transfer;
+    if (!field) return;  // write_html says so
+    quantity.field = field->name;
+    quantity.transfer = choose_transfer(request, value_data(model, *field)).transfer;
+}
+
+/// Refuses what has no effect on the quantity that the page shows first.
+void require_effects(const QuantityArguments& given) {
+    const std::string& show = given.show;
+    const bool of_field = show == "mean" || show == "deviation" || show == "maximum";
+    const bool volume = show == "volume", column = show == "column";
+    const auto require = [&](const char* name, bool is_given, bool effect, const char* expected) {
+        if (is_given && !effect)
+            throw Error(std::string("export_html: ") + name + " has no effect with show '" + show +
+                        "', expected " + expected);
+    };
+    require("field", !given.field.empty(), of_field || volume,
+            "'mean', 'deviation', 'volume' or 'maximum'");
+    require("range", !given.range.is_none(), show != "T",
+            "'column', 'mean', 'deviation', 'volume' or 'maximum'");
+    require("log", given.log, column || of_field, "'column', 'mean', 'deviation' or 'maximum'");
+    require("light", !given.light.is_none(), volume, "'volume'");
+    require("unit_distance", !given.unit_distance.is_none(), volume, "'volume'");
 }
 
 HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
                          const Gaussians& model) {
+    require_effects(given);
     HtmlQuantity quantity;
     quantity.show = given.show;
     quantity.field = given.field;
@@ -74,7 +81,7 @@ HtmlQuantity quantity_of(const QuantityArguments& given, const py::object& tf,
                                     range[0], range[1]};
         (void)scale_position(*quantity.scale, range[0]);  // checks the range
     }
-    quantity.transfer = transfer_of(given, tf, model);
+    if (given.show == "volume") choose_volume(quantity, given, tf, model);
     quantity.look = look_of("export_html", given.light, given.clip, given.clip_planes);
     return quantity;
 }
@@ -159,14 +166,21 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
         quantity_of({show, field, range, clip, clip_planes, light, unit_distance, log}, tf,
                     *named.front().second);
     // A file of values is of volume; the other quantities then have the default colours.
-    if (!options.quantity.transfer) options.tf = transfer_function_of(tf);
+    const bool of_values = py::hasattr(tf, "__fspath__") ||
+                           (py::isinstance<py::str>(tf) &&
+                            !std::ranges::count(transfer_function_names(), tf.cast<std::string>()));
+    if (show != "volume" || !of_values) options.tf = transfer_function_of(tf);
     options.steps = steps;
     options.precise = precise;
     options.system_background =
         py::isinstance<py::str>(background) && background.cast<std::string>() == "system";
     if (!options.system_background) options.shading.background = background_of(background);
     options.shading.blend = blend;
-    if (is_folder(file)) return export_site(file, named, options);
+    if (is_folder(file)) {
+        if (levels != 8)
+            throw Error("export_html: levels has no effect on a site, expected a name in .html");
+        return export_site(file, named, options);
+    }
     const HtmlReport report = unlocked([&] {
         if (!url.empty()) return write_streaming_page(file, elsewhere, source, options);
         std::vector<HtmlModel> entries;

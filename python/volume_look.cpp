@@ -1,5 +1,7 @@
-// volume_look.cpp: light and clips of pictures, and lists of numbers, from Python.
+// volume_look.cpp: transfer functions of values, light and clips of pictures, and lists of numbers, from Python.
 #include "volume_look.h"
+
+#include <tuple>
 
 #include "arrays.h"
 #include "vog/error.h"
@@ -19,6 +21,46 @@ py::iterable rows_in(const py::object& list, const std::string& what) {
     if (!py::isinstance<py::iterable>(list))
         throw py::type_error(what + ": got " + described(list) + ", expected a list of rows");
     return list;
+}
+
+TransferRequest transfer_request(const ValueArguments& a) {
+    const auto label = [&](const char* name) { return std::string(a.call) + ": " + name; };
+    const auto pair = [&](const py::object& given, const char* name) {
+        const std::vector<double> two = numbers_in(given, 2, label(name));
+        return std::pair{two[0], two[1]};
+    };
+    TransferRequest request;
+    if (!a.unit_distance.is_none())
+        request.unit_distance =
+            cast_to<double>(a.unit_distance, label("unit_distance"), "a length > 0, world units");
+    if (!a.value_range.is_none()) request.range = pair(a.value_range, a.range_name);
+    if (!a.window.is_none()) request.window = pair(a.window, "window");
+    if (!a.bands.is_none()) {
+        for (const py::handle row : rows_in(a.bands, label("bands"))) {
+            const auto [lower, upper, colour, opacity] =
+                cast_to<std::tuple<double, double, py::object, double>>(
+                    row, label("bands"), "rows (lower, upper, (r, g, b), opacity)");
+            const std::vector<double> c = numbers_in(colour, 3, label("bands: colour"));
+            request.bands.push_back({lower, upper, static_cast<float>(c[0]),
+                                     static_cast<float>(c[1]), static_cast<float>(c[2]), opacity});
+        }
+        if (request.bands.empty()) throw Error(label("bands: no row, expected at least one"));
+    }
+    const bool named = py::isinstance<py::str>(a.tf);
+    if (request.window || !request.bands.empty()) {
+        const bool usual = named && a.tf.cast<std::string>() == "inferno";
+        if (request.range || !usual)
+            throw Error(label(request.range ? a.range_name : "tf") +
+                        " has no effect with window and bands, which state colours and values");
+        return request;
+    }
+    // A file may state values and a unit distance.
+    if (named || py::hasattr(a.tf, "__fspath__"))
+        request.points =
+            transfer_points(cast_to<std::filesystem::path>(a.tf, label("tf"), "a path").string());
+    else
+        request.map = transfer_function_of(a.tf);
+    return request;
 }
 
 VolumeLook look_of(const std::string& function, const py::object& light, const py::object& clip,

@@ -1,10 +1,11 @@
-// volume_look.h: light and clips of pictures, and lists of numbers, from Python.
+// volume_look.h: transfer functions of values, light and clips of pictures, and lists of numbers, from Python.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "bindings.h"
+#include "vog/picture.h"
 #include "vog/volume_picture.h"
 
 namespace vog::python {
@@ -17,6 +18,16 @@ std::vector<double> numbers_in(const py::object& list, std::size_t count, const 
 /// The rows of a list or an array.
 /// throws  TypeError for what has none
 py::iterable rows_in(const py::object& list, const std::string& what);
+
+/// Keyword arguments that choose a transfer function of values.
+struct ValueArguments {
+    const char* call;  ///< name of the Python function, for errors
+    const char* range_name;
+    const py::object &tf, &value_range, &unit_distance;
+    py::object window = py::none(), bands = py::none();
+};
+/// throws  vog::Error for numbers out of range, and for tf and value_range beside a window or bands, which replace them
+TransferRequest transfer_request(const ValueArguments& a);
 
 /// light        None, "head" or a direction
 /// clip         None or a box, [2, 3]

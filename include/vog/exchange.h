@@ -37,7 +37,7 @@ struct SplatsOptions {
 /// directions: Li2(opacity) = extinction mass / (2 pi A), A the mean over directions of the product of the standard deviations on
 /// the screen. A Gaussian of more than Li2(1) = 1.64 is opaque.
 /// color   [N] red, green, blue, [0, 1]; empty: white, as fog
-/// throws  vog::Error for an invalid model, an extinction out of range, or colours of another number
+/// throws  vog::Error for an invalid model, an extinction out of range, and colours of another number or beyond [0, 1]
 [[nodiscard]] Splats splats_of(const Gaussians& model, std::span<const Vec3f> color,
                                const SplatsOptions& options = {});
 

@@ -11,6 +11,7 @@ _MARK = "incompatible "
 _FLAGS = [
     (re.compile(r"--(clip-negative|skip-nonfinite|level-set-to-fog)"), lambda found: found[1].replace("-", "_") + "=True"),
     (re.compile(r"--(units|grid|columns|radius)( [a-zX]\w*)?"), lambda found: found[1] + "=" + (repr(found[2][1:]) if found[2] else "...")),
+    (re.compile(r", or --memory, with which.*"), lambda found: ""),
     (re.compile(r"vog convert VOLUME -o model.ply --field \S+"), lambda found: "vog.convert(volume, fields=...)"),
 ]
 

@@ -158,6 +158,14 @@ void require_options(Renderer renderer, RenderInput input, std::span<const Rende
         if (contains(given, row.option) &&
             std::ranges::find(row.renderers, renderer) == row.renderers.end())
             throw Error(refusal(row, renderer, spelling));
+    const auto require = [&](RenderOption option, RenderOption other, const char* value) {
+        if (!contains(given, option) || contains(given, other)) return;
+        const char* quote = spelling == OptionSpelling::arguments ? "'" : "";
+        throw Error(fmt::format("{} needs {} {}{}{}", spelled(option, spelling),
+                                spelled(other, spelling), quote, value, quote));
+    };
+    require(RenderOption::step, RenderOption::interpolation, "linear");
+    require(RenderOption::hits_per_slab, RenderOption::anyhit, "collect");
     if (contains(given, RenderOption::pixel_error) && contains(given, RenderOption::aabb_sigma))
         throw Error(fmt::format("{} does not go with {}",
                                 spelled(RenderOption::pixel_error, spelling),

@@ -100,6 +100,12 @@ def test_an_unreachable_error_bound_warns():
         ({"lod": 9}, "level of detail 9"),
         ({"error": 2}, r"error 2, expected in \(0, 1\)"),
         ({"kappa": 0.1}, "kappa does not go with moments of volumes"),
+        ({"budget": 50, "joint_steps": 3}, "joint_steps has no effect without joint_field"),
+        ({"error": 0.2, "measure": True}, "measure has no effect without block, budget or lod"),
+        ({"method": "paper", "tree_depth": 2}, "tree_depth has no effect without strategy 'tree'"),
+        ({"method": "paper", "similarity": 0.5}, "similarity has no effect without"),
+        ({"method": "paper", "variance_threshold": 0.5}, "variance_threshold has no effect without"),
+        ({"method": "paper", "strategy": "tree", "dense_block": 4}, "dense_block has no effect without"),
         ({"method": "paper", "block": 4}, "block does not go with the paper's conversion"),
         ({"method": "paper", "strategy": "clever"}, "no strategy named 'clever'"),
         ({"method": "paper", "lod": 1, "strategy": "single"}, "exclude each other"),
@@ -110,6 +116,13 @@ def test_an_unreachable_error_bound_warns():
 def test_options_are_refused_in_one_line(cloud, options, message):
     with pytest.raises(vog.Error, match=message):
         vog.convert(cloud, **options)
+
+
+def test_options_of_particles_are_refused_without_effect():
+    points = vog.sample_particles(8)
+    for options in ({"radius": 1.0, "neighbours": 3}, {"mass_threshold": 0.1}, {"axis_aligned": True}):
+        with pytest.raises(vog.Error, match=f"convert: {list(options)[-1]} has no effect"):
+            vog.convert(points, **options)
 
 
 def test_other_things_are_type_errors(cloud):

@@ -28,11 +28,13 @@ def test_files_of_splats(tmp_path, model):
     vog.export_splats(model, tmp_path / "v.ply", extinction=1, layout="volprim")
     assert vog.Gaussians.load(tmp_path / "v.ply").mass == pytest.approx(model.mass, rel=1e-5)
     for options, text in (({"units": "miles"}, "expected 'world' or 'box'"), ({"layout": "x"}, "expected '3dgs' or 'volprim'"),
-                          ({"colors": colors[:2]}, "2 colours, expected"), ({"up": "w"}, "up 'w', expected x, y, z"),
+                          ({"colors": colors[:2]}, "2 colours, expected"), ({"colors": colors + 255}, r"colour 255,255,255, expected in .0, 1"), ({"up": "w"}, "up 'w', expected x, y, z"),
                           ({"up": (0, 0, 0)}, "expected a direction"), ({"layout": "volprim", "up": "z"}, "leave out"),
                           ({"layout": "volprim", "units": "box"}, "leave out"), ({"layout": "volprim", "colors": colors}, "leave out")):
         with pytest.raises(vog.Error, match=text):
             vog.export_splats(model, tmp_path / "m.ply", **options)
+    with pytest.raises(vog.Error, match="layout 'volprim' is of .ply"):
+        vog.export_splats(model, tmp_path / "m.glb", layout="volprim")
 
 
 def splat_rows(file):

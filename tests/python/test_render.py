@@ -363,6 +363,17 @@ def test_pages_are_the_commands_byte_for_byte(tmp_path, command, model):
     command("export", "a.ply", "-o", "command.html", "--background", "0.1,0.2,0.3", "--blend")
     vog.export_html(tmp_path / "python.html", {"a": model}, background=(0.1, 0.2, 0.3), blend=True)
     assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes()
+    for flags, options in [
+        (["--show", "volume"], {"show": "volume"}),
+        (["--show", "volume", "--tf", "viridis", "--range", "0.1,0.5"], {"show": "volume", "tf": "viridis", "range": (0.1, 0.5)}),
+        (["--show", "volume", "--unit-distance", 0.3, "--light", "head"], {"show": "volume", "unit_distance": 0.3, "light": "head"}),
+        (["--show", "column", "--log"], {"show": "column", "log": True}),
+        (["--show", "maximum", "--range", "0.1,0.4"], {"show": "maximum", "range": (0.1, 0.4)}),
+        (["--show", "mean", "--field", "density", "--tf", "jet"], {"show": "mean", "field": "density", "tf": "jet"}),
+    ]:
+        command("export", "a.ply", "-o", "command.html", *flags)
+        vog.export_html(tmp_path / "python.html", {"a": model}, **options)
+        assert (tmp_path / "python.html").read_bytes() == (tmp_path / "command.html").read_bytes(), flags
     vog.export_html(tmp_path / "one.html", model)
     for wrong, error in (({}, vog.Error), ([model], TypeError), ({"a": 3}, TypeError)):
         with pytest.raises(error):

@@ -103,5 +103,24 @@ def test_interpolated_voxels_are_smooth(volume, model):
     for wrong in ({"interpolation": "cubic"}, {"interpolation": "linear", "step": 0}):
         with pytest.raises(vog.Error, match="expected"):
             vog.render_volume(volume, camera, 16, **wrong)
-    with pytest.raises(vog.Error, match="a model has none"):
+    with pytest.raises(vog.Error, match="render_volume: interpolation is not for renderer 'splat'"):
         vog.render_volume(model, camera, 16, interpolation="linear")
+
+
+@pytest.mark.parametrize(
+    "call, options",
+    [
+        ("render_volume", {"window": (0.5, 1), "tf": "viridis"}), ("render_volume", {"bands": BANDS, "value_range": (0, 1)}),
+        ("render_volume", {"step": 0.1}), ("render_volume of volume", {"step": 0.1}), ("render_volume of volume", {"slabs": 8}),
+        ("render_volume", {"renderer": "trace", "slabs": 8}), ("render_maximum of volume", {"slabs": 8}), ("render of volume", {"step": 0.1}),
+        ("render", {"renderer": "trace", "hits_per_slab": 8}), ("export_html", {"field": "density"}), ("export_html", {"range": (0, 1)}),
+        ("export_html", {"log": True}), ("export_html", {"show": "volume", "log": True}), ("export_html", {"show": "mean", "light": "head"}),
+        ("export_html", {"unit_distance": 1}), ("export_html", {"show": "column", "field": "density"}), ("export_html of folder/", {"levels": 2}),
+    ],
+)  # fmt: skip
+def test_options_without_effect_are_refused(volume, model, tmp_path, call, options):
+    name, _, of = call.partition(" of ")
+    first = [volume if of == "volume" else model] if name != "export_html" else [f"{tmp_path}/{of or 'page.html'}", model]
+    with pytest.raises(vog.Error, match=f"^{name}: {list(options)[-1]} ") as error:
+        getattr(vog, name)(*first, **options)
+    assert "\n" not in str(error.value)

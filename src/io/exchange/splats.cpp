@@ -63,6 +63,10 @@ Splats splats_of(const Gaussians& model, std::span<const Vec3f> color,
         throw Error(fmt::format("extinction {}, expected > 0", options.extinction));
     if (!color.empty() && color.size() != model.size())
         throw Error(fmt::format("{} colours, expected {}", color.size(), model.size()));
+    for (const Vec3f c : color)
+        for (int axis = 0; axis < 3; ++axis)
+            if (!(c[axis] >= 0 && c[axis] <= 1))
+                throw Error(fmt::format("colour {},{},{}, expected in [0, 1]", c.x, c.y, c.z));
     const Box box = view_box(model);
     const Vec3d edges = box.upper - box.lower;
     const double edge = std::max({edges.x, edges.y, edges.z});
