@@ -12,8 +12,7 @@ namespace {
 constexpr const char* kQuantityGroup = "Quantity";
 }
 
-void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
-    const OptionGroup grouped(command, kQuantityGroup);
+void add_shown_options(CLI::App& command, QuantityArguments& arguments) {
     command
         .add_option(
             "--show", arguments.show,
@@ -30,19 +29,26 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
         "--field", arguments.field,
         "Field that mean, deviation, volume and maximum show: temperature, velocity (a "
         "vector field's component along the view, away from the eye positive), "
-        "velocity.x, .y, .z, or velocity.magnitude (root mean square)");
+        "velocity.x, .y, .z, or velocity.magnitude (root mean square). Default: volume and "
+        "maximum show the density; a page begins with the first field");
     command.add_option(
         "--range", arguments.range,
         "Values LO,HI at the two ends of --tf; default: of the first picture, column "
         "densities from 0 to the largest, logarithmic the four decades below the "
         "largest or fewer; fields from the 1st to the 99th percentile; volume: of the "
         "data");
+    command.add_flag("--log", arguments.log,
+                     "Logarithmic colours of column, mean, deviation or maximum");
+}
+
+void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
+    const OptionGroup grouped(command, kQuantityGroup);
+    add_shown_options(command, arguments);
     command
         .add_option("--scale", arguments.scale,
                     "Colour scale: linear, log, or for fields symmetric: the range is centred at 0")
         ->check(CLI::IsMember({"linear", "log", "symmetric"}))
         ->capture_default_str();
-    command.add_flag("--log", arguments.log, "The same as --scale log");
     command.add_option(
         "--units", arguments.units,
         "Unit of the shown quantity, for the colour bar and the report: text, such as "

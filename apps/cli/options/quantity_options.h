@@ -29,7 +29,9 @@ struct QuantityArguments {
     }
 };
 
-/// Adds --show, --field, --range, --scale, --log, --units, --color-bar, --title and --values-out.
+/// Adds --show, --field, --range and --log: what a picture shows, and a page or a window first.
+void add_shown_options(CLI::App& command, QuantityArguments& arguments);
+/// Adds the same, --scale, --units, --color-bar, --title and --values-out.
 void add_quantity_options(CLI::App& command, QuantityArguments& arguments);
 
 /// throws CLI::ValidationError for a missing --field, and for a range that is none

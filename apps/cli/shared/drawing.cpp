@@ -103,6 +103,18 @@ void add_trace_options(CLI::App& command, DrawingArguments& arguments) {
 
 }  // namespace
 
+void add_clip_options(CLI::App& command, ClipArguments& arguments) {
+    const OptionGroup grouped(command, "Clipping");
+    command.add_option("--clip", arguments.clip_box,
+                       "Box of the world that counts, x0,y0,z0,x1,y1,z1, exact on every ray; a "
+                       "page or a window begins with it");
+    command
+        .add_option("--clip-plane", arguments.clip_planes,
+                    "Plane nx,ny,nz,d that cuts off its side behind: a point x of the world counts "
+                    "where n.x >= d; may be given again")
+        ->allow_extra_args(false);
+}
+
 void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
     command
         .add_option("inputs", arguments.inputs,
@@ -136,19 +148,7 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
             "through its centre")
         ->check(CLI::Range(1, 64))
         ->capture_default_str();
-    const auto clipping = "Clipping";
-    command
-        .add_option("--clip", arguments.clip_box,
-                    "Box of the world that counts, x0,y0,z0,x1,y1,z1 (of models by every renderer, "
-                    "of voxels by the reference: exact on "
-                    "every ray)")
-        ->group(clipping);
-    command
-        .add_option("--clip-plane", arguments.clip_planes,
-                    "Plane nx,ny,nz,d that cuts off its side behind: a point x of the world counts "
-                    "where n.x >= d; may be given again")
-        ->allow_extra_args(false)
-        ->group(clipping);
+    add_clip_options(command, arguments);
     add_volume_options(command, arguments.volume);
     command
         .add_option("--aabb-sigma", arguments.aabb_sigma,
@@ -167,7 +167,7 @@ void add_drawing_options(CLI::App& command, DrawingArguments& arguments) {
     add_point_options(command, arguments.points);
 }
 
-Clipping clip_of(const DrawingArguments& arguments) {
+Clipping clip_of(const ClipArguments& arguments) {
     Clipping clip;
     const auto refuse = [](const std::string& option, const std::string& what) {
         throw CLI::ValidationError(option + ": " + what);

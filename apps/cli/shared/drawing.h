@@ -18,7 +18,14 @@
 
 namespace vog::cli {
 
-struct DrawingArguments {
+struct ClipArguments {
+    std::string clip_box;                  ///< x0,y0,z0,x1,y1,z1; empty: none
+    std::vector<std::string> clip_planes;  ///< nx,ny,nz,d
+};
+/// Adds --clip and --clip-plane.
+void add_clip_options(CLI::App& command, ClipArguments& arguments);
+
+struct DrawingArguments : ClipArguments {
     std::vector<std::string> inputs;
     std::string renderer, interpolation = "constant", anyhit = "accumulate";
     VolumeInputOptions volume;
@@ -30,8 +37,6 @@ struct DrawingArguments {
     int hits_per_slab = TraceOptions{}.hits_per_slab;
     int samples = ReferenceOptions{}.samples;
     double step_voxels = VoxelGridOptions{}.step_voxels;
-    std::string clip_box;                  ///< x0,y0,z0,x1,y1,z1; empty: none
-    std::vector<std::string> clip_planes;  ///< nx,ny,nz,d
 };
 
 /// Adds the inputs, the options of the renderers and those of the readers.
@@ -63,7 +68,7 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
 
 /// Clip by --clip and --clip-plane.
 /// throws  CLI::ValidationError for texts that are none
-Clipping clip_of(const DrawingArguments& arguments);
+Clipping clip_of(const ClipArguments& arguments);
 
 // The steps of load_drawing, for callers that read the inputs in another way.
 

@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include "shared/drawing.h"
 #include "shared/validators.h"
 #include "values/value_inputs.h"
 #include "values/value_transfer_run.h"
@@ -25,37 +24,8 @@ ValueTransfer stated_transfer(const PageQuantityArguments& arguments, const Colo
 void add_page_quantity_options(CLI::App& command, PageQuantityArguments& arguments,
                                const std::string& group) {
     const OptionGroup grouped(command, group);
-    QuantityArguments& quantity = arguments.quantity;
-    command
-        .add_option("--show", quantity.show,
-                    "Quantity that is shown first: T, column (column density), mean or "
-                    "deviation of --field along the ray, volume: emission and absorption by the "
-                    "value of --field under --tf, --window, --band or --iso; or maximum: the "
-                    "largest value of --field along the ray")
-        ->check(CLI::IsMember({"T", "column", "mean", "deviation", "volume", "maximum"}))
-        ->capture_default_str();
-    command.add_option(
-        "--field", quantity.field,
-        "Field that mean, deviation, volume and maximum show first: temperature, velocity (the "
-        "component along the view), velocity.x, .y or .z, velocity.magnitude (root "
-        "mean square, mean "
-        "alone); default: the first one; "
-        "of volume and maximum the density itself where the model has it");
-    command.add_option(
-        "--range", quantity.range,
-        "Values LO,HI at the two ends of --tf; default: of the first view; volume: of "
-        "the data");
-    command.add_flag("--log", quantity.log,
-                     "Logarithmic colours of column, mean, deviation or maximum");
-    command.add_option("--clip", arguments.clip,
-                       "Box of the world that is shown first, x0,y0,z0,x1,y1,z1");
-    command
-        .add_option("--clip-plane", arguments.clip_planes,
-                    fmt::format("Plane nx,ny,nz,d that first cuts off its side behind: a point x "
-                                "of the world is shown where n.x >= d; may be given again, {} "
-                                "times at most",
-                                kMostHtmlPlanes))
-        ->allow_extra_args(false);
+    add_shown_options(command, arguments.quantity);
+    add_clip_options(command, arguments);
     add_value_options(command, arguments.value);
 }
 
@@ -68,10 +38,7 @@ HtmlQuantity stated_quantity(const PageQuantityArguments& arguments) {
     quantity.look = look_of(arguments.value);
     if (arguments.value.slabs)
         (given.maximum() ? quantity.maximum_slabs : quantity.slabs) = *arguments.value.slabs;
-    DrawingArguments clip;
-    clip.clip_box = arguments.clip;
-    clip.clip_planes = arguments.clip_planes;
-    quantity.look.clip = clip_of(clip);
+    quantity.look.clip = clip_of(arguments);
     if (quantity.look.clip.planes.size() > kMostHtmlPlanes)
         throw CLI::ValidationError(fmt::format("--clip-plane: {} planes, expected at most {}",
                                                quantity.look.clip.planes.size(), kMostHtmlPlanes));

@@ -8,15 +8,14 @@
 #include "options/color_options.h"
 #include "options/quantity_options.h"
 #include "options/value_options.h"
+#include "shared/drawing.h"
 #include "vog/export_html.h"
 
 namespace vog::cli {
 
-struct PageQuantityArguments {
+struct PageQuantityArguments : ClipArguments {
     QuantityArguments quantity;
     ValueArguments value;
-    std::string clip;
-    std::vector<std::string> clip_planes;  ///< nx,ny,nz,d
 };
 
 /// Adds --show, --field, --range, --log, --clip, --clip-plane, and the options of volume rendering.
