@@ -82,7 +82,7 @@ TEST_F(splats_command, transfer_functions_colour_fields_and_nothing_else) {
     write_model(false);
     must("export m.ply -o s.glb");
     must_fail(1, "export m.ply -o s.glb --tf inferno", "leave --tf out for white");
-    must_fail(1, "export m.ply -o s.glb --field heat", "the model has: none");
+    must_fail(1, "export m.ply -o s.glb --field heat", "(scalar fields: none)");
 }
 
 TEST_F(splats_command, units_and_up_of_each_format) {
