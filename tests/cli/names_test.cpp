@@ -82,8 +82,13 @@ TEST_F(names, of_the_first_column_have_no_byte_order_mark) {
     for (const std::string text : {"x,y,z,mass\n1,2,3,4\n2,3,4,5\n", "1,2,3,4\n2,3,4,5\n"}) {
         write("plain.csv", text);
         write("bom.csv", "\xef\xbb\xbf" + text);
-        EXPECT_EQ(nlohmann::json::parse(must("info --json bom.csv").out)["files"][0]["points"],
-                  nlohmann::json::parse(must("info --json plain.csv").out)["files"][0]["points"]);
+        const auto points_of = [&](const char* file) {
+            auto points = nlohmann::json::parse(
+                must(std::string("info --json ") + file).out)["files"][0]["points"];
+            points.erase("notes");  // begin with the file's name
+            return points;
+        };
+        EXPECT_EQ(points_of("bom.csv"), points_of("plain.csv"));
     }
     write("wide.csv", std::string("\xff\xfex\0,\0", 6));
     must_fail(1, "info wide.csv", "wide.csv: text in UTF-16, expected UTF-8 or ASCII");
