@@ -120,8 +120,8 @@ def to_vtk(
     if isinstance(data, _vog.Volume):
         return _image(data, {})
     blocks = need("vtkmodules.vtkCommonDataModel", "to_vtk").vtkMultiBlockDataSet()
-    for n, level in enumerate(data):
-        blocks.SetBlock(n, _image(level, {}))
+    for n in range(len(data)):
+        blocks.SetBlock(n, _image(data[n], {}))
     return blocks
 
 
