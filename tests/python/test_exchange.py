@@ -33,7 +33,7 @@ def test_files_of_splats(tmp_path, model):
                           ({"layout": "volprim", "units": "box"}, "leave out"), ({"layout": "volprim", "colors": colors}, "leave out")):
         with pytest.raises(vog.Error, match=text):
             vog.export_splats(model, tmp_path / "m.ply", **options)
-    with pytest.raises(vog.Error, match="layout 'volprim' is of .ply"):
+    with pytest.raises(vog.Error, match="layout 'volprim' needs a .ply file"):
         vog.export_splats(model, tmp_path / "m.glb", layout="volprim")
 
 

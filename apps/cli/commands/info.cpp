@@ -8,7 +8,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <string_view>
 
 #include "commands.h"
 #include "help/next_steps.h"
@@ -235,11 +234,12 @@ Points described_points(const std::filesystem::path& file, const std::string& ty
     PointReadOptions options{.grid = type};
     try {
         return read_points(std::span(&file, 1), options, &notes);
-    } catch (const Error& error) {
-        if (std::string_view(error.what()).find("--skip-nonfinite") == std::string_view::npos)
-            throw;
-        nonfinite = options.values.skip_nonfinite = true;
-        return read_points(std::span(&file, 1), options, &notes);
+    } catch (const Error&) {
+        // Whatever else is wrong is said again.
+        options.values.skip_nonfinite = true;
+        Points points = read_points(std::span(&file, 1), options, &notes);
+        nonfinite = true;
+        return points;
     }
 }
 

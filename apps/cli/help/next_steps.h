@@ -16,7 +16,7 @@ struct FileContents {
     std::vector<VolumeInfo> grids;            ///< of volumes, and of particles in a .vdb
     std::vector<std::string> particle_types;  ///< of a snapshot
     std::vector<std::string> fields;          ///< names of a model's fields
-    bool nonfinite = false;        ///< whether a model has splats with numbers that are not finite
+    bool nonfinite = false;        ///< whether splats or particles have numbers that are not finite
     bool measures_volume = false;  ///< whether a model's masses are volumes (--measure volume)
 };
 
