@@ -22,7 +22,8 @@ py::dict export_splats(const Gaussians& model, const std::filesystem::path& file
         throw Error("export_splats: layout '" + layout + "', expected '3dgs' or 'volprim'");
     const bool volprim = layout == "volprim";
     if (volprim && file.extension() != ".ply")
-        throw Error("export_splats: layout 'volprim' needs a .ply file, got '" + file.string() + "'");
+        throw Error("export_splats: layout 'volprim' needs a .ply file, got '" + file.string() +
+                    "'");
     if (volprim && (units == "box" || !up.is_none() || !colors.is_none()))
         throw Error(
             "export_splats: layout 'volprim' has no colours and the data's coordinates: leave out "

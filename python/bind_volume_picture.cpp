@@ -50,14 +50,11 @@ struct Shown {
 Shown shown_of_model(const Gaussians& model, const std::string& name,
                      const PictureArguments& picture) {
     const ScalarField* field = scalar_to_show(model.fields, name);
-    std::string names;
-    for (const ScalarField& one : model.fields.scalar)
-        names += (names.empty() ? "" : ", ") + one.name;
-    if (names.empty()) names = "none";
     if (!field)
         throw Error(std::string(picture.call) + ": " +
                     (name.empty() ? "no field named" : "no scalar field '" + name + "'") +
-                    ", the model has " + names + " (convert(volume, fields=...) makes them)");
+                    ", the model has " + scalar_names(model.fields) +
+                    " (convert(volume, fields=...) makes them)");
     return {&model, {}, field->name, value_data(model, *field)};
 }
 

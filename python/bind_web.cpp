@@ -37,6 +37,8 @@ struct QuantityArguments {
     bool log;
 };
 
+constexpr int kUsualLevels = 8;  ///< of detail in a page
+
 /// Sets the field and the transfer function of a page's volume, with the defaults of the command.
 void choose_volume(HtmlQuantity& quantity, const QuantityArguments& given, const py::object& tf,
                    const Gaussians& model) {
@@ -141,7 +143,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
     std::vector<HtmlModel> elsewhere;
     HtmlSource source{url, false};
     if (!url.empty()) {
-        if (is_folder(file) || precise || levels != 8)
+        if (is_folder(file) || precise || levels != kUsualLevels)
             throw Error(
                 "export_html: url goes with a page, and without levels and precise: the model is "
                 "written already");
@@ -177,7 +179,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
     if (!options.system_background) options.shading.background = background_of(background);
     options.shading.blend = blend;
     if (is_folder(file)) {
-        if (levels != 8)
+        if (levels != kUsualLevels)
             throw Error("export_html: levels has no effect on a site, expected a name in .html");
         return export_site(file, named, options);
     }
@@ -200,7 +202,7 @@ py::dict export_html(const std::filesystem::path& file, const py::object& models
 void bind_web(py::module_& m) {
     m.def(
         "export_html", &export_html, py::arg("file"), py::arg("models"), py::kw_only(),
-        py::arg("title") = "", py::arg("description") = "", py::arg("levels") = 8,
+        py::arg("title") = "", py::arg("description") = "", py::arg("levels") = kUsualLevels,
         py::arg("camera") = py::none(), py::arg("extinction") = "auto", py::arg("tf") = "inferno",
         py::arg("background") = "black", py::arg("blend") = false, py::arg("show") = "T",
         py::arg("field") = "", py::arg("range") = py::none(), py::arg("log") = false,

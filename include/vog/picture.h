@@ -37,6 +37,9 @@ const ScalarField* scalar_to_show(const Fields& fields, const std::string& name 
 /// The same for a list where a user chooses another: the first one where several could be meant.
 const ScalarField* scalar_to_begin_with(const Fields& fields);
 
+/// Names of the scalar fields, for errors: "density, temperature"; without any "none".
+std::string scalar_names(const Fields& fields);
+
 /// One number of a vector field at the voxels of a volume as a scalar field, "velocity.x", with its range over them.
 /// part  "x", "y", "z" or "magnitude"
 VoxelField component_of(VoxelField field, const std::string& part, const Volume& volume);

@@ -25,17 +25,14 @@ using Json = nlohmann::ordered_json;
 /// Scalar field that colours splats.
 const ScalarField& field_of(const Gaussians& model, const std::string& name) {
     if (const ScalarField* field = scalar_to_show(model.fields, name)) return *field;
-    std::string names;
-    for (const ScalarField& field : model.fields.scalar)
-        names += (names.empty() ? "" : ", ") + printable(field.name);
     if (!name.empty())
         throw Error(fmt::format("--field {}: no scalar field of that name (scalar fields: {})",
-                                name, names.empty() ? "none" : names));
-    throw Error(names.empty()
+                                name, scalar_names(model.fields)));
+    throw Error(model.fields.scalar.empty()
                     ? "--tf colours splats by a field, and the model has none: leave --tf out for "
                       "white, or convert with --field"
                     : fmt::format("--tf colours splats by a field: expected --field with one of {}",
-                                  names));
+                                  scalar_names(model.fields)));
 }
 
 /// Colours of the field by the transfer function, none where all are white. Densities are multiplied by the function's

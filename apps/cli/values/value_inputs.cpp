@@ -253,13 +253,12 @@ ValueInputs load_divided_values(const RenderArguments& arguments, Drawing drawin
 const ScalarField& scalar_field_of(const Fields& fields, const std::string& name,
                                    const std::string& input, const std::string& show) {
     if (const ScalarField* found = scalar_to_show(fields, name)) return *found;
-    std::string names;
-    for (const ScalarField& field : fields.scalar)
-        names += (names.empty() ? "" : ", ") + printable(field.name);
     const std::string whole = name.substr(0, name.size() - part_of(name).size());
     const auto error = [&](const std::string& what, const std::string& remedy) {
         return Error(fmt::format("{}: {}; {}{}", input, what, remedy,
-                                 names.empty() ? "" : fmt::format(" (scalar fields: {})", names)));
+                                 fields.scalar.empty()
+                                     ? ""
+                                     : fmt::format(" (scalar fields: {})", scalar_names(fields))));
     };
     if (const VectorField* vector = fields.find_vector(whole))
         throw error(
@@ -267,7 +266,7 @@ const ScalarField& scalar_field_of(const Fields& fields, const std::string& name
                         printable(vector->name), show),
             fmt::format("--show mean --field {} draws it, or --show {} of the volume",
                         printable(name), show));
-    if (names.empty())
+    if (fields.scalar.empty())
         throw error(fmt::format("--show {} needs a scalar field, and the model has none", show),
                     "vog convert VOLUME -o model.ply makes a model with one");
     throw error(fmt::format("--show {}: no scalar field{}", show,

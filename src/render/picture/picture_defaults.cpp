@@ -4,6 +4,7 @@
 
 #include "vog/picture.h"
 #include "vog/splat.h"
+#include "vog/text.h"
 
 namespace vog {
 
@@ -28,6 +29,13 @@ const ScalarField* scalar_to_show(const Fields& fields, const std::string& name)
 const ScalarField* scalar_to_begin_with(const Fields& fields) {
     const ScalarField* field = scalar_to_show(fields);
     return field || fields.scalar.empty() ? field : &fields.scalar.front();
+}
+
+std::string scalar_names(const Fields& fields) {
+    std::string names;
+    for (const ScalarField& field : fields.scalar)
+        names += (names.empty() ? "" : ", ") + printable(field.name);
+    return names.empty() ? "none" : names;
 }
 
 VoxelField component_of(VoxelField field, const std::string& part, const Volume& volume) {
