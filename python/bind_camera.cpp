@@ -6,6 +6,7 @@
 #include "data.h"
 #include "vog/camera.h"
 #include "vog/error.h"
+#include "vog/picture.h"
 
 namespace vog::python {
 
@@ -30,8 +31,11 @@ std::string repr(const Camera& camera) {
 }  // namespace
 
 Vec3d direction_of(const py::object& up) {
-    if (!py::isinstance<py::str>(up))
-        return cast_to<Vec3d>(up, "up", "x, y, z, -x, -y, -z or (x, y, z)");
+    if (!py::isinstance<py::str>(up)) {
+        const auto given = cast_to<Vec3d>(up, "up", "x, y, z, -x, -y, -z or (x, y, z)");
+        if (given == Vec3d{}) throw Error("up (0, 0, 0), expected a direction");
+        return given;
+    }
     const auto name = up.cast<std::string>();
     const std::string axis = name.size() == 1 ? "+" + name : name;
     if (axis.size() != 2 || (axis[0] != '+' && axis[0] != '-') || axis[1] < 'x' || axis[1] > 'z')
@@ -41,17 +45,23 @@ Vec3d direction_of(const py::object& up) {
     return direction;
 }
 
-Box box_to_view(const py::object& data, const std::string& call) {
-    if (py::isinstance<Gaussians>(data)) return view_box(data.cast<const Gaussians&>());
-    if (py::isinstance<Volume>(data)) return world_box(data.cast<const Volume&>());
+Subject subject_to_view(const py::object& data, const std::string& call) {
+    if (py::isinstance<Gaussians>(data)) return subject_of(data.cast<const Gaussians&>());
     if (py::isinstance<Points>(data)) return bounds(data.cast<const Points&>());
     if (py::isinstance<py::array>(data)) return box_of(data);
-    if (const auto levels = levels_of(data)) {
+    const auto of = [](std::span<const Volume> volumes) {
         Box box;
-        for (const Volume& volume : levels->volumes) box.include(world_box(volume));
-        return box;
-    }
+        for (const Volume& volume : volumes) box.include(world_box(volume));
+        return subject_of(box, content_of(volumes, box));
+    };
+    if (py::isinstance<Volume>(data)) return of({&data.cast<const Volume&>(), 1});
+    if (const auto levels = levels_of(data)) return of(levels->volumes);
     refuse_data(data, call, "Gaussians, a Volume, Levels, Points or corners [2, 3]");
+}
+
+Camera camera_or_default(const std::optional<Camera>& camera, const py::object& data,
+                         const std::string& call, int width, int height) {
+    return camera ? *camera : default_view(subject_to_view(data, call), width, height);
 }
 
 void bind_camera(py::module_& m) {
@@ -73,7 +83,9 @@ Raises vog.Error where eye and look_at coincide, or up is parallel to the view d
              py::arg("orthographic_width") = 0.0)
         .def_static(
             "paper_view",
-            [](const py::object& data) { return paper_view(box_to_view(data, "paper_view")); },
+            [](const py::object& data) {
+                return paper_view(subject_to_view(data, "paper_view").box);
+            },
             py::arg("data"),
             R"(The standard view of docs/evaluation.md: azimuth 34.38 degrees, elevation 20.05 degrees,
 distance 3 bounding radii, field of view 38.58 degrees. Returns a Camera.
@@ -81,41 +93,57 @@ distance 3 bounding radii, field of view 38.58 degrees. Returns a Camera.
 data  Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space)")
         .def_static(
             "orbit",
-            [](const py::object& data, double azimuth, double elevation,
-               std::optional<double> distance, double fov_degrees, const py::object& up,
-               double roll, bool orthographic, std::optional<double> width, double aspect,
-               std::optional<std::string> view) {
-                Orbit orbit{azimuth,          elevation, distance.value_or(0),  fov_degrees,
-                            direction_of(up), roll,      orthographic || width, width.value_or(0)};
+            [](const py::object& data, std::optional<double> azimuth,
+               std::optional<double> elevation, std::optional<double> distance, double fov_degrees,
+               const std::optional<py::object>& up, double roll, bool orthographic,
+               std::optional<double> width, double aspect, std::optional<std::string> view,
+               const std::string& frame) {
+                if (frame != "content" && frame != "data")
+                    throw Error("orbit: frame '" + frame + "', expected 'content' or 'data'");
+                Subject subject = subject_to_view(data, "orbit");
+                if (frame == "data") subject.content.hull = Subject(subject.box).content.hull;
+                Orbit orbit = up ? Orbit{} : first_orbit(subject);
+                if (up) orbit.up = direction_of(*up);
+                orbit.azimuth_degrees = azimuth.value_or(orbit.azimuth_degrees);
+                orbit.elevation_degrees = elevation.value_or(orbit.elevation_degrees);
+                orbit.distance_radii = distance.value_or(0);
+                orbit.fov_degrees = fov_degrees;
+                orbit.roll_degrees = roll;
+                orbit.orthographic = orthographic || width;
+                orbit.width = width.value_or(0);
                 if ((distance && *distance == 0) || (width && *width == 0))
                     throw Error("camera: distance or width 0, expected a positive number");
                 if (view) set_view(orbit, *view);
                 if (distance) orbit.distance_radii = *distance;
-                return orbit_view(box_to_view(data, "orbit"), orbit, aspect);
+                return orbit_view(subject, orbit, aspect);
             },
-            py::arg("data"), py::arg("azimuth") = kPaperAzimuthDegrees,
-            py::arg("elevation") = kPaperElevationDegrees, py::arg("distance") = py::none(),
-            py::arg("fov_degrees") = kPaperFovDegrees, py::arg("up") = "y", py::arg("roll") = 0.0,
-            py::arg("orthographic") = false, py::arg("width") = py::none(), py::arg("aspect") = 1.0,
-            py::arg("view") = py::none(),
-            R"(A view of the data's bounding box from a sphere around it. Returns a Camera.
+            py::arg("data"), py::arg("azimuth") = py::none(), py::arg("elevation") = py::none(),
+            py::arg("distance") = py::none(), py::arg("fov_degrees") = kPaperFovDegrees,
+            py::arg("up") = py::none(), py::arg("roll") = 0.0, py::arg("orthographic") = false,
+            py::arg("width") = py::none(), py::arg("aspect") = 1.0, py::arg("view") = py::none(),
+            py::arg("frame") = "content",
+            R"(A view of the data from a sphere around it. Returns a Camera.
 
 data          Gaussians, a Volume, Levels, Points, or corners [2, 3] of a box in world space
 azimuth       angle of the eye about the up axis, degrees; y up: from x towards z; z up: from x
-              towards -y
-elevation     angle of the eye above the plane across the up axis, degrees, [-90, 90]
+              towards -y. None: 34.38, from the front of scans of people
+elevation     angle of the eye above the plane across the up axis, degrees, [-90, 90]; None: 20.05, 0 of
+              scans of people
 distance      from the box's centre, in bounding radii (half the box's diagonal); None: the
-              distance at which the box fills 95 % of the picture
+              distance at which what the data show fills 95 % of the picture
 fov_degrees   full vertical field of view, degrees
 up            direction that is upright in the data: "x", "y", "z", "-x", "-y", "-z" or (x, y, z);
-              azimuth and elevation are measured about it
+              azimuth and elevation are measured about it. None: as the data's file says or implies
+              (Volume.up), else y
 roll          angle the camera is turned clockwise about its view direction, degrees
 orthographic  parallel rays in place of a pinhole
-width         width of an orthographic picture, world units; None: the box fills 95 %. A width
-              makes the camera orthographic
+width         width of an orthographic picture, world units; None: what the data show fills 95 %. A
+              width makes the camera orthographic
 aspect        width / height of the picture that a fitted box shall fill
 view          "+x", "-x", "+y", "-y", "+z", "-z" (from that axis) or "paper", in place of azimuth
               and elevation
+frame         what a fitted picture holds: "content", the part of the data with 99.9 % of their light
+              as fog, or "data", their whole box
 
 >>> camera = vog.Camera.orbit(vog.sample_cloud(64), view="+z", up="y", orthographic=True)
 >>> camera.orthographic_width > 0, camera.eye[2] > camera.look_at[2]

@@ -117,7 +117,8 @@ py::tuple state_of(const py::object& self) {
                           model.axis_aligned() ? py::none() : py::object(self.attr("rotation")),
                           model.cutoff, box_array(model.box), model.source_voxels, model.source,
                           model.method, model.options, model.summary, array_of(model.origin),
-                          plain_fields(self));
+                          plain_fields(self), box_array(model.content.voxels), model.content.hull,
+                          model.content.standing.up, model.content.standing.front);
 }
 Model from_state(const py::tuple& state) {
     Model model = from_arrays(state[0], state[1], state[2], state[3], state[4].cast<float>(),
@@ -127,6 +128,10 @@ Model from_state(const py::tuple& state) {
     model->method = state[8].cast<std::string>();
     model->options = state[9].cast<std::string>();
     model->summary = state[10].cast<std::string>();
+    if (state.size() > 13)  // older states have none
+        model->content = {box_of(state[13]),
+                          state[14].cast<std::vector<Vec3d>>(),
+                          {state[15].cast<Vec3d>(), state[16].cast<Vec3d>()}};
     return model;
 }
 
@@ -181,8 +186,11 @@ A view; of an axis-aligned model a read-only array of (1, 0, 0, 0).)")
             "Whether all principal axes are world axes: no rotations are stored.")
         .def_property_readonly(
             "box", [](const Gaussians& self) { return box_array(view_box(self)); },
-            "[2, 3] float64: lower and upper corner of the source data in world space; views frame "
-            "it.")
+            "[2, 3] float64: lower and upper corner of the source data in world space.")
+        .def_property_readonly(
+            "voxel_box", [](const Gaussians& self) { return box_array(self.content.voxels); },
+            "[2, 3] float64: lower and upper corner of the source's active voxels in world space; "
+            "None where they are not known.")
         .def_property_readonly(
             "mass", [](const Gaussians& self) { return mass(self); },
             "Sum of the masses of the truncated Gaussians; compare with Volume.mass.");

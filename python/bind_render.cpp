@@ -33,7 +33,7 @@ struct RenderArguments {
 struct Scene {
     std::string renderer;
     std::optional<double> extinction;
-    Box box;  ///< world box for the default view
+    py::object data;  ///< of the default view
     std::unique_ptr<DepthRenderer> prepared{};
     std::mutex drawing{};  ///< the renderer's buffers are for one picture at a time
 };
@@ -76,7 +76,7 @@ std::shared_ptr<Scene> make_scene(const py::object& data, const RenderArguments&
         else
             scene->prepared = std::make_unique<DepthRenderer>(renderer, *levels, a.options);
     });
-    scene->box = gaussians ? view_box(*gaussians) : box_to_view(data, "render");
+    scene->data = particles ? py::cast(gaussians) : data;
     return scene;
 }
 
@@ -84,11 +84,11 @@ DepthImage draw(Scene& scene, const std::optional<Camera>& camera, const py::obj
                 const py::object& progress) {
     const auto [width, height] = size_of(size);
     const Progress report = progress_of(progress);
+    const Camera view = camera_or_default(camera, scene.data, "render", width, height);
     return unlocked([&, width = width, height = height] {
         const std::lock_guard lock(scene.drawing);
         DepthImage depth;
-        scene.prepared->render(camera ? *camera : default_view(scene.box, width, height), width,
-                               height, depth, report);
+        scene.prepared->render(view, width, height, depth, report);
         set_extinction(depth, scene.extinction ? *scene.extinction : auto_extinction(depth));
         return depth;
     });
@@ -102,10 +102,6 @@ struct MapArguments {
     const py::object& size;
     const py::object& progress;
 };
-
-Camera camera_for(const MapArguments& map, const Box& box, int width, int height) {
-    return map.camera ? *map.camera : default_view(box, width, height);
-}
 
 /// Options of T that pictures of fields on a GPU have not.
 void refuse_options_of_depth(const RenderArguments& a, Renderer renderer) {
@@ -132,8 +128,8 @@ ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const R
                     map.show,
                     field_label(choice),
                     scalar ? scalar->unit : model.fields.find_vector(choice.field)->unit};
+    const Camera camera = camera_or_default(map.camera, data, "render", width, height);
     shown.maps = unlocked([&, width = width, height = height] {
-        const Camera camera = camera_for(map, view_box(model), width, height);
         if (renderer == Renderer::trace) {
             TraceOptions options = a.options.trace;
             options.progress = report;
@@ -177,9 +173,8 @@ ShownMaps maps_of_voxels(const py::object& data, const MapArguments& map,
     const auto [width, height] = size_of(map.size);
     const ReferenceOptions options{progress_of(map.progress), a.options.samples, a.options.clip};
     ShownMaps shown{{}, map.show, field_label(choice), field.unit};
-    const Box box = box_to_view(data, "render");
+    const Camera camera = camera_or_default(map.camera, data, "render", width, height);
     shown.maps = unlocked([&, width = width, height = height] {
-        const Camera camera = camera_for(map, box, width, height);
         if (renderer == Renderer::optix)
             return (one ? GpuVolumes(levels.volumes, values.front())
                         : GpuVolumes(levels, values.front()))
@@ -304,7 +299,8 @@ size      pixels, 512 or (width, height)
 progress  is called with the finished fraction)")
         .def_readonly("renderer", &Scene::renderer, "The renderer's name.")
         .def_property_readonly(
-            "box", [](const Scene& self) { return box_array(self.box); },
+            "box",
+            [](const Scene& self) { return box_array(subject_to_view(self.data, "Scene").box); },
             "[2, 3] lower and upper corner of what views look at.")
         .def("__repr__", [](const Scene& self) { return "<vog.Scene: " + self.renderer + ">"; });
 

@@ -172,9 +172,15 @@ void set_nodes(Nodes& nodes, const py::handle& bytes) {
     std::memcpy(static_cast<void*>(nodes.data()), view.data(), view.size());
 }
 
+/// A direction, or None where it is not known.
+py::object direction_object(Vec3d direction) {
+    return direction == Vec3d{} ? py::object(py::none()) : py::cast(direction);
+}
+
 py::tuple volume_state(const Volume& volume) {
     return py::make_tuple(bytes_of(volume.leaves), bytes_of(volume.tiles),
-                          matrix_of(volume.world_from_index), volume.name, volume.source);
+                          matrix_of(volume.world_from_index), volume.name, volume.source,
+                          volume.standing.up, volume.standing.front);
 }
 std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     auto volume = std::make_shared<Volume>();
@@ -183,6 +189,8 @@ std::shared_ptr<Volume> volume_from_state(const py::tuple& state) {
     volume->world_from_index = affine_of(py::none(), py::none(), state[2]);
     volume->name = state[3].cast<std::string>();
     volume->source = state[4].cast<std::string>();
+    if (state.size() > 5)  // older states have none
+        volume->standing = {state[5].cast<Vec3d>(), state[6].cast<Vec3d>()};
     validate(*volume);
     return volume;
 }
@@ -310,8 +318,26 @@ True)")
             "((i, j, k), (i, j, k)): bounding box of the active voxels, both corners inclusive.")
         .def_property_readonly(
             "box", [](const Volume& self) { return box_array(world_box(self)); },
-            "[2, 3] float64: lower and upper corner in world space, padded to whole leaves; views "
-            "frame it.")
+            "[2, 3] float64: lower and upper corner in world space, padded to whole leaves.")
+        .def_property(
+            "up", [](const Volume& self) { return direction_object(self.standing.up); },
+            [](Volume& self, const py::object& up) {
+                self.standing.up = up.is_none() ? Vec3d{} : normalized(direction_of(up));
+            },
+            "(x, y, z), or the name of an axis when it is set: the direction that is upright in "
+            "the data, as "
+            "the file says or implies; None: not known, pictures take y.")
+        .def_property(
+            "front", [](const Volume& self) { return direction_object(self.standing.front); },
+            [](Volume& self, const py::object& front) {
+                self.standing.front = front.is_none() ? Vec3d{} : normalized(direction_of(front));
+            },
+            "(x, y, z): direction to an eye that sees the front, of scans of people; None: not "
+            "known.")
+        .def_property_readonly(
+            "voxel_box", [](const Volume& self) { return box_array(voxel_box(self)); },
+            "[2, 3] float64: lower and upper corner of the active voxels in world space; None "
+            "without one.")
         .def("__repr__", &repr)
         .def(py::pickle(&volume_state, &volume_from_state));
 }

@@ -43,6 +43,7 @@ struct Shown {
     std::string field;
     ValueData data;
     Renderer renderer = Renderer::splat;
+    Camera camera{};
 
     const std::vector<VoxelField>& values() const { return voxels.values.front(); }
 };
@@ -80,7 +81,7 @@ Shown shown_of_voxels(const py::object& data, const std::string& name, const py:
         throw Error(call + ": no scalar field '" + name + "' in fields");
     }
     shown.field = all.front().front().name;
-    shown.data = value_data(shown.voxels.volumes, shown.values(), box_to_view(data, call));
+    shown.data = value_data(shown.voxels.volumes, shown.values(), subject_to_view(data, call).box);
     return shown;
 }
 
@@ -107,18 +108,14 @@ Shown shown_of(const py::object& data, const std::string& name, const py::object
     Shown shown = is_model ? shown_of_model(data.cast<const Gaussians&>(), name, picture)
                            : shown_of_voxels(data, name, fields, picture);
     shown.renderer = renderer;
+    shown.camera = camera_or_default(picture.camera, data, call, picture.width, picture.height);
     return shown;
-}
-
-Camera camera_for(const Shown& shown, const PictureArguments& picture) {
-    return picture.camera ? *picture.camera
-                          : default_view(shown.data.box, picture.width, picture.height);
 }
 
 VolumeImage volume_of(const Shown& shown, const TransferRequest& request,
                       const PictureArguments& picture) {
     const ValueTransfer transfer = choose_transfer(request, shown.data).transfer;
-    const Camera camera = camera_for(shown, picture);
+    const Camera& camera = shown.camera;
     const int width = picture.width, height = picture.height;
     if (!shown.model) {
         if (shown.renderer == Renderer::optix)
@@ -145,7 +142,7 @@ VolumeImage volume_of(const Shown& shown, const TransferRequest& request,
 
 ValueMap maximum_of(const Shown& shown, const PictureArguments& picture) {
     const int width = picture.width, height = picture.height;
-    const Camera camera = camera_for(shown, picture);
+    const Camera& camera = shown.camera;
     if (!shown.model) {
         const ReferenceOptions options{picture.progress, 1, picture.look.clip};
         if (shown.renderer == Renderer::optix)

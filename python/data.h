@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "bindings.h"
+#include "vog/camera.h"
 #include "vog/gaussians.h"
 #include "vog/levels.h"
 #include "vog/points.h"
@@ -19,8 +21,11 @@ std::shared_ptr<const Levels> levels_of(const py::object& data);
 /// throws  vog::Error for another name
 Vec3d direction_of(const py::object& up);
 
-/// World box of data, which views frame. call  name of the Python function, for errors
-Box box_to_view(const py::object& data, const std::string& call);
+/// What views of data frame. call  name of the Python function, for errors
+Subject subject_to_view(const py::object& data, const std::string& call);
+/// A stated camera, or the default view of the data.
+Camera camera_or_default(const std::optional<Camera>& camera, const py::object& data,
+                         const std::string& call, int width, int height);
 
 /// Throws TypeError: "convert: got int, expected a Volume, ..."
 [[noreturn]] void refuse_data(const py::object& data, const std::string& call,

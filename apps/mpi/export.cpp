@@ -70,6 +70,7 @@ void describe(Gaussians& part, const Gaussians& whole) {
     if (part.fields.names() != whole.fields.names())
         throw Error(fmt::format("{}: a part with other fields than the whole", part.source));
     part.box = whole.box;
+    part.content = whole.content;
     part.source_voxels = whole.source_voxels;
     part.source = whole.source, part.method = whole.method;
     part.options = whole.options, part.summary = whole.summary;

@@ -111,6 +111,10 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
         read_sums(sources, level_options, ranks, align_voxels, notes, beside, part);
     same.check_unchanged();
     part.box = ranks.box_union(part.box);
+    std::vector<const Volume*> volumes;
+    for (const VolumeSet& set : part.sets)
+        for (const Volume& volume : set.volumes) volumes.push_back(&volume);
+    part.content = content_of(volumes, part.box, &ranks.collective());
     part.active_voxels = ranks.sum(part.active_voxels);
     for (std::uint64_t* count :
          {&notes.clipped_negative, &notes.skipped_nonfinite, &notes.inactive_nonfinite})
@@ -138,7 +142,7 @@ cli::DividedVolumes read_divided_volumes(const std::vector<std::string>& files,
                     std::move(part.sets),
                     std::move(part.beside),
                     part.volumes,
-                    part.box,
+                    subject_of(part.box, part.content),
                     std::move(part.notes),
                     nullptr};
         } catch (const Error& error) {

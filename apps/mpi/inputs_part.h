@@ -21,8 +21,9 @@ struct VolumesPart {
     std::vector<std::size_t> sources;  ///< no mesh: index of each volume here among all volumes
     bool by_files = false;             ///< no mesh: volumes go to ranks whole
     // Figures of the whole, the same on every rank.
-    std::size_t volumes = 0;          ///< number of volumes
-    Box box;                          ///< world units
+    std::size_t volumes = 0;  ///< number of volumes
+    Box box;                  ///< world units
+    Content content;
     std::uint64_t active_voxels = 0;  ///< as stored
     std::vector<std::string> notes;   ///< printed about the inputs
 

@@ -176,6 +176,7 @@ cli::Converted write_split(const std::string& file, const SharedModel& model, co
     // Every file's header describes the whole model, except for its own source voxels.
     const Gaussians& about = model.description;
     mine.box = about.box;
+    mine.content = about.content;
     mine.source = ranks.from_root(about.source);
     mine.method = ranks.from_root(about.method);
     mine.options = ranks.from_root(about.options);

@@ -53,7 +53,7 @@ void load_volumes(const DrawingArguments& arguments, const Ranks& ranks, Drawing
     }
     drawing.draw = draw_sum(std::move(drawings));
     drawing.notes = part.notes;
-    drawing.box = part.box;
+    drawing.subject = subject_of(part.box, part.content);
     drawing.active_voxels = part.active_voxels;
     cli::set_primitives_text(drawing, part.is_mesh() ? part.volumes : 0);
 }
@@ -66,12 +66,12 @@ void load_gaussians(const DrawingArguments& arguments, std::optional<double> ext
                                   drawing.notes)
             : read_models_part(arguments.inputs, ranks, arguments.volume.values));
     const std::uint64_t count = ranks.sum(model->size());
-    const Box box = model->box;
+    const Subject subject = subject_of(*model, &ranks.collective());
     if (model->size() > 0)
         cli::draw_model(arguments, extinction, model, std::make_shared<Hierarchy>(), drawing);
     else
         drawing.draw = draw_sum({});
-    drawing.box = box;
+    drawing.subject = subject;
     drawing.gaussians = count;
     drawing.reports.reset();
     cli::set_primitives_text(drawing, 0);
@@ -120,7 +120,6 @@ void add_render(CLI::App& app, const Ranks& ranks) {
     hooks.assigned = [&ranks](const std::vector<std::string>& files) {
         return whole_files_of(files, ranks);
     };
-    hooks.box_union = [&ranks](const Box& box) { return ranks.box_union(box); };
     hooks.allgather = [&ranks](const std::string& text) { return ranks.gather(text); };
     cli::add_render(app, arguments, hooks);
 }

@@ -18,7 +18,7 @@ struct ViewerOptions {
     std::string script{};  ///< file with actions to run; the program ends after them
     double scale = 1;      ///< rendered pixels per screen pixel along an edge, [0.1, 4]
     double ui_scale = 0;   ///< scale of text and controls; 0: from the display and the size
-    std::function<Camera(const Box& box)> camera{};  ///< initial view of a box; empty: paper view
+    std::function<Camera(const Subject&)> camera{};  ///< initial view; empty: fitted
     double extinction = 0;                           ///< 0: automatic
     Look look{};
     Quantity quantity{};  ///< shown first; its field is that of `field`

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "vog/linear.h"
+#include "vog/subject.h"
 
 namespace vog {
 
@@ -71,8 +72,8 @@ inline constexpr double kPaperElevationDegrees = 20.05352282957881;  ///< 0.35 r
 inline constexpr double kPaperDistanceRadii = 3.0;                   ///< distance, bounding radii
 inline constexpr double kPaperFovDegrees = 38.5800924383775;         ///< 2 atan(0.35)
 
-/// Place and kind of a camera that looks at the centre of a box. The default has the direction of
-/// the `paper` view, and the distance at which the box fills the image.
+/// Place and kind of a camera. The default has the direction of the `paper` view, and the distance at which a subject's hull
+/// fills the image, in whose middle it lies. With a stated distance or width the centre of the box lies there.
 ///
 /// Azimuth and elevation are those of the eye as seen from the centre, in a frame that `up` turns:
 ///   eye = centre + distance * (cos el cos az A + sin el U + cos el sin az B)
@@ -82,36 +83,41 @@ struct Orbit {
     double azimuth_degrees = kPaperAzimuthDegrees;      ///< az, any angle
     double elevation_degrees = kPaperElevationDegrees;  ///< el, [-90, 90]
     /// Distance of the eye from the centre, bounding radii of the box (Box::radius), > 0. 0: for a
-    /// pinhole camera the distance at which the box fits the image (kFitShare), else 3.
+    /// pinhole camera the distance at which the hull fits the image (kFitShare), else 3.
     double distance_radii = 0;
     double fov_degrees = kPaperFovDegrees;  ///< full vertical field of view, (0, 180)
-    /// Vertical direction of the data, any length above 0; the image's upper edge, too. Views along
-    /// it have as upper edge the limit of views from the same azimuth.
-    Vec3d up{0, 1, 0};
+    /// Vertical direction of the data, of any length; the image's upper edge, too. Views along it have as upper edge the limit
+    /// of views from the same azimuth. 0: as the subject stands, y where that is not known; set_view takes 0 for y.
+    Vec3d up{0, 0, 0};
     /// Angle that the camera is turned clockwise about its view direction; the picture then appears
     /// turned counter-clockwise.
     double roll_degrees = 0;
     bool orthographic = false;  ///< parallel rays, in place of a pinhole
-    /// Width of an orthographic image, world units, > 0. 0: the width at which the box fits.
+    /// Width of an orthographic image, world units, > 0. 0: the width at which the hull fits.
     double width = 0;
 };
-/// Share of the image's width or height that a fitted box covers, whichever limits.
+/// Share of the image's width or height that a fitted hull covers, whichever limits.
 inline constexpr double kFitShare = 0.95;
 
-/// Camera that looks at the centre of a box.
-/// box     world units; an empty one counts as the origin with bounding radius 1, a single point
-///         as a box of radius 1
-/// aspect  width / height of the image that a fitted box shall fill, > 0
-/// throws  vog::Error for a value out of the ranges of Orbit
-Camera orbit_view(const Box& box, const Orbit& orbit = {}, double aspect = 1);
+/// Vertical direction of an orbit about a subject.
+Vec3d up_of(const Orbit& orbit, const Subject& subject);
+/// View of a subject that nothing is said of: from its front, where that is known.
+Orbit first_orbit(const Subject& subject);
 
-/// Least width of an orthographic image at which a box fits (kFitShare), world units.
+/// View of a subject.
+/// subject  one without a box counts as the origin with bounding radius 1, a single point as a box of radius 1
+/// aspect   width / height of the image that a fitted subject shall fill, > 0
+/// throws   vog::Error for a value out of the ranges of Orbit
+Camera orbit_view(const Subject& subject, const Orbit& orbit = {}, double aspect = 1);
+
+/// Least width of an orthographic image at which a subject fits (kFitShare), world units.
 /// camera  direction, up and look_at, the image's middle; it may be a pinhole camera
-double fitted_width(const Camera& camera, const Box& box, double aspect = 1);
-/// The same direction, looking at the centre of a box from the distance, or with the orthographic
-/// width, at which the box fits the image.
-/// aspect  width / height of the image, > 0
-Camera fitted(const Camera& camera, const Box& box, double aspect = 1);
+double fitted_width(const Camera& camera, const Subject& subject, double aspect = 1);
+/// The same direction, from the distance, or with the orthographic width, at which a subject fits the image.
+/// aspect    width / height of the image, > 0
+/// centered  whether the subject moves into the middle of the image; else look_at stays
+Camera fitted(const Camera& camera, const Subject& subject, double aspect = 1,
+              bool centered = true);
 
 /// The `paper` view of a box: orbit_view with the four constants above. All tables use it.
 Camera paper_view(const Box& box);

@@ -20,6 +20,7 @@
 #include "vog/fields.h"
 #include "vog/linear.h"
 #include "vog/memory.h"
+#include "vog/subject.h"
 
 namespace vog {
 
@@ -39,6 +40,7 @@ struct Gaussians {
     /// Box of the source data, world units, not relative to the origin: source and model get the
     /// same views by it.
     Box box;
+    Content content;                  ///< Part of the source data that is shown
     std::uint64_t source_voxels = 0;  ///< active voxels or particles of the source; 0: unknown
     std::string source;               ///< name of the source data: "smoke.vdb density"
     std::string method;               ///< name of the conversion: "paper", "moments", ...

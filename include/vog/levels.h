@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "vog/subject.h"
 #include "vog/volume.h"
 
 namespace vog {
@@ -75,6 +76,7 @@ struct Composite {
     /// finer level hides in part, divided into 2^3 to 8^3 smaller ones. Empty parts are left out.
     std::vector<Volume> parts;
     Box box;                          ///< world box of all levels, for the paper view
+    Content content;                  ///< Part of all levels that is shown
     std::uint64_t voxels = 0;         ///< voxels of the levels that are visible at least in part
     std::uint64_t hidden = 0;         ///< voxels hidden by another level, or outside their mask
     std::uint64_t partly_hidden = 0;  ///< voxels counted in `voxels` that are hidden in part

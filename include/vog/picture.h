@@ -24,9 +24,8 @@ namespace vog {
 inline constexpr double kLeastColumn = 1e-4;
 
 /// View of the data: orbit_view, fitted to the picture.
-/// box            of the data, world units
 /// width, height  pixels; renderers refuse those below 1
-Camera default_view(const Box& box, int width, int height);
+Camera default_view(const Subject& subject, int width, int height);
 
 /// Extinction of a model that is drawn from many views, as exported splats are: auto_extinction of the fitted view `paper`.
 double default_extinction(const Gaussians& model);

@@ -12,6 +12,7 @@
 
 #include "vog/linear.h"
 #include "vog/memory.h"
+#include "vog/subject.h"
 
 namespace vog {
 
@@ -64,6 +65,7 @@ struct Volume {
     Affine world_from_index;  ///< any non-singular affine map, from indices to world units
     std::string name;         ///< grid name: "density"
     std::string source;       ///< file of origin, for messages and model headers; empty: none
+    Standing standing{};      ///< how the data stand, where the file says or implies it
 
     /// Whether there is neither a leaf nor a tile.
     bool empty() const { return leaves.empty() && tiles.empty(); }

@@ -16,11 +16,10 @@ require_python()
 with own_libraries():
     from . import _vog
 
-from . import _messages, _projection, _show, _units
+from . import _messages, _show, _units
 
 _messages.shorten(_vog)
 _units.accept_quantities()
-_projection.remember_extents()
 _show.show_models()
 
 from ._projection import Projection as Projection, projection as projection

@@ -1,6 +1,4 @@
 """Projections along an axis: column density, and means of fields weighted by density, as arrays for imshow."""
-import functools
-import weakref
 from typing import Any, NamedTuple, Optional, Sequence, Union
 
 import numpy as np
@@ -145,47 +143,16 @@ def _corners(lower: Any, upper: Any) -> _Array:
     return np.array([[(lower, upper)[n >> k & 1][k] for k in range(3)] for n in range(8)], dtype=float)
 
 
-# World corners of the voxels that a model was made of, [n, 3]: the two have the same extent.
-_extents: "weakref.WeakKeyDictionary[Any, _Array]" = weakref.WeakKeyDictionary()
-
-
-def _voxel_corners(data: Any) -> _Array:
-    """World corners of the active voxels of a Volume or Levels, [n, 3]; none where there is no voxel."""
-    points = [np.zeros((0, 3))]
-    for volume in [data] if isinstance(data, _vog.Volume) else [data[n] for n in range(len(data))]:
-        if volume.active_voxels:
-            lower, upper = (np.array(corner, dtype=float) for corner in volume.index_box)
-            points.append(_corners(lower - 0.5, upper + 0.5) @ volume.matrix[:3, :3].T + volume.matrix[:3, 3])
-    return np.concatenate(points)
-
-
-def remember_extents() -> None:
-    """Makes convert hand the extent of voxels on to their model, in which vog.projection shows both."""
-    module: Any = _vog
-    convert = module.convert
-
-    @functools.wraps(convert)
-    def converted(*args: Any, **named: Any) -> Any:
-        model = convert(*args, **named)
-        data = args[0] if args else named.get("data")
-        if not isinstance(data, _vog.Points):
-            _extents[model] = _voxel_corners(data)
-        return model
-
-    module.convert = converted
-
-
 def _bounds(data: Any, axes: _Array) -> "tuple[_Array, _Array]":
     """Least and largest coordinates of the data along unit vectors [n, 3], in double precision."""
-    if not isinstance(data, _vog.Gaussians):
-        points = _voxel_corners(data)
-    elif data in _extents:
-        points = _extents[data]
+    if isinstance(data, _vog.Levels):
+        boxes = [data[n].voxel_box for n in range(len(data))]
     else:
-        points = _corners(*data.box) if data.box is not None else np.zeros((0, 3))
-    if not len(points):
+        boxes = [data.voxel_box if data.voxel_box is not None else data.box]
+    points = [_corners(*box) for box in boxes if box is not None]
+    if not points:
         raise _vog.Error("projection: the data are empty, expected Gaussians or active voxels, or width=")
-    along = points @ axes.T
+    along = np.concatenate(points) @ axes.T
     return along.min(axis=0), along.max(axis=0)
 
 
@@ -249,8 +216,8 @@ def projection(
                 component away from the observer, 'velocity.x' that along x, 'velocity.magnitude' the root mean square
     axis        direction towards the observer: 'x', 'y', 'z', '-x', ..., 0, 1, 2 or a vector (x, y, z). Along x the picture has y
                 to the right and z up, along y z and x, along z x and y, as in yt; along -x, -y, -z the right is turned round
-    width       width of the picture, world units: a number (a square) or (width, height), or Quantities; None: the active voxels, also
-                for a model that vog.convert made of them; for other models their box
+    width       width of the picture, world units: a number (a square) or (width, height), or Quantities; None: the active voxels, or
+                those that a model was made of; for other models their box
     resolution  pixels of the longer side, or (columns, rows). Pixels are square: where the two differ in shape the extent is
                 enlarged about its centre
     center      world point (x, y, z) in the middle; None: the middle of the data

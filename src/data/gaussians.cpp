@@ -140,6 +140,15 @@ Mat3 whitening(const Gaussians& gaussians, std::size_t i) {
     return w;
 }
 
+void Content::include(const Content& other) {
+    if (!standing.known()) standing = other.standing;
+    voxels.include(other.voxels);
+    if (hull.empty() || other.hull.empty())
+        hull.clear();
+    else
+        hull.insert(hull.end(), other.hull.begin(), other.hull.end());
+}
+
 void append(Gaussians& gaussians, const Gaussians& other) {
     if (gaussians.size() == 0 && gaussians.source.empty()) {
         gaussians = other;
@@ -173,6 +182,7 @@ void append(Gaussians& gaussians, const Gaussians& other) {
     append_kept(gaussians.scale, other.scale);
     append_kept(gaussians.density, other.density);
     gaussians.box.include(other.box);
+    gaussians.content.include(other.content);
     gaussians.source_voxels += other.source_voxels;
     if (gaussians.source != other.source) gaussians.source += " + " + other.source;
     if (gaussians.method != other.method) gaussians.method += " + " + other.method;
@@ -188,6 +198,7 @@ Gaussians select(const Gaussians& gaussians, std::span<const std::size_t> index)
     some.origin = gaussians.origin;
     some.cutoff = gaussians.cutoff;
     some.box = gaussians.box;
+    some.content = gaussians.content;
     some.source = gaussians.source;
     some.method = gaussians.method;
     some.options = gaussians.options;

@@ -29,7 +29,17 @@ inline double six_digits(double v, bool up) {
     return std::stod(fmt::format("{:.6g}", v + (up ? kSlack : -kSlack) * std::abs(v)));
 }
 
-/// Adds cutoff, origin and texts.
+inline nlohmann::ordered_json box_json(const Box& box) {
+    return {vector_json(box.lower), vector_json(box.upper)};
+}
+/// throws  as vector_of; vog::Error for a box that is inside out
+inline Box box_from(const nlohmann::ordered_json& json) {
+    const Box box{vector_of(json.at(0)), vector_of(json.at(1))};
+    if (box.empty()) throw Error("a box whose lower corner is above the upper one");
+    return box;
+}
+
+/// Adds cutoff, origin, texts, box and content.
 inline void put_description(nlohmann::ordered_json& json, const Gaussians& model) {
     json["cutoff"] = model.cutoff;
     json["origin"] = vector_json(model.origin);
@@ -38,8 +48,16 @@ inline void put_description(nlohmann::ordered_json& json, const Gaussians& model
     json["method"] = model.method;
     json["options"] = model.options;
     json["summary"] = model.summary;
+    if (!model.box.empty()) json["box"] = box_json(model.box);
+    if (!model.content.voxels.empty()) json["voxels"] = box_json(model.content.voxels);
+    if (const Standing& standing = model.content.standing; standing.known()) {
+        json["up"] = vector_json(standing.up);
+        if (standing.front != Vec3d{}) json["front"] = vector_json(standing.front);
+    }
+    for (const Vec3d& point : model.content.hull)
+        json["hull"].push_back({float(point.x), float(point.y), float(point.z)});
 }
-/// Sets cutoff, origin, texts and box.
+/// Sets cutoff, origin, texts, box and content.
 /// throws  as vector_of
 inline void take_description(const nlohmann::ordered_json& json, Gaussians& model) {
     model.cutoff = json.at("cutoff");
@@ -47,9 +65,12 @@ inline void take_description(const nlohmann::ordered_json& json, Gaussians& mode
     model.source_voxels = json.at("source_voxels");
     model.source = json.at("source"), model.method = json.at("method");
     model.options = json.at("options"), model.summary = json.at("summary");
-    if (!json.contains("box")) return;
-    model.box = {vector_of(json["box"].at(0)), vector_of(json["box"].at(1))};
-    if (model.box.empty()) throw Error("a box whose lower corner is above the upper one");
+    if (json.contains("box")) model.box = box_from(json["box"]);
+    if (json.contains("voxels")) model.content.voxels = box_from(json["voxels"]);
+    if (json.contains("up")) model.content.standing.up = vector_of(json["up"]);
+    if (json.contains("front")) model.content.standing.front = vector_of(json["front"]);
+    if (json.contains("hull"))
+        for (const auto& point : json["hull"]) model.content.hull.push_back(vector_of(point));
 }
 
 /// Name, kind, unit and range of each field, scalar ones first.

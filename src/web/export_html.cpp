@@ -182,7 +182,7 @@ Box framed_box(const Gaussians& model) {
 }
 
 Camera first_view(const Gaussians& model, const HtmlOptions& options) {
-    return options.camera ? *options.camera : orbit_view(framed_box(model));
+    return options.camera ? *options.camera : default_view(subject_of(model), 1, 1);
 }
 
 constexpr VogzPrecision kPrecisePage{kPagePrecision.step / 4, kPagePrecision.field_step / 2};
@@ -373,7 +373,7 @@ Json entries_json(std::span<const HtmlModel> models, const HtmlOptions& options,
 
 /// The page's JSON without its models.
 Json page_json(const Gaussians& first, const HtmlOptions& options) {
-    const Camera camera = options.camera ? *options.camera : orbit_view(framed_box(first));
+    const Camera camera = first_view(first, options);
     const Rgba& ground = options.shading.background;
     std::string map_name;
     Json page = {{"title", options.title},

@@ -61,7 +61,7 @@ TEST_P(pixel_mean_of, wider_ones_are_exact_at_pixel_centres) {
     const Gaussians model = random_gaussians(40, 0.2, 0.5, 63);
     for (const double distance : {0.8, 4.0}) {
         const Camera camera =
-            orbit_view({{-1, -1, -1}, {1, 1, 1}},
+            orbit_view(Box{{-1, -1, -1}, {1, 1, 1}},
                        {.azimuth_degrees = 20, .distance_radii = distance, .fov_degrees = 40});
         constexpr int kSize = 80;
         const CameraFrame frame = frame_of(camera, kSize, kSize);

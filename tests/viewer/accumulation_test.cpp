@@ -17,7 +17,7 @@ class accumulation : public headless {
         if (IsSkipped()) return;
         session_.emplace(
             [](const std::vector<std::string>&) {
-                Content content;
+                viewer::Content content;
                 content.model = random_gaussians(300, 0.01, 0.2, 41);
                 return content;
             },

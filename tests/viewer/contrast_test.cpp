@@ -163,7 +163,7 @@ TEST_F(window_contrast, texts_of_every_quantity_are_legible) {
     options.own_field = "density";
     const Gaussians model = convert_moments(sample_cloud({.size = 64}), options);
     Session session([&](const std::vector<std::string>&) {
-        Content content;
+        viewer::Content content;
         content.model = model;
         return content;
     });
@@ -183,7 +183,7 @@ TEST_F(window_contrast, texts_of_every_quantity_are_legible) {
             session.set_quantity(show);
             expect_legible(session, light, word_of(show));
         }
-        session.set_clip(session.scene.box);
+        session.set_clip(session.scene.subject.box);
         session.quantity.look.light = true;
         session.settings.split_on = true;
         session.settings.other = WindowRenderer::splat;

@@ -93,7 +93,6 @@ std::vector<Gaussians> convert_volumes(const ExportArguments& arguments, std::si
         if (!arguments.no_fields) options.own_field = own_name(set.volumes);
         Gaussians model = set.is_mesh() ? convert_moments(mesh, options)
                                         : convert_moments(set.volumes.front(), options);
-        if (set.is_mesh()) model.box = mesh.box;
         return model;
     };
     if (!set.is_mesh() && set.volumes.size() > 1) {
@@ -162,12 +161,12 @@ Json write_joined(const ExportArguments& arguments, const CLI::App& command,
     for (const HtmlModel& entry : entries) append(model, entry.levels.front());
     if (entries.size() > 1)
         note(fmt::format("{}: the sum of {} models", arguments.output, entries.size()));
+    const Vec3d up = up_of(arguments.page.view, vog::subject_of(model.box, model.content));
     if (is_splat_output(arguments.output, arguments.splats))
         return write_exchange(arguments.output, std::move(model), arguments.splats,
                               {fixed_extinction(arguments.page.color), arguments.page.color.tf,
                                arguments.page.quantity.quantity.field,
-                               command.count("--tf") + command.count("--field") > 0,
-                               up_of(arguments.page.view), arguments.page.view.up},
+                               command.count("--tf") + command.count("--field") > 0, up},
                               stages, arguments.json);
     if (extension_of(arguments.output) == ".vogz") {
         CompactArguments compact = arguments.compact;
@@ -254,9 +253,9 @@ Json export_sequence(const ExportArguments& all, const CLI::App& command) {
         throw CLI::ValidationError(
             "--name names the models of one page: not for a folder of pages");
     ExportArguments one = all;
-    one.page.box = Box{};
+    one.page.subject = Subject{};
     for (const std::string& input : all.inputs)
-        one.page.box->include(box_of(input, all.volume, all.points));
+        one.page.subject->include(subject_of(input, all.volume, all.points));
     Json pages = Json::array();
     for (const Frame& frame : frames_of(all.inputs, all.output, ".html")) {
         one.inputs = {frame.input};

@@ -65,15 +65,15 @@ std::vector<PictureReport> allgather(const std::vector<PictureReport>& own,
     return all;
 }
 
-/// The camera framing of a sequence: the bounding box of all inputs.
-Box box_of_all(const RenderArguments& arguments, const std::vector<bool>& assigned,
-               const RenderRanks& ranks) {
-    Box box;
+/// What the camera of a sequence frames: all inputs.
+Subject subject_of_all(const RenderArguments& arguments, const std::vector<bool>& assigned,
+                       const RenderRanks& ranks) {
+    Subject all;
     for (std::size_t n = 0; n < assigned.size(); ++n)
         if (assigned[n])
-            box.include(box_of(arguments.drawing.inputs[n], arguments.drawing.volume,
-                               arguments.drawing.points));
-    return ranks.box_union ? ranks.box_union(box) : box;
+            all.include(subject_of(arguments.drawing.inputs[n], arguments.drawing.volume,
+                                   arguments.drawing.points));
+    return joined(all, ranks.collective);
 }
 
 /// Output of each input of a sequence.
@@ -104,7 +104,7 @@ Json render_sequence(const RenderArguments& arguments, const CLI::App& command,
     const std::vector<bool> assigned =
         ranks.assigned ? ranks.assigned(inputs) : std::vector<bool>(frames.size(), true);
     RenderArguments one = arguments;
-    one.box = box_of_all(arguments, assigned, ranks);
+    one.subject = subject_of_all(arguments, assigned, ranks);
     if (!ranks.is_root) one.view.save_camera.clear();
     std::vector<PictureReport> own;
     for (std::size_t n = 0; n < frames.size(); ++n) {
@@ -150,7 +150,7 @@ std::vector<RenderedPicture> render_turn_in_time(const RenderArguments& argument
     const std::vector<std::string>& inputs = arguments.drawing.inputs;
     const int count = arguments.turntable, steps = static_cast<int>(inputs.size());
     RenderArguments one = arguments;
-    one.box = box_of_all(arguments, std::vector<bool>(inputs.size(), true), ranks);
+    one.subject = subject_of_all(arguments, std::vector<bool>(inputs.size(), true), ranks);
     std::vector<RenderedPicture> all;
     for (int step = 0; step < steps; ++step) {
         const auto first_of = [&](int n) {

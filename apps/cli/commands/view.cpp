@@ -163,8 +163,8 @@ void open_viewer(WindowArguments arguments, const CLI::App& command) {
     // Throws for options that exclude each other.
     const double aspect = double(size.width) / size.height;
     camera_from(arguments.view, command, {}, aspect);
-    options.camera = [&, aspect](const Box& box) {
-        const Camera camera = camera_from(arguments.view, command, box, aspect);
+    options.camera = [&, aspect](const Subject& subject) {
+        const Camera camera = camera_from(arguments.view, command, subject, aspect);
         if (!arguments.view.save_camera.empty()) write_camera(arguments.view.save_camera, camera);
         return camera;
     };

@@ -96,7 +96,7 @@ Gaussians load_model_part(const RenderArguments& arguments, Drawing& drawing,
         for (VectorField& field : model.fields.vector) share_range(field, ranks);
     }
     drawing.gaussians = static_cast<std::uint64_t>(count);
-    drawing.box = ranks.divided() ? model.box : view_box(model);
+    drawing.subject = subject_of(model, &ranks.collective);
     set_primitives_text(drawing, 0);
     return model;
 }

@@ -21,7 +21,7 @@ struct DividedVolumes {
     std::vector<VolumeSet> beside;  ///< [sets] voxels beside those parts, likewise; empty: not read
     // The same on every rank.
     std::size_t volumes = 0;         ///< of the whole
-    Box box;                         ///< of the whole, world units
+    Subject subject;                 ///< of the whole
     std::vector<std::string> notes;  ///< printed already
     std::exception_ptr failure{};    ///< of any rank, by which all have failed
 };

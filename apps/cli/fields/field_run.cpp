@@ -182,10 +182,8 @@ FieldDrawing load_volume_field(const RenderArguments& arguments, Drawing drawing
     const DrawingArguments& given = arguments.drawing;
     const auto data = std::make_shared<VolumesWithField>(load_volumes(given.inputs, given.volume));
     std::vector<Volume>& volumes = data->set.volumes;
-    for (const Volume& volume : volumes) {
-        if (!volume.empty()) drawing.box.include(world_box(volume));
-        drawing.active_voxels += active_voxels(volume);
-    }
+    for (const Volume& volume : volumes) drawing.active_voxels += active_voxels(volume);
+    drawing.subject = subject_of(volumes);
     const std::string& text = arguments.quantity.field;
     const std::string grid = text.substr(0, text.size() - part_length(text));
     drawing.notes = data->set.notes;
@@ -292,7 +290,7 @@ FieldDrawing load_divided_field(const RenderArguments& arguments, Drawing drawin
     for (const Volume& volume : volumes) voxels += static_cast<double>(active_voxels(volume));
     ranks.collective.sum(voxels);
     drawing.active_voxels = static_cast<std::uint64_t>(voxels);
-    drawing.box = part.box;
+    drawing.subject = part.subject;
     drawing.notes = part.notes;
     const std::string& text = arguments.quantity.field;
     const std::string grid = text.substr(0, text.size() - part_length(text));

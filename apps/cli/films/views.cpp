@@ -66,23 +66,29 @@ bool is_fitted(const CLI::App& command, const Camera& camera) {
     return camera.orthographic() ? !given("--width") : !given("--distance");
 }
 
-/// The first camera, as far (or as wide) as the farthest fitted one of the turn.
-Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Box& box, double aspect) {
+/// The first camera, looking at the subject's middle from as far (or as wide) as the farthest fitted one of the turn.
+Camera fitted_to_turn(const Camera& first, Vec3d up, int count, const Subject& subject,
+                      double aspect) {
     Camera result = first;
+    Box hull;
+    for (const Vec3d& point : subject.content.hull) hull.include(point);
+    if (!hull.empty()) result.look_at = hull.center();
+    result.eye = result.look_at + (first.eye - first.look_at);
     double farthest = 0;
-    for (const Camera& camera : turn_of(first, up, count)) {
-        const Camera fit = fitted(camera, box, aspect);
+    for (const Camera& camera : turn_of(result, up, count)) {
+        const Camera fit = fitted(camera, subject, aspect, false);
         farthest = std::max(farthest, length(fit.eye - fit.look_at));
         result.orthographic_width = std::max(result.orthographic_width, fit.orthographic_width);
     }
     if (!first.orthographic())
-        result.eye = first.look_at + farthest * normalized(first.eye - first.look_at);
+        result.eye = result.look_at + farthest * normalized(first.eye - first.look_at);
     return result;
 }
 
 /// Axis of the turn: --up, or upwards in the picture of --camera.
-Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const Camera& camera) {
-    return normalized(command.count("--camera") ? camera.up : up_of(arguments.view));
+Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const Camera& camera,
+                const Subject& subject) {
+    return normalized(command.count("--camera") ? camera.up : up_of(arguments.view, subject));
 }
 
 /// Creates the folder of an output that is one.
@@ -130,16 +136,16 @@ void share(const SharedScales& scales, RenderArguments& later) {
 }
 
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
-                                          const Box& box, Size size, const DrawView& draw) {
+                                          const Subject& subject, Size size, const DrawView& draw) {
     const double aspect = double(size.width) / size.height;
-    const Box framed = arguments.box.value_or(box);
-    Camera first = camera_from(arguments.view, command, framed, aspect);
+    const Subject shown = framed(arguments.view, arguments.subject.value_or(subject));
+    Camera first = camera_from(arguments.view, command, shown, aspect);
     std::vector<Camera> cameras{first};
     std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},
         values{arguments.quantity.values_output};
     if (const int count = arguments.turntable) {
-        const Vec3d up = turn_axis(arguments, command, first);
-        if (is_fitted(command, first)) first = fitted_to_turn(first, up, count, framed, aspect);
+        const Vec3d up = turn_axis(arguments, command, first, shown);
+        if (is_fitted(command, first)) first = fitted_to_turn(first, up, count, shown, aspect);
         cameras = turn_of(first, up, count);
         for (const std::string& output :
              {arguments.output, arguments.depth_output, arguments.quantity.values_output})

@@ -33,10 +33,10 @@ using DrawView =
 /// Draws the view of the arguments, or those of a turn about it: --turntable pictures about the up axis through the
 /// point looked at, counter-clockwise from above: all, or turn_part. A fitted view is as far as the farthest of the turn.
 /// All have the extinction and range of the first.
-/// box      world box of the inputs
+/// subject  of the inputs
 /// returns  figures of each picture; none on ranks other than the root
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
-                                          const Box& box, Size size, const DrawView& draw);
+                                          const Subject& subject, Size size, const DrawView& draw);
 
 /// Writes a picture to the output, or hands it over.
 void save_picture(const RenderArguments& arguments, const Image& picture);

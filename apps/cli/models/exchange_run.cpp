@@ -58,6 +58,15 @@ std::vector<Vec3f> paint(Gaussians& model, const SplatLook& look) {
     return colors;
 }
 
+/// "z" or "-y" of an axis, else "x,y,z".
+std::string direction_text(Vec3d v) {
+    const Vec3d unit = normalized(v);
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::abs(unit[axis]) == 1)
+            return fmt::format("{}{}", unit[axis] < 0 ? "-" : "", "xyz"[axis]);
+    return fmt::format("{:.6g},{:.6g},{:.6g}", v.x, v.y, v.z);
+}
+
 }  // namespace
 
 void add_splat_options(CLI::App& command, SplatArguments& arguments) {
@@ -112,8 +121,8 @@ Json write_exchange(const std::string& output, Gaussians model, const SplatArgum
             frame = fmt::format(
                 "1 unit is {:.6g} units of the data, 0 lies at {:.6g}, {:.6g}, {:.6g} there",
                 splats.world_scale, center.x, center.y, center.z);
-        frame += fmt::format(". {} of the data is up, {} in this format. Splats {}.", look.up_text,
-                             ply ? "-y" : "y",
+        frame += fmt::format(". {} of the data is up, {} in this format. Splats {}.",
+                             direction_text(look.up), ply ? "-y" : "y",
                              look.colored ? "have colours of " + look.tf : "are white");
         report["psnr_v_db"] = {{"mean", error.mean_db}, {"worst", error.worst_db}};
         report["depth_ratio"] = error.depth;

@@ -29,7 +29,6 @@ struct SplatLook {
     std::string field;                 ///< empty: the measure itself
     bool colored = false;              ///< --tf or --field was given; otherwise all are white
     Vec3d up{0, 1, 0};                 ///< upright direction in the data
-    std::string up_text;               ///< the same as the user wrote it
 };
 /// Writes a model as splats and reports what they lose in words, unless `json`.
 /// returns  the report of --json

@@ -62,10 +62,11 @@ HtmlOptions page_options(const PageArguments& arguments, const CLI::App& command
     options.shading = shading_of(color);
     // Without an option for the view, every model of the page is framed by itself; the pages of a
     // sequence share one view.
-    const bool viewed = arguments.box.has_value() || view_given(command);
+    const bool viewed = arguments.subject.has_value() || view_given(command);
     if (viewed)
-        options.camera = camera_from(arguments.view, command,
-                                     arguments.box ? *arguments.box : view_box(first.levels[0]), 1);
+        options.camera =
+            camera_from(arguments.view, command,
+                        arguments.subject ? *arguments.subject : subject_of(first.levels[0]), 1);
     options.steps = arguments.steps;
     if (arguments.chosen) {
         options.quantity = *arguments.chosen;
@@ -83,7 +84,7 @@ void check_page_options(const PageArguments& arguments, const CLI::App& command)
     stated_quantity(arguments.quantity);
     if (!arguments.quantity.quantity.volume()) load_transfer_function(arguments.color.tf);
     fixed_extinction(arguments.color);
-    if (view_given(command)) camera_from(arguments.view, command, {{-1, -1, -1}, {1, 1, 1}}, 1);
+    if (view_given(command)) camera_from(arguments.view, command, Box{{-1, -1, -1}, {1, 1, 1}}, 1);
 }
 
 void check_names(const PageArguments& arguments, std::size_t models) {

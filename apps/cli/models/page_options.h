@@ -24,7 +24,7 @@ struct PageArguments {
     bool precise = false;                ///< whether words are finer
     bool steps = false;                  ///< whether models are steps in time
     std::optional<HtmlQuantity> chosen;  ///< of a sequence's first page
-    std::optional<Box> box;  ///< box that views frame, in place of the model's: one camera for many
+    std::optional<Subject> subject;      ///< of all models, in place of one: one camera for many
 };
 
 /// Adds --title, --description, --name, --precise, --steps, --scale, and the options of quantities and colours. Those of views

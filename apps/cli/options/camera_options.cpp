@@ -60,13 +60,13 @@ Camera rolled(const Camera& camera, double degrees) {
 }
 
 /// The camera of a file, orthographic if the options say so.
-Camera camera_of_file(const ViewArguments& arguments, const Box& box, double aspect) {
+Camera camera_of_file(const ViewArguments& arguments, const Subject& subject, double aspect) {
     Camera camera = read_camera(arguments.camera_file);
     if (arguments.width > 0 && !arguments.orthographic && !camera.orthographic())
         throw CLI::ValidationError("--width: " + arguments.camera_file +
                                    " holds a pinhole camera, expected --orthographic");
     if (arguments.orthographic && !camera.orthographic())
-        camera.orthographic_width = fitted_width(camera, box, aspect);
+        camera.orthographic_width = fitted_width(camera, framed(arguments, subject), aspect);
     if (arguments.width > 0) camera.orthographic_width = arguments.width;
     return arguments.roll_degrees != 0 ? rolled(camera, arguments.roll_degrees) : camera;
 }
@@ -98,8 +98,9 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
         .add_option(
             "--distance", arguments.distance_radii,
             "Distance of the eye from the centre of the input's bounding box, in bounding radii "
-            "(half the box's diagonal). Default: the distance at which the box fills 95 % of the "
-            "picture's width or height")
+            "(half the box's diagonal). Default: the distance at which what the data show fills 95 "
+            "% of the "
+            "picture's width or height (--frame)")
         ->check(positive_number());
     command.add_option("--fov", arguments.fov_degrees, "Full vertical field of view, degrees")
         ->check(CLI::Range(0.001, 179.999))
@@ -109,9 +110,15 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
     command
         .add_option(
             "--width", arguments.width,
-            "Width of an orthographic picture, world units. Default: the bounding box fills "
-            "95 % of the picture's width or height")
+            "Width of an orthographic picture, world units. Default: what the data show fills "
+            "95 % of the picture's width or height (--frame)")
         ->check(positive_number());
+    command
+        .add_option("--frame", arguments.frame,
+                    "What a fitted picture holds: content, 99.9 % of what the data show, or data, "
+                    "their whole box")
+        ->check(CLI::IsMember({"content", "data"}))
+        ->capture_default_str();
     command
         .add_option("--eye", arguments.eye,
                     "Position x,y,z of the eye in world units, in place of the angles")
@@ -125,8 +132,8 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
             "--up", arguments.up,
             "Direction that is upright in the data: x, y, z, -x, -y, -z or x,y,z. It points "
             "up in the picture, and in viewers of exported splats; azimuth and elevation are "
-            "measured about it")
-        ->capture_default_str()
+            "measured about it. Default: as the file says or implies (z for scans in RAS, FITS, "
+            "levels of meshes, Blender's and Mantaflow's grids), else y")
         ->check(up_error);
     command
         .add_option("--roll", arguments.roll_degrees,
@@ -139,7 +146,9 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
                        "Write the camera of the picture to a JSON file");
 }
 
-Vec3d up_of(const ViewArguments& arguments) { return parse_up(arguments.up); }
+Vec3d up_of(const ViewArguments& arguments, const Subject& subject) {
+    return arguments.up.empty() ? up_of(Orbit{}, subject) : parse_up(arguments.up);
+}
 
 bool view_given(const CLI::App& command) {
     return std::ranges::any_of(command.get_options(), [](const CLI::Option* option) {
@@ -147,24 +156,30 @@ bool view_given(const CLI::App& command) {
     });
 }
 
-Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Box& box,
+Subject framed(const ViewArguments& arguments, const Subject& subject) {
+    Subject shown = subject;
+    if (arguments.frame == "data") shown.content.hull = Subject(subject.box).content.hull;
+    return shown;
+}
+
+Camera camera_from(const ViewArguments& arguments, const CLI::App& command, const Subject& subject,
                    double aspect) {
     const auto given = [&](const char* option) { return command.count(option) > 0; };
     if (given("--width") && !given("--orthographic") && !given("--camera"))
         throw CLI::ValidationError("--width needs --orthographic");
-    if (given("--camera")) return camera_of_file(arguments, box, aspect);
+    if (given("--camera")) return camera_of_file(arguments, subject, aspect);
 
-    Orbit orbit;
-    orbit.azimuth_degrees = arguments.azimuth_degrees;
-    orbit.elevation_degrees = arguments.elevation_degrees;
+    Orbit orbit = given("--up") ? Orbit{} : first_orbit(subject);
+    if (given("--up")) orbit.up = parse_up(arguments.up);
+    if (given("--azimuth")) orbit.azimuth_degrees = arguments.azimuth_degrees;
+    if (given("--elevation")) orbit.elevation_degrees = arguments.elevation_degrees;
     orbit.fov_degrees = arguments.fov_degrees;
-    orbit.up = parse_up(arguments.up);
     orbit.roll_degrees = arguments.roll_degrees;
     orbit.orthographic = arguments.orthographic;
     orbit.width = arguments.width;
     if (given("--view")) set_view(orbit, arguments.view);
     if (given("--distance")) orbit.distance_radii = arguments.distance_radii;
-    Camera camera = orbit_view(box, orbit, aspect);
+    Camera camera = orbit_view(framed(arguments, subject), orbit, aspect);
     if (!given("--eye") && !given("--look-at")) return camera;
 
     const Vec3d target =
@@ -180,7 +195,7 @@ Camera camera_from(const ViewArguments& arguments, const CLI::App& command, cons
         if (orbit.roll_degrees != 0) camera = rolled(camera, orbit.roll_degrees);
     }
     if (orbit.orthographic && orbit.width == 0)
-        camera.orthographic_width = fitted_width(camera, box, aspect);
+        camera.orthographic_width = fitted_width(camera, framed(arguments, subject), aspect);
     return camera;
 }
 

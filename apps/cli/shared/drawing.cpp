@@ -209,10 +209,8 @@ std::optional<double> Drawing::gpu_ms() const {
 }
 
 void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawing& drawing) {
-    for (const Volume& volume : set.volumes) {
-        if (!volume.empty()) drawing.box.include(world_box(volume));
-        drawing.active_voxels += active_voxels(volume);
-    }
+    for (const Volume& volume : set.volumes) drawing.active_voxels += active_voxels(volume);
+    drawing.subject = subject_of(set.volumes);
     set_primitives_text(drawing, set.is_mesh() ? set.volumes.size() : 0);
     draw_by(std::make_shared<DepthRenderer>(drawing.renderer, set, render_options(arguments, {})),
             drawing);
@@ -221,7 +219,7 @@ void draw_volumes(const DrawingArguments& arguments, const VolumeSet& set, Drawi
 void draw_model(const DrawingArguments& arguments, std::optional<double> extinction,
                 const std::shared_ptr<Gaussians>& model,
                 const std::shared_ptr<Hierarchy>& hierarchy, Drawing& drawing) {
-    drawing.box = view_box(*model);
+    drawing.subject = subject_of(*model);
     drawing.gaussians = model->size();
     set_primitives_text(drawing, 0);
     // A model without a hierarchy gets one where --pixel-error is given.

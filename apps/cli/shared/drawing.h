@@ -48,7 +48,7 @@ struct Drawing {
     Renderer renderer = Renderer::splat;
     std::string primitives_text;  ///< "20,000 Gaussians"
     std::uint64_t gaussians = 0, active_voxels = 0;
-    Box box;                         ///< world box for named views
+    Subject subject;                 ///< for named views
     std::vector<std::string> notes;  ///< notes that reading printed, for --json
     std::function<void(const Camera&, Size, const Progress&, DepthImage&)> draw;
     std::shared_ptr<const DepthRenderer> reports;  ///< null where its reports are of a part only

@@ -297,26 +297,26 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
     return model;
 }
 
-Box box_of(const std::string& input, const VolumeInputOptions& volume,
-           const PointInputOptions& points) {
+Subject subject_of(std::span<const Volume> volumes) {
+    Box box;
+    for (const Volume& volume : volumes) box.include(world_box(volume));
+    return vog::subject_of(box, content_of(volumes, box));
+}
+
+Subject subject_of(const std::string& input, const VolumeInputOptions& volume,
+                   const PointInputOptions& points) {
     const FileKind kind = kind_of(input, volume.grid);
     if (const auto site = find_site(input))
-        return view_box(read_site_info(site->folder).models[site->model].description);
-    if (kind == FileKind::model) return view_box(load_models({input}, nullptr, {}, volume.values));
+        return vog::subject_of(read_site_info(site->folder).models[site->model].description);
+    if (kind == FileKind::model)
+        return vog::subject_of(load_models({input}, nullptr, {}, volume.values));
     if (kind == FileKind::points) {
         std::vector<std::string> notes;
-        return view_box(
+        return vog::subject_of(
             convert_points(load_points({input}, points, volume, notes), point_options(points)));
     }
-    const bool one_grid = volume.grid.find_first_of("*?") == std::string::npos;
-    if (extension_of(input) == ".vdb" && one_grid)
-        return VolumeReader(input, {volume.grid, volume.level_set_to_fog, false, volume.values})
-            .world_box();
-    Box box;
     const fs::path file(input);
-    for (const Volume& level : read_levels(std::span(&file, 1), level_options(volume)).volumes)
-        if (!level.empty()) box.include(world_box(level));
-    return box;
+    return subject_of(read_levels(std::span(&file, 1), level_options(volume)).volumes);
 }
 
 Size parse_size(const std::string& text) {

@@ -108,9 +108,11 @@ Gaussians load_models(const std::vector<std::string>& files, Hierarchy* hierarch
 /// Reads one model as load_models does.
 Gaussians load_model(const std::string& file, Hierarchy* hierarchy, const ValueRules& rules);
 
-/// World box of an input, which views frame; read from metadata where the format has it.
-Box box_of(const std::string& input, const VolumeInputOptions& volume,
-           const PointInputOptions& points);
+/// What views of volumes frame.
+Subject subject_of(std::span<const Volume> volumes);
+/// What views of an input frame. Volumes are read whole.
+Subject subject_of(const std::string& input, const VolumeInputOptions& volume,
+                   const PointInputOptions& points);
 
 /// Size of a picture, pixels.
 struct Size {

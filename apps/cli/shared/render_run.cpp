@@ -303,11 +303,11 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
                         const RenderRanks& ranks) {
     if (!all_sites(arguments.drawing.inputs) || arguments.turntable || ranks.divided())
         return arguments;
-    Box box;
+    Subject subject;
     for (const std::string& input : arguments.drawing.inputs)
-        box.include(box_of(input, arguments.drawing.volume, arguments.drawing.points));
+        subject.include(subject_of(input, arguments.drawing.volume, arguments.drawing.points));
     const Size size = parse_size(arguments.size);
-    const Camera camera = camera_from(arguments.view, command, arguments.box ? *arguments.box : box,
+    const Camera camera = camera_from(arguments.view, command, arguments.subject.value_or(subject),
                                       static_cast<double>(size.width) / size.height);
     // Nodes have means of values, below the largest ones.
     const double pixel_error = arguments.quantity.maximum() ? 0 : 1;
@@ -364,7 +364,7 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App
         picture.camera = camera;
         return picture;
     };
-    return render_views(arguments, command, drawing.box, size, draw);
+    return render_views(arguments, command, drawing.subject, size, draw);
 }
 
 }  // namespace vog::cli

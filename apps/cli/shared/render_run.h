@@ -44,9 +44,9 @@ struct RenderArguments {
     std::optional<std::pair<int, int>> turn_part{};
     double per_second = 30;  ///< pictures of a film
     std::function<void(const Image&)>
-        take_picture{};        ///< takes pictures in place of the output's file
-    bool later_frame = false;  ///< of a sequence: range and unit distance are the first's
-    std::optional<Box> box;  ///< box that views frame, in place of the input's: one camera for many
+        take_picture{};              ///< takes pictures in place of the output's file
+    bool later_frame = false;        ///< of a sequence: range and unit distance are the first's
+    std::optional<Subject> subject;  ///< of all inputs, in place of one: one camera for many
 };
 
 /// Figures of one rendered picture, as the command reports them.
@@ -112,7 +112,6 @@ struct RenderRanks {
     bool is_root = true;      ///< the rank that shades, writes and reports
     /// Inputs of a sequence that this rank renders alone: one flag per input. Empty: all of them.
     std::function<std::vector<bool>(const std::vector<std::string>&)> assigned{};
-    std::function<Box(const Box&)> box_union{};  ///< bounding box of all ranks' boxes
     /// One text per rank, on every rank. Empty: a single process.
     std::function<std::vector<std::string>(const std::string&)> allgather{};
 

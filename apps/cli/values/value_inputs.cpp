@@ -47,7 +47,7 @@ ValueInputs load_model_values(const RenderArguments& arguments, Drawing drawing,
     const ScalarField& field =
         scalar_field_of(model->fields, arguments.quantity.field, input, arguments.quantity.show);
     ValueData data = value_data(*model, field);
-    add_ranks(data, drawing.box, ranks);
+    add_ranks(data, drawing.subject.box, ranks);
     return {std::move(drawing), field.name, field.unit, std::move(data), model, {}};
 }
 
@@ -131,11 +131,11 @@ ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing
     const auto data = std::make_shared<PartsWithField>();
     if (set.is_mesh()) {
         Composite mesh = composite(set);
-        drawing.box = mesh.box;
+        drawing.subject = subject_of(mesh.box, mesh.content);
         data->volumes = std::move(mesh.parts);
     } else {
         data->volumes = std::move(set.volumes);
-        for (const Volume& volume : data->volumes) drawing.box.include(world_box(volume));
+        drawing.subject = subject_of(data->volumes);
     }
     drawing.notes = set.notes;
     if (signed_field)
@@ -146,7 +146,7 @@ ValueInputs load_volume_values(const RenderArguments& arguments, Drawing drawing
     ValueInputs made;
     made.unit = data->field.front().unit;
     made.label = data->field.front().name;
-    made.data = value_data(data->volumes, data->field, drawing.box);
+    made.data = value_data(data->volumes, data->field, drawing.subject.box);
     for (const Volume& volume : data->volumes) drawing.active_voxels += active_voxels(volume);
     set_primitives_text(drawing, set.is_mesh() ? data->volumes.size() : 0);
     made.volumes = data;
@@ -239,11 +239,11 @@ ValueInputs load_divided_values(const RenderArguments& arguments, Drawing drawin
     for (const Volume& volume : data->volumes) voxels += static_cast<double>(active_voxels(volume));
     ranks.collective.sum(voxels);
     drawing.active_voxels = static_cast<std::uint64_t>(voxels);
-    drawing.box = part.box;
+    drawing.subject = part.subject;
     drawing.notes = part.notes;
     set_primitives_text(drawing, part.is_mesh ? part.volumes : 0);
-    ValueData sums = value_data(data->volumes, data->field, part.box);
-    add_ranks(sums, part.box, ranks);
+    ValueData sums = value_data(data->volumes, data->field, part.subject.box);
+    add_ranks(sums, part.subject.box, ranks);
     sums.lower = field->lower, sums.upper = field->upper;
     return {std::move(drawing), field->name, field->unit, std::move(sums), {}, data};
 }

@@ -78,7 +78,7 @@ std::vector<RenderedPicture> render_map(const RenderArguments& arguments, const 
         picture.camera = camera;
         return picture;
     };
-    return render_views(arguments, command, drawing.box, size, draw);
+    return render_views(arguments, command, drawing.subject, size, draw);
 }
 
 }  // namespace vog::cli

@@ -156,7 +156,6 @@ std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
     const DrawVolume drawn = volume.model ? model_renderer(arguments, volume, ranks)
                                           : volume_renderer(arguments, volume, ranks);
     Drawing& drawing = volume.drawing;
-    const Box box = arguments.box.value_or(drawing.box);
     std::vector<std::string> notes;
     const ChosenTransfer chosen =
         transfer_of(arguments, command, arguments.drawing.inputs.front(), volume.data, notes);
@@ -190,7 +189,7 @@ std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
         picture.camera = camera;
         return picture;
     };
-    return render_views(arguments, command, box, size, draw_view);
+    return render_views(arguments, command, drawing.subject, size, draw_view);
 }
 
 }  // namespace vog::cli

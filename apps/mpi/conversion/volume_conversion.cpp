@@ -208,7 +208,7 @@ class PartConversion {
     Gaussians by_moments(const InputPart& part, const MomentOptions& options,
                          MomentReport* report) const {
         if (!from_.is_mesh()) return convert_moments(part.volumes.front(), options, report);
-        Composite data{part.volumes, from_.box, part.voxels};
+        Composite data{part.volumes, from_.box, from_.content, part.voxels};
         // A rank without voxels still takes part in the collective sums.
         if (data.parts.empty()) data.parts.emplace_back();
         return convert_moments(data, options, report);
@@ -290,6 +290,7 @@ Gaussians description_of(const std::vector<InputPart>& parts, const std::vector<
         append(all, one);
     }
     all.box = from.box;
+    all.content = from.content;
     all.origin = model_origin(from.box);
     return all;
 }

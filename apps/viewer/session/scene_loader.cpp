@@ -155,12 +155,13 @@ void SceneLoader::show_volumes(VolumeSet set, const ReadFields& read_fields, Sce
             data.voxels += active_voxels(volume);
         }
         data.parts = std::move(set.volumes);
+        data.content = content_of(data.parts, data.box);
     }
     if (read_fields) {
         begin("reading fields");
         voxels->fields = read_fields(data.parts);
     }
-    scene.box = data.box;
+    scene.subject = subject_of(data.box, data.content);
     scene.facts = count_text(data.voxels) + " active voxels";
     if (count > 1)
         scene.facts += fmt::format(" in {} {}", count, set.is_mesh() ? "levels" : "volumes");
@@ -174,7 +175,7 @@ void SceneLoader::show_volumes(VolumeSet set, const ReadFields& read_fields, Sce
 
 void SceneLoader::show_model(Gaussians model, Hierarchy hierarchy, Scene scene) {
     const std::uint64_t voxels = model.source_voxels;
-    scene.box = view_box(model);
+    scene.subject = subject_of(model);
     scene.facts = voxels ? "a model of " + count_text(voxels) + " active voxels" : "a model";
     show(std::move(scene));
     Level level;
@@ -207,7 +208,7 @@ Level level_of(const SitePath& site) {
 
 void SceneLoader::show_site(const SitePath& site, Scene scene) {
     Level level = level_of(site);
-    scene.box = view_box(*level.model);
+    scene.subject = subject_of(level.site->info().description);
     scene.facts =
         fmt::format("a site of {} Gaussians, read as views need them", count_text(level.size()));
     show(std::move(scene));
@@ -218,11 +219,11 @@ void SceneLoader::show_points(const Points& points, PointOptions options, Scene 
     const auto count = static_cast<double>(points.size());
     scene.unit = "particles";
     scene.facts = count_text(points.size()) + " particles";
-    scene.box = bounds(points);
+    scene.subject = bounds(points);
     options.progress = progress();
     begin("converting: one Gaussian a particle");
     Gaussians all = convert_points(points, options);
-    scene.box = view_box(all);
+    scene.subject = subject_of(all);
     show(std::move(scene));
     add_level(level_of("one a particle", std::move(all), 1));
     for (const double share : {0.0029, 0.019, 0.135}) {
@@ -296,6 +297,7 @@ void SceneLoader::convert_levels(const Composite& data, const VoxelData& voxels_
             if (is_mesh) break;
         }
         all.box = data.box;
+        all.content = data.content;
         const double achieved = static_cast<double>(all.size()) / voxels;
         if (!cut.best) share_of[cut.block_voxels] = achieved;
         add_level(
@@ -311,7 +313,7 @@ void SceneLoader::measure_levels() {
         const std::lock_guard lock(mutex_);
         scene = scene_;
     }
-    const Camera camera = paper_view(scene.box);
+    const Camera camera = paper_view(scene.subject.box);
     DepthImage truth;
     if (scene.voxels)
         scene.voxels->depth->render(camera, kSize, kSize, truth, progress());

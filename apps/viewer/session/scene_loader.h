@@ -65,7 +65,7 @@ struct Scene {
     std::string title;            ///< "smoke.vdb"
     std::string facts;            ///< "1,049,275 active voxels"
     std::string unit = "voxels";  ///< or "particles": denominator of Level::share
-    Box box;
+    Subject subject;
     std::shared_ptr<const VoxelData> voxels;  ///< for the reference; null for models and particles
     std::vector<Level> levels;                ///< fewest Gaussians first
     int opened = 0;                           ///< count of sets of files opened so far

@@ -79,7 +79,7 @@ double Session::aspect() const {
 }
 
 double Session::radius() const {
-    const double radius = scene.box.empty() ? 1 : scene.box.radius();
+    const double radius = scene.subject.box.empty() ? 1 : scene.subject.box.radius();
     return radius > 0 ? radius : 1;
 }
 
@@ -109,7 +109,7 @@ void Session::update_scene() {
     site_fault_.clear();
     settings.level = -1;
     moving_error_ = 0;
-    camera = first_camera(scene.box);
+    camera = first_camera(scene.subject);
     if (opened > 0) exposure_open_ = true;
     if (!scene.voxels && settings.other == WindowRenderer::voxels)
         settings.other = WindowRenderer::splat;
@@ -219,7 +219,7 @@ void Session::update(PixelSize shown) {
     advance_recording();
 }
 
-bool Session::at_first_view() const { return same(camera, first_camera(scene.box)); }
+bool Session::at_first_view() const { return same(camera, first_camera(scene.subject)); }
 
 bool Session::drawing() const {
     if (scene.levels.empty()) return false;

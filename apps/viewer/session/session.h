@@ -79,7 +79,9 @@ class Session {
     Camera camera;
     Look look;  ///< changes take effect with look_changed()
     /// Initial view of opened files.
-    std::function<Camera(const Box&)> first_camera = [](const Box& box) { return orbit_view(box); };
+    std::function<Camera(const Subject&)> first_camera = [](const Subject& subject) {
+        return orbit_view(subject, first_orbit(subject));
+    };
     // State for display.
     Measured measured;
     Scene scene;

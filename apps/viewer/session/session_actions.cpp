@@ -28,10 +28,10 @@ void Session::open_json(const std::string& file) {
 }
 
 void Session::set_view(const std::string& name) {
-    camera = named_view(camera, name, scene.box, aspect(), up());
+    camera = named_view(camera, name, scene.subject, aspect(), up());
 }
 
-Vec3d Session::up() const { return up_.value_or(first_camera(scene.box).up); }
+Vec3d Session::up() const { return up_.value_or(first_camera(scene.subject).up); }
 
 void Session::set_z_up(bool z_up) {
     up_ = z_up ? Vec3d{0, 0, 1} : Vec3d{0, 1, 0};
@@ -41,13 +41,13 @@ void Session::set_z_up(bool z_up) {
     if (length(cross(ahead, camera.up)) < 1e-3 * length(ahead)) set_view(z_up ? "+x" : "+z");
 }
 
-void Session::fit() { camera = fitted(camera, scene.box, aspect()); }
+void Session::fit() { camera = fitted(camera, scene.subject, aspect()); }
 
 void Session::set_orthographic(bool orthographic) {
     camera = with_projection(camera, orthographic, aspect());
 }
 
-void Session::reset_view() { camera = first_camera(scene.box); }
+void Session::reset_view() { camera = first_camera(scene.subject); }
 
 int Session::level_index(const std::string& name) const {
     const int count = static_cast<int>(scene.levels.size());

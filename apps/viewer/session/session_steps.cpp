@@ -76,9 +76,9 @@ void Session::update_steps() {
     // The first step sets view, extinction and ranges of all.
     opening_ = false;
     ++scene.opened;
-    scene.box = view_box(*level->model);
+    scene.subject = subject_of(*level->model);
     values_of_.clear();
-    camera = first_camera(scene.box);
+    camera = first_camera(scene.subject);
     show_message(scene.title);
 }
 

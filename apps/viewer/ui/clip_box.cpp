@@ -97,7 +97,7 @@ void drag_clip_face(Session& session, const Rect& picture, Face face, float dx, 
     const std::optional<Box> box = session.quantity.look.clip.box;
     if (!box) return;
     const Projection projection(session.camera, picture);
-    const Box& data = session.scene.box;
+    const Box& data = session.scene.subject.box;
     const double width = data.upper[face.axis] - data.lower[face.axis];
     const double step = 0.01 * width;
     Vec3d at = middle_of(*box, face), beside = at;

@@ -198,8 +198,9 @@ void next_field(Session& session) {
 
 void toggle_clip(Session& session) {
     const bool on = session.quantity.look.clip.box.has_value();
-    attempt(session,
-            [&] { session.set_clip(on ? std::nullopt : std::optional(session.scene.box)); });
+    attempt(session, [&] {
+        session.set_clip(on ? std::nullopt : std::optional(session.scene.subject.box));
+    });
 }
 
 void apply_quantity_keys(Session& session) {

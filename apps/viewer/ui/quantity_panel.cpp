@@ -91,11 +91,12 @@ void edit_clip(Session& session, Gui& gui) {
     const std::optional<Box> box = session.quantity.look.clip.box;
     bool on = box.has_value();
     if (ImGui::Checkbox("clip box", &on))
-        attempt(session,
-                [&] { session.set_clip(on ? std::optional(session.scene.box) : std::nullopt); });
+        attempt(session, [&] {
+            session.set_clip(on ? std::optional(session.scene.subject.box) : std::nullopt);
+        });
     mark(gui, "clip box");
     if (!on || !box) return;
-    const Box& data = session.scene.box;
+    const Box& data = session.scene.subject.box;
     Box next = *box;
     for (int axis = 0; axis < 3; ++axis) {
         // Shares of the data's box: floats hold them anywhere in the world.

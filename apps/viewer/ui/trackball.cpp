@@ -131,14 +131,14 @@ Camera flown(const Camera& camera, double right, double up, double forward) {
     return result;
 }
 
-Camera named_view(const Camera& camera, const std::string& name, const Box& box, double aspect,
-                  Vec3d up) {
+Camera named_view(const Camera& camera, const std::string& name, const Subject& subject,
+                  double aspect, Vec3d up) {
     Orbit orbit;
     orbit.fov_degrees = camera.fov_degrees;
     orbit.up = up;
     orbit.orthographic = camera.orthographic();
     set_view(orbit, name);
-    return orbit_view(box, orbit, aspect);
+    return orbit_view(subject, orbit, aspect);
 }
 
 Camera with_projection(const Camera& camera, bool orthographic, double aspect) {

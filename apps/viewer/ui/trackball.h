@@ -38,8 +38,8 @@ Camera flown(const Camera& camera, double right, double up, double forward);
 /// View by name (set_view of vog/camera.h) with the camera's projection and angle, fitted.
 /// up      vertical direction of the data
 /// throws  vog::Error for other names, with the valid ones
-Camera named_view(const Camera& camera, const std::string& name, const Box& box, double aspect,
-                  Vec3d up);
+Camera named_view(const Camera& camera, const std::string& name, const Subject& subject,
+                  double aspect, Vec3d up);
 /// The camera with parallel rays, or with a pinhole: look_at's plane keeps its size in the picture.
 Camera with_projection(const Camera& camera, bool orthographic, double aspect);
 

@@ -273,6 +273,7 @@ Gaussians convert_moments(const Volume& volume, const MomentOptions& options,
     MomentReport unwanted;
     MomentJob job{{&volume, 1}, world_box(volume), false, options, report ? *report : unwanted};
     Gaussians model = run(job);
+    model.content = content_of({&volume, 1}, job.box);
     add_own_field(model, job, {&volume, 1});
     model.source_voxels = active_voxels(volume);
     set_summary(model, job);
@@ -288,6 +289,7 @@ Gaussians convert_moments(const Composite& data, const MomentOptions& options,
     MomentReport unwanted;
     MomentJob job{data.parts, data.box, true, options, report ? *report : unwanted};
     Gaussians model = run(job);
+    model.content = data.content;
     add_own_field(model, job, data.parts);
     model.source_voxels = data.voxels;
     set_summary(model, job);

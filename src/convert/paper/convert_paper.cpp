@@ -248,6 +248,7 @@ Gaussians convert_paper(const Volume& volume, const PaperOptions& options) {
     Gaussians model;
     model.cutoff = static_cast<float>(std::sqrt(-2 * std::log(static_cast<double>(options.kappa))));
     model.box = world_box(volume);
+    model.content = content_of({&volume, 1}, model.box);
     model.origin = options.origin.value_or(model_origin(model.box));
     model.source_voxels = active_voxels(volume);
     model.source = std::filesystem::path(volume.source).filename().string();
@@ -273,6 +274,7 @@ Gaussians convert_paper(const Composite& data, const PaperOptions& options) {
     Gaussians model;
     for (const Volume& part : data.parts) append(model, convert_paper(part, of_parts));
     model.box = data.box;
+    model.content = data.content;
     model.source_voxels = data.voxels;
     return model;
 }

@@ -347,8 +347,9 @@ std::string option_text(const PointJob& job) {
     return text;
 }
 
-/// Sets source and count of particles.
+/// Sets source, count and content of particles.
 void describe(Gaussians& model, const Points& points, const std::string& value) {
+    model.content.hull = subject_of(model).content.hull;
     model.source_voxels = points.size();
     model.source = std::filesystem::path(points.source).filename().string();
     model.source += (model.source.empty() ? "" : " ") + value;

@@ -214,10 +214,11 @@ Composite composite(const Levels& levels) {
     for (const Volume& domain : domains) lookups.emplace_back(domain);
 
     Composite result;
+    for (const Volume& level : levels.volumes) result.box.include(world_box(level));
+    result.content = content_of(levels.volumes, result.box);
     const std::vector<std::size_t> order = finest_first(levels.volumes);
     for (std::size_t rank = 0; rank < order.size(); ++rank) {
         const Volume& level = levels.volumes[order[rank]];
-        result.box.include(world_box(level));
         std::vector<ClipRegion> regions;
         const auto add_region = [&](std::size_t of, bool keeps) {
             regions.push_back(clip_region(lookups[of], keeps, domains[of].world_from_index,

@@ -305,6 +305,25 @@ void read_comments(const std::filesystem::path& file, const Header& header, Gaus
                                        "upper ones",
                                        value));
     }
+    if (comment(header, "voxels", value)) {
+        const auto b = numbers(file, "voxels", value, 6);
+        model.content.voxels = {{b[0], b[1], b[2]}, {b[3], b[4], b[5]}};
+    }
+    if (comment(header, "hull", value)) {
+        const auto count = 1 + static_cast<std::size_t>(std::ranges::count(value, ' '));
+        if (count % 3 != 0)
+            fail(file,
+                 fmt::format("comment 'hull' of {} numbers, expected x y z of each point", count));
+        const auto h = numbers(file, "hull", value, count);
+        for (std::size_t n = 0; n < count; n += 3)
+            model.content.hull.push_back({h[n], h[n + 1], h[n + 2]});
+    }
+    for (const auto& [name, direction] :
+         {std::pair{"up", &model.content.standing.up}, {"front", &model.content.standing.front}})
+        if (comment(header, name, value)) {
+            const auto v = numbers(file, name, value, 3);
+            *direction = {v[0], v[1], v[2]};
+        }
     if (comment(header, "source_voxels", value))
         model.source_voxels = count(file, "source_voxels", value);
     if (comment(header, "source", value)) model.source = value;
@@ -340,10 +359,22 @@ std::string header_text(const Gaussians& model, std::uint64_t count, bool rotate
     if (model.origin != Vec3d{})
         text += fmt::format("comment origin {} {} {}\n", model.origin.x, model.origin.y,
                             model.origin.z);
-    if (!model.box.empty())
-        text +=
-            fmt::format("comment box {} {} {} {} {} {}\n", model.box.lower.x, model.box.lower.y,
-                        model.box.lower.z, model.box.upper.x, model.box.upper.y, model.box.upper.z);
+    const auto add_box = [&](const char* name, const Box& box) {
+        if (!box.empty())
+            text += fmt::format("comment {} {} {} {} {} {} {}\n", name, box.lower.x, box.lower.y,
+                                box.lower.z, box.upper.x, box.upper.y, box.upper.z);
+    };
+    add_box("box", model.box);
+    add_box("voxels", model.content.voxels);
+    for (const auto& [name, v] :
+         {std::pair{"up", model.content.standing.up}, {"front", model.content.standing.front}})
+        if (v != Vec3d{}) text += fmt::format("comment {} {} {} {}\n", name, v.x, v.y, v.z);
+    if (!model.content.hull.empty()) {
+        text += "comment hull";
+        for (const Vec3d& p : model.content.hull)
+            text += fmt::format(" {:.7g} {:.7g} {:.7g}", p.x, p.y, p.z);
+        text += "\n";
+    }
     if (model.source_voxels) text += fmt::format("comment source_voxels {}\n", model.source_voxels);
     if (!model.source.empty()) text += "comment source " + one_line(model.source) + "\n";
     if (!model.method.empty()) text += "comment method " + one_line(model.method) + "\n";

@@ -241,6 +241,7 @@ std::string set_map(const Fits& fits, const FitsImage& image, const std::vector<
         }
         return text;
     };
+    if (grid.size.z > 1) grid.standing.up = {0, 0, 1};  // an image alone lies across z
     if (!world.stated()) {
         grid.coordinates = "pixels, the file states no others";
         return {};

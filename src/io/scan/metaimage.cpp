@@ -194,6 +194,7 @@ ScanFile open_metaimage(const std::filesystem::path& file) {
     grid.coordinates = anatomical ? "RAS (right, anterior, superior), from ITK's LPS"
                                   : "those of the file, which has no AnatomicalOrientation (ITK "
                                     "reads them as LPS)";
+    if (anatomical) grid.standing = kPatient;
     const std::string unit = lower_case(head.text({"distanceunits"}));
     if (!unit.empty() && unit != "?") set_units(file, {unit}, grid);
     ScanFile scan;

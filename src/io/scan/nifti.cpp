@@ -188,9 +188,11 @@ void set_map(const std::filesystem::path& file, const NiftiHead& head, ScanGrid&
     if (head.sform > 0 && !singular) {
         grid.world_from_index = sform;
         grid.coordinates = "RAS (right, anterior, superior), from the sform";
+        grid.standing = kPatient;
     } else if (head.qform > 0) {
         grid.world_from_index = qform_map(file, head, voxel_edges(head, notes));
         grid.coordinates = "RAS (right, anterior, superior), from the qform";
+        grid.standing = kPatient;
     } else {
         const Vec3d edge = voxel_edges(head, notes);
         grid.world_from_index =

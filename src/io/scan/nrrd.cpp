@@ -408,9 +408,11 @@ ScanFile open_nrrd(const std::filesystem::path& file) {
         const Anatomy anatomy = anatomy_of(head);
         grid.world_from_index =
             to_ras(map_by_directions(head, axes, directions), anatomy.left, anatomy.posterior);
-        if (anatomy.known)
+        if (anatomy.known) {
+            grid.standing = kPatient;
             grid.coordinates = fmt::format("RAS (right, anterior, superior), from {}",
                                            printable(head.text("space"), 40));
+        }
     }
     // Units of the axes, or of the world's.
     const std::vector<std::string> quotes =

@@ -11,6 +11,7 @@
 
 #include "vog/linear.h"
 #include "vog/memory.h"
+#include "vog/subject.h"
 
 namespace vog::scan {
 
@@ -21,8 +22,9 @@ struct ScanGrid {
     Affine world_from_index;     ///< from indices, from 0 at the first voxel's centre
     std::string type;            ///< of the stored values: "int16"
     std::string coordinates;     ///< of the world: "RAS, from sform"; empty: those of the file
-    std::string length_unit{};   ///< of the world: "mm"; empty: not known
-    std::string value_unit{};    ///< "HU"; empty: not known
+    Standing standing{};
+    std::string length_unit{};  ///< of the world: "mm"; empty: not known
+    std::string value_unit{};   ///< "HU"; empty: not known
 };
 
 /// Head of a file, and access to its values.
@@ -74,6 +76,8 @@ void set_units(const std::filesystem::path& file, const std::vector<std::string>
 bool have_common_unit(const std::vector<std::string>& units);
 /// Copies of a grid with these names.
 std::vector<ScanGrid> named_copies(const ScanGrid& grid, const std::vector<std::string>& names);
+/// How scans in right, anterior, superior stand.
+inline constexpr Standing kPatient{{0, 0, 1}, {0, 1, 0}};
 /// Map of a grid to right, anterior, superior from a space whose x runs to the left or y to the back.
 Affine to_ras(const Affine& map, bool left, bool posterior);
 /// Map of voxels along `axis` (directions times spacings), with the first one's centre at `origin`.

@@ -105,8 +105,6 @@ Json json_of(const ManifestModel& model) {
     const Gaussians& about = model.description;
     Json json = {{"name", model.name}, {"gaussians", model.gaussians}, {"rotated", model.rotated}};
     put_description(json, about);
-    if (!about.box.empty())
-        json["box"] = {vector_json(about.box.lower), vector_json(about.box.upper)};
     json["fields"] = fields_json(about.fields);
     json["levels"] = Json::array();
     for (const SiteLevel& level : model.levels)

@@ -72,8 +72,6 @@ Json to_json(const FileTable& table) {
     json["edge"] = shapes.edge;
     json["exponent"] = {shapes.exponent_at_zero, shapes.exponent_per_trace};
     json["steps"] = {shapes.diagonal_step, shapes.shear_step, shapes.mass_step};
-    if (!model.box.empty())
-        json["box"] = {vector_json(model.box.lower), vector_json(model.box.upper)};
     json["fields"] = fields_json(model.fields);
     for (std::size_t n = 0; n < table.fields.size(); ++n) {
         json["fields"][n]["reference"] = table.fields[n].reference;

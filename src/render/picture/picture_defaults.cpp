@@ -8,9 +8,9 @@
 
 namespace vog {
 
-Camera default_view(const Box& box, int width, int height) {
+Camera default_view(const Subject& subject, int width, int height) {
     const double aspect = width > 0 && height > 0 ? double(width) / height : 1;
-    return orbit_view(box, {}, aspect);
+    return orbit_view(subject, first_orbit(subject), aspect);
 }
 
 double default_extinction(const Gaussians& model) {

@@ -123,6 +123,7 @@ void JointCells::split_and_merge(std::span<const float> error, double share, Spl
 Gaussians JointCells::to_gaussians(const Gaussians& of) const {
     Gaussians model;
     model.origin = of.origin, model.cutoff = of.cutoff, model.box = of.box;
+    model.content = of.content;
     model.source_voxels = of.source_voxels;
     model.source = of.source, model.method = of.method;
     model.options = of.options, model.summary = of.summary;

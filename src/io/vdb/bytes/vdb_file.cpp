@@ -49,7 +49,7 @@ void VdbFile::read_header() {
                         "expected a file as openvdb::io::File writes it",
                         name_));
     file_.take(kUuidBytes);
-    read_vdb_metadata(file_);
+    z_up_ = read_vdb_metadata(file_).z_up;
 }
 
 void VdbFile::read_entry() {
@@ -107,6 +107,10 @@ VdbMetadata read_vdb_metadata(ByteSource& in) {
         if (type == "string" && name == "vector_type") metadata.vector_type = value;
         if (type == "string" && (name == "unit" || name == "units"))
             metadata.unit = grid_name(value);
+        // Blender names itself; Mantaflow states its resolution, writers of adaptive meshes the level.
+        if ((name == "creator" && value.starts_with("Blender")) || name == "file_base_resolution" ||
+            name == "amr_level")
+            metadata.z_up = true;
         if (type == "bool" && name == "is_local_space")
             metadata.local_space = !value.empty() && value.front() != 0;
     }

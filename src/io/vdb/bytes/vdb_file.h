@@ -31,6 +31,7 @@ struct VdbMetadata {
     std::string grid_class;    ///< "fog volume", "level set", ...
     std::string vector_type;   ///< of vectors: "invariant", "contravariant relative", ...
     std::string unit;          ///< text "unit" or "units"
+    bool z_up = false;         ///< written by Blender, Mantaflow, or as a level of a mesh
     bool local_space = false;  ///< vectors are in index space, not along the world's axes
 };
 
@@ -50,6 +51,7 @@ class VdbFile {
     const std::string& name() const { return name_; }
     std::uint32_t version() const { return version_; }
     const std::vector<VdbEntry>& entries() const { return entries_; }
+    bool z_up() const { return z_up_; }  ///< VdbMetadata::z_up of the file
     /// Bytes of a grid: head, tree topology, voxel values.
     BigVector<char> bytes(const VdbEntry& entry) { return bytes(entry.begin, entry.end); }
     BigVector<char> bytes(std::uint64_t begin, std::uint64_t end) {
@@ -69,6 +71,7 @@ class VdbFile {
     FileBytes file_;
     std::uint32_t version_ = 0;
     std::vector<VdbEntry> entries_;
+    bool z_up_ = false;
 };
 
 /// Reads the head of a grid up to its tree, or to its end if it shares another grid's tree.

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <optional>
 
 #include "vog/error.h"
 
@@ -34,7 +36,7 @@ struct OrbitAxes {
     Vec3d a, u, b;
 };
 OrbitAxes orbit_axes(Vec3d up) {
-    const Vec3d u = normalized(up);
+    const Vec3d u = up == Vec3d{} ? Vec3d{0, 1, 0} : normalized(up);
     // The shortest rotation from y to u turns v to v + k x v + k x (k x v) / (1 + cos), with
     // k = y x u. At -y its axis is undefined: half a turn about x.
     const double cosine = u.y;
@@ -48,52 +50,87 @@ OrbitAxes orbit_axes(Vec3d up) {
     return {turned({1, 0, 0}), u, turned({0, 0, 1})};
 }
 
-/// A box without extent (one point), or none, is viewed as a cube of bounding radius 1.
-Box shown_box(const Box& box) {
-    if (!box.empty() && box.radius() > 0) return box;
+/// A subject without extent (one point), or none, is viewed as a cube of bounding radius 1.
+Subject shown_subject(const Subject& subject) {
+    const Box& box = subject.box;
+    if (!box.empty() && box.radius() > 0) return subject;
     constexpr double kHalf = 0.5773502691896258;  // 1 / sqrt(3)
     const Vec3d center = box.empty() ? Vec3d{} : box.center(), half{kHalf, kHalf, kHalf};
-    return {center - half, center + half};
+    return Box{center - half, center + half};
 }
 
-/// Calls take(right, up, along) for the components of each corner of a box, relative to a point.
-template <class Take>
-void for_each_corner(const Box& box, Vec3d from, const ViewAxes& axes, const Take& take) {
-    for (int n = 0; n < 8; ++n) {
-        const Vec3d corner{n & 1 ? box.upper.x : box.lower.x, n & 2 ? box.upper.y : box.lower.y,
-                           n & 4 ? box.upper.z : box.lower.z};
-        const Vec3d at = corner - from;
-        take(dot(at, axes.right), dot(at, axes.up), dot(at, axes.forward));
-    }
+/// Middle of the hull along axes.
+Vec3d middle_of(const Subject& subject, const ViewAxes& axes) {
+    Box along;
+    for (const Vec3d& at : subject.content.hull)
+        along.include(Vec3d{dot(at, axes.right), dot(at, axes.up), dot(at, axes.forward)});
+    const Vec3d middle = along.center();
+    return middle.x * axes.right + middle.y * axes.up + middle.z * axes.forward;
 }
 
-/// Least distance of a pinhole camera from the box's centre at which the projected corners lie within
-/// kFitShare of the image: |across| / depth <= kFitShare * slope of the image's edge.
-double fitted_distance(const Box& box, const ViewAxes& axes, double fov_degrees, double aspect) {
-    const double slope_y = kFitShare * std::tan(radians(0.5 * fov_degrees));
-    const double slope_x = slope_y * aspect;
+/// Point in the middle of an image that the hull fits, and distance of the eye from it or width of the image.
+struct Fit {
+    Vec3d target;
+    double distance = 0, width = 0;  ///< of a pinhole camera; of an orthographic one
+};
+/// A point `at` of the hull, relative to the target, lies within the image if
+///   |right - r| <= slope (along + distance),  r: place of the view's axis,
+/// and likewise upwards: both sides give the least distance and the r at which it is reached.
+/// about  target; none: the one that centres the hull
+Fit fit(const Subject& subject, const ViewAxes& axes, const Camera& lens, double aspect,
+        const std::optional<Vec3d>& about = {}) {
+    const double slope_y = kFitShare * std::tan(radians(0.5 * lens.fov_degrees));
     constexpr double kOutside = 1.05;  // a needle along the view lies in front of the eye, too
-    double distance = 0;
-    for_each_corner(box, box.center(), axes, [&](double right, double up, double along) {
-        distance = std::max({distance, -kOutside * along, std::abs(right) / slope_x - along,
-                             std::abs(up) / slope_y - along});
-    });
-    return distance;
-}
-
-/// Least width of an orthographic image about `center` that holds the projected corners within
-/// kFitShare.
-double width_about(Vec3d center, const Box& box, const ViewAxes& axes, double aspect) {
-    double half = 0;
-    for_each_corner(box, center, axes, [&](double right, double up, double) {
-        half = std::max({half, std::abs(right), std::abs(up) * aspect});
-    });
-    return 2 * half / kFitShare;
+    Fit fit{about.value_or(middle_of(subject, axes))};
+    double shift[2] = {}, half[2] = {};
+    for (const int n : {0, 1}) {
+        const Vec3d across = n == 0 ? axes.right : axes.up;
+        const double slope = n == 0 ? slope_y * aspect : slope_y;
+        double low = -std::numeric_limits<double>::infinity(), high = low;
+        for (const Vec3d& point : subject.content.hull) {
+            const Vec3d at = point - fit.target;
+            const double along = dot(at, axes.forward);
+            high = std::max(high, dot(at, across) - slope * along);
+            low = std::max(low, -dot(at, across) - slope * along);
+            half[n] = std::max(half[n], std::abs(dot(at, across)));
+            fit.distance = std::max(fit.distance, -kOutside * along);
+        }
+        if (!about) shift[n] = 0.5 * (high - low);
+        fit.distance =
+            std::max({fit.distance, (high - shift[n]) / slope, (low + shift[n]) / slope});
+    }
+    fit.width = 2 * std::max(half[0], half[1] * aspect) / kFitShare;
+    if (lens.orthographic() || about) return fit;
+    // From this distance the axis that does not limit is centred by steps, which shrink by the hull's depth.
+    constexpr int kSteps = 24;
+    for (int step = 0; step < kSteps; ++step) {
+        const Vec3d target = fit.target + shift[0] * axes.right + shift[1] * axes.up;
+        Box image;
+        for (const Vec3d& point : subject.content.hull) {
+            const Vec3d at = point - target;
+            const double depth = dot(at, axes.forward) + fit.distance;
+            image.include(Vec3d{dot(at, axes.right) / depth, dot(at, axes.up) / depth, 0});
+        }
+        const Vec3d middle = image.center();
+        shift[0] += middle.x * fit.distance, shift[1] += middle.y * fit.distance;
+    }
+    fit.target = fit.target + shift[0] * axes.right + shift[1] * axes.up;
+    return fit;
 }
 
 ViewAxes axes_of(const Camera& camera) {
     const CameraFrame frame = frame_of(camera, 1, 1);
     return {frame.right, frame.up, frame.forward};
+}
+
+/// Sets azimuth and elevation to those of a direction to the eye.
+void look_from(Orbit& orbit, Vec3d to_eye) {
+    const OrbitAxes axes = orbit_axes(orbit.up);
+    const double along_a = dot(to_eye, axes.a), along_b = dot(to_eye, axes.b);
+    const double along_u = dot(to_eye, axes.u), across = std::hypot(along_a, along_b);
+    constexpr double kAlong = 1e-9;  // sine of the angle between the view and `up`
+    orbit.elevation_degrees = degrees(std::atan2(along_u, across));
+    orbit.azimuth_degrees = across > kAlong ? degrees(std::atan2(along_b, along_a)) : 90;
 }
 
 void check(const Orbit& orbit, double aspect) {
@@ -107,8 +144,7 @@ void check(const Orbit& orbit, double aspect) {
                            orbit.distance_radii));
     if (!(orbit.fov_degrees > 0 && orbit.fov_degrees < 180))
         refuse(fmt::format("field of view {} degrees, expected in (0, 180)", orbit.fov_degrees));
-    if (!finite(orbit.up) || length(orbit.up) == 0)
-        refuse(fmt::format("up {}, expected a direction", text(orbit.up)));
+    if (!finite(orbit.up)) refuse(fmt::format("up {}, expected a direction", text(orbit.up)));
     if (!(orbit.width >= 0 && std::isfinite(orbit.width)))
         refuse(fmt::format("width {} world units, expected a positive number, 0: fitted",
                            orbit.width));
@@ -177,14 +213,37 @@ CameraFrame relative_to(CameraFrame frame, Vec3d origin) {
     return frame;
 }
 
-Camera orbit_view(const Box& box, const Orbit& orbit, double aspect) {
-    check(orbit, aspect);
-    Camera camera;
-    const Box shown = shown_box(box);
-    camera.look_at = shown.center();
+Subject::Subject(const Box& of) : box(of) {
+    if (of.empty()) return;
+    for (int n = 0; n < 8; ++n)
+        content.hull.push_back({n & 1 ? of.upper.x : of.lower.x, n & 2 ? of.upper.y : of.lower.y,
+                                n & 4 ? of.upper.z : of.lower.z});
+}
 
+void Subject::include(const Subject& other) {
+    box.include(other.box);
+    if (content.hull.empty())
+        content = other.content;
+    else if (!other.content.hull.empty())
+        content.include(other.content);
+}
+
+Vec3d up_of(const Orbit& orbit, const Subject& subject) {
+    if (orbit.up != Vec3d{}) return orbit.up;
+    return subject.content.standing.known() ? subject.content.standing.up : Vec3d{0, 1, 0};
+}
+
+Orbit first_orbit(const Subject& subject) {
+    Orbit orbit;
+    orbit.up = up_of(orbit, subject);
+    if (subject.content.standing.front != Vec3d{}) look_from(orbit, subject.content.standing.front);
+    return orbit;
+}
+
+Camera orbit_view(const Subject& subject, const Orbit& orbit, double aspect) {
+    check(orbit, aspect);
     // Direction to the eye, and its derivative by the elevation, which is the image's upper edge.
-    const OrbitAxes axes = orbit_axes(orbit.up);
+    const OrbitAxes axes = orbit_axes(up_of(orbit, subject));
     const double az = radians(orbit.azimuth_degrees), el = radians(orbit.elevation_degrees);
     const Vec3d level = std::cos(az) * axes.a + std::sin(az) * axes.b;
     const Vec3d to_eye = std::cos(el) * level + std::sin(el) * axes.u;
@@ -195,34 +254,40 @@ Camera orbit_view(const Box& box, const Orbit& orbit, double aspect) {
     const ViewAxes view{cross(-1.0 * to_eye, up), up, -1.0 * to_eye};
 
     constexpr double kStraightAlong = 1e-6;  // cosine of the elevation
+    Camera camera;
     camera.up = orbit.roll_degrees == 0 && std::cos(el) > kStraightAlong ? axes.u : up;
     camera.fov_degrees = orbit.fov_degrees;
-    if (orbit.orthographic)
-        camera.orthographic_width =
-            orbit.width > 0 ? orbit.width : width_about(camera.look_at, shown, view, aspect);
-    const double distance = orbit.distance_radii > 0 ? orbit.distance_radii * shown.radius()
-                            : orbit.orthographic
-                                ? kPaperDistanceRadii * shown.radius()
-                                : fitted_distance(shown, view, orbit.fov_degrees, aspect);
-    camera.eye = camera.look_at + distance * to_eye;
+    if (orbit.orthographic) camera.orthographic_width = orbit.width > 0 ? orbit.width : 1;
+    const Subject shown = shown_subject(subject);
+    const double radius = shown.box.radius();
+    const bool is_fitted = orbit.orthographic ? orbit.width == 0 : orbit.distance_radii == 0;
+    Fit place{shown.box.center(), orbit.distance_radii * radius, orbit.width};
+    if (is_fitted) place = fit(shown, view, camera, aspect);
+    if (orbit.orthographic) {
+        camera.orthographic_width = place.width;
+        place.distance =
+            (orbit.distance_radii > 0 ? orbit.distance_radii : kPaperDistanceRadii) * radius;
+    }
+    camera.look_at = place.target;
+    camera.eye = camera.look_at + place.distance * to_eye;
     return camera;
 }
 
-double fitted_width(const Camera& camera, const Box& box, double aspect) {
-    return width_about(camera.look_at, shown_box(box), axes_of(camera), aspect);
+double fitted_width(const Camera& camera, const Subject& subject, double aspect) {
+    return fit(shown_subject(subject), axes_of(camera), camera, aspect, camera.look_at).width;
 }
 
-Camera fitted(const Camera& camera, const Box& box, double aspect) {
-    const Box shown = shown_box(box);
+Camera fitted(const Camera& camera, const Subject& subject, double aspect, bool centered) {
+    const Subject shown = shown_subject(subject);
     const ViewAxes axes = axes_of(camera);
+    const Fit place =
+        fit(shown, axes, camera, aspect, centered ? std::nullopt : std::optional(camera.look_at));
     Camera result = camera;
-    result.look_at = shown.center();
+    result.look_at = place.target;
     result.up = axes.up;
-    double distance = kPaperDistanceRadii * shown.radius();
-    if (camera.orthographic())
-        result.orthographic_width = width_about(result.look_at, shown, axes, aspect);
-    else
-        distance = fitted_distance(shown, axes, camera.fov_degrees, aspect);
+    if (camera.orthographic()) result.orthographic_width = place.width;
+    const double distance =
+        camera.orthographic() ? kPaperDistanceRadii * shown.box.radius() : place.distance;
     result.eye = result.look_at - distance * axes.forward;
     return result;
 }
@@ -247,12 +312,7 @@ void set_view(Orbit& orbit, const std::string& name) {
     }
     Vec3d to_eye;
     to_eye[name[1] - 'x'] = name[0] == '+' ? 1 : -1;
-    const OrbitAxes axes = orbit_axes(orbit.up);
-    const double along_a = dot(to_eye, axes.a), along_b = dot(to_eye, axes.b);
-    const double along_u = dot(to_eye, axes.u), across = std::hypot(along_a, along_b);
-    constexpr double kAlong = 1e-9;  // sine of the angle between the view and `up`
-    orbit.elevation_degrees = degrees(std::atan2(along_u, across));
-    orbit.azimuth_degrees = across > kAlong ? degrees(std::atan2(along_b, along_a)) : 90;
+    look_from(orbit, to_eye);
 }
 
 }  // namespace vog

@@ -1,0 +1,356 @@
+// subject.cpp: the part of the data that a picture shows, as the hull of a few points.
+#include "vog/subject.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <string>
+
+#include "core/paging.h"
+#include "core/parallel.h"
+#include "vog/dense.h"
+#include "vog/distributed.h"
+
+namespace vog {
+
+namespace {
+
+constexpr int kCells = 96;           // along the longest edge of the box
+constexpr double kLargestDepth = 4;  // T of the 99th percentile of the columns
+constexpr double kLeastLight = 0.02;
+constexpr double kLeftOut = 0.00025;    // share of the light on each side: 99.9 % of it in a view
+constexpr double kHullAccuracy = 0.01;  // of the hull's radius
+
+/// Directions to the lattice points on the surface of a cube of edge 2 n, one of each opposite pair.
+std::vector<Vec3d> directions(int n) {
+    std::vector<Vec3d> all;
+    for (int x = -n; x <= n; ++x)
+        for (int y = -n; y <= n; ++y)
+            for (int z = -n; z <= n; ++z) {
+                const bool outside = std::max({std::abs(x), std::abs(y), std::abs(z)}) == n;
+                const bool first = x > 0 || (x == 0 && (y > 0 || (y == 0 && z > 0)));
+                if (outside && first) all.push_back(normalized(Vec3d(x, y, z)));
+            }
+    return all;
+}
+
+/// Longest edge of a voxel, world units.
+double longest_step(const Affine& map) {
+    return std::max(
+        {length(map.linear.column(0)), length(map.linear.column(1)), length(map.linear.column(2))});
+}
+
+/// Mass of the data on a lattice of cubic cells in a box.
+class MassLattice {
+  public:
+    explicit MassLattice(const Box& box) : lower_(box.lower) {
+        const Vec3d edge = box.upper - box.lower;
+        cell_ = std::max({edge.x, edge.y, edge.z}) / kCells;
+        for (int axis = 0; axis < 3; ++axis)
+            count_[axis] =
+                std::clamp(static_cast<int>(std::ceil(edge[axis] / cell_ - 1e-9)), 1, kCells);
+        mass_.resize(static_cast<std::size_t>(count_.x) * static_cast<std::size_t>(count_.y) *
+                     static_cast<std::size_t>(count_.z));
+    }
+
+    void add(const Volume& volume) {
+        const double voxel = longest_step(volume.world_from_index);
+        for (const Leaf& leaf : volume.leaves) {
+            check_interrupt();
+            if (kLeafEdge * voxel < cell_) {
+                const double sum = std::reduce(leaf.value.begin(), leaf.value.end(), 0.0);
+                add(volume.world_from_index(vec_cast<double>(leaf.origin) + Vec3d{3.5, 3.5, 3.5}),
+                    sum * voxel_volume(volume));
+                continue;
+            }
+            for (int n = 0; n < kLeafVoxels; ++n)
+                if (const float value = leaf.value[static_cast<std::size_t>(n)]; value > 0)
+                    add_cube(volume, leaf.origin + Vec3i{n >> 6, n >> 3 & 7, n & 7}, 1,
+                             double{value});
+        }
+        for (const Tile& tile : volume.tiles)
+            add_cube(volume, tile.origin, tile.edge, double{tile.value});
+    }
+
+    /// Each Gaussian as six points, which have its mass, mean and covariance.
+    void add(const Gaussians& model) {
+        const double spread = std::sqrt(3 * variance_within(double{model.cutoff}));
+        for (std::size_t i = 0; i < model.size(); ++i) {
+            keep_memory_at(i);
+            const Mat3 axes = model.axis_aligned() ? Mat3{} : matrix_from_quat(model.rotation[i]);
+            const Vec3d mean = world_mean(model, i), s = vec_cast<double>(model.scale[i]);
+            const double share = mass(model, i) / 6;
+            for (int axis = 0; axis < 3; ++axis)
+                for (const double side : {-spread, spread})
+                    add(mean + (side * s[axis]) * axes.column(axis), share);
+        }
+    }
+
+    void sum_over(const Collective& collective) { collective.sum(mass_); }
+
+    /// Points whose hull holds what is seen; none where there is no mass.
+    std::vector<Vec3d> hull() const {
+        const std::vector<Lit> lit = within_most_light(lit_cells());
+        if (lit.empty()) return {};
+        std::vector<Vec3d> points;
+        const std::vector<Vec3d> candidates = ends_of_rows(lit);
+        Box box;
+        for (const Vec3d& at : candidates) box.include(at);
+        const double slack = kHullAccuracy * box.radius();
+        for (const int fineness : {1, 3})
+            for (const Vec3d& direction : directions(fineness))
+                for (const Vec3d& d : {direction, -direction}) {
+                    const auto along = [&](Vec3d a) { return dot(a, d); };
+                    const Vec3d farthest = std::ranges::max(candidates, {}, along);
+                    const bool held = std::ranges::any_of(
+                        points, [&](Vec3d p) { return along(p) >= along(farthest) - slack; });
+                    if (!held) points.push_back(farthest);
+                }
+        return points;
+    }
+
+  private:
+    struct Lit {
+        Vec3i cell;
+        double light;
+    };
+
+    std::size_t at(Vec3i cell) const {
+        return (static_cast<std::size_t>(cell.x) * static_cast<std::size_t>(count_.y) +
+                static_cast<std::size_t>(cell.y)) *
+                   static_cast<std::size_t>(count_.z) +
+               static_cast<std::size_t>(cell.z);
+    }
+    void add(Vec3d point, double mass) {
+        Vec3i cell;
+        for (int axis = 0; axis < 3; ++axis)
+            cell[axis] = static_cast<int>(
+                std::clamp((point[axis] - lower_[axis]) / cell_, 0.0, count_[axis] - 1.0));
+        mass_[at(cell)] += mass;
+    }
+    /// A cube of voxels of one value, in pieces no larger than a cell.
+    void add_cube(const Volume& volume, Vec3i origin, int edge, double value) {
+        const Affine& map = volume.world_from_index;
+        Vec3i pieces;
+        for (int axis = 0; axis < 3; ++axis)
+            pieces[axis] = std::clamp(
+                static_cast<int>(std::ceil(edge * length(map.linear.column(axis)) / cell_)), 1,
+                2 * kCells);
+        const Vec3d step{double(edge) / pieces.x, double(edge) / pieces.y, double(edge) / pieces.z};
+        const double mass = value * voxel_volume(volume) * step.x * step.y * step.z;
+        const Vec3d first = vec_cast<double>(origin) - Vec3d{0.5, 0.5, 0.5};
+        for (int x = 0; x < pieces.x; ++x)
+            for (int y = 0; y < pieces.y; ++y)
+                for (int z = 0; z < pieces.z; ++z)
+                    add(map(first +
+                            Vec3d{(x + 0.5) * step.x, (y + 0.5) * step.y, (z + 0.5) * step.z}),
+                        mass);
+    }
+    template <class Visit>
+    void each_cell(const Visit& visit) const {
+        Vec3i cell;
+        for (cell.x = 0; cell.x < count_.x; ++cell.x)
+            for (cell.y = 0; cell.y < count_.y; ++cell.y)
+                for (cell.z = 0; cell.z < count_.z; ++cell.z)
+                    if (const double mass = mass_[at(cell)]; mass > 0) visit(cell, mass);
+    }
+
+    /// Cells that are seen, each with its share of the light of its three columns.
+    std::vector<Lit> lit_cells() const {
+        std::array<std::vector<double>, 3> column;
+        const auto place = [&](int axis, Vec3i cell) {
+            const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+            return static_cast<std::size_t>(cell[u] * count_[v] + cell[v]);
+        };
+        for (int axis = 0; axis < 3; ++axis)
+            column[static_cast<std::size_t>(axis)].resize(
+                static_cast<std::size_t>(count_[(axis + 1) % 3] * count_[(axis + 2) % 3]));
+        each_cell([&](Vec3i cell, double mass) {
+            for (int axis = 0; axis < 3; ++axis)
+                column[static_cast<std::size_t>(axis)][place(axis, cell)] += mass;
+        });
+        std::vector<double> all;
+        for (const std::vector<double>& one : column)
+            std::ranges::copy_if(one, std::back_inserter(all),
+                                 [](double mass) { return mass > 0; });
+        if (all.empty()) return {};
+        const auto percentile =
+            all.begin() + static_cast<std::ptrdiff_t>(0.99 * double(all.size() - 1));
+        std::ranges::nth_element(all, percentile);
+        const double extinction = kLargestDepth / *percentile;
+        std::vector<Lit> lit;
+        each_cell([&](Vec3i cell, double mass) {
+            double light = 0;
+            for (int axis = 0; axis < 3; ++axis) {
+                const double sum = column[static_cast<std::size_t>(axis)][place(axis, cell)];
+                const double seen = -std::expm1(-extinction * sum);
+                if (seen >= kLeastLight) light += seen * (mass / sum);
+            }
+            if (light > 0) lit.push_back({cell, light});
+        });
+        return lit;
+    }
+
+    /// Cells between the ends of all but a share of the light, along 13 axes.
+    static std::vector<Lit> within_most_light(std::vector<Lit> lit) {
+        double all = 0;
+        for (const Lit& one : lit) all += one.light;
+        std::vector<char> kept(lit.size(), 1);
+        for (const Vec3d& direction : directions(1)) {
+            const auto bin = [&](const Lit& one) {
+                return static_cast<std::size_t>(
+                    std::lround(2 * dot(vec_cast<double>(one.cell), direction)) + 8 * kCells);
+            };
+            std::vector<double> light(16 * kCells);
+            for (const Lit& one : lit) light[bin(one)] += one.light;
+            std::size_t low = 0, high = light.size() - 1;
+            for (double sum = light[low]; sum <= kLeftOut * all; sum += light[low]) ++low;
+            for (double sum = light[high]; sum <= kLeftOut * all; sum += light[high]) --high;
+            for (std::size_t n = 0; n < lit.size(); ++n)
+                if (bin(lit[n]) < low || bin(lit[n]) > high) kept[n] = 0;
+        }
+        std::vector<Lit> some;
+        for (std::size_t n = 0; n < lit.size(); ++n)
+            if (kept[n]) some.push_back(lit[n]);
+        return some;
+    }
+
+    /// Corners of the first and the last cell of each row along z: all that a hull can have.
+    std::vector<Vec3d> ends_of_rows(const std::vector<Lit>& lit) const {
+        std::vector<Vec3d> points;
+        const auto add_corners = [&](Vec3i cell) {
+            const Vec3d lower = lower_ + cell_ * vec_cast<double>(cell);
+            std::ranges::copy(Subject(Box{lower, lower + Vec3d{cell_, cell_, cell_}}).content.hull,
+                              std::back_inserter(points));
+        };
+        const auto one_row = [](Vec3i a, Vec3i b) { return a.x == b.x && a.y == b.y; };
+        for (std::size_t n = 0; n < lit.size(); ++n) {
+            const bool first = n == 0 || !one_row(lit[n - 1].cell, lit[n].cell);
+            const bool last = n + 1 == lit.size() || !one_row(lit[n + 1].cell, lit[n].cell);
+            if (first || last) add_corners(lit[n].cell);
+        }
+        return points;
+    }
+
+    Vec3d lower_;
+    double cell_ = 0;
+    Vec3i count_;
+    std::vector<double> mass_;  // z fastest
+};
+
+/// Whether a lattice fits the box.
+bool has_extent(const Box& box) {
+    return !box.empty() && box.radius() > 0 && std::isfinite(box.radius());
+}
+
+/// Points of all processes.
+std::vector<Vec3d> joined(const std::vector<Vec3d>& points, const Collective& collective) {
+    if (!collective.several()) return points;
+    const std::string own(reinterpret_cast<const char*>(points.data()),
+                          points.size() * sizeof(Vec3d));
+    std::vector<Vec3d> all;
+    for (const std::string& bytes : collective.exchange_bytes(
+             std::vector<std::string>(static_cast<std::size_t>(collective.count), own))) {
+        const std::size_t before = all.size();
+        all.resize(before + bytes.size() / sizeof(Vec3d));
+        std::memcpy(all.data() + before, bytes.data(), bytes.size());
+    }
+    return all;
+}
+
+Box joined_box(const Box& own, const Collective& collective) {
+    std::vector<Vec3d> ends;
+    if (!own.empty()) ends = {own.lower, own.upper};
+    Box all;
+    for (const Vec3d& end : joined(ends, collective)) all.include(end);
+    return all;
+}
+
+/// How the data of any process stand: those that know it agree.
+Standing of_any(const Standing& own, const Collective& all) {
+    std::array<double, 12> most;
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto n = static_cast<std::size_t>(axis);
+        most[n] = own.up[axis], most[n + 3] = -own.up[axis];
+        most[n + 6] = own.front[axis], most[n + 9] = -own.front[axis];
+    }
+    all.max(most);
+    const auto vector = [&](std::size_t first) {
+        const auto at = [&](std::size_t n) {
+            return std::max(most[first + n], 0.0) - std::max(most[first + n + 3], 0.0);
+        };
+        return Vec3d{at(0), at(1), at(2)};
+    };
+    return {vector(0), vector(6)};
+}
+
+}  // namespace
+
+Box voxel_box(const Volume& volume) {
+    if (volume.empty()) return {};
+    const IndexBox active = active_box(volume);
+    const Vec3d half{0.5, 0.5, 0.5};
+    return transformed(volume.world_from_index, {vec_cast<double>(active.lower) - half,
+                                                 vec_cast<double>(active.upper) + half});
+}
+
+Subject subject_of(const Box& box, Content content) {
+    Subject subject(box);
+    if (content.hull.empty()) content.hull = std::move(subject.content.hull);
+    subject.content = std::move(content);
+    return subject;
+}
+
+Content content_of(std::span<const Volume> volumes, const Box& box) {
+    std::vector<const Volume*> pointers;
+    for (const Volume& volume : volumes) pointers.push_back(&volume);
+    return content_of(pointers, box);
+}
+
+Content content_of(std::span<const Volume* const> volumes, const Box& box,
+                   const Collective* collective) {
+    const Collective& all = collective_or_single(collective);
+    Content content;
+    for (const Volume* volume : volumes) {
+        content.voxels.include(voxel_box(*volume));
+        if (!content.standing.known()) content.standing = volume->standing;
+    }
+    content.standing = of_any(content.standing, all);
+    if (!has_extent(box)) return content;
+    MassLattice lattice(box);
+    for (const Volume* volume : volumes) lattice.add(*volume);
+    lattice.sum_over(all);
+    content.voxels = joined_box(content.voxels, all);
+    content.hull = lattice.hull();
+    return content;
+}
+
+Subject joined(const Subject& part, const Collective& collective) {
+    Subject all;
+    all.content.standing = of_any(part.content.standing, collective);
+    all.content.hull = joined(part.content.hull, collective);
+    all.content.voxels = joined_box(part.content.voxels, collective);
+    all.box = joined_box(part.box, collective);
+    return all;
+}
+
+Subject subject_of(const Gaussians& model, const Collective* collective) {
+    const Collective& all = collective_or_single(collective);
+    const Box box = view_box(model);
+    double unknown = model.content.hull.empty() && model.size() > 0 ? 1 : 0;
+    all.sum(unknown);
+    Content content{joined_box(model.content.voxels, all), {}, of_any(model.content.standing, all)};
+    if (unknown == 0) {
+        content.hull = joined(model.content.hull, all);
+    } else if (has_extent(box)) {
+        MassLattice lattice(box);
+        lattice.add(model);
+        lattice.sum_over(all);
+        content.hull = lattice.hull();
+    }
+    return subject_of(box, content);
+}
+
+}  // namespace vog
