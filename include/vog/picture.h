@@ -49,8 +49,6 @@ VoxelField component_of(VoxelField field, const std::string& part, const Volume&
 /// unit   empty: none
 std::string quantity_label(std::string_view show, const std::string& field,
                            const std::string& unit = {});
-/// A name with its unit in brackets, where it has one.
-std::string with_unit(const std::string& name, const std::string& unit);
 
 /// A map of values and the scale that colours it.
 struct ColoredMap {

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "vog/camera.h"
 #include "vog/image.h"
 #include "vog/shade.h"
 
@@ -68,15 +70,46 @@ Image shade_map(const ValueMap& map, const TransferFunction& tf, const ColorScal
 std::vector<double> scale_ticks(const ColorScale& scale, double least_gap);
 /// A tick's value: "0.05", "20", "1e-7".
 std::string tick_text(double value);
+/// A name with its unit in brackets, where it has one.
+std::string with_unit(const std::string& name, const std::string& unit);
 
-/// Colour bar and title around a picture.
-struct Annotation {
-    std::string title;      ///< above the picture; empty: none
-    std::string label;      ///< beside the colour bar: "column density [g/cm2]"
-    bool color_bar = true;  ///< right of the picture
+/// Coordinates along two sides of a picture.
+struct SideTicks {
+    struct Side {
+        double
+            first = 0,
+            last =
+                0;  ///< at the outer edges of the picture, world units; from the left, or from below
+        std::string name;  ///< "x [kpc]"
+    };
+    Side across, up;
 };
-/// Adds a colour bar with ticks on the right and a title above; the picture itself is unchanged,
-/// at the left and below the title. A picture lower than its label gets a margin below. Text is a bitmap font of ASCII and the signs of units (¹ ² ³ ⁻
+/// Coordinates of an orthographic picture along the axes of the world; none for other cameras.
+/// unit  of length; empty: none
+std::optional<SideTicks> side_ticks(const Camera& camera, int width, int height,
+                                    const std::string& unit = {});
+
+/// Marks of the world's lengths over a picture.
+struct PictureFrame {
+    Camera camera;
+    Box box;                  ///< Box of the data, world units
+    std::string length_unit;  ///< empty: none
+    bool axes = false;        ///< outline of the box, with ticks and coordinates along three edges
+    bool scale_bar = false;   ///< a length at the depth of look_at, at the lower left
+};
+/// Draws the marks into a picture; edges behind the data are fainter.
+/// background  ink is black or white, whichever differs more
+/// throws      vog::Error for a unit without glyphs, or an invalid camera
+void draw_frame(Image& picture, const PictureFrame& frame, const Rgba& background = {0, 0, 0, 1});
+
+/// Colour bar, title and coordinates around a picture.
+struct Annotation {
+    std::string title;                 ///< above the picture; empty: none
+    std::string label;                 ///< beside the colour bar: "column density [g/cm2]"
+    bool color_bar = true;             ///< right of the picture
+    std::optional<SideTicks> sides{};  ///< left of the picture and below it
+};
+/// Adds a colour bar with ticks on the right, a title above, and coordinates at the left and below; the picture itself is unchanged. A picture lower than its label gets a margin below. Text is a bitmap font of ASCII and the signs of units (¹ ² ³ ⁻
 /// ° µ × ·), in whole multiples of 5x7 pixels, about 1/36 of the picture's height.
 /// background  colour of the margins; text is black or white, whichever differs more
 /// throws      vog::Error for a character without a glyph, text that does not fit, an invalid scale

@@ -7,7 +7,7 @@
 
 #include "compare/grey.h"
 #include "core/parallel.h"
-#include "shade/bitmap_font.h"
+#include "shade/annotation/bitmap_font.h"
 #include "vog/compare.h"
 #include "vog/error.h"
 

@@ -157,6 +157,10 @@ std::vector<double> scale_ticks(const ColorScale& scale, double least_gap) {
     return ticks;
 }
 
+std::string with_unit(const std::string& name, const std::string& unit) {
+    return unit.empty() ? name : name + " [" + unit + "]";
+}
+
 std::string tick_text(double value) {
     if (value == 0) return "0";  // not -0
     // Six digits take away the rounding of multiples: 0.30000000000000004.

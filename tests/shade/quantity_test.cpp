@@ -6,7 +6,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "shade/bitmap_font.h"
+#include "shade/annotation/bitmap_font.h"
 #include "support/command.h"
 #include "support/data.h"
 #include "support/refused_files.h"

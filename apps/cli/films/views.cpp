@@ -91,6 +91,17 @@ Vec3d turn_axis(const RenderArguments& arguments, const CLI::App& command, const
     return normalized(command.count("--camera") ? camera.up : up_of(arguments.view, subject));
 }
 
+/// What the pictures frame: with --axes the box, with room for the coordinates around it.
+Subject shown_subject(const RenderArguments& arguments, const Subject& subject) {
+    Subject shown = framed(arguments.view, subject);
+    const Box box = outline_of(subject);
+    if (!arguments.quantity.axes || box.empty()) return shown;
+    constexpr double kRoom = 1.2;
+    const Vec3d half = (0.5 * kRoom) * (box.upper - box.lower);
+    shown.content.hull = Subject(Box{box.center() - half, box.center() + half}).content.hull;
+    return shown;
+}
+
 /// Creates the folder of an output that is one.
 void create_folder(const std::string& output) {
     if (output.empty() || !is_sequence(output)) return;
@@ -138,7 +149,7 @@ void share(const SharedScales& scales, RenderArguments& later) {
 std::vector<RenderedPicture> render_views(const RenderArguments& arguments, const CLI::App& command,
                                           const Subject& subject, Size size, const DrawView& draw) {
     const double aspect = double(size.width) / size.height;
-    const Subject shown = framed(arguments.view, arguments.subject.value_or(subject));
+    const Subject shown = shown_subject(arguments, arguments.subject.value_or(subject));
     Camera first = camera_from(arguments.view, command, shown, aspect);
     std::vector<Camera> cameras{first};
     std::vector<std::string> outputs{arguments.output}, depths{arguments.depth_output},

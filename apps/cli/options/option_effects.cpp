@@ -133,7 +133,8 @@ const Row kRows[] = {
     {"render", "--values-out", "show", "T column mean deviation maximum"},
     {"render", "--least-column", "show", "mean deviation"},
     {"render", "--range --scale --log --least-column", "output", "picture film"},
-    {"render", "--color-bar --title --tf --background --blend", "output", "picture film"},
+    {"render", "--color-bar --axes --scale-bar --title --tf --background --blend", "output",
+     "picture film"},
     // How it is drawn.
     {"render", "--pixel-error", "show", "T column mean deviation"},
     {"render", "--interpolation=linear", "show", "T column mean deviation volume"},

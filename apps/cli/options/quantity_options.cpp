@@ -53,9 +53,16 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
         "--units", arguments.units,
         "Unit of the shown quantity, for the colour bar and the report: text, such as "
         "'g/cm2'; default: the field's");
+    command.add_flag("--color-bar", arguments.color_bar,
+                     "Add a colour bar with ticks on the right of the picture, which becomes "
+                     "wider; an orthographic picture along axes gets "
+                     "coordinates on the left and below");
+    command.add_flag("--axes", arguments.axes,
+                     "Draw the outline of the data's box, with coordinates along its edges; a "
+                     "fitted picture holds it whole");
     command.add_flag(
-        "--color-bar", arguments.color_bar,
-        "Add a colour bar with ticks on the right of the picture, which becomes wider");
+        "--scale-bar", arguments.scale_bar,
+        "Draw a bar of a round length, in world units, at the depth of the point looked at");
     command.add_option("--title", arguments.title, "Text above the picture, which becomes higher");
     command
         .add_option(

@@ -11,7 +11,7 @@ namespace vog::cli {
 
 struct QuantityArguments {
     std::string show = "T", field, range, scale = "linear", units, title, values_output;
-    bool log = false, color_bar = false;
+    bool log = false, color_bar = false, axes = false, scale_bar = false;
     /// Share of the largest column below which a picture of a field shows nothing.
     double least_column = kLeastColumn;
 

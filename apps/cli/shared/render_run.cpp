@@ -55,21 +55,43 @@ ColorScale scale_of(const QuantityArguments& quantity, const DepthImage& depth) 
     return automatic_scale({&depth, 1}, quantity.logarithmic());
 }
 
-/// The picture with --color-bar and --title.
-Image pictured(const RenderArguments& arguments, const DepthImage& depth,
-               const TransferFunction& tf, const ColorScale& scale, const std::string& quantity) {
+/// The picture with all that is drawn over it and around it.
+Image pictured(const RenderArguments& arguments, const Drawing& drawing, const Camera& camera,
+               const DepthImage& depth, const TransferFunction& tf, const ColorScale& scale,
+               const std::string& quantity) {
     const ShadeOptions shading = shading_of(arguments.color);
-    Image image = scale.kind == ColorScale::Kind::visibility
-                      ? shade(depth, tf, shading)
-                      : shade_values(depth, tf, scale, shading);
     const QuantityArguments& given = arguments.quantity;
-    if (!given.color_bar && given.title.empty()) return image;
-    const std::string label =
-        with_unit(given.column() ? quantity : quantity_label("T", ""), given.units);
-    return annotated(image, tf, scale, {given.title, label, given.color_bar}, shading.background);
+    return annotated_picture(
+        arguments, drawing, camera,
+        scale.kind == ColorScale::Kind::visibility ? shade(depth, tf, shading)
+                                                   : shade_values(depth, tf, scale, shading),
+        tf, scale, with_unit(given.column() ? quantity : quantity_label("T", ""), given.units));
 }
 
 }  // namespace
+
+Box outline_of(const Subject& subject) {
+    return subject.content.voxels.empty() ? subject.box : subject.content.voxels;
+}
+
+Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing,
+                        const Camera& camera, Image image, const TransferFunction& tf,
+                        const ColorScale& scale, const std::string& label) {
+    const QuantityArguments& given = arguments.quantity;
+    const Rgba background = shading_of(arguments.color).background;
+    if (given.axes || given.scale_bar)
+        draw_frame(image,
+                   {camera,
+                    outline_of(arguments.subject.value_or(drawing.subject)),
+                    {},
+                    given.axes,
+                    given.scale_bar},
+                   background);
+    if (!given.color_bar && given.title.empty()) return image;
+    Annotation around{given.title, label, given.color_bar};
+    if (given.color_bar) around.sides = side_ticks(camera, image.width, image.height);
+    return annotated(image, tf, scale, around, background);
+}
 
 double share_above(std::span<const float> values, double limit) {
     const auto above =
@@ -352,8 +374,9 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App
 
         if (!one.output.empty()) {
             const std::string quantity = quantity_text(one, drawing.kind);
-            const Image image =
-                stages.run("shade", [&] { return pictured(one, depth, tf, scale, quantity); });
+            const Image image = stages.run("shade", [&] {
+                return pictured(one, drawing, camera, depth, tf, scale, quantity);
+            });
             stages.run("save", [&] { save_picture(one, image); });
         }
         if (!one.depth_output.empty()) write_exr(one.depth_output, depth);

@@ -79,6 +79,13 @@ struct RenderedPicture {
     /// Whether the shown quantity is T, which an extinction multiplies.
     bool has_extinction() const { return !scale; }
 };
+/// Box that --axes outlines, world units: of the active voxels, where they are known.
+Box outline_of(const Subject& subject);
+/// A picture with all that is drawn over it and around it: --axes, --scale-bar, --color-bar, --title.
+/// label  of the colour bar
+Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing,
+                        const Camera& camera, Image image, const TransferFunction& tf,
+                        const ColorScale& scale, const std::string& label);
 /// Share of the values above a limit.
 double share_above(std::span<const float> values, double limit);
 /// Figures of a picture of T or column density, and notes on it.

@@ -13,17 +13,6 @@ namespace vog::cli {
 
 namespace {
 
-/// The picture of a map with --color-bar and --title.
-Image colored(const RenderArguments& arguments, const MapPicture& map, const TransferFunction& tf) {
-    const ShadeOptions shading = shading_of(arguments.color);
-    const Image image = shade_map(map.shown, tf, map.scale, shading);
-    const QuantityArguments& given = arguments.quantity;
-    if (!given.color_bar && given.title.empty()) return image;
-    return annotated(image, tf, map.scale,
-                     {given.title, with_unit(map.name, map.unit), given.color_bar},
-                     shading.background);
-}
-
 /// Figures of the shown values in place of T's.
 void set_figures(const RenderArguments& arguments, const MapPicture& map,
                  RenderedPicture& picture) {
@@ -67,7 +56,11 @@ std::vector<RenderedPicture> render_map(const RenderArguments& arguments, const 
         MapPicture map = loaded.picture(quantity);
         if (!quantity.units.empty()) map.unit = quantity.units;
         if (!one.output.empty()) {
-            const Image image = stages.run("shade", [&] { return colored(one, map, tf); });
+            const Image image = stages.run("shade", [&] {
+                return annotated_picture(one, drawing, camera,
+                                         shade_map(map.shown, tf, map.scale, shading_of(one.color)),
+                                         tf, map.scale, with_unit(map.name, map.unit));
+            });
             stages.run("save", [&] { save_picture(one, image); });
         }
         if (!quantity.values_output.empty()) loaded.write(quantity.values_output);

@@ -131,19 +131,6 @@ TransferFunction bar_of(const ChosenTransfer& chosen) {
     return sampled_transfer_function(chosen.transfer.name, colors);
 }
 
-/// The picture over the background, with --color-bar and --title.
-Image shown(const RenderArguments& arguments, const VolumeImage& picture,
-            const ChosenTransfer& chosen, const ColorScale& scale, const ValueInputs& inputs) {
-    const ShadeOptions shading = shading_of(arguments.color);
-    Image image = over(picture, shading.background);
-    const QuantityArguments& given = arguments.quantity;
-    if (!given.color_bar && given.title.empty()) return image;
-    return annotated(
-        image, bar_of(chosen), scale,
-        {given.title, quantity_label("volume", inputs.label, inputs.unit), given.color_bar},
-        shading.background);
-}
-
 }  // namespace
 
 std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
@@ -174,8 +161,11 @@ std::vector<RenderedPicture> render_volume(const RenderArguments& arguments,
         });
         if (!ranks.is_root) return std::nullopt;
         if (!one.output.empty()) {
-            const Image finished =
-                stages.run("shade", [&] { return shown(one, image, chosen, scale, volume); });
+            const Image finished = stages.run("shade", [&] {
+                return annotated_picture(
+                    one, drawing, camera, over(image, shading_of(one.color).background),
+                    bar_of(chosen), scale, quantity_label("volume", volume.label, volume.unit));
+            });
             stages.run("save", [&] { save_picture(one, finished); });
         }
         if (!one.view.save_camera.empty()) write_camera(one.view.save_camera, camera);

@@ -73,10 +73,6 @@ std::string quantity_label(std::string_view show, const std::string& field,
     return with_unit(label, unit);
 }
 
-std::string with_unit(const std::string& name, const std::string& unit) {
-    return unit.empty() ? name : name + " [" + unit + "]";
-}
-
 ColoredMap colored_map(const FieldMaps& maps, std::string_view show, ScaleFit fit,
                        const std::optional<ColorScale>& fixed, double least_column) {
     if (show == "column") {

@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "data/image_checks.h"
-#include "shade/bitmap_font.h"
+#include "shade/annotation/bitmap_font.h"
 #include "vog/error.h"
 #include "vog/quantity.h"
 
@@ -20,14 +22,9 @@ struct Layout {
     int scale = 1, gap = 4, bar_width = 10, tick_length = 3;
     int bar_left = 0, text_left = 0, label_left = 0, right = 0;  ///< columns
     int top = 0, bottom = 0;                                     ///< rows of the bar: [top, bottom)
-    int picture_top = 0, height = 0;                             ///< height of the whole image
+    int picture_left = 0, picture_top = 0;
+    int height = 0;  ///< of the whole image
 };
-
-/// Scale at which text is 1/36 of the picture's height, at least 1: 2 at 512 pixels.
-int text_scale(int height) {
-    constexpr double kShare = 36;
-    return std::max(1, static_cast<int>(std::lround(height / (kShare * kGlyphHeight))));
-}
 
 /// The largest scale up to `most` at which a text fits.
 int fitting_scale(const std::string& what, const std::string& text, int most, int length) {
@@ -37,14 +34,6 @@ int fitting_scale(const std::string& what, const std::string& text, int most, in
                             text_width(text, 1), length));
 }
 
-Rgba ink_on(const Rgba& background) {
-    // Rec. 709 luma of the background, white where it is clear.
-    const float luma =
-        background.a * (0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b) +
-        (1 - background.a);
-    return luma < 0.5f ? Rgba{1, 1, 1, 1} : Rgba{0, 0, 0, 1};
-}
-
 void fill(Image& image, int left, int top, int right, int bottom, const Rgba& color) {
     for (int y = std::max(top, 0); y < std::min(bottom, image.height); ++y)
         for (int x = std::max(left, 0); x < std::min(right, image.width); ++x)
@@ -52,8 +41,28 @@ void fill(Image& image, int left, int top, int right, int bottom, const Rgba& co
 }
 
 /// Least distance between ticks, as positions: one and a half lines of text.
-double tick_gap(const Layout& at) {
-    return std::min(0.5, 1.5 * at.scale * kGlyphHeight / std::max(1, at.bottom - at.top));
+double tick_gap(const Layout& at, int length) {
+    return std::min(0.5, 1.5 * at.scale * kGlyphHeight / std::max(1, length));
+}
+double bar_gap(const Layout& at) { return tick_gap(at, at.bottom - at.top); }
+
+/// Ticks along a side of a picture, with their places from its first pixel's outer edge.
+struct SideTick {
+    int place;
+    std::string text;
+};
+std::vector<SideTick> ticks_along(const SideTicks::Side& side, int pixels, double gap) {
+    std::vector<SideTick> ticks;
+    const auto [low, high] = std::minmax(side.first, side.last);
+    if (!(low < high)) return ticks;
+    for (const double tick : scale_ticks({ColorScale::Kind::linear, low, high}, gap))
+        ticks.push_back(
+            {static_cast<int>(std::lround((tick - side.first) / (side.last - side.first) * pixels)),
+             tick_text(tick)});
+    return ticks;
+}
+std::vector<SideTick> ticks_up(const Layout& at, const SideTicks& sides, int height) {
+    return ticks_along(sides.up, height, tick_gap(at, height));
 }
 
 Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation& annotation) {
@@ -61,17 +70,27 @@ Layout layout_of(const Image& picture, const ColorScale& scale, const Annotation
     at.scale = text_scale(picture.height);
     at.gap *= at.scale, at.bar_width *= at.scale, at.tick_length *= at.scale;
     if (!annotation.title.empty()) at.picture_top = at.scale * kGlyphHeight + 2 * at.gap;
-    at.right = picture.width;
-    at.height = at.picture_top + picture.height;
+    int below = 0;
+    if (annotation.sides) {
+        int widest = 0;
+        for (const SideTick& tick : ticks_up(at, *annotation.sides, picture.height))
+            widest = std::max(widest, text_width(tick.text, at.scale));
+        const int label = at.scale * kGlyphHeight + 2 * at.gap;
+        at.picture_left = label + widest + at.gap / 2 + at.tick_length;
+        below = at.tick_length + at.gap / 2 + at.scale * kGlyphHeight + label;
+    }
+    at.right = at.picture_left + picture.width;
+    at.height = at.picture_top + picture.height + below;
     if (!annotation.color_bar) return at;
     // A picture smaller than its label gets a bar as long as the label.
-    at.height = std::max(at.height, at.picture_top + text_width(annotation.label, 1) + 2 * at.gap);
+    at.height =
+        std::max(at.height, at.picture_top + text_width(annotation.label, 1) + 2 * at.gap + below);
     at.top = at.picture_top + at.gap;
-    at.bottom = at.height - at.gap;
-    at.bar_left = picture.width + 2 * at.gap;
+    at.bottom = at.height - below - at.gap;
+    at.bar_left = at.right + 2 * at.gap;
     at.text_left = at.bar_left + at.bar_width + at.tick_length + at.gap / 2;
     int widest = 0;
-    for (const double tick : scale_ticks(scale, tick_gap(at)))
+    for (const double tick : scale_ticks(scale, bar_gap(at)))
         widest = std::max(widest, text_width(tick_text(tick), at.scale));
     at.label_left = at.text_left + widest + at.gap;
     at.right = at.label_left + (annotation.label.empty() ? 0 : at.scale * kGlyphHeight + at.gap);
@@ -92,7 +111,7 @@ void draw_bar(const Layout& at, const TransferFunction& tf, const ColorScale& sc
         color.a = 1;
         fill(image, at.bar_left, at.top + y, at.bar_left + at.bar_width, at.top + y + 1, color);
     }
-    for (const double tick : scale_ticks(scale, tick_gap(at))) {
+    for (const double tick : scale_ticks(scale, bar_gap(at))) {
         const int y = at.bottom - static_cast<int>(std::lround(scale_position(scale, tick) * rows));
         const int line = y - at.scale / 2;
         fill(image, at.bar_left + at.bar_width, line, at.text_left - at.gap / 2, line + at.scale,
@@ -107,6 +126,37 @@ void draw_bar(const Layout& at, const TransferFunction& tf, const ColorScale& sc
     draw_text(image, at.label_left, at.bottom - below, label, ink, {label_scale, true});
 }
 
+/// Ticks, coordinates and names left of the picture and below it.
+void draw_sides(const Layout& at, const SideTicks& sides, int width, int height, const Rgba& ink,
+                Image& image) {
+    const int left = at.picture_left, bottom = at.picture_top + height,
+              text = at.scale * kGlyphHeight;
+    for (const SideTick& tick : ticks_up(at, sides, height)) {
+        const int y = bottom - tick.place;
+        fill(image, left - at.tick_length, y - at.scale / 2, left, y - at.scale / 2 + at.scale,
+             ink);
+        draw_text(image, left - at.tick_length - at.gap / 2 - text_width(tick.text, at.scale),
+                  std::clamp(y - text / 2, 0, image.height - text), tick.text, ink, {at.scale});
+    }
+    const double widest = 6.0 * kGlyphAdvance * at.scale;
+    for (const SideTick& tick : ticks_along(sides.across, width, std::min(0.5, widest / width))) {
+        const int x = left + tick.place, wide = text_width(tick.text, at.scale);
+        fill(image, x - at.scale / 2, bottom, x - at.scale / 2 + at.scale, bottom + at.tick_length,
+             ink);
+        draw_text(image, std::clamp(x - wide / 2, 0, image.width - wide),
+                  bottom + at.tick_length + at.gap / 2, tick.text, ink, {at.scale});
+    }
+    const auto size_of = [&](const std::string& name, int room) {
+        return fitting_scale("unit of length", name, at.scale, room);
+    };
+    const int across = size_of(sides.across.name, width), up = size_of(sides.up.name, height);
+    draw_text(image, left + (width - text_width(sides.across.name, across)) / 2,
+              bottom + at.tick_length + at.gap / 2 + text + at.gap, sides.across.name, ink,
+              {across});
+    draw_text(image, at.gap, bottom - (height - text_width(sides.up.name, up)) / 2, sides.up.name,
+              ink, {up, true});
+}
+
 }  // namespace
 
 Image annotated(const Image& picture, const TransferFunction& tf, const ColorScale& scale,
@@ -118,7 +168,8 @@ Image annotated(const Image& picture, const TransferFunction& tf, const ColorSca
     Image image(at.right, at.height);
     std::ranges::fill(image.pixel, background);
     for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x) image.at(x, at.picture_top + y) = picture.at(x, y);
+        for (int x = 0; x < picture.width; ++x)
+            image.at(at.picture_left + x, at.picture_top + y) = picture.at(x, y);
     const Rgba ink = ink_on(background);
     if (!annotation.title.empty()) {
         const int size =
@@ -126,6 +177,8 @@ Image annotated(const Image& picture, const TransferFunction& tf, const ColorSca
         draw_text(image, (image.width - text_width(annotation.title, size)) / 2, at.gap,
                   annotation.title, ink, {size});
     }
+    if (annotation.sides)
+        draw_sides(at, *annotation.sides, picture.width, picture.height, ink, image);
     if (annotation.color_bar) draw_bar(at, tf, scale, annotation.label, background, ink, image);
     return image;
 }

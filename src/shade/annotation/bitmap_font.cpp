@@ -1,10 +1,11 @@
 // bitmap_font.cpp: Glyphs of 5x7 pixels, and their drawing.
-#include "shade/bitmap_font.h"
+#include "shade/annotation/bitmap_font.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "vog/error.h"
 
@@ -196,6 +197,19 @@ void draw_text(Image& image, int column, int row, std::string_view text, Rgba co
                     fill(column + right, row + down);
             }
     }
+}
+
+int text_scale(int height) {
+    constexpr double kShare = 36;
+    return std::max(1, static_cast<int>(std::lround(height / (kShare * kGlyphHeight))));
+}
+
+Rgba ink_on(const Rgba& background) {
+    // Rec. 709 luma of the background, white where it is clear.
+    const float luma =
+        background.a * (0.2126f * background.r + 0.7152f * background.g + 0.0722f * background.b) +
+        (1 - background.a);
+    return luma < 0.5f ? Rgba{1, 1, 1, 1} : Rgba{0, 0, 0, 1};
 }
 
 }  // namespace vog::shading

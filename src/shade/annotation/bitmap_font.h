@@ -10,6 +10,11 @@ namespace vog::shading {
 
 inline constexpr int kGlyphWidth = 5, kGlyphHeight = 7, kGlyphAdvance = 6;  ///< font pixels
 
+/// Scale at which text is 1/36 of a picture's height, at least 1: 2 at 512 pixels.
+int text_scale(int height);
+/// Black or white, whichever differs more from a background; one that is clear counts as white.
+Rgba ink_on(const Rgba& background);
+
 /// throws vog::Error for a character without a glyph
 /// what  start of the message
 void require_glyphs(const std::string& what, std::string_view text);

@@ -1,0 +1,219 @@
+// picture_frame.cpp: box outline with ticks, and scale bar, over a picture.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "data/image_checks.h"
+#include "shade/annotation/bitmap_font.h"
+#include "vog/quantity.h"
+
+namespace vog {
+
+using namespace shading;
+
+namespace {
+
+/// Place in an image, pixels; centres are whole numbers.
+struct Place {
+    double x = 0, y = 0;
+};
+Place operator+(Place a, Place b) { return {a.x + b.x, a.y + b.y}; }
+Place operator-(Place a, Place b) { return {a.x - b.x, a.y - b.y}; }
+Place operator*(double s, Place a) { return {s * a.x, s * a.y}; }
+double dot(Place a, Place b) { return a.x * b.x + a.y * b.y; }
+double length(Place a) { return std::hypot(a.x, a.y); }
+
+class FrameDrawing {
+  public:
+    FrameDrawing(Image& image, const PictureFrame& frame, const Rgba& ink)
+        : image_(image),
+          frame_(frame),
+          rays_(frame_of(frame.camera, image.width, image.height)),
+          ink_(ink),
+          scale_(text_scale(image.height)) {}
+
+    void draw_axes() {
+        for (int axis = 0; axis < 3; ++axis) {
+            std::optional<Edge> labelled;
+            for (int n = 0; n < 4; ++n) {
+                const Edge edge = edge_of(axis, n & 1, n >> 1);
+                draw_segment(edge.from, edge.to, edge.faces_seen == 0 ? 0.35f : 0.9f);
+                if (edge.faces_seen == 1 && (!labelled || edge.lower_than(*labelled)))
+                    labelled = edge;
+            }
+            if (labelled) draw_ticks(axis, *labelled);
+        }
+    }
+
+    void draw_scale_bar() {
+        const double depth = vog::length(frame_.camera.look_at - frame_.camera.eye);
+        const double pixels = rays_.pixels_at(depth);
+        const double most = 0.25 * image_.width / pixels;
+        const double power = std::pow(10, std::floor(std::log10(most)));
+        const double bar = power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
+        const int gap = 6 * scale_, thick = 2 * scale_;
+        const double y = image_.height - gap - 0.5 * thick;
+        draw_line({double(gap), y}, {gap + bar * pixels, y}, thick, 1);
+        draw_text(image_, gap, static_cast<int>(y) - thick - (kGlyphHeight + 1) * scale_,
+                  with_unit(tick_text(bar), frame_.length_unit), ink_, {scale_});
+    }
+
+  private:
+    /// Edge of the box, and where it lies in the image.
+    struct Edge {
+        Vec3d from, to;
+        int faces_seen = 0;  ///< of the two that meet here: one at the outline, none behind the box
+        Place begin, end;
+        Place middle() const { return 0.5 * (begin + end); }
+        /// Further down in the image, or to the left where edges are upright.
+        bool lower_than(const Edge& other) const {
+            const Place along = end - begin;
+            return std::abs(along.x) > std::abs(along.y) ? middle().y > other.middle().y
+                                                         : middle().x < other.middle().x;
+        }
+    };
+
+    Edge edge_of(int axis, int u, int v) const {
+        const int across[2] = {(axis + 1) % 3, (axis + 2) % 3}, side[2] = {u, v};
+        Edge edge;
+        edge.from = edge.to = frame_.box.lower;
+        edge.to[axis] = frame_.box.upper[axis];
+        for (const int n : {0, 1}) {
+            const double at = side[n] ? frame_.box.upper[across[n]] : frame_.box.lower[across[n]];
+            edge.from[across[n]] = edge.to[across[n]] = at;
+            const double towards =
+                rays_.orthographic ? -rays_.forward[across[n]] : rays_.eye[across[n]] - at;
+            edge.faces_seen += side[n] ? towards > 0 : towards < 0;
+        }
+        edge.begin = place_of(edge.from), edge.end = place_of(edge.to);
+        return edge;
+    }
+    double depth_of(Vec3d point) const { return vog::dot(point - rays_.eye, rays_.forward); }
+    Place place_of(Vec3d point) const {
+        const Vec3d at = point - rays_.eye;
+        const double pixels = rays_.pixels_at(depth_of(point));
+        return {0.5 * (image_.width - 1) + pixels * vog::dot(at, rays_.right),
+                0.5 * (image_.height - 1) - pixels * vog::dot(at, rays_.up)};
+    }
+
+    void draw_segment(Vec3d from, Vec3d to, float alpha) {
+        // The part in front of a pinhole camera.
+        const double least = 1e-3 * frame_.box.radius();
+        double a = depth_of(from), b = depth_of(to);
+        if (!rays_.orthographic) {
+            if (a < least && b < least) return;
+            if (a < least) from = to + ((b - least) / (b - a)) * (from - to);
+            if (b < least) to = from + ((a - least) / (a - b)) * (to - from);
+        }
+        draw_line(place_of(from), place_of(to), 0.75 * scale_, alpha);
+    }
+
+    /// A line with soft edges.
+    void draw_line(Place from, Place to, double width, float alpha) {
+        const Place along = to - from;
+        const double reach = 0.5 * width + 1, all = dot(along, along);
+        const auto least = [&](double a, double b, int size) {
+            return static_cast<int>(
+                std::clamp(std::floor(std::min(a, b) - reach), 0.0, double(size)));
+        };
+        const auto most = [&](double a, double b, int size) {
+            return static_cast<int>(
+                std::clamp(std::ceil(std::max(a, b) + reach), -1.0, size - 1.0));
+        };
+        for (int y = least(from.y, to.y, image_.height); y <= most(from.y, to.y, image_.height);
+             ++y)
+            for (int x = least(from.x, to.x, image_.width); x <= most(from.x, to.x, image_.width);
+                 ++x) {
+                const Place at = Place{double(x), double(y)} - from;
+                const double t = all > 0 ? std::clamp(dot(at, along) / all, 0.0, 1.0) : 0;
+                const double outside = length(at - t * along) - 0.5 * width;
+                if (const auto cover = static_cast<float>(std::clamp(0.5 - outside, 0.0, 1.0));
+                    cover > 0)
+                    blend(image_.at(x, y), cover * alpha);
+            }
+    }
+    void blend(Rgba& pixel, float alpha) const {
+        const float all = alpha + pixel.a * (1 - alpha);
+        for (float Rgba::*channel : {&Rgba::r, &Rgba::g, &Rgba::b})
+            pixel.*channel = (alpha * ink_.*channel + (1 - alpha) * pixel.a * pixel.*channel) / all;
+        pixel.a = all;
+    }
+
+    void draw_ticks(int axis, const Edge& edge) {
+        const Place along = edge.end - edge.begin;
+        const double pixels = length(along);
+        if (!(pixels > 8 * kGlyphHeight * scale_) || depth_of(edge.from) <= 0 ||
+            depth_of(edge.to) <= 0)
+            return;
+        // Away from the middle of the box, across the edge.
+        Place out{-along.y / pixels, along.x / pixels};
+        if (dot(out, edge.middle() - place_of(frame_.box.center())) < 0) out = -1.0 * out;
+        const double low = edge.from[axis], high = edge.to[axis];
+        // Numbers of five glyphs, side by side or one below the other.
+        const double widest =
+            scale_ *
+            (std::abs(along.x) * 5 * kGlyphAdvance + std::abs(along.y) * 2 * kGlyphHeight) / pixels;
+        int most = 0;
+        for (const double tick :
+             scale_ticks({ColorScale::Kind::linear, low, high}, std::min(0.5, widest / pixels))) {
+            Vec3d point = edge.from;
+            point[axis] = tick;
+            const Place at = place_of(point), end = at + (3.0 * scale_) * out;
+            draw_line(at, end, 0.75 * scale_, 0.9f);
+            most = std::max(most, text_width(tick_text(tick), scale_));
+            draw_centered(tick_text(tick), end, out);
+        }
+        const double away =
+            std::abs(out.x) * most + std::abs(out.y) * (kGlyphHeight + 2) * scale_ + 5 * scale_;
+        draw_centered(with_unit(std::string(1, "xyz"[axis]), frame_.length_unit),
+                      edge.middle() + away * out, out);
+    }
+    /// Text beside a point, on the side of `out`.
+    void draw_centered(const std::string& text, Place at, Place out) {
+        const double width = text_width(text, scale_), height = kGlyphHeight * scale_;
+        const Place middle =
+            at + (0.5 * (std::abs(out.x) * width + std::abs(out.y) * height) + 2.0 * scale_) * out;
+        draw_text(image_, static_cast<int>(std::lround(middle.x - 0.5 * width)),
+                  static_cast<int>(std::lround(middle.y - 0.5 * height)), text, ink_, {scale_});
+    }
+
+    Image& image_;
+    const PictureFrame& frame_;
+    CameraFrame rays_;
+    Rgba ink_;
+    int scale_;
+};
+
+}  // namespace
+
+void draw_frame(Image& picture, const PictureFrame& frame, const Rgba& background) {
+    require_valid("frame", picture);
+    require_glyphs("unit of length", frame.length_unit);
+    FrameDrawing drawing(picture, frame, ink_on(background));
+    if (frame.axes && !frame.box.empty()) drawing.draw_axes();
+    if (frame.scale_bar) drawing.draw_scale_bar();
+}
+
+std::optional<SideTicks> side_ticks(const Camera& camera, int width, int height,
+                                    const std::string& unit) {
+    if (!camera.orthographic()) return {};
+    const CameraFrame frame = frame_of(camera, width, height);
+    SideTicks sides;
+    const auto set = [&](const Vec3d& direction, int pixels, SideTicks::Side& side) {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (std::abs(direction[axis]) < 1 - 1e-9) continue;
+            const double half = 0.5 * pixels / frame.pixels_per_unit * direction[axis];
+            side = {frame.eye[axis] - half, frame.eye[axis] + half,
+                    with_unit(std::string(1, "xyz"[axis]), unit)};
+            return true;
+        }
+        return false;
+    };
+    if (!set(frame.right, width, sides.across) || !set(frame.up, height, sides.up)) return {};
+    return sides;
+}
+
+}  // namespace vog
