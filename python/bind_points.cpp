@@ -71,7 +71,7 @@ The arrays are views of the particles' memory: writing to them changes the parti
 file     a path, or a list of paths that are read as one: the parts of a snapshot
 columns  text files: the columns of x, y, z, or of x, y, z, vx, vy, vz: names, or numbers from 1 as text.
          Default: columns of these names, else the first ones. Other numeric columns become attributes
-grid     .vdb files: name of the grid; snapshots: type of the particles, 'PartType0'; default: the only one
+grid     .vdb files: name of the grid; snapshots: type of the particles, 'PartType0'; default: the only one, else gas, else the largest
 skip_nonfinite  leaves particles with NaN or infinite numbers out, which are an error otherwise
 
 Raises vog.Error for an unreadable file, with the line.)")

@@ -225,7 +225,8 @@ per world unit of length. Created by Volume.load, Volume.from_numpy and vog.samp
          py::arg("clip_negative") = false,
          R"(Reads one grid of an OpenVDB (.vdb) or NanoVDB (.nvdb) file, or a dense image. Returns a Volume.
 
-grid              name of the grid; '': the only scalar grid, else 'density'
+grid              name of the grid; '': the only scalar grid, else 'density', else the largest fog volume, with a warning that
+                  names the others
 level_set_to_fog  converts a level set to fog: density inside its surface
 mask              reads values > 0 as 1
 skip_nonfinite    leaves voxels with NaN or infinite values out: they are inactive
@@ -404,7 +405,7 @@ divide those of coarser levels evenly, inside their box) nor parts that do not o
             py::arg("skip_nonfinite") = false, py::arg("clip_negative") = false,
             R"(Reads levels from one or several .vdb or .nvdb files. Returns Levels.
 
-grid  name, or a pattern with * and ? for all grids that match: 'density_L*'
+grid  name, or a pattern with * and ? for all grids that match: 'density_L*'; '': all such levels, else as in Volume.load
 mask  name of the mask grids; a * stands for the match of the * in grid
 level_set_to_fog  converts level sets to fog
 force  True: levels whatever their lattices, as in Levels()

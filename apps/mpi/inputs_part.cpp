@@ -97,8 +97,8 @@ VolumesPart read_volumes_part(const std::vector<std::string>& files,
     const SameFiles same(files, ranks, !whole);
     const std::vector<std::filesystem::path> paths(files.begin(), files.end());
     const LevelOptions level_options = cli::level_options(options);
-    const std::vector<LevelSource> sources = level_sources(paths, level_options);
     VolumesPart part;
+    const std::vector<LevelSource> sources = level_sources(paths, level_options, &part.notes);
     part.volumes = sources.size();
     const cli::Combination combination = cli::combination_of(sources.size(), options);
     part.overlap = combination.overlap;

@@ -120,9 +120,11 @@ struct LevelSource {
     std::string mask{};          ///< name of the grid with its mask; empty: none
 };
 /// Lists the volumes and masks that read_levels reads, in its order.
+/// notes   receives a line on the choice among the grids of the first file; null: not reported
 /// throws  vog::Error as read_levels does for patterns
 std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> files,
-                                       const LevelOptions& options);
+                                       const LevelOptions& options,
+                                       std::vector<std::string>* notes = nullptr);
 
 /// Reads one part of an adaptive mesh. Each result holds this part of one level, as its last
 /// volume, and before it the nodes of finer levels that overlap it, with values set to 0, so that

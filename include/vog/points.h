@@ -62,8 +62,11 @@ struct PointReadOptions {
     /// number from 1. Empty: the columns called x, y, z, vx, vy, vz (or pos_x, vel_x and the like);
     /// in a file without names the first three numbers of a line, and of six the others as velocity (.pts, .asc: never).
     std::vector<std::string> columns{};
-    std::string grid{};   ///< name of the grid in a .vdb; empty: its only PointDataGrid
-    ValueRules values{};  ///< skip_nonfinite: leave out particles with a number not finite
+    /// Name of the PointDataGrid in a .vdb, or of the type of particles in a snapshot; empty: the only one, else gas
+    /// (PartType0), else the largest.
+    std::string grid{};
+    ValueRules values{};          ///< skip_nonfinite: leave out particles with a number not finite
+    bool refuse_several = false;  ///< as VdbOptions::refuse_several
 };
 
 /// Whether a .vdb has PointDataGrids and no other grids.
@@ -97,7 +100,7 @@ Points read_points(const std::filesystem::path& file, const PointReadOptions& op
                    ValueNotes* notes = nullptr);
 
 /// Reads several files as one set, in their order: parts of a snapshot may lack the type of particles that others have.
-/// notes   receives a line on every file's particles that were left out, on columns read by their places, on parts without
+/// notes   receives a line on the choice among several types, on every file's particles that were left out, on columns read by their places, on parts without
 ///         the type, on snapshots of more files than these, and on attributes in units of their own; null: none
 /// throws  vog::Error as read_points and append do
 Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,

@@ -17,7 +17,8 @@ namespace vog {
 
 /// Options of the readers of one grid.
 struct VdbOptions {
-    std::string grid{};  ///< name of the grid; empty: the only scalar grid, else "density"
+    std::string
+        grid{};  ///< name of the grid; empty: the only scalar grid, else "density", else the largest
     /// Convert a level set to fog: density 0 at the surface, rising to 1 over the inner half of the
     /// narrow band. Otherwise a level set is an error.
     bool level_set_to_fog = false;
@@ -27,13 +28,15 @@ struct VdbOptions {
     /// Density 1 in every active voxel, of signed values, level sets, bool and mask grids too: a
     /// measure that counts volume. Values that are not finite are inactive, and reported.
     bool ones = false;
+    /// Without a name a file of several grids, none called density, is an error: the result is a number.
+    bool refuse_several = false;
 };
 
 /// Reads one grid of an OpenVDB file (.vdb, .vdb.gz) as density: float, double, half-stored and integer
 /// grids, bool and mask grids as 0 and 1, and vector grids, by magnitude, if options.grid names them.
 /// Tiles stay tiles.
 /// notes   receives the changes made to values; null: not reported
-/// throws  vog::Error for a missing, foreign or truncated file; no, several or unknown grids (their
+/// throws  vog::Error for a missing, foreign or truncated file; no or unknown grids (their
 ///         names are listed); a level set (unless options.level_set_to_fog); a frustum or singular
 ///         transform; an empty grid; values negative or not finite (their count and the first
 ///         index), unless options.values accepts them
@@ -58,8 +61,8 @@ std::vector<std::string> vdb_grid_names(const std::filesystem::path& file);
 std::vector<std::string> nvdb_grid_names(const std::filesystem::path& file);
 
 /// Reads one grid as density, by extension: read_nvdb for .nvdb, dense images (vog/scan_io.h), else read_vdb.
-/// notes   receives a line on changes made to values, behind those already there; null: not
-///         reported
+/// notes   receives a line on the choice among several grids, and one on changes made to values, behind those already there;
+///         null: not reported
 /// throws  vog::Error as these readers do
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options = {},
                    std::vector<std::string>* notes = nullptr);
@@ -68,10 +71,14 @@ Volume read_volume(const std::filesystem::path& file, const VdbOptions& options 
 /// throws  vog::Error for a missing, foreign or truncated file
 std::vector<std::string> grid_names(const std::filesystem::path& file);
 
+/// A pattern with one * that several names match and all of which it matches: "density_L*" of density_L0 and
+/// density_L1, whose rest is a number. Empty: the names are not levels.
+std::string level_pattern(const std::vector<std::string>& names);
+
 /// Options of read_levels.
 struct LevelOptions {
     /// Name of the grid in each file, or a pattern (* any text, ? any letter) for all grids that
-    /// match. Empty: as VdbOptions::grid.
+    /// match. Empty: all grids of a level_pattern, else as VdbOptions::grid, of the same name in all files that have it.
     std::string grid{};
     /// Name of the grid with the mask of each volume (Levels::masks). A * in it stands for the text
     /// that the * of `grid` matched. Empty: no masks.
@@ -79,6 +86,7 @@ struct LevelOptions {
     bool level_set_to_fog = false;  ///< as VdbOptions::level_set_to_fog, for volumes, not for masks
     ValueRules values{};            ///< as VdbOptions::values
     bool ones = false;              ///< as VdbOptions::ones, for volumes, not for masks
+    bool refuse_several = false;    ///< as VdbOptions::refuse_several
 };
 
 /// Reads the levels of an adaptive mesh (vog/levels.h): one volume of each file, or one for each

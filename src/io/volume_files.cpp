@@ -79,12 +79,24 @@ std::vector<std::string> matching_grids(const std::filesystem::path& file,
     return some;
 }
 
+/// Choice in a file where no grid is named.
+/// levels  GridRequest::levels
+DefaultGrid default_of(const std::filesystem::path& file, const VdbOptions& options, bool levels) {
+    return is_nvdb(file)   ? nvdb::default_grid(file, options, levels)
+           : is_scan(file) ? scan::default_grid(file, options)
+                           : vdb::default_grid(file, options, levels);
+}
+
 }  // namespace
 
 Volume read_volume(const std::filesystem::path& file, const VdbOptions& options,
                    std::vector<std::string>* notes) {
     ValueNotes found;
     std::string departure;
+    if (const std::string choice =
+            notes && options.grid.empty() ? default_of(file, options, false).note : "";
+        !choice.empty())
+        notes->push_back(choice);
     Volume volume = is_nvdb(file)   ? read_nvdb(file, options, &found)
                     : is_scan(file) ? read_scan(file, options, &found, &departure)
                                     : read_vdb(file, options, &found);
@@ -162,7 +174,17 @@ Volume VolumeReader::read_where(const NodeChoice& selected) {
 }
 
 std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> files,
-                                       const LevelOptions& options) {
+                                       const LevelOptions& given, std::vector<std::string>* notes) {
+    LevelOptions options = given;
+    if (options.grid.empty() && !files.empty()) {
+        // The first file decides for all: levels and parts of one quantity.
+        const DefaultGrid first = default_of(files.front(),
+                                             {.level_set_to_fog = options.level_set_to_fog,
+                                              .refuse_several = options.refuse_several},
+                                             true);
+        if (!first.note.empty()) options.grid = first.name;
+        if (notes && !first.note.empty()) notes->push_back(first.note);
+    }
     const bool pattern = is_pattern(options.grid);
     if (!options.mask.empty() && (pattern || has_star(options.mask)) &&
         !(has_star(options.grid) && has_star(options.mask)))
@@ -172,6 +194,9 @@ std::vector<LevelSource> level_sources(std::span<const std::filesystem::path> fi
     for (const std::filesystem::path& file : files) {
         std::vector<std::string> grids{options.grid};
         if (pattern) grids = matching_grids(file, options.grid);
+        if (given.grid.empty() && !pattern && !options.grid.empty() &&
+            !std::ranges::count(grid_names(file), options.grid))
+            grids.front().clear();  // this file's own default
         for (const std::string& grid : grids) {
             std::string mask = options.mask;
             if (const std::size_t star = mask.find('*'); star != std::string::npos)
@@ -198,9 +223,11 @@ FieldSource field_of_level(const FieldSource& field, const std::string& pattern,
 Levels read_levels(std::span<const std::filesystem::path> files, const LevelOptions& options,
                    std::vector<std::string>* notes) {
     Levels levels;
-    for (const auto& [file, grid, mask] : level_sources(files, options)) {
-        levels.volumes.push_back(read_volume(
-            file, {grid, options.level_set_to_fog, false, options.values, options.ones}, notes));
+    for (const auto& [file, grid, mask] : level_sources(files, options, notes)) {
+        levels.volumes.push_back(read_volume(file,
+                                             {grid, options.level_set_to_fog, false, options.values,
+                                              options.ones, options.refuse_several},
+                                             notes));
         if (!mask.empty())
             levels.masks.push_back(read_volume(file, {mask, false, true, options.values}, notes));
     }

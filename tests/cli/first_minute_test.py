@@ -293,7 +293,6 @@ class Mistakes(Case):
             (["clod.vdb"], "clod.vdb: no such file"),
             (["cloud.vdb", "--tf", "hot"], "without a command"),
             (["render", "cloud.vdb", "--siez", "3"], "did you mean --size?"),
-            (["render", "amr.vdb"], "--grid 'density_L*' reads all of them as levels"),
             (["render", "amr.vdb", "--grid", "density"], "--grid 'density_L*' reads all of them as levels"),
             (["render", "cloud.vdb", "--grid", "dens"], "it has: density"),
             (["render", "."], "a folder, expected files"),

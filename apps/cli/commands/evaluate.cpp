@@ -250,6 +250,7 @@ void add_evaluate(CLI::App& app, const std::shared_ptr<EvaluateArguments>& argum
     command->callback([arguments, command, ranks] {
         const std::vector<std::string>& inputs = arguments->inputs;
         require_effects(*command, {{"input", input_fact(FileKind::volume, inputs)}});
+        arguments->volume.refuse_several = true;  // of another grid the figures would be others
         if (!arguments->rate.chosen) return evaluate_files(*arguments, ranks);
         set_common(*arguments);
         const ThreadLimit limit(arguments->threads);

@@ -337,6 +337,9 @@ void render_files(const RenderArguments& given, const CLI::App& command, const R
     if (ranks.is_root) check_distinct(written_files(arguments), read_files(arguments));
     const CommandMemory memory(arguments.memory);
     require_effects_of(arguments, command);
+    // Values of another grid would be other numbers.
+    arguments.drawing.volume.refuse_several =
+        !arguments.depth_output.empty() || !arguments.quantity.values_output.empty();
     if (arguments.turntable || is_of_many(arguments.output)) {
         const Json report = render_many(arguments, command, ranks);
         if (arguments.json && ranks.is_root) print_json(report);

@@ -42,7 +42,7 @@ Affine lattice_of(const VoxelizeArguments& arguments, const Gaussians& model,
     // Values do not matter: grids of any sign, level sets and masks have a lattice too.
     VolumeInputOptions rules;
     rules.grid = arguments.grid;
-    rules.ones = true;
+    rules.ones = rules.refuse_several = true;
     return lattice_like(load_volumes({arguments.like}, rules).volumes,
                         arguments.within ? &options.extent : nullptr);
 }
@@ -141,8 +141,8 @@ void add_voxelize(CLI::App& app) {
         "several levels (--grid 'density_L*') the finest one");
     command->add_option(
         "--grid", arguments->grid,
-        "Grid of --like, or a pattern of levels; default: the only scalar grid, else "
-        "density");
+        "Grid of --like, or a pattern of levels; default: the only scalar grid, else density, else "
+        "all levels");
     command->add_flag("--within", arguments->within,
                       "Only voxels in the box around the active voxels of --like; the share of "
                       "mass outside is reported");

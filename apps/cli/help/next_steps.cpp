@@ -179,26 +179,6 @@ std::string quoted(const std::string& word) {
     return text + "'";
 }
 
-std::string level_pattern(const std::vector<std::string>& names) {
-    if (names.size() < 2) return {};
-    std::size_t same = names.front().size();
-    for (const std::string& name : names) {
-        const auto [a, b] = std::ranges::mismatch(names.front(), name);
-        same = std::min(same, static_cast<std::size_t>(a - names.front().begin()));
-    }
-    std::string start = names.front().substr(0, same);
-    // Numbers of several digits may begin alike: density_L10 and density_L11.
-    while (!start.empty() && std::isdigit(static_cast<unsigned char>(start.back())))
-        start.pop_back();
-    if (start.empty()) return {};
-    const bool numbers = std::ranges::all_of(names, [&](const std::string& name) {
-        return name.size() > start.size() &&
-               std::all_of(name.begin() + static_cast<std::ptrdiff_t>(start.size()), name.end(),
-                           [](unsigned char letter) { return std::isdigit(letter); });
-    });
-    return numbers ? start + "*" : "";
-}
-
 std::vector<NextStep> next_steps(const FileContents& contents) {
     const std::string file = quoted(contents.file);
     const std::string png = beside(contents.file, ".png");

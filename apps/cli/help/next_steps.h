@@ -31,10 +31,6 @@ struct NextStep {
 /// Command lines that work on this file as they stand, the simplest first. Empty where vog can do nothing with it.
 std::vector<NextStep> next_steps(const FileContents& contents);
 
-/// A pattern with one * that several names match and all of which it matches: "density_L*" of density_L0 and
-/// density_L1, whose rest is a number. Empty: the names are not levels.
-std::string level_pattern(const std::vector<std::string>& names);
-
 /// Advice on a file of a kind that no command reads as its input, such as a picture or a camera; empty: none.
 std::string advice_on(const std::string& file);
 /// Advice on HDF5 that is no snapshot of particles.

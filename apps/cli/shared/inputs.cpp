@@ -100,8 +100,9 @@ FileKind common_kind(const std::vector<std::string>& inputs, const std::string& 
 
 void add_volume_options(CLI::App& command, VolumeInputOptions& options) {
     command.add_option("--grid", options.grid,
-                       "Grid to read by name; default: the only scalar grid, else 'density'. A "
-                       "pattern with * or ? reads all that match, as levels of one mesh: "
+                       "Grid to read by name; default: the only scalar grid, else 'density', else "
+                       "all levels or the largest, which a note names. A pattern with * or ? reads "
+                       "all that match, as levels of one mesh: "
                        "'density_L*'");
     command.add_option(
         "--mask", options.mask,
@@ -131,7 +132,8 @@ LevelOptions level_options(const VolumeInputOptions& options) {
         throw CLI::ValidationError(
             fmt::format("--grid '{}' and --mask '{}': expected a * in both, or in neither",
                         options.grid, options.mask));
-    return {options.grid, options.mask, options.level_set_to_fog, options.values, options.ones};
+    return {options.grid,   options.mask, options.level_set_to_fog,
+            options.values, options.ones, options.refuse_several};
 }
 
 LoadedVolumes load_volumes(const std::vector<std::string>& files,
@@ -210,7 +212,8 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
 Points load_points(const std::vector<std::string>& files, const PointInputOptions& options,
                    const VolumeInputOptions& volume, std::vector<std::string>& notes) {
     const std::vector<fs::path> paths(files.begin(), files.end());
-    Points points = read_points(paths, {options.columns, volume.grid, volume.values}, &notes);
+    Points points = read_points(
+        paths, {options.columns, volume.grid, volume.values, volume.refuse_several}, &notes);
     ValueNotes changed;
     if (volume.values.clip_negative)
         changed.clipped_negative = clip_negative(points, options.value);

@@ -40,6 +40,7 @@ struct VolumeInputOptions {
     bool level_set_to_fog = false;
     ValueRules values{};
     bool ones = false;  ///< every active voxel counts as 1: a measure for values of any sign
+    bool refuse_several = false;  ///< as VdbOptions::refuse_several: the result is a number
 };
 /// Adds --grid, --mask, --sum, --mesh, --level-set-to-fog,
 /// --skip-nonfinite and --clip-negative.

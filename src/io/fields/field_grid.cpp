@@ -38,7 +38,7 @@ VectorMap vector_map(const VdbMetadata& metadata, const Affine& world_from_index
 
 FieldGrid load_vdb(const FieldSource& source) {
     VdbFile file(source.file);
-    const VdbEntry& entry = chosen_entry(file, source.grid);
+    const VdbEntry& entry = chosen_entry(file, {source.grid, true});
     FieldGrid field;
     field.name = entry.plain_name;
     field.where = file.where(entry);
@@ -56,7 +56,7 @@ FieldGrid load_vdb(const FieldSource& source) {
 
 FieldGrid load_nvdb(const FieldSource& source) {
     nvdb::NvdbFile file(source.file);
-    const nvdb::NvdbEntry& entry = nvdb::chosen_entry(file, source.grid);
+    const nvdb::NvdbEntry& entry = nvdb::chosen_entry(file, {source.grid, true});
     FieldGrid field;
     field.name = entry.plain_name;
     field.where = file.where(entry);
@@ -99,11 +99,12 @@ FieldGrid load_field_grid(const FieldSource& source) {
 std::string name_of(const FieldSource& source) {
     require_file(source);
     openvdb::initialize();
-    const std::string grid =
-        nvdb::is_nvdb(source.file)
-            ? nvdb::chosen_entry(nvdb::NvdbFile(source.file), source.grid).plain_name
-        : scan::is_scan(source.file) ? scan::scan_field_name(source)
-                                     : chosen_entry(VdbFile(source.file), source.grid).plain_name;
+    const auto plain_name = [&](auto file) {
+        return chosen_entry(file, {source.grid, true}).plain_name;
+    };
+    const std::string grid = nvdb::is_nvdb(source.file)   ? plain_name(nvdb::NvdbFile(source.file))
+                             : scan::is_scan(source.file) ? scan::scan_field_name(source)
+                                                          : plain_name(VdbFile(source.file));
     return source.name.empty() ? grid : source.name;
 }
 

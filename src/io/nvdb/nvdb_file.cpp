@@ -137,6 +137,9 @@ void NvdbFile::read_segment() {
         entry.name = entry.plain_name;
         entry.type = description.type;
         entry.codec = codec;
+        entry.voxels = description.voxels;
+        entry.level_set =
+            description.grid_class == static_cast<std::uint32_t>(nanovdb::GridClass::LevelSet);
         entry.grid_bytes = description.grid_bytes;
         entry.end = description.file_bytes;
         entries_.push_back(std::move(entry));

@@ -10,6 +10,7 @@
 
 #include "core/aligned_buffer.h"
 #include "io/byte_source.h"
+#include "io/grid_choice.h"
 
 namespace vog::nvdb {
 
@@ -24,6 +25,8 @@ struct NvdbEntry {
     std::uint16_t codec = 0;           ///< 0 none, 1 zip, 2 blosc
     std::uint64_t begin = 0, end = 0;  ///< range of bytes in the file
     std::uint64_t grid_bytes = 0;      ///< decompressed size
+    std::uint64_t voxels = 0;          ///< active ones, as the file's list of grids states
+    bool level_set = false;
 };
 
 /// Open .nvdb file.
@@ -46,9 +49,10 @@ class NvdbFile {
     std::vector<NvdbEntry> entries_;
 };
 
-/// Grid of this name; without a name the only scalar grid, else the one named density.
-/// throws vog::Error if there is none or more than one, with the names of the file's grids
-const NvdbEntry& chosen_entry(const NvdbFile& file, const std::string& name);
+/// Grid of this name, or by the rule of vdb::chosen_entry.
+/// throws vog::Error as chosen_of does
+const NvdbEntry& chosen_entry(const NvdbFile& file, const GridRequest& request,
+                              DefaultGrid* answer = nullptr, bool level_sets = false);
 
 /// "float", "Vec3f", ...; "type 42" for an unknown one.
 std::string nano_type_name(nanovdb::GridType type);

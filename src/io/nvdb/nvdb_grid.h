@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/aligned_buffer.h"
+#include "io/grid_choice.h"
 #include "io/vdb/vdb_density.h"
 #include "vog/linear.h"
 #include "vog/volume.h"
@@ -37,6 +38,9 @@ struct NanoLeaves {
 ///         buffer or overlapping ones, for a checksum that does not match
 openvdb::GridBase::Ptr grid_from_nano(const NanoBuffer& grid, const std::string& where,
                                       NanoLeaves* leaves = nullptr);
+
+/// Choice where no grid is named, as vdb::default_grid.
+DefaultGrid default_grid(const std::filesystem::path& file, const VdbOptions& options, bool levels);
 
 /// Describes every grid of a .nvdb file, in file order; of types that are not read their name alone.
 std::vector<GridInfo> inspect_nvdb(const std::filesystem::path& file);

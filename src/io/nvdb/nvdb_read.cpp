@@ -5,7 +5,6 @@
 
 #include "io/nvdb/nvdb_file.h"
 #include "io/nvdb/nvdb_grid.h"
-#include "io/vdb/vdb_choice.h"
 #include "io/vdb/vdb_density.h"
 #include "io/vdb/vdb_volume.h"
 #include "vog/volume_io.h"
@@ -15,14 +14,19 @@ namespace vog {
 using namespace nvdb;
 using namespace vdb;
 
-const NvdbEntry& nvdb::chosen_entry(const NvdbFile& file, const std::string& requested) {
-    return chosen_of(file.entries(), file.name(), requested, [](const NvdbEntry& entry) {
+const NvdbEntry& nvdb::chosen_entry(const NvdbFile& file, const GridRequest& request,
+                                    DefaultGrid* answer, bool level_sets) {
+    const auto kind_of = [](const NvdbEntry& entry) {
         const bool is_switch =
             entry.type == nanovdb::GridType::Boolean || entry.type == nanovdb::GridType::Mask;
         return is_scalar(entry.type) ? ValueKind::numbers
                : is_switch           ? ValueKind::switches
                                      : ValueKind::others;
-    });
+    };
+    return chosen_of(
+        file.entries(), file.name(), request, answer, kind_of, [&](const NvdbEntry& entry) {
+            return entry.level_set == level_sets ? static_cast<double>(entry.voxels) : 0;
+        });
 }
 
 namespace {
@@ -68,10 +72,19 @@ std::vector<std::string> nvdb_grid_names(const std::filesystem::path& path) {
     return list;
 }
 
+DefaultGrid nvdb::default_grid(const std::filesystem::path& path, const VdbOptions& options,
+                               bool levels) {
+    DefaultGrid answer;
+    chosen_entry(NvdbFile(path), {{}, options.refuse_several, levels}, &answer,
+                 options.level_set_to_fog);
+    return answer;
+}
+
 Volume read_nvdb(const std::filesystem::path& path, const VdbOptions& options, ValueNotes* notes) {
     openvdb::initialize();
     NvdbFile file(path);
-    const NvdbEntry& entry = chosen_entry(file, options.grid);
+    const NvdbEntry& entry = chosen_entry(file, {options.grid, options.refuse_several}, nullptr,
+                                          options.level_set_to_fog);
     const std::string where = file.where(entry);
     return with_vdb_errors(where, [&] {
         const NanoBuffer buffer = file.load(entry);

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "core/paging.h"
 #include "vog/error.h"
@@ -70,13 +69,13 @@ std::uint64_t keep_finite(Points& points, bool skip) {
     return skipped;
 }
 
-/// note  receives the columns of a text that are read by their places; null: not reported
+/// note  receives the columns of a text that are read by their places, or the choice among grids; null: not reported
 Points read_file(const std::filesystem::path& file, const PointReadOptions& options,
                  ValueNotes* notes, std::string* note) {
     if (!options.columns.empty() && (is_vdb(file) || is_hdf5(file)))
         throw Error(fmt::format("{}: columns are of text files; here expected none (--columns)",
                                 file.string()));
-    Points points = is_vdb(file)    ? read_points_vdb(file, options)
+    Points points = is_vdb(file)    ? read_points_vdb(file, options, note)
                     : is_hdf5(file) ? read_points_hdf5(file, options)
                                     : read_points_text(file, options, note);
     const std::uint64_t skipped = keep_finite(points, options.values.skip_nonfinite);
@@ -104,8 +103,14 @@ std::string missing_parts(const std::filesystem::path& file, std::size_t files,
 
 }  // namespace
 
+LikelyGrid point_files::likely_type(const std::string& file, const ParticleTypes& types,
+                                    bool refuse) {
+    return likely_grid(
+        file, types.name, [&](std::size_t n) { return types.particles[n]; }, refuse, "PartType0");
+}
+
 std::vector<std::string> point_types(const std::filesystem::path& file) {
-    return is_hdf5(file) ? types_of_hdf5(file) : std::vector<std::string>{};
+    return is_hdf5(file) ? types_of_hdf5(file).name : std::vector<std::string>{};
 }
 
 Points read_points(const std::filesystem::path& file, const PointReadOptions& options,
@@ -117,19 +122,33 @@ bool is_points_file(const std::filesystem::path& file) { return is_text(file) ||
 
 namespace {
 
-/// Type of particles of the parts of a snapshot: the requested one, or the only one of all parts. Empty: no snapshot.
+/// Type of particles of a snapshot or of its parts: the requested one, or the one that is meant. Empty: no snapshot.
+/// note  receives the choice
 std::string common_type(std::span<const std::filesystem::path> files,
-                        const std::string& requested) {
-    std::set<std::string> types;
-    for (const auto& file : files)
-        for (const std::string& type : point_types(file)) types.insert(type);
-    if (types.empty() || types.contains(requested)) return requested;
-    if (requested.empty() && types.size() == 1) return *types.begin();
-    throw Error(fmt::format(
-        "{}: {}, expected one by name (--grid; the files have: {})", files.front().string(),
-        requested.empty() ? fmt::format("{} types of particles", types.size())
-                          : fmt::format("no particles '{}'", printable(requested)),
-        fmt::join(types, ", ")));
+                        const PointReadOptions& options, std::string& note) {
+    ParticleTypes all;
+    for (const auto& file : files) {
+        if (!is_hdf5(file)) continue;
+        const ParticleTypes types = types_of_hdf5(file);
+        for (std::size_t n = 0; n < types.name.size(); ++n) {
+            const auto at = std::ranges::find(all.name, types.name[n]) - all.name.begin();
+            if (at == std::ssize(all.name)) {
+                all.name.push_back(types.name[n]);
+                all.particles.push_back(0);
+            }
+            all.particles[static_cast<std::size_t>(at)] += types.particles[n];
+        }
+    }
+    if (all.name.empty()) return options.grid;
+    if (options.grid.empty()) {
+        const LikelyGrid likely = likely_type(files.front().string(), all, options.refuse_several);
+        note = likely.note;
+        return all.name[likely.index];
+    }
+    if (files.size() == 1 || std::ranges::count(all.name, options.grid)) return options.grid;
+    throw Error(
+        fmt::format("{}: no particles '{}', expected one by name (--grid; the files have: {})",
+                    files.front().string(), printable(options.grid), fmt::join(all.name, ", ")));
 }
 
 }  // namespace
@@ -137,10 +156,12 @@ std::string common_type(std::span<const std::filesystem::path> files,
 Points read_points(std::span<const std::filesystem::path> files, const PointReadOptions& options,
                    std::vector<std::string>* notes) {
     PointReadOptions chosen = options;
-    if (files.size() > 1) chosen.grid = common_type(files, options.grid);
     const auto note = [&](const std::string& text) {
         if (notes && !text.empty()) notes->push_back(text);
     };
+    std::string choice;
+    chosen.grid = common_type(files, options, choice);
+    note(choice);
     Points points;
     std::uint64_t skipped = 0;
     const std::filesystem::path* part = nullptr;  // the first with the type

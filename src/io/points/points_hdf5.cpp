@@ -34,7 +34,7 @@ Points read_points_hdf5(const std::filesystem::path& file, const PointReadOption
     throw Error(fmt::format("{}: this build reads no HDF5 (libhdf5 was absent when it was built)",
                             file.string()));
 }
-std::vector<std::string> types_of_hdf5(const std::filesystem::path& file) {
+ParticleTypes types_of_hdf5(const std::filesystem::path& file) {
     read_points_hdf5(file, {});
     return {};
 }
@@ -119,29 +119,30 @@ class Snapshot {
             groups_.push_back(name);
             try {
                 open(name);
-                if (std::ranges::none_of(arrays_, &Array::is_position)) continue;
+                const auto place = std::ranges::find_if(arrays_, &Array::is_position);
+                if (place == arrays_.end()) continue;
+                types_.particles.push_back(static_cast<double>(place->rows));
             } catch (const Error&) {  // reported when the type is chosen
+                types_.particles.push_back(0);
             }
-            types_.push_back(name);
+            types_.name.push_back(name);
         }
     }
 
     /// Types of particles that have positions.
-    const std::vector<std::string>& types() const { return types_; }
-    /// Opens the only type, or the one that is requested.
-    void choose(const std::string& requested) {
-        if (types_.empty())
+    const ParticleTypes& types() const { return types_; }
+    /// Opens the type that is requested, or meant.
+    void choose(const std::string& requested, bool refuse = false) {
+        if (types_.name.empty())
             fail(groups_.empty() ? "no group PartType0 to PartType9"
                                  : "no type with particles: Coordinates of 3 numbers each");
-        if (requested.empty() && types_.size() == 1) return open(types_.front());
-        if (std::ranges::find(types_, requested) != types_.end()) return open(requested);
-        const bool empty = std::ranges::find(groups_, requested) != groups_.end();
+        if (requested.empty()) return open(types_.name[likely_type(name_, types_, refuse).index]);
+        if (std::ranges::count(types_.name, requested)) return open(requested);
         throw Error(fmt::format("{}: {}, expected one by name (--grid; it has: {})", name_,
-                                requested.empty()
-                                    ? fmt::format("{} types of particles", types_.size())
-                                : empty ? fmt::format("{} has no particles", requested)
-                                        : fmt::format("no particles '{}'", printable(requested)),
-                                fmt::join(types_, ", ")));
+                                std::ranges::count(groups_, requested)
+                                    ? fmt::format("{} has no particles", requested)
+                                    : fmt::format("no particles '{}'", printable(requested)),
+                                fmt::join(types_.name, ", ")));
     }
     const std::vector<Array>& arrays() const { return arrays_; }
     /// Positions of the chosen type.
@@ -244,7 +245,7 @@ class Snapshot {
     std::string name_;
     Handle file_;
     std::vector<std::string> groups_;  ///< PartType0 to PartType9
-    std::vector<std::string> types_;
+    ParticleTypes types_;
     std::string group_name_;
     std::optional<Handle> group_;
     std::vector<Array> arrays_;
@@ -329,7 +330,7 @@ auto with_snapshot(const std::filesystem::path& file, const Run& run) {
 
 }  // namespace
 
-std::vector<std::string> types_of_hdf5(const std::filesystem::path& file) {
+ParticleTypes types_of_hdf5(const std::filesystem::path& file) {
     return with_snapshot(file, [](const Snapshot& snapshot) { return snapshot.types(); });
 }
 
@@ -342,7 +343,7 @@ SnapshotPart part_of_hdf5(const std::filesystem::path& file, const std::string& 
 
 Points read_points_hdf5(const std::filesystem::path& file, const PointReadOptions& options) {
     return with_snapshot(file, [&](Snapshot& snapshot) {
-        snapshot.choose(options.grid);
+        snapshot.choose(options.grid, options.refuse_several);
         return points_of(snapshot, file);
     });
 }

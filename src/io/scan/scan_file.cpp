@@ -125,7 +125,7 @@ ScanFile open_scan(const std::filesystem::path& file) {
             throw Error(
                 fmt::format("{}: transform is singular or not finite, expected an invertible one",
                             file.string()));
-        grid.name = grid_name(grid.name);
+        grid.name = grid.plain_name = grid_name(grid.name);
         repeats[grid.name] += 1;
         grid.length_unit = printable(grid.length_unit, 40);
         grid.value_unit = printable(grid.value_unit, 40);
@@ -136,24 +136,12 @@ ScanFile open_scan(const std::filesystem::path& file) {
 }
 
 std::size_t chosen_grid(const ScanFile& scan, const std::filesystem::path& file,
-                        const std::string& name) {
-    std::string list;
-    constexpr std::size_t kListed = 6;
-    const std::size_t count = scan.grids.size();
-    for (std::size_t n = 0; n < count; ++n) {
-        if (count > kListed && n == kListed - 1) list += ", ...";
-        if (count <= kListed || n < kListed - 1 || n + 1 == count)
-            list += (n ? ", " : "") + scan.grids[n].name;
-    }
-    if (name.empty()) {
-        if (count == 1) return 0;
-        throw Error(fmt::format("{}: {} images, expected one by name (it has: {})", file.string(),
-                                count, list));
-    }
-    const std::string requested = grid_name(name);
-    for (std::size_t n = 0; n < count; ++n)
-        if (scan.grids[n].name == requested) return n;
-    throw Error(fmt::format("{}: no grid named '{}' (it has: {})", file.string(), requested, list));
+                        const GridRequest& request, DefaultGrid* answer) {
+    const ScanGrid& chosen = chosen_of(
+        scan.grids, file.string(), request, answer,
+        [](const ScanGrid&) { return ValueKind::numbers; },
+        [](const ScanGrid& grid) { return double{1} * grid.size.x * grid.size.y * grid.size.z; });
+    return static_cast<std::size_t>(&chosen - scan.grids.data());
 }
 
 std::vector<std::string> color_names(std::uint64_t count) {

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "io/grid_choice.h"
 #include "vog/linear.h"
 #include "vog/memory.h"
 #include "vog/subject.h"
@@ -18,6 +19,7 @@ namespace vog::scan {
 /// One image of a file: a frame of a series, a channel, or the only one.
 struct ScanGrid {
     std::string name = "value";  ///< "value" of the only image; "t3", "c0", "red" of several
+    std::string plain_name{};    ///< without the number of one that repeats
     Vec3i size;                  ///< voxels along x, y, z, >= 1
     Affine world_from_index;     ///< from indices, from 0 at the first voxel's centre
     std::string type;            ///< of the stored values: "int16"
@@ -41,10 +43,10 @@ bool is_scan(const std::filesystem::path& file);
 /// Reads the head of a file.
 /// throws vog::Error for a missing, foreign, truncated or unsupported file: what, where, got, expected
 ScanFile open_scan(const std::filesystem::path& file);
-/// Number of the grid of this name; empty: the only one.
-/// throws vog::Error that lists the names for an unknown one, and for several without a name
+/// Number of the grid of this name, or by the rule of vog::chosen_of.
+/// throws vog::Error as chosen_of does
 std::size_t chosen_grid(const ScanFile& scan, const std::filesystem::path& file,
-                        const std::string& name);
+                        const GridRequest& request, DefaultGrid* answer = nullptr);
 
 // One reader a format.
 ScanFile open_nifti(const std::filesystem::path& file);

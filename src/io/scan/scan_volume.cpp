@@ -180,7 +180,7 @@ Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, V
                  std::string* departure) {
     return with_memory_errors(file, [&] {
         const ScanFile scan = open_scan(file);
-        const std::size_t n = chosen_grid(scan, file, options.grid);
+        const std::size_t n = chosen_grid(scan, file, {options.grid, options.refuse_several});
         const ScanGrid& grid = scan.grids[n];
         const std::string where = where_of(file, grid);
         if (options.level_set_to_fog && !options.ones)
@@ -205,6 +205,12 @@ std::vector<std::string> scan_grid_names(const std::filesystem::path& file) {
     return names;
 }
 
+DefaultGrid default_grid(const std::filesystem::path& file, const VdbOptions& options) {
+    DefaultGrid answer;
+    chosen_grid(open_scan(file), file, {{}, options.refuse_several}, &answer);
+    return answer;
+}
+
 std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file) {
     return with_memory_errors(file, [&] {
         const ScanFile scan = open_scan(file);
@@ -219,7 +225,7 @@ std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file) {
 field_files::FieldGrid load_scan_field(const FieldSource& source) {
     return with_memory_errors(source.file, [&] {
         const ScanFile scan = open_scan(source.file);
-        const std::size_t n = chosen_grid(scan, source.file, source.grid);
+        const std::size_t n = chosen_grid(scan, source.file, {source.grid, true});
         const ScanGrid& from = scan.grids[n];
         const BigVector<float> value = scan.read(n);
         using LeafT = openvdb::FloatGrid::TreeType::LeafNodeType;
@@ -246,7 +252,7 @@ field_files::FieldGrid load_scan_field(const FieldSource& source) {
 
 std::string scan_field_name(const FieldSource& source) {
     const ScanFile scan = open_scan(source.file);
-    return scan.grids[chosen_grid(scan, source.file, source.grid)].name;
+    return scan.grids[chosen_grid(scan, source.file, {source.grid, true})].name;
 }
 
 }  // namespace vog::scan
@@ -256,7 +262,7 @@ namespace vog {
 VolumeHead volume_head(const std::filesystem::path& file, const std::string& grid) {
     if (!scan::is_scan(file)) return {};
     const scan::ScanFile opened = scan::open_scan(file);
-    const scan::ScanGrid& one = opened.grids[scan::chosen_grid(opened, file, grid)];
+    const scan::ScanGrid& one = opened.grids[scan::chosen_grid(opened, file, {grid})];
     const Mat3& map = one.world_from_index.linear;
     return {{length(map.column(0)), length(map.column(1)), length(map.column(2))},
             one.world_from_index.translation,

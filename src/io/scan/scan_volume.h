@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "io/fields/field_grid.h"
+#include "io/grid_choice.h"
 #include "vog/scan_io.h"
 
 namespace vog::scan {
@@ -18,6 +19,8 @@ Volume read_scan(const std::filesystem::path& file, const VdbOptions& options, V
                  std::string* departure = nullptr);
 /// Names of the grids, in file order.
 std::vector<std::string> scan_grid_names(const std::filesystem::path& file);
+/// Choice where no grid is named.
+DefaultGrid default_grid(const std::filesystem::path& file, const VdbOptions& options);
 /// Describes the grids, in file order.
 std::vector<VolumeInfo> inspect_scan(const std::filesystem::path& file);
 /// Grid of a field: every voxel of the image is active.

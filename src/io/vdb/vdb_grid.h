@@ -13,6 +13,7 @@
 
 #include <fmt/core.h>
 
+#include "io/grid_choice.h"
 #include "io/vdb/bytes/vdb_file.h"
 #include "io/vdb/bytes/vdb_tree_check.h"
 #include "vog/error.h"
@@ -30,9 +31,11 @@ std::string short_type(const std::string& tree_type);
 /// throws vog::Error that trees of this type hold no density
 [[noreturn]] void throw_not_density(const std::string& where, const std::string& tree_type);
 
-/// Grid of this name; without a name the only scalar grid, else the one named density.
-/// throws vog::Error if there is none or more than one, with the names of the file's grids
-const VdbEntry& chosen_entry(const VdbFile& file, const std::string& name);
+/// Grid of this name, or by the rule of vog::chosen_of; the largest one has most active voxels and is no level set, or
+/// is one with `level_sets`.
+/// throws vog::Error as chosen_of does
+const VdbEntry& chosen_entry(VdbFile& file, const GridRequest& request,
+                             DefaultGrid* answer = nullptr, bool level_sets = false);
 /// Storage layout of trees of this type; none for an unknown type.
 std::optional<TreeLayout> tree_layout(const std::string& tree_type);
 /// Entry that stores the tree of `entry`: itself, or the grid whose tree it shares.

@@ -4,7 +4,6 @@
 #include <optional>
 
 #include "data/volume_partition.h"
-#include "io/vdb/vdb_choice.h"
 #include "io/vdb/vdb_leaves.h"
 #include "io/vdb/vdb_reader.h"
 #include "io/vdb/vdb_volume.h"
@@ -14,14 +13,34 @@ namespace vog {
 
 using namespace vdb;
 
-const VdbEntry& vdb::chosen_entry(const VdbFile& file, const std::string& name) {
-    return chosen_of(file.entries(), file.name(), name, [](const VdbEntry& entry) {
+const VdbEntry& vdb::chosen_entry(VdbFile& file, const GridRequest& request, DefaultGrid* answer,
+                                  bool level_sets) {
+    const auto kind_of = [](const VdbEntry& entry) {
         return is_scalar(entry.tree_type) ? ValueKind::numbers
                : entry.tree_type == openvdb::BoolGrid::gridType() ||
                        entry.tree_type == openvdb::MaskGrid::gridType()
                    ? ValueKind::switches
                    : ValueKind::others;
-    });
+    };
+    const auto size_of = [&](const VdbEntry& entry) -> double {
+        try {
+            openvdb::initialize();
+            const VdbLeaves leaves(file, entry, {});
+            const bool level_set = leaves.grid_class() == openvdb::GRID_LEVEL_SET;
+            return level_set == level_sets ? static_cast<double>(leaves.active_voxels()) : 0;
+        } catch (const Error&) {  // reported where this grid is read
+            return 0;
+        }
+    };
+    return chosen_of(file.entries(), file.name(), request, answer, kind_of, size_of);
+}
+
+DefaultGrid vdb::default_grid(const std::filesystem::path& path, const VdbOptions& options,
+                              bool levels) {
+    VdbFile file(path);
+    DefaultGrid answer;
+    chosen_entry(file, {{}, options.refuse_several, levels}, &answer, options.level_set_to_fog);
+    return answer;
 }
 
 std::vector<std::string> vdb_grid_names(const std::filesystem::path& path) {
@@ -49,7 +68,8 @@ struct VdbReader::State {
 VdbReader::State::State(const std::filesystem::path& path, const VdbOptions& requested)
     : options(requested),
       file(path),
-      entry(chosen_entry(file, options.grid)),
+      entry(chosen_entry(file, {options.grid, options.refuse_several}, nullptr,
+                         options.level_set_to_fog)),
       where(file.where(entry)) {
     if (options.level_set_to_fog) {
         read_level_set();

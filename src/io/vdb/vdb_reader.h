@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "data/volume_partition.h"
+#include "io/grid_choice.h"
 #include "vog/volume_io.h"
 
 namespace vog::vdb {
@@ -37,5 +38,10 @@ class VdbReader {
     struct State;
     std::unique_ptr<State> state_;
 };
+
+/// Choice where no grid is named.
+/// levels  GridRequest::levels
+/// throws  vog::Error as VdbReader does
+DefaultGrid default_grid(const std::filesystem::path& file, const VdbOptions& options, bool levels);
 
 }  // namespace vog::vdb

@@ -113,9 +113,14 @@ TEST(scan, frames_are_grids) {
     write_bytes(dir / "a.nii", nifti.head() + bytes_of(scan_values(100)) + bytes_of(scan_values()));
     EXPECT_EQ(grid_names(dir / "a.nii"), (std::vector<std::string>{"t0", "t1"}));
     expect_counted(read_volume(dir / "a.nii", {.grid = "t1"}), "frame");
+    std::vector<std::string> notes;
+    EXPECT_EQ(read_volume(dir / "a.nii", {}, &notes).name, "t0");
+    ASSERT_EQ(notes.size(), 1u);
+    EXPECT_NE(notes.front().find("takes 't0', one of 2 grids; --grid takes another: t1"),
+              std::string::npos);
     EXPECT_NE(refusal([&] {
-                  read_volume(dir / "a.nii");
-              }).find("2 images, expected one by name (it has: t0, t1)"),
+                  read_volume(dir / "a.nii", {.refuse_several = true});
+              }).find("2 grids, expected one by name (--grid; it has: t0, t1)"),
               std::string::npos);
     EXPECT_NE(
         refusal([&] { read_volume(dir / "a.nii", {.grid = "t2"}); }).find("no grid named 't2'"),

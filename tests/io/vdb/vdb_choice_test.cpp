@@ -51,10 +51,75 @@ TEST(vdb_choice, among_several_scalar_grids_density_is_read) {
     EXPECT_EQ(first_value(read_vdb(dir / "a.vdb", {.grid = "temperature"})), 1);
 }
 
+/// Names of the grids that are read by default, with the notes.
+struct Default {
+    std::vector<std::string> names, notes;
+};
+Default default_of(const std::filesystem::path& file, const LevelOptions& options = {}) {
+    Default found;
+    for (const Volume& volume : read_levels(std::span(&file, 1), options, &found.notes).volumes)
+        found.names.push_back(volume.name);
+    EXPECT_EQ(options.level_set_to_fog ? found.names.front() : read_volume(file).name,
+              found.names.back());
+    return found;
+}
+
+TEST(vdb_choice, without_density_the_largest_fog_volume_is_read_and_noted) {
+    const TempDir dir;
+    const auto file = dir / "fire.vdb";
+    const auto flames = grid_with("flames"), temperature = grid_with("temperature", 2);
+    openvdb::gridPtrCast<openvdb::FloatGrid>(temperature)->tree().addTile(1, {8, 0, 0}, 1, true);
+    const auto surface = make_grid<openvdb::FloatGrid>("surface");
+    surface->tree().addTile(2, {0, 0, 0}, 1, true);
+    surface->setGridClass(openvdb::GRID_LEVEL_SET);
+    write_grids(file, {flames, temperature, surface, make_grid("empty")});
+    const Default found = default_of(file);
+    EXPECT_EQ(found.names, std::vector<std::string>{"temperature"});
+    EXPECT_EQ(found.notes,
+              std::vector<std::string>{
+                  file.string() + ": takes 'temperature', the largest of 4 grids; --grid takes "
+                                  "another: flames, surface, empty"});
+    EXPECT_EQ(test::error_of([&] { read_volume(file, {.refuse_several = true}); }),
+              file.string() +
+                  ": 4 grids, expected one by name (--grid; it has: flames, "
+                  "temperature, surface, empty)");
+    std::vector<std::string> notes;
+    EXPECT_EQ(read_volume(file, {.grid = "flames", .refuse_several = true}, &notes).name, "flames");
+    EXPECT_TRUE(notes.empty()) << "a named grid is no guess";
+}
+
+TEST(vdb_choice, an_empty_density_gives_way_and_a_full_one_is_not_noted) {
+    const TempDir dir;
+    write_grids(dir / "a.vdb", {make_grid("density"), grid_with("flames")});
+    EXPECT_EQ(default_of(dir / "a.vdb").names, std::vector<std::string>{"flames"});
+    write_grids(dir / "a.vdb", {grid_with("flames"), grid_with("density")});
+    EXPECT_EQ(default_of(dir / "a.vdb").names, std::vector<std::string>{"density"});
+    EXPECT_TRUE(default_of(dir / "a.vdb").notes.empty());
+    EXPECT_EQ(read_volume(dir / "a.vdb", {.refuse_several = true}).name, "density");
+}
+
+TEST(vdb_choice, numbered_grids_are_levels_and_files_share_the_choice) {
+    const TempDir dir;
+    write_grids(dir / "amr.vdb", {grid_with("rho_L1"), grid_with("rho_L0")});
+    const std::filesystem::path amr = dir / "amr.vdb";
+    std::vector<std::string> notes;
+    EXPECT_EQ(read_levels(std::span(&amr, 1), {}, &notes).volumes.size(), 2u);
+    EXPECT_EQ(notes, std::vector<std::string>{amr.string() + ": takes the grids 'rho_L*' as levels "
+                                                             "of one mesh; --grid takes one"});
+    const auto large = grid_with("b");
+    openvdb::gridPtrCast<openvdb::FloatGrid>(large)->tree().addTile(1, {8, 0, 0}, 1, true);
+    const auto larger = grid_with("a");
+    openvdb::gridPtrCast<openvdb::FloatGrid>(larger)->tree().addTile(2, {128, 0, 0}, 1, true);
+    write_grids(dir / "1.vdb", {grid_with("a"), large});
+    write_grids(dir / "2.vdb", {larger, grid_with("b")});
+    write_grids(dir / "3.vdb", {grid_with("c")});
+    const std::vector<std::filesystem::path> files{dir / "1.vdb", dir / "2.vdb", dir / "3.vdb"};
+    std::vector<std::string> names;
+    for (const Volume& volume : read_levels(files).volumes) names.push_back(volume.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"b", "b", "c"}));
+}
+
 TEST(vdb_choice, without_a_choice_the_names_are_listed) {
-    expect_message({grid_with("temperature"), grid_with("flame")},
-                   ": 2 scalar grids, expected one, or one named 'density', or a name "
-                   "(it has: temperature, flame)");
     expect_message({grid_with("temperature"), grid_with("flame")},
                    ": no grid named 'density' (it has: temperature, flame)", {.grid = "density"});
     expect_message({grid_with<openvdb::Vec3SGrid>("v")},

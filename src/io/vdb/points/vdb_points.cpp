@@ -297,10 +297,12 @@ class PointGridReader {
     std::vector<std::size_t> first_;  ///< [leaf], index of its first point
 };
 
-/// Grid of points with this name; without a name, the only one.
-/// throws vog::Error if there is none or more than one
-const VdbEntry& point_entry(const VdbFile& file, const std::string& requested) {
-    const std::string name = grid_name(requested);
+/// Grid of points with this name; without a name, likely_grid of the bytes of each.
+/// note    receives the choice; null: not reported
+/// throws vog::Error if there is none, or more than one of the name
+const VdbEntry& point_entry(const VdbFile& file, const PointReadOptions& options,
+                            std::string* note) {
+    const std::string name = grid_name(options.grid);
     std::vector<const VdbEntry*> found;
     std::vector<std::string> names;
     for (const VdbEntry& entry : file.entries()) {
@@ -309,6 +311,16 @@ const VdbEntry& point_entry(const VdbFile& file, const std::string& requested) {
         if (matches && entry.tree_type == kPointTree) found.push_back(&entry);
     }
     if (found.size() == 1) return *found.front();
+    if (name.empty() && !found.empty()) {
+        names.clear();
+        for (const VdbEntry* entry : found) names.push_back(entry->name);
+        const auto bytes = [&](std::size_t n) {
+            return static_cast<double>(found[n]->end - found[n]->begin);
+        };
+        const LikelyGrid likely = likely_grid(file.name(), names, bytes, options.refuse_several);
+        if (note) *note = likely.note;
+        return *found[likely.index];
+    }
     throw Error(fmt::format("{}: {} grids of points{}, expected one (it has: {})", file.name(),
                             found.empty() ? "no" : std::to_string(found.size()),
                             name.empty() ? "" : fmt::format(" named '{}'", name),
@@ -329,9 +341,9 @@ bool vdb_holds_points(const std::filesystem::path& path, const std::string& requ
 }
 
 Points point_files::read_points_vdb(const std::filesystem::path& path,
-                                    const PointReadOptions& options) {
+                                    const PointReadOptions& options, std::string* note) {
     VdbFile file(path);
-    const VdbEntry& entry = point_entry(file, options.grid);
+    const VdbEntry& entry = point_entry(file, options, note);
     const std::string where = file.where(entry);
     if (!entry.parent.empty())
         throw Error(fmt::format("{}: shares the tree of another grid, expected its own", where));
