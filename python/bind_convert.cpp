@@ -1,6 +1,8 @@
 // bind_convert.cpp: convert(), for volumes, levels and particles.
 #include <algorithm>
 #include <memory>
+#include <optional>
+#include <span>
 #include <type_traits>
 
 #include "arrays.h"
@@ -11,6 +13,7 @@
 #include "vog/convert_paper.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
+#include "vog/periodic.h"
 
 namespace vog::python {
 
@@ -35,6 +38,11 @@ class Options {
                                           : std::is_integral_v<T>        ? "a whole number"
                                                                          : "a number";
         value = cast_to<T>(option, std::string("convert: ") + name, kExpected);
+    }
+    /// The option itself; None: not given.
+    py::object take(const char* name) {
+        known_.emplace_back(name);
+        return given_[name];
     }
     /// The same for numbers > 0. throws vog::Error for others
     template <class T>
@@ -132,13 +140,42 @@ PaperOptions paper_options(Options& options) {
     return paper;
 }
 
-PointOptions point_options(Options& options) {
+/// Box of `periodic`; an empty one: that of the data. None: not given, or False.
+std::optional<Box> take_period(Options& options) {
+    const py::object given = options.take("periodic");
+    if (given.is_none() || given.is(py::bool_(false))) return {};
+    if (given.is(py::bool_(true))) return Box{};
+    const auto row = cast_to<py::array_t<double, py::array::c_style | py::array::forcecast>>(
+        given, "convert: periodic", "True, an edge, three edges or two corners");
+    return box_of_numbers(std::span(row.data(), static_cast<std::size_t>(row.size())));
+}
+
+/// Takes `smoothing`, the name of an attribute or an array, which becomes one of a copy of the particles.
+void take_smoothing(Options& options, PointOptions& chosen, Points& copy, const Points& points) {
+    const py::object given = options.take("smoothing");
+    options.require("smoothing", chosen.radius == 0, "beside radius");
+    if (given.is_none() || py::isinstance<py::str>(given)) {
+        if (!given.is_none()) chosen.smoothing = given.cast<std::string>();
+        return;
+    }
+    const py::array_t<float> row = row_of<float>(given, "convert: smoothing");
+    copy = points;
+    std::erase_if(copy.attributes,
+                  [](const PointAttribute& one) { return one.name == "smoothing"; });
+    copy.attributes.push_back({"smoothing", {row.data(), row.data() + row.size()}});
+    chosen.smoothing = "smoothing";
+}
+
+PointOptions point_options(Options& options, Points& copy, const Points& given) {
     PointOptions points;
     take_cells(options, points);
     options.take("value", points.value);
     options.take("radius", points.radius);
     options.take("neighbours", points.neighbours);
     options.require("neighbours", points.radius == 0, "beside radius");
+    if (!options.take("neighbours").is_none()) points.smoothing.clear();
+    take_smoothing(options, points, copy, given);
+    points.periodic = take_period(options);
     const bool cells = points.block_voxels || points.budget || points.error > 0;
     for (const char* name : {"mass_threshold", "axis_aligned"})
         options.require(name, cells, "without block, budget, error or lod");
@@ -311,12 +348,15 @@ Model of_points(const Points& points, const std::string& method, Options& option
                 convert_points_paper(points, value, radius, kappa, carried));
         });
     }
-    PointOptions point = point_options(options);
+    Points copy;  // where an array sets the radii of the kernels
+    PointOptions point = point_options(options, copy, points);
     point.progress = progress_of(progress);
     point.fields = carried;
     MomentReport report;
-    Model model = unlocked(
-        [&] { return std::make_shared<Gaussians>(convert_points(points, point, &report)); });
+    Model model = unlocked([&] {
+        return std::make_shared<Gaussians>(
+            convert_points(copy.size() ? copy : points, point, &report));
+    });
     fill(report_dict, report, point.error);
     return model;
 }
@@ -333,7 +373,17 @@ Model convert(const py::object& data, const std::string& method, const py::objec
     if (!py::isinstance<Volume>(data) && !levels_of(data))
         refuse_data(data, "convert", "a Volume, Levels, a list of Volumes or Points");
     if (method == "paper") return by_paper(data, options, progress, fields);
-    return by_moments(data, options, progress, report, fields);
+    std::optional<Box> period = take_period(options);
+    if (period && period->empty())
+        period = py::isinstance<Volume>(data) ? domain_box({&data.cast<const Volume&>(), 1})
+                                              : domain_box(levels_of(data)->volumes);
+    if (period && period->empty())
+        throw Error(
+            "convert: periodic: the coarsest cells do not fill a box, so the data do not state the "
+            "domain, expected an edge, three edges or two corners");
+    const Model model = by_moments(data, options, progress, report, fields);
+    if (period) add_periodic_images(*model, *period);
+    return model;
 }
 
 }  // namespace
@@ -347,19 +397,20 @@ void bind_convert(py::module_& m) {
            py::object error, py::object lod, py::object soft_steps, py::object spread,
            py::object mass_threshold, py::object refine_seconds, py::object axis_aligned,
            py::object measure, py::object value, py::object radius, py::object neighbours,
-           py::object strategy, py::object dense_block, py::object amplitude, py::object kappa,
-           py::object opacity_threshold, py::object minimum_radius, py::object variance_threshold,
-           py::object similarity, py::object tree_depth, const py::object& fields,
-           py::object joint_field, py::object joint_steps, const py::object& progress,
-           const py::object& report) {
+           py::object smoothing, py::object periodic, py::object strategy, py::object dense_block,
+           py::object amplitude, py::object kappa, py::object opacity_threshold,
+           py::object minimum_radius, py::object variance_threshold, py::object similarity,
+           py::object tree_depth, const py::object& fields, py::object joint_field,
+           py::object joint_steps, const py::object& progress, const py::object& report) {
             using namespace py::literals;
             py::dict given(
                 "block"_a = block, "budget"_a = budget, "error"_a = error, "lod"_a = lod,
                 "soft_steps"_a = soft_steps, "spread"_a = spread,
                 "mass_threshold"_a = mass_threshold, "refine_seconds"_a = refine_seconds,
                 "axis_aligned"_a = axis_aligned, "measure"_a = measure, "value"_a = value,
-                "radius"_a = radius, "neighbours"_a = neighbours, "strategy"_a = strategy,
-                "dense_block"_a = dense_block, "amplitude"_a = amplitude, "kappa"_a = kappa,
+                "radius"_a = radius, "neighbours"_a = neighbours, "smoothing"_a = smoothing,
+                "periodic"_a = periodic, "strategy"_a = strategy, "dense_block"_a = dense_block,
+                "amplitude"_a = amplitude, "kappa"_a = kappa,
                 "opacity_threshold"_a = opacity_threshold, "minimum_radius"_a = minimum_radius,
                 "variance_threshold"_a = variance_threshold, "similarity"_a = similarity,
                 "tree_depth"_a = tree_depth, "joint_field"_a = joint_field,
@@ -371,12 +422,12 @@ void bind_convert(py::module_& m) {
         py::arg("soft_steps") = none, py::arg("spread") = none, py::arg("mass_threshold") = none,
         py::arg("refine_seconds") = none, py::arg("axis_aligned") = none, py::arg("measure") = none,
         py::arg("value") = none, py::arg("radius") = none, py::arg("neighbours") = none,
-        py::arg("strategy") = none, py::arg("dense_block") = none, py::arg("amplitude") = none,
-        py::arg("kappa") = none, py::arg("opacity_threshold") = none,
-        py::arg("minimum_radius") = none, py::arg("variance_threshold") = none,
-        py::arg("similarity") = none, py::arg("tree_depth") = none, py::arg("fields") = none,
-        py::arg("joint_field") = none, py::arg("joint_steps") = none, py::arg("progress") = none,
-        py::arg("report") = none,
+        py::arg("smoothing") = none, py::arg("periodic") = none, py::arg("strategy") = none,
+        py::arg("dense_block") = none, py::arg("amplitude") = none, py::arg("kappa") = none,
+        py::arg("opacity_threshold") = none, py::arg("minimum_radius") = none,
+        py::arg("variance_threshold") = none, py::arg("similarity") = none,
+        py::arg("tree_depth") = none, py::arg("fields") = none, py::arg("joint_field") = none,
+        py::arg("joint_steps") = none, py::arg("progress") = none, py::arg("report") = none,
         R"(Converts voxels or particles to a model of 3D Gaussians, without training. Returns Gaussians.
 
 data      a Volume; Levels or a list of Volumes: levels of one mesh, where finer ones hide coarser; Points
@@ -405,8 +456,13 @@ measure         True: measure the error with block, budget and lod too
 
 Points:
 value       mass of a particle's Gaussian: 'count' (1 each), 'speed' or the name of an attribute
-radius      standard deviation, world units; default: half the distance to the nearest neighbour number
-            `neighbours`
+radius      standard deviation, world units; default: by `smoothing`, else half the distance to the nearest neighbour
+            number `neighbours`
+smoothing   radii at which the particles' kernels end: the name of an attribute, or an array [N]; default: SmoothingLength
+            and the like where the particles have it. The Gaussians have the variance of cubic splines
+periodic    True: the box that the snapshot states; or its edge, three edges, or [lower, upper]: neighbours are found across
+            faces, and what leaves through a face enters through the opposite one. Of volumes by moments, too: True is the
+            domain of a mesh. render and projection show the inside of the box
 mass_threshold, axis_aligned and measure as above
 
 Method 'paper', volumes: lod, strategy ('smart', 'strict', 'single', 'variance', 'neighbours', 'tree'),

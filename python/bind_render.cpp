@@ -12,6 +12,7 @@
 #include "vog/error.h"
 #include "vog/gpu_pictures.h"
 #include "vog/gpu_volumes.h"
+#include "vog/periodic.h"
 #include "vog/picture.h"
 #include "vog/renderer.h"
 #include "vog/splat.h"
@@ -68,8 +69,10 @@ std::shared_ptr<Scene> make_scene(const py::object& data, const RenderArguments&
     const auto* particles = points ? &data.cast<const Points&>() : nullptr;
     unlocked([&] {
         if (particles) gaussians = std::make_shared<Gaussians>(convert_points(*particles));
+        RenderOptions options = a.options;
+        if (gaussians) options.clip = inside_period(options.clip, *gaussians);
         if (gaussians)
-            scene->prepared = std::make_unique<DepthRenderer>(renderer, gaussians, a.options);
+            scene->prepared = std::make_unique<DepthRenderer>(renderer, gaussians, options);
         else if (volume)
             scene->prepared =
                 std::make_unique<DepthRenderer>(renderer, std::span(volume, 1), a.options);
@@ -130,21 +133,21 @@ ShownMaps maps_of_model(const py::object& data, const MapArguments& map, const R
                     scalar ? scalar->unit : model.fields.find_vector(choice.field)->unit};
     const Camera camera = camera_or_default(map.camera, data, "render", width, height);
     shown.maps = unlocked([&, width = width, height = height] {
+        const Clipping clip = inside_period(a.options.clip, model);
         if (renderer == Renderer::trace) {
             TraceOptions options = a.options.trace;
             options.progress = report;
             return render_field_trace(model, choice, camera, width, height, options,
-                                      {a.options.aabb_sigma, a.options.kappa}, a.options.clip);
+                                      {a.options.aabb_sigma, a.options.kappa}, clip);
         }
         if (on_gpu)
             return GpuPictures(renderer, model, {a.options.aabb_sigma, a.options.kappa})
-                .fields(choice, camera, width, height, a.options.clip);
+                .fields(choice, camera, width, height, clip);
         SplatOptions options;
         options.progress = report;
         options.aabb_sigma = a.options.aabb_sigma;
         options.kappa = a.options.kappa;
-        return render_field_splat(model, choice, camera, width, height, options, nullptr,
-                                  a.options.clip);
+        return render_field_splat(model, choice, camera, width, height, options, nullptr, clip);
     });
     return shown;
 }

@@ -10,6 +10,7 @@
 #include "vog/gpu_pictures.h"
 #include "vog/gpu_volumes.h"
 #include "vog/maximum_picture.h"
+#include "vog/periodic.h"
 #include "vog/picture.h"
 #include "vog/renderer.h"
 #include "volume_look.h"
@@ -112,6 +113,13 @@ Shown shown_of(const py::object& data, const std::string& name, const py::object
     return shown;
 }
 
+/// Clipped to the box of a periodic model.
+VolumeLook look_at(const py::object& data, VolumeLook look) {
+    if (py::isinstance<Gaussians>(data))
+        look.clip = inside_period(look.clip, data.cast<const Gaussians&>());
+    return look;
+}
+
 VolumeImage volume_of(const Shown& shown, const TransferRequest& request,
                       const PictureArguments& picture) {
     const ValueTransfer transfer = choose_transfer(request, shown.data).transfer;
@@ -174,7 +182,8 @@ void bind_maximum_picture(py::module_& m) {
            const std::string& renderer, int slabs, const py::object& fields,
            const py::object& progress) {
             const auto [width, height] = size_of(size);
-            const VolumeLook look = look_of("render_maximum", py::none(), clip, clip_planes);
+            const VolumeLook look =
+                look_at(data, look_of("render_maximum", py::none(), clip, clip_planes));
             const PictureArguments picture{"render_maximum", camera, width,
                                            height,           slabs,  kMaximumSlabs,
                                            renderer,         look,   progress_of(progress)};
@@ -212,7 +221,8 @@ void bind_volume_picture(py::module_& m) {
            const py::object& fields, const std::string& interpolation, double step,
            const py::object& progress) {
             const auto [width, height] = size_of(size);
-            const VolumeLook look = look_of("render_volume", light, clip, clip_planes);
+            const VolumeLook look =
+                look_at(data, look_of("render_volume", light, clip, clip_planes));
             const PictureArguments picture{"render_volume",
                                            camera,
                                            width,

@@ -29,7 +29,7 @@ PUBLIC_HEADERS = {
     "shade": "quantity shade value_transfer",
     "render": "clip field_maps gpu gpu_pictures gpu_sums gpu_volumes maximum_picture picture reference renderer splat trace volume_picture",
     "compare": "compare compare_maps vogz_fit",
-    "convert": "convert convert_fields convert_moments convert_paper convert_points",
+    "convert": "convert convert_fields convert_moments convert_paper convert_points periodic",
     "voxelize": "voxelize",
     "evaluate": "evaluate rate_distortion",
     "web": "export_html",

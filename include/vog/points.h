@@ -27,6 +27,7 @@ struct Points {
     BigVector<Vec3f> velocity;  ///< [N] in the unit of the file, NaN: missing; empty: unknown
     std::vector<PointAttribute> attributes;  ///< in the order of the file
     std::string source;  ///< file of origin, for messages and model headers; empty: none
+    Box box;  ///< periodic box that the file states (BoxSize of a snapshot); empty: not stated
 
     std::size_t size() const { return position.size(); }  ///< N
 };
@@ -48,6 +49,14 @@ void validate(const Points& points);
 BigVector<float> point_values(const Points& points, const std::string& name, bool missing = false);
 /// throws  vog::Error naming the first particle for which a value is missing (NaN)
 void require_values(const Points& points, const std::string& name, const BigVector<float>& values);
+/// Attribute with the radii at which the kernels of smoothed-particle hydrodynamics end, and the factor from its numbers
+/// to that radius: SmoothingLength (Gadget), smoothing_length or hsml, factor 1; SmoothingLengths (SWIFT), 1.825742, of its
+/// cubic spline. Empty: the particles have none.
+struct SmoothingRadius {
+    std::string name{};
+    double factor = 1;
+};
+SmoothingRadius smoothing_radius(const Points& points);
 /// Names that point_values takes for these particles: "count", "speed", ...
 std::vector<std::string> point_value_names(const Points& points);
 

@@ -74,6 +74,7 @@
 #include "vog/maximum_picture.h"
 #include "vog/memory.h"
 #include "vog/model_io.h"
+#include "vog/periodic.h"
 #include "vog/picture.h"
 #include "vog/ply.h"
 #include "vog/points.h"

@@ -424,6 +424,8 @@ def convert(
     value: Union[str, None] = ...,
     radius: Union[float, None] = ...,
     neighbours: Union[int, None] = ...,
+    smoothing: Union[str, ArrayLike, None] = ...,
+    periodic: Union[bool, float, ArrayLike, None] = ...,
     strategy: Union[str, None] = ...,
     dense_block: Union[int, None] = ...,
     amplitude: Union[str, None] = ...,

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/paging.h"
 #include "vog/error.h"
@@ -54,6 +55,7 @@ void append(Points& points, const Points& other) {
         points = other;
         return;
     }
+    if (points.box.empty()) points.box = other.box;
     const auto same_names = [](const PointAttribute& a, const PointAttribute& b) {
         return a.name == b.name;
     };
@@ -118,6 +120,15 @@ std::vector<std::string> point_value_names(const Points& points) {
         if (std::ranges::find(names, attribute.name) == names.end())
             names.push_back(attribute.name);
     return names;
+}
+
+SmoothingRadius smoothing_radius(const Points& points) {
+    for (const auto& [name, factor] : {std::pair{"SmoothingLength", 1.0},
+                                       {"smoothing_length", 1.0},
+                                       {"hsml", 1.0},
+                                       {"SmoothingLengths", 1.825742}})
+        if (find_attribute(points, name)) return {name, factor};
+    return {};
 }
 
 void require_values(const Points& points, const std::string& name, const BigVector<float>& values) {

@@ -45,7 +45,7 @@ VALUES = {
     "--opacity-threshold": "0.2", "--minimum-radius": "2", "--host": "0.0.0.0", "--allow-origin": "https://example.org", "--tf": "viridis", "--stop-transmittance": "0.5",
     "--title": "T", "--slab-hits": "1", "--model-sizes": "2", "--tolerances": "2", "--samples": "3", "--slabs": "4", "--levels": "1", "--refine": "0.05",
     "--carry": "temperature", "--like": "{made}/small.nrrd", "--reference": "{made}/cloud.vdb", "--seed": "5",
-    "--radius": "0.7", "--neighbours": "2", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
+    "--radius": "0.7", "--neighbours": "2", "--periodic": "30", "--spread": "1.3", "--soft-steps": "7", "--lod": "4",
 }
 
 # Effects that depend on the data: inputs in place of the case's, for both runs.

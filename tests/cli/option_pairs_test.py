@@ -31,7 +31,7 @@ VALUES = {
     "--budget": "200", "--block": "4", "--soft-steps": "2", "--refine": "0.01", "--spread": "1.1",
     "--mass-threshold": "0.01", "--strategy": "smart", "--dense-block": "4", "--amplitude": "mass", "--kappa": "0.02",
     "--opacity-threshold": "0.001", "--variance-threshold": "0.02", "--similarity": "0.2", "--tree-depth": "2",
-    "--minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4",
+    "--minimum-radius": "0.2", "--columns": "x,y,z", "--from": "https://data.example.org/model.vogz", "--value": "speed", "--radius": "0.5", "--neighbours": "4", "--periodic": "40",
     "--memory": "200M", "--scratch": "{out}", "--depth-out": "{out}/t.exr", "--size": "12x10",
     "--renderer": "reference", "--interpolation": "linear", "--step": "0.5", "--samples": "2", "--aabb-sigma": "1",
     "--pixel-error": "1", "--repeat": "2", "--anyhit": "collect", "--slab-hits": "4", "--stop-transmittance": "0.01",

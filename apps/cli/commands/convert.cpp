@@ -21,6 +21,7 @@
 #include "vog/error.h"
 #include "vog/memory.h"
 #include "vog/model_io.h"
+#include "vog/periodic.h"
 #include "vog/volume_io.h"
 
 namespace vog::cli {
@@ -170,12 +171,23 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
     PaperOptions paper = by_moments ? PaperOptions{} : paper_options(arguments);
     Stages stages(arguments.verbose && ranks.is_root);
     moments.progress = paper.progress = stages.progress();
+    if (ranks.convert_volumes && arguments.points.periodic)
+        throw CLI::ValidationError(
+            "--periodic: volumes of a periodic box are converted by one process, expected vog "
+            "convert");
     if (ranks.convert_volumes)
         return ranks.convert_volumes(arguments, {by_moments, moments, paper}, stages);
 
     LoadedVolumes set =
         stages.run("load", [&] { return load_volumes(arguments.inputs, arguments.volume); });
     print_notes(set.notes);
+    std::optional<Box> period = period_of(arguments.points);
+    if (period && period->empty()) period = domain_box(set.volumes);
+    if (period && period->empty())
+        throw Error(fmt::format(
+            "{}: the coarsest cells do not fill a box, so its active voxels do not state the "
+            "domain, expected --periodic EDGE, --periodic X,Y,Z or --periodic x0,y0,z0,x1,y1,z1",
+            arguments.inputs.front()));
     Composite mesh =
         set.is_mesh() ? stages.run("compose", [&] { return compose(set); }) : Composite{};
     std::vector<Volume>& volumes = set.is_mesh() ? mesh.parts : set.volumes;
@@ -250,6 +262,7 @@ nlohmann::ordered_json convert_one(const ConvertArguments& arguments, const CLI:
         throw Error(fmt::format(
             "{}: no Gaussian: no group of voxels has a mean density above --opacity-threshold {}",
             arguments.inputs.front(), paper.opacity_threshold));
+    if (period) add_periodic_images(model, *period);
     if (by_moments)
         model.summary = summary_text(model, totals.report(volume_mass), "active voxels");
     if (arguments.volume.ones) model.options = "--measure volume " + model.options;

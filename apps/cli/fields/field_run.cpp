@@ -93,7 +93,7 @@ FieldDrawing load_model(const RenderArguments& arguments, Drawing drawing,
     const ScalarField* scalar = model->fields.find_scalar(choice.field);
     made.unit = scalar ? scalar->unit : model->fields.find_vector(choice.field)->unit;
     made.label = field_label(choice);
-    const Clipping clip = clip_of(given);
+    const Clipping clip = clip_of(given, *model);
     DrawMaps draw;
     if (on_gpu(drawing.renderer) && !hierarchy->empty()) {
         if (!ranks.divided()) made.cut = std::make_shared<CutReport>();

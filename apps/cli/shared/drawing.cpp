@@ -7,6 +7,7 @@
 #include "shared/validators.h"
 #include "vog/convert_points.h"
 #include "vog/error.h"
+#include "vog/periodic.h"
 
 namespace vog::cli {
 
@@ -190,6 +191,10 @@ Clipping clip_of(const ClipArguments& arguments) {
     return clip;
 }
 
+Clipping clip_of(const ClipArguments& arguments, const Gaussians& model) {
+    return inside_period(clip_of(arguments), model);
+}
+
 void set_primitives_text(Drawing& drawing, std::size_t levels) {
     if (drawing.kind != FileKind::volume) {
         drawing.primitives_text = count_text(drawing.gaussians) + " Gaussians";
@@ -224,9 +229,9 @@ void draw_model(const DrawingArguments& arguments, std::optional<double> extinct
     set_primitives_text(drawing, 0);
     // A model without a hierarchy gets one where --pixel-error is given.
     if (hierarchy->empty() && arguments.pixel_error) *hierarchy = build_hierarchy(*model);
-    draw_by(std::make_shared<DepthRenderer>(drawing.renderer, model,
-                                            render_options(arguments, extinction), hierarchy),
-            drawing);
+    RenderOptions options = render_options(arguments, extinction);
+    options.clip = clip_of(arguments, *model);
+    draw_by(std::make_shared<DepthRenderer>(drawing.renderer, model, options, hierarchy), drawing);
 }
 
 Drawing begin_drawing(const DrawingArguments& arguments, const CLI::App& command) {

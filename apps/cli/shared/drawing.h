@@ -69,6 +69,8 @@ Drawing load_drawing(const DrawingArguments& arguments, std::optional<double> ex
 /// Clip by --clip and --clip-plane.
 /// throws  CLI::ValidationError for texts that are none
 Clipping clip_of(const ClipArguments& arguments);
+/// The same inside the box of a periodic model (inside_period).
+Clipping clip_of(const ClipArguments& arguments, const Gaussians& model);
 
 // The steps of load_drawing, for callers that read the inputs in another way.
 

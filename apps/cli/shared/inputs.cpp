@@ -15,6 +15,7 @@
 #include "vog/error.h"
 #include "vog/lod.h"
 #include "vog/model_io.h"
+#include "vog/periodic.h"
 #include "vog/scan_io.h"
 #include "vog/shade.h"
 #include "vog/site.h"
@@ -197,11 +198,20 @@ void add_point_options(CLI::App& command, PointInputOptions& options) {
     command
         .add_option(
             "--radius", options.radius,
-            "Standard deviation of a particle's Gaussian, world units, or adaptive: half the "
-            "distance to its k-th nearest neighbour (--neighbours). With --method paper: "
+            "Standard deviation of a particle's Gaussian, world units; adaptive: half the "
+            "distance to its k-th nearest neighbour (--neighbours); or the attribute with the "
+            "radii at which the particles' kernels end. auto: SmoothingLength where the file "
+            "has it, else adaptive. With --method paper: "
             "its radius, sqrt(2) standard deviations; default: half the edge of a voxel "
             "that holds one particle on average")
         ->capture_default_str();
+    command
+        .add_option("--periodic", options.periodic,
+                    "Periodic box: its edge, x,y,z edges from 0, or x0,y0,z0,x1,y1,z1, world "
+                    "units; auto: the box that the snapshot states (BoxSize), or the domain of a "
+                    "mesh. What leaves through a face enters through the opposite one, neighbours "
+                    "are found across faces, and pictures show the box alone")
+        ->expected(0, 1);
     command
         .add_option("--neighbours", options.neighbours,
                     "k of --radius adaptive: the nearest neighbour is 1")
@@ -219,6 +229,11 @@ Points load_points(const std::vector<std::string>& files, const PointInputOption
         changed.clipped_negative = clip_negative(points, options.value);
     if (const std::string text = values_text(changed, points.source); !text.empty())
         notes.push_back(text);
+    if (const std::string name = smoothing_radius(points).name;
+        options.radius == kAutoSmoothing && !name.empty())
+        notes.push_back(fmt::format(
+            "{}: '{}' sets the sizes of the Gaussians (--radius adaptive: distances of neighbours)",
+            points.source, name));
     return points;
 }
 
@@ -226,15 +241,32 @@ void print_notes(const std::vector<std::string>& notes) {
     for (const std::string& text : notes) note(text);
 }
 
+std::optional<Box> period_of(const PointInputOptions& options) {
+    if (!options.periodic) return {};
+    if (options.periodic->empty() || *options.periodic == "auto") return Box{};
+    try {
+        return box_of_numbers(parse_numbers(*options.periodic));
+    } catch (const Error&) {
+        throw CLI::ValidationError(fmt::format(
+            "--periodic {}: expected auto, the box's edge, x,y,z edges or x0,y0,z0,x1,y1,z1 (after "
+            "the inputs, or with a value)",
+            *options.periodic));
+    }
+}
+
 PointOptions point_options(const PointInputOptions& options) {
     PointOptions result;
     if (!options.value.empty()) result.value = options.value;
     result.neighbours = options.neighbours;
-    if (options.radius == "adaptive") return result;
+    result.periodic = period_of(options);
     const auto radius = parse_numbers(options.radius);
+    if (radius.empty()) {
+        result.smoothing = options.radius == "adaptive" ? "" : options.radius;
+        return result;
+    }
     if (radius.size() != 1 || !(radius.front() > 0))
-        throw CLI::ValidationError(
-            fmt::format("--radius {}: expected a number > 0 or 'adaptive'", options.radius));
+        throw CLI::ValidationError(fmt::format(
+            "--radius {}: expected a number > 0, 'adaptive' or an attribute", options.radius));
     result.radius = radius.front();
     return result;
 }

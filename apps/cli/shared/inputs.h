@@ -71,10 +71,11 @@ void require_mesh(const Arrangement& arrangement);
 inline constexpr const char* kPointGroup = "Particles";
 struct PointInputOptions {
     std::vector<std::string> columns;
-    std::string value, radius = "adaptive";
+    std::string value, radius = kAutoSmoothing;
     int neighbours = PointOptions{}.neighbours;
+    std::optional<std::string> periodic;  ///< of --periodic; empty: the box that the data state
 };
-/// Adds --columns, --value, --radius and --neighbours, as the group kPointGroup.
+/// Adds --columns, --value, --radius, --neighbours and --periodic, as the group kPointGroup.
 void add_point_options(CLI::App& command, PointInputOptions& options);
 /// Reads the particles of all files as one set.
 /// notes  receives a line on each file's particles that were left out or changed
@@ -82,8 +83,11 @@ Points load_points(const std::vector<std::string>& files, const PointInputOption
                    const VolumeInputOptions& volume, std::vector<std::string>& notes);
 /// Prints each note on standard error.
 void print_notes(const std::vector<std::string>& notes);
+/// Box of --periodic; an empty one: that of the data. None: not given.
+/// throws  CLI::ValidationError for other texts
+std::optional<Box> period_of(const PointInputOptions& options);
 /// Library options from the command line: one Gaussian per particle. throws CLI::ValidationError
-/// for a radius that is neither a number > 0 nor adaptive
+/// for a number as radius that is not > 0
 PointOptions point_options(const PointInputOptions& options);
 /// Files of models, with each index (.json) replaced by the files it names.
 std::vector<std::string> model_files(const std::vector<std::string>& files);

@@ -22,7 +22,7 @@ using DrawMaximum = std::function<ValueMap(const Camera&, Size, const Progress&)
 DrawMaximum maximum_renderer(const RenderArguments& arguments, ValueInputs& inputs,
                              const RenderRanks& ranks) {
     const DrawingArguments& given = arguments.drawing;
-    const Clipping clip = clip_of(given);
+    const Clipping clip = inputs.model ? clip_of(given, *inputs.model) : clip_of(given);
     const std::string field = inputs.label;
     if (inputs.volumes) {
         const Collective* processes = ranks.divided() ? &ranks.collective : nullptr;

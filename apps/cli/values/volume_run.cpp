@@ -26,7 +26,7 @@ DrawVolume model_renderer(const RenderArguments& arguments, ValueInputs& inputs,
     const std::string field = inputs.label;
     const DrawingArguments& given = arguments.drawing;
     VolumeLook look = look_of(arguments.value);
-    look.clip = clip_of(given);
+    look.clip = clip_of(given, *model);
     if (inputs.drawing.renderer == Renderer::trace) {
         const TraceSceneOptions scene{given.aabb_sigma, given.kappa};
         return [=](const ValueTransfer& transfer, const Camera& camera, int width, int height,

@@ -16,11 +16,13 @@
 #include "convert/particles/moment_tree.h"
 #include "convert/particles/nearest_neighbours.h"
 #include "convert/particles/particle_fields.h"
+#include "convert/particles/particle_radii.h"
 #include "core/paging.h"
 #include "core/parallel.h"
 #include "vog/convert_points.h"
 #include "vog/distributed.h"
 #include "vog/error.h"
+#include "vog/periodic.h"
 
 namespace vog {
 
@@ -47,6 +49,7 @@ struct PointJob {
     PointGrid grid{};          ///< for cuts and adaptive radii only
     StageClock clock{report, options.progress};
     std::vector<ParticleValues> fields = particle_values(points, options.fields);
+    SmoothingRadius smoothing = chosen_smoothing(points, options);
 
     /// Whether Gaussians stand for cells of several particles.
     bool cuts() const { return options.block_voxels || options.budget || options.error > 0; }
@@ -69,6 +72,17 @@ void check(const PointOptions& options) {
         refuse(fmt::format("mass threshold {}, expected in [0, 1)", options.mass_threshold));
 }
 
+/// Periodic box: the one of the options, or of the file. None: open.
+std::optional<Box> period_of(const Points& points, const PointOptions& options) {
+    if (!options.periodic || !options.periodic->empty()) return options.periodic;
+    if (points.box.empty())
+        throw Error(fmt::format(
+            "{}: the file states no periodic box, expected --periodic EDGE, --periodic X,Y,Z or "
+            "--periodic x0,y0,z0,x1,y1,z1",
+            name_of(points)));
+    return points.box;
+}
+
 /// The named values as masses: none negative, at least one positive.
 BigVector<float> masses(const Points& points, const std::string& name) {
     BigVector<float> values = point_values(points, name);
@@ -84,56 +98,6 @@ BigVector<float> masses(const Points& points, const std::string& name) {
     }
     if (!any) throw Error(fmt::format("{}: '{}' is 0 for all particles", name_of(points), name));
     return values;
-}
-
-/// Distances to the k-th neighbour. Each process searches for its share of the particles, the
-/// slowest step of a conversion; the shares are summed.
-BigVector<float> shared_distances(const BigVector<Vec3f>& places, int k,
-                                  const Collective& collective) {
-    if (collective.count == 1) return neighbour_distances(places, k);
-    const BigVector<float> mine =
-        neighbour_distances(places, k, collective.index, collective.count);
-    std::vector<double> all(mine.begin(), mine.end());
-    collective.sum(all);
-    return {all.begin(), all.end()};
-}
-
-/// Adaptive standard deviations: half the distance to the k-th neighbour, world units [N]. The
-/// support of such a Gaussian holds about as many neighbours as a kernel of smoothed-particle
-/// hydrodynamics.
-BigVector<double> adaptive_radii(const PointJob& job) {
-    constexpr double kShare = 0.5;
-    const PointGrid& grid = job.grid;
-    BigVector<Vec3f> places;
-    resize_kept(places, grid.size());
-    vog::parallel_for(std::size_t{0}, places.size(), [&](std::size_t n) {
-        places[n] = vec_cast<float>(grid.place(job.points, n));
-    });
-    const BigVector<float> distance = shared_distances(
-        places, job.options.neighbours, collective_or_single(job.options.collective));
-    float largest = 0;
-    for (std::size_t n = 0; n < distance.size(); ++n) {
-        largest = std::max(largest, distance[n]);
-        keep_memory_at(n);
-    }
-    if (!(largest > 0))
-        throw Error(fmt::format(
-            "{}: {}, so there is no spacing for an adaptive radius, expected a constant one "
-            "(--radius X)",
-            name_of(job.points),
-            job.points.size() == 1
-                ? "one particle"
-                : fmt::format("all {} particles lie in one place", job.points.size())));
-    // Lower bound, for more than k particles in one place: 2^-20 of the data's extent, which
-    // float32 positions resolve.
-    const double least = std::ldexp(1.0, grid.root_log2 - 20);
-    BigVector<double> radius;
-    resize_kept(radius, grid.size());
-    vog::parallel_for(std::size_t{0}, radius.size(), [&](std::size_t n) {
-        radius[grid.index[n]] =
-            std::max(kShare * static_cast<double>(distance[n]), least) * grid.voxel_size;
-    });
-    return radius;
 }
 
 /// Box of the particles, which frames views; empty if it has no extent.
@@ -172,7 +136,11 @@ Members one_each(BigVector<std::uint32_t> particles) {
 Gaussians all_particles(const PointJob& job) {
     const BigVector<std::uint32_t> kept = with_mass(job.values);
     Gaussians model;
-    model.cutoff = kMomentCutoff;
+    model.cutoff = job.smoothing.name.empty() ? kMomentCutoff : kSplineCutoff;
+    // From a Gaussian of kMomentCutoff to one of the model's, of the same mass and variance.
+    const double wider = std::sqrt(variance_within(kMomentCutoff) / variance_within(model.cutoff));
+    const double denser =
+        mass_within(kMomentCutoff) / mass_within(model.cutoff) / (wider * wider * wider);
     model.box = view_box_of(job.points);
     model.origin = job.origin;
     resize(model, kept.size(), true);
@@ -185,6 +153,8 @@ Gaussians all_particles(const PointJob& job) {
                       job.points.position[n] - model.origin,
                       {variance, 0, 0, variance, 0, variance}},
                      frame);
+        model.scale[i] = static_cast<float>(wider) * model.scale[i];
+        model.density[i] *= static_cast<float>(denser);
     });
     return model;
 }
@@ -335,7 +305,9 @@ std::string option_text(const PointJob& job) {
     const PointOptions& o = job.options;
     std::string text = fmt::format("--value {}", o.value);
     text += o.radius > 0 ? fmt::format(" --radius {}", o.radius)
-                         : fmt::format(" --radius adaptive --neighbours {}", o.neighbours);
+            : !job.smoothing.name.empty()
+                ? " --radius " + job.smoothing.name
+                : fmt::format(" --radius adaptive --neighbours {}", o.neighbours);
     if (o.block_voxels) text += fmt::format(" --block {}", o.block_voxels);
     if (o.budget) text += fmt::format(" --budget {}", o.budget);
     if (o.error > 0) text += fmt::format(" --error {}", o.error);
@@ -363,10 +335,26 @@ PointOptions point_lod(int lod) {
     return options;
 }
 
-Gaussians convert_points(const Points& points, const PointOptions& options, MomentReport* report) {
+SmoothingRadius chosen_smoothing(const Points& points, const PointOptions& options) {
+    if (options.radius > 0) return {};
+    if (options.smoothing == kAutoSmoothing) return smoothing_radius(points);
+    const SmoothingRadius known = smoothing_radius(points);
+    if (known.name == options.smoothing) return known;
+    if (!options.smoothing.empty()) (void)point_values(points, options.smoothing);
+    return {options.smoothing, 1};
+}
+
+Gaussians convert_points(const Points& given, const PointOptions& options, MomentReport* report) {
     MomentReport unwanted;
     check(options);
-    validate(points);
+    validate(given);
+    const std::optional<Box> period = period_of(given, options);
+    Points wrapped;
+    if (period) {
+        wrapped = given;
+        wrap(wrapped, *period);
+    }
+    const Points& points = period ? wrapped : given;
     PointJob job{points, options, report ? *report : unwanted, masses(points, options.value), {}};
     job.report = {};
     for (std::size_t n = 0; n < points.size(); ++n) {
@@ -376,12 +364,14 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     job.origin = origin_of(points, options.radius);
     job.clock.end_stage("check", 0.05);
 
-    if (options.radius == 0 || job.cuts()) {
+    const bool adaptive = options.radius == 0 && job.smoothing.name.empty();
+    if (adaptive || job.cuts()) {
         job.grid = point_grid(points);
         job.clock.end_stage("sort", 0.2);
     }
-    job.radius =
-        options.radius > 0 ? BigVector<double>(points.size(), options.radius) : adaptive_radii(job);
+    job.radius = adaptive             ? adaptive_radii(points, job.grid, options, period)
+                 : options.radius > 0 ? BigVector<double>(points.size(), options.radius)
+                                      : smoothing_radii(points, job.smoothing);
     job.clock.end_stage("radii", 0.5);
 
     CutModel cut = job.cuts() ? cut_model(job) : CutModel{all_particles(job), {}};
@@ -403,6 +393,7 @@ Gaussians convert_points(const Points& points, const PointOptions& options, Mome
     describe(model, points, options.value);
     model.method = job.cuts() ? "moments" : "particles";
     model.options = option_text(job);
+    if (period) add_periodic_images(model, *period);
     model.summary = summary_text(model, job.report, "particles");
     return std::move(model);
 }

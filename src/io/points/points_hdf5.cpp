@@ -163,17 +163,24 @@ class Snapshot {
     }
     /// Number in Header, or the chosen type's in an array; none where the header lacks it.
     std::optional<double> stated(const char* name) const {
+        const std::vector<double> numbers = header(name);
+        const std::size_t type =
+            numbers.size() == 1 ? 0 : static_cast<std::size_t>(group_name_.back() - '0');
+        if (type >= numbers.size()) return {};
+        return numbers[type];
+    }
+    /// Numbers in Header; none where the header lacks them.
+    std::vector<double> header(const char* name) const {
         const Handle header(H5Gopen2(file_, "Header", H5P_DEFAULT), H5Gclose);
         if (!header.good() || H5Aexists(header, name) <= 0) return {};
         const Handle table(H5Aopen(header, name, H5P_DEFAULT), H5Aclose);
         const Handle space(H5Aget_space(table), H5Sclose);
         constexpr hssize_t kMostTypes = 64;
         const hssize_t count = H5Sget_simple_extent_npoints(space);
-        const auto type = count == 1 ? 0 : static_cast<hssize_t>(group_name_.back() - '0');
-        if (count < 1 || count > kMostTypes || type >= count) return {};
+        if (count < 1 || count > kMostTypes) return {};
         std::vector<double> numbers(static_cast<std::size_t>(count));
         if (H5Aread(table, H5T_NATIVE_DOUBLE, numbers.data()) < 0) return {};
-        return numbers[static_cast<std::size_t>(type)];
+        return numbers;
     }
     SnapshotPart part() const {
         constexpr double kHighWord = 4294967296.0;
@@ -281,6 +288,11 @@ Points points_of(const Snapshot& snapshot, const std::filesystem::path& file) {
             file.string(), place->rows, snapshot.group_name(), *rows));
     Points points;
     points.source = printable(file.string());
+    const std::vector<double> edges = snapshot.header("BoxSize");
+    // Runs without a box state 0.
+    if ((edges.size() == 1 || edges.size() == 3) &&
+        std::ranges::all_of(edges, [](double edge) { return edge > 0 && std::isfinite(edge); }))
+        points.box = {{}, {edges.front(), edges[edges.size() / 2], edges.back()}};
     static_assert(sizeof(Vec3d) == 3 * sizeof(double));
     resize_kept(points.position, place->rows);
     snapshot.read(*place, H5T_NATIVE_DOUBLE, points.position.data());

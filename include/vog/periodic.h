@@ -1,0 +1,36 @@
+// vog/periodic.h: periodic boxes of simulations: what leaves through a face enters through the opposite one.
+// A model of a periodic box has images: each Gaussian whose support crosses a face lies behind the opposite face, too. Inside the
+// box its density is the periodic one, and its mass that of the data; pictures show the inside (inside_period).
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "vog/clip.h"
+#include "vog/gaussians.h"
+#include "vog/points.h"
+#include "vog/volume.h"
+
+namespace vog {
+
+/// Box of 1, 3 or 6 numbers: an edge or the edges from 0, or the lower and the upper corner, world units.
+/// throws  vog::Error for another count, and for edges that are not finite and above 0
+Box box_of_numbers(std::span<const double> numbers);
+
+/// Moves positions by whole edges of the box into it, [lower, upper).
+void wrap(Points& points, const Box& box);
+
+/// Box of the domain of a mesh: that of its coarsest volume, where all of its cells are active; empty for other data, whose
+/// active voxels do not state where the domain ends.
+Box domain_box(std::span<const Volume> volumes);
+
+/// Appends the images of Gaussians that cross a face, and states the box in model.box and model.options.
+/// throws  vog::Error for a Gaussian wider than the box
+void add_periodic_images(Gaussians& model, const Box& box);
+/// Box of a model with images; none: not periodic.
+std::optional<Box> periodic_box(const Gaussians& model);
+/// The part of a clip inside the box of a model with images; the clip itself for other models.
+/// throws  vog::Error where nothing of the clip's box lies inside
+Clipping inside_period(Clipping clip, const Gaussians& model);
+
+}  // namespace vog
