@@ -10,6 +10,7 @@ from ._units import is_quantity, parsed, product, units_of, value_in, with_unit
 
 _Array = NDArray[Any]
 _AXES = "xyz"
+_FITS_LENGTHS = ("Mpc", "kpc", "pc", "AU", "km", "m", "cm", "mm", "um", "nm")
 # Pictures beyond this are a mistake rather than a wish: the renderer's own limit, 2^28 pixels.
 _MOST_PIXELS = 1 << 28
 
@@ -70,7 +71,9 @@ class Projection(_Pair):
             cards[f"CRVAL{n}"] = low
             cards[f"CDELT{n}"] = (high - low) / count
             if self.length_unit is not None:
-                cards[f"CUNIT{n}"] = _unit_text(self.length_unit)
+                factor, cards[f"CUNIT{n}"] = _fits_length(self.length_unit, max(right - left, top - bottom))
+                cards[f"CRVAL{n}"] *= factor
+                cards[f"CDELT{n}"] *= factor
         if self.unit is not None:
             cards["BUNIT"] = _unit_text(self.unit)
         cards["BTYPE"] = self.quantity if not self.field else f"{self.quantity} of {self.field}"
@@ -104,6 +107,23 @@ def _unit_text(unit: Any) -> str:
         return str(to_string("fits")) if to_string else str(unit)
     except Exception:  # no FITS form of this unit: its usual text
         return str(unit)
+
+
+def _fits_length(unit: Any, size: float) -> "tuple[float, str]":
+    """Factor to a unit of FITS's own list, and its text: the unit itself, or of others, such as code_length, the largest of which
+    `size` is at least one."""
+    text = _unit_text(unit)
+    if text in _FITS_LENGTHS or isinstance(unit, str):
+        return 1.0, text
+    factors = {}
+    for name in _FITS_LENGTHS:
+        try:
+            factors[name] = float(value_in(with_unit(1.0, unit, "projection"), name, "projection"))
+        except Exception:  # no length, or a name that the package lacks
+            continue
+        if factors[name] * size >= 1:
+            return factors[name], name
+    return (factors[name], name) if factors else (1.0, text)
 
 
 def _vector(value: Any, name: str) -> _Array:
@@ -156,7 +176,15 @@ def _bounds(data: Any, axes: _Array) -> "tuple[_Array, _Array]":
     return along.min(axis=0), along.max(axis=0)
 
 
+def _with_text(value: Any) -> bool:
+    """Whether a value is a number, or several, with the text of a unit: (16, 'Mpc')."""
+    return isinstance(value, (list, tuple)) and len(value) == 2 and isinstance(value[1], str)
+
+
 def _length(value: Any, unit: Any, name: str) -> float:
+    if _with_text(value):
+        like = None if isinstance(unit, str) else unit
+        value = with_unit(float(value[0]), parsed(value[1], f"projection: {name}", like), "projection")
     if is_quantity(value):
         if unit is None:
             raise _vog.Error(f"projection: {name} has a unit, but the data have none, expected a number (vog.set_units sets units)")
@@ -169,6 +197,8 @@ def _length(value: Any, unit: Any, name: str) -> float:
 
 def _pair_of(value: Any) -> "tuple[Any, Any]":
     """Two values of one, or of a sequence of two."""
+    if _with_text(value):
+        return value, value
     if isinstance(value, (list, tuple)) or (isinstance(value, np.ndarray) and np.ndim(value) == 1):
         if len(value) != 2:
             raise _vog.Error(f"projection: got {described(value)}, expected one number or two")
@@ -216,8 +246,8 @@ def projection(
                 component away from the observer, 'velocity.x' that along x, 'velocity.magnitude' the root mean square
     axis        direction towards the observer: 'x', 'y', 'z', '-x', ..., 0, 1, 2 or a vector (x, y, z). Along x the picture has y
                 to the right and z up, along y z and x, along z x and y, as in yt; along -x, -y, -z the right is turned round
-    width       width of the picture, world units: a number (a square) or (width, height), or Quantities; None: the active voxels, or
-                those that a model was made of; for other models their box
+    width       width of the picture, world units: a number (a square) or (width, height), Quantities, or with a unit's text: (16, 'Mpc'); None:
+                the active voxels, or those that a model was made of; for other models their box
     resolution  pixels of the longer side, or (columns, rows). Pixels are square: where the two differ in shape the extent is
                 enlarged about its centre
     center      world point (x, y, z) in the middle; None: the middle of the data
@@ -259,6 +289,8 @@ def projection(
         low, high = _bounds(data, axes)
     middle = 0.5 * (low + high)
     if center is not None:
+        if _with_text(center) and np.ndim(center[0]) == 1:
+            center = [(part, center[1]) for part in center[0]]
         parts = list(center) if isinstance(center, (list, tuple, np.ndarray)) or np.ndim(center) == 1 else []
         if len(parts) != 3:
             raise _vog.Error(f"projection: center {described(center)}, expected three numbers")
@@ -291,6 +323,9 @@ def projection(
     result: Any = array
     if natural is not None:
         result = with_unit(array, natural, "projection")
+        if unit is None and "code_" in str(natural):  # no reader beside the data set has its units of code
+            result = result.in_cgs()
+            natural = result.units
         if unit is not None:
             result = _converted(result, unit)
             natural = parsed(unit, "projection", natural) if isinstance(unit, str) else unit

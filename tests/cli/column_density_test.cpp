@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "support/command.h"
@@ -139,6 +140,36 @@ TEST_F(column_density_command, options_that_contradict_are_refused) {
     must_fail(2, "render cube.vdb --show column --values-out a.npy --color-bar", "--color-bar");
     must_fail(1, render + "--values-out a.txt", "a.txt: cannot write");
     must_fail(1, render + "--title '\xe6\x97\xa5'", "no glyph");
+}
+
+TEST_F(column_density_command, numbers_convert_between_units_that_a_file_states) {
+    // 4 voxels of 2 kpc along z, of 3 g/cm3.
+    const std::string head =
+        "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nspacings: 2 2 2\nendian: little\n"
+        "encoding: raw\nunits: \"kpc\" \"kpc\" \"kpc\"\nsample units: \"g/cm3\"\n\n";
+    const std::vector<float> three(64, 3.0f);
+    std::string bytes(64 * sizeof(float), '\0');
+    std::memcpy(bytes.data(), three.data(), bytes.size());
+    std::ofstream(dir_ / "gas.nrrd", std::ios::binary) << head << bytes;
+    const std::string map =
+        "render gas.nrrd --show column --values-out map.npy --json --size 4 --view +z "
+        "--orthographic --width 4 --look-at 3,3,3";
+    const auto largest = [&](const std::string& units, const std::string& expected) {
+        EXPECT_EQ(Json::parse(must(map + units).out)["units"], expected);
+        return std::ranges::max(npy_values(read_text(dir_ / "map.npy")));
+    };
+    // The length of the column in floats, of which the renderer sums a few.
+    constexpr double kRounding = 1e-5;
+    EXPECT_NEAR(largest("", "g/cm3 kpc") / 24, 1, kRounding);
+    EXPECT_NEAR(largest(" --units g/cm2", "g/cm2") / (24 * 3.0856775814913673e21), 1, kRounding);
+    must_fail(2, map + " --units K",
+              "--units K: the data are in g/cm3 kpc, expected a unit that it converts to");
+    must("convert gas.nrrd -o gas.ply");
+    const std::string mean =
+        "render gas.ply --show mean --field value --values-out map.npy --json "
+        "--size 4 --view +z";
+    EXPECT_EQ(Json::parse(must(mean + " --units kg/m3").out)["units"], "kg/m3");
+    EXPECT_NEAR(std::ranges::max(npy_values(read_text(dir_ / "map.npy"))) / 3000, 1, kRounding);
 }
 
 }  // namespace vog::test

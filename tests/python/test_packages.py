@@ -151,6 +151,23 @@ def test_yt_levels_and_covering_grid():
         vog.from_yt(ds, "nothing")
 
 
+def test_yt_lengths_convert_in_every_direction():
+    """Width in Mpc, columns in CGS and headers in FITS's own units, of a data set in code units: 8 cells of 2 Mpc."""
+    yt = pytest.importorskip("yt", reason="needs yt (pip install yt)")
+    ds = yt.load_uniform_grid({"density": (np.full((8, 8, 8), 2.0), "g/cm**3")}, (8, 8, 8), length_unit=(16, "Mpc"))
+    levels = vog.from_yt(ds, "density", unit="g/cm**3")
+    found = vog.projection(levels, resolution=8, width=(16, "Mpc"), center=([8, 8, 8], "Mpc"))
+    assert found.extent == pytest.approx((0, 1, 0, 1))  # code_length
+    # Numbers of yt's megaparsec and vog's float32.
+    assert np.asarray(found.array.to_value("g/cm**2")) == pytest.approx(2 * 16 * 3.0856775814913673e24, rel=1e-5)
+    assert str(found.unit) == "g/cm**2"
+    header = found.header()
+    assert header["CUNIT1"] == "Mpc" and header["CDELT1"] == pytest.approx(2, rel=1e-6)
+    assert header["CRVAL2"] == pytest.approx(0, abs=1e-9) and "code" not in header["BUNIT"]
+    with pytest.raises(vog.Error, match="width"):
+        vog.projection(levels, width=(16, "g"))
+
+
 def test_pyvista_wraps():
     pytest.importorskip("pyvista", reason="needs pyvista (pip install pyvista)")
     model = vog.convert(vog.sample_cloud(64), block=8)

@@ -365,10 +365,13 @@ std::vector<RenderedPicture> render_field(const RenderArguments& arguments, cons
                               : load_volume_field(arguments, std::move(drawing));
         const bool is_mean = arguments.quantity.show == "mean";
         const auto maps = std::make_shared<FieldMaps>();
+        const auto factor = static_cast<float>(units_factor(field.unit, arguments.quantity.units));
         MapDrawing made;
         made.draw = [=, draw = field.draw](const Camera& camera, Size size,
                                            const Progress& progress) {
             *maps = draw(camera, size, progress);
+            for (std::vector<float>* values : {&maps->mean, &maps->deviation})
+                for (float& value : *values) value *= factor;
         };
         made.picture = [=, &arguments, label = field.label, unit = field.unit,
                         cut = field.cut](const QuantityArguments& quantity) {

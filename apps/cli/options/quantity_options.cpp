@@ -51,8 +51,9 @@ void add_quantity_options(CLI::App& command, QuantityArguments& arguments) {
         ->capture_default_str();
     command.add_option(
         "--units", arguments.units,
-        "Unit of the shown quantity, for the colour bar and the report: text, such as "
-        "'g/cm2'; default: the field's");
+        "Unit of the shown quantity: numbers convert to it where the data state theirs (fields, "
+        "dense images with units of values and lengths), else it is a text for the colour bar "
+        "and the report, such as 'g/cm2'; default: the data's");
     command.add_flag("--color-bar", arguments.color_bar,
                      "Add a colour bar with ticks on the right of the picture, which becomes "
                      "wider; an orthographic picture along axes gets "

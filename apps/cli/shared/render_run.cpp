@@ -14,6 +14,8 @@
 #include "shared/validators.h"
 #include "vog/error.h"
 #include "vog/picture.h"
+#include "vog/scan_io.h"
+#include "vog/units.h"
 
 namespace vog::cli {
 
@@ -91,6 +93,14 @@ Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing
     Annotation around{given.title, label, given.color_bar};
     if (given.color_bar) around.sides = side_ticks(camera, image.width, image.height);
     return annotated(image, tf, scale, around, background);
+}
+
+double units_factor(const std::string& stated, const std::string& requested) {
+    if (stated.empty() || requested.empty()) return 1;
+    if (const std::optional<double> factor = unit_factor(stated, requested)) return *factor;
+    throw CLI::ValidationError(fmt::format(
+        "--units {}: the data are in {}, expected a unit that it converts to, or no --units",
+        requested, stated));
 }
 
 double share_above(std::span<const float> values, double limit) {
@@ -320,6 +330,15 @@ void require_finite(const DepthImage& image, const std::string& input) {
                     std::numeric_limits<float>::max()));
 }
 
+/// Unit of column density by the units of values and lengths that dense images state: "g/cm3 kpc"; empty: not known.
+std::string column_unit(const RenderArguments& arguments) {
+    const std::string& input = arguments.drawing.inputs.front();
+    if (kind_of(input, arguments.drawing.volume.grid) != FileKind::volume) return {};
+    const VolumeHead head = volume_head(input, arguments.drawing.volume.grid);
+    if (head.value_unit.empty() || head.length_unit.empty()) return {};
+    return head.value_unit + " " + head.length_unit;
+}
+
 /// Arguments by which sites are read for the view of a single picture, as fine as its pixels.
 RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
                         const RenderRanks& ranks) {
@@ -345,7 +364,7 @@ RenderArguments of_view(RenderArguments arguments, const CLI::App& command,
 std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App& command,
                                     const RenderRanks& ranks) {
     check_arguments(given, ranks.is_root);
-    const RenderArguments arguments = of_view(given, command, ranks);
+    RenderArguments arguments = of_view(given, command, ranks);
     if (arguments.quantity.of_field()) return render_field(arguments, command, ranks);
     if (arguments.quantity.volume()) return render_volume(arguments, command, ranks);
     if (arguments.quantity.maximum()) return render_maximum(arguments, command, ranks);
@@ -356,6 +375,9 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App
     const ThreadLimit limit(arguments.threads);
     Stages stages(arguments.verbose && ranks.is_root);
 
+    const std::string stated = arguments.quantity.column() ? column_unit(arguments) : "";
+    const double factor = units_factor(stated, arguments.quantity.units);
+    if (arguments.quantity.units.empty()) arguments.quantity.units = stated;
     const Drawing drawing =
         stages.run("load", [&] { return ranks.load(arguments.drawing, extinction, command); });
     const auto draw = [&](const RenderArguments& one,
@@ -367,6 +389,8 @@ std::vector<RenderedPicture> render(const RenderArguments& given, const CLI::App
         });
         if (!ranks.is_root) return std::nullopt;
         require_finite(depth, one.drawing.inputs.front());
+        if (factor != 1)
+            for (float& t : depth.depth) t = static_cast<float>(factor * double{t});
         // Column density is T at extinction 1.
         const std::optional<double> fixed = fixed_extinction(one.color);
         set_extinction(depth, one.quantity.column() ? 1 : fixed ? *fixed : auto_extinction(depth));

@@ -86,6 +86,9 @@ Box outline_of(const Subject& subject);
 Image annotated_picture(const RenderArguments& arguments, const Drawing& drawing,
                         const Camera& camera, Image image, const TransferFunction& tf,
                         const ColorScale& scale, const std::string& label);
+/// Factor from the unit that the data state to the one of --units; 1 where one of the two is not known.
+/// throws  CLI::ValidationError for --units that does not measure the same
+double units_factor(const std::string& stated, const std::string& requested);
 /// Share of the values above a limit.
 double share_above(std::span<const float> values, double limit);
 /// Figures of a picture of T or column density, and notes on it.

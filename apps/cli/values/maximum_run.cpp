@@ -98,9 +98,11 @@ std::vector<RenderedPicture> render_maximum(const RenderArguments& arguments,
         ValueInputs inputs = load_values(arguments, command, ranks);
         const auto map = std::make_shared<ValueMap>();
         MapDrawing made;
+        const auto factor = static_cast<float>(units_factor(inputs.unit, arguments.quantity.units));
         made.draw = [=, draw = maximum_renderer(arguments, inputs, ranks)](
                         const Camera& camera, Size size, const Progress& progress) {
             *map = draw(camera, size, progress);
+            for (float& value : map->value) value *= factor;
         };
         made.picture = [=, label = inputs.label,
                         unit = inputs.unit](const QuantityArguments& quantity) {

@@ -11,6 +11,7 @@
 #include "io/file_extension.h"
 #include "vog/error.h"
 #include "vog/text.h"
+#include "vog/units.h"
 
 namespace vog::scan {
 
@@ -27,52 +28,6 @@ constexpr Format kFormats[] = {
     {".fits.gz", open_fits},  {".fits.fz", open_fits}};
 constexpr Format kFolder{"", open_tiff};
 
-/// Length in metres: number * 10^power. The factors are apart because powers of ten above 1 are exact in doubles.
-struct LengthUnit {
-    double number;
-    int power;
-};
-const LengthUnit* length_unit(const std::string& name) {
-    // The units of OME's schema, of FITS, and names that programs write.
-    static const std::map<std::string, LengthUnit> kUnits{{"Ym", {1, 24}},
-                                                          {"Zm", {1, 21}},
-                                                          {"Em", {1, 18}},
-                                                          {"Pm", {1, 15}},
-                                                          {"Tm", {1, 12}},
-                                                          {"Gm", {1, 9}},
-                                                          {"Mm", {1, 6}},
-                                                          {"km", {1, 3}},
-                                                          {"hm", {1, 2}},
-                                                          {"dam", {1, 1}},
-                                                          {"m", {1, 0}},
-                                                          {"dm", {1, -1}},
-                                                          {"cm", {1, -2}},
-                                                          {"mm", {1, -3}},
-                                                          {"um", {1, -6}},
-                                                          {"nm", {1, -9}},
-                                                          {"pm", {1, -12}},
-                                                          {"fm", {1, -15}},
-                                                          {"am", {1, -18}},
-                                                          {"zm", {1, -21}},
-                                                          {"ym", {1, -24}},
-                                                          {"Angstrom", {1, -10}},
-                                                          {"thou", {2.54, -5}},
-                                                          {"li", {2.54 / 12, -2}},
-                                                          {"in", {2.54, -2}},
-                                                          {"ft", {3.048, -1}},
-                                                          {"yd", {9.144, -1}},
-                                                          {"mi", {1.609344, 3}},
-                                                          {"au", {1.495978707, 11}},
-                                                          {"ly", {9.4607304725808, 15}},
-                                                          {"pc", {3.0856775814913673, 16}},
-                                                          {"kpc", {3.0856775814913673, 19}},
-                                                          {"Mpc", {3.0856775814913673, 22}},
-                                                          {"Gpc", {3.0856775814913673, 25}},
-                                                          {"pt", {2.54 / 72, -2}},
-                                                          {"solRad", {6.957, 8}}};
-    const auto at = kUnits.find(name);
-    return at == kUnits.end() ? nullptr : &at->second;
-}
 /// One name for a unit of several.
 std::string unit_name(const std::string& unit) {
     static const std::map<std::string, std::string> kOther{{"\xc2\xb5m", "um"},

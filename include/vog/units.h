@@ -1,0 +1,23 @@
+// vog/units.h: units in texts, "g/cm2" or "Msun kpc**-2", and the factors between them.
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace vog {
+
+/// Length in metres: number * 10^power. The factors are apart because powers of ten above 1 are exact in doubles.
+struct LengthUnit {
+    double number;
+    int power;
+};
+/// A unit of length by its name, those of OME, FITS and programs: "um", "kpc"; null: none of them.
+const LengthUnit* length_unit(const std::string& name);
+
+/// Factor from numbers in one unit to numbers in another: 3.0856775814913673e21 from "kpc" to "cm". Units are products of names
+/// with whole exponents (cm2, cm^-2, cm**2, cm²), apart by blanks, * or ., and divided by what follows a /, and may have a number in front. Names that are not known,
+/// such as HU or counts, are units of their own.
+/// returns  nothing where the two do not measure the same, or one is no such product
+std::optional<double> unit_factor(const std::string& from, const std::string& to);
+
+}  // namespace vog
